@@ -1,0 +1,94 @@
+//! Inverse dynamics by the recursive Newton-Euler algorithm: `τ = ID(q, q̇, q̈; π)`.
+//!
+//! Inward, with mass m, first moment h and inertia I about the link's origin (Luh, Walker and Paul
+//! 1980, in first moments):
+//!
+//! ```text
+//! f = m d + ω̇ × h + ω × (ω × h)        n = I ω̇ + ω × I ω + h × d
+//! f_p += Eᵀ f        n_p += Eᵀ n + r × Eᵀ f        τ = z·n (revolute), z·f (prismatic)
+//! ```
+
+use crate::robot::motion::{JointState, LinkMotion, advance, base_acceleration, centripetal};
+use crate::robot::scalar::Scalar;
+use crate::robot::tree::Tree;
+use crate::robot::vector::{Mat3, Vec3};
+
+/// Force and moment about a frame's origin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Load<T> {
+    pub force: Vec3<T>,
+    pub moment: Vec3<T>,
+}
+
+impl<T: Scalar> Load<T> {
+    pub fn zero() -> Self {
+        Self {
+            force: Vec3::zero(),
+            moment: Vec3::zero(),
+        }
+    }
+}
+
+/// Memory of the recursion, reused from sample to sample.
+#[derive(Clone, Debug)]
+pub struct NewtonEuler<T> {
+    motions: Vec<LinkMotion<T>>,
+    loads: Vec<Load<T>>,
+}
+
+impl<T: Scalar> NewtonEuler<T> {
+    pub fn new(tree: &Tree) -> Self {
+        Self {
+            motions: vec![LinkMotion::rest(); tree.len()],
+            loads: vec![Load::zero(); tree.len()],
+        }
+    }
+
+    /// Joint torques (N·m; N for sliding joints), n values. `parameters` are the 10 n inertial
+    /// parameters; `q`, `dq`, `ddq` have n values each.
+    #[inline(always)]
+    pub fn torque(
+        &mut self,
+        tree: &Tree,
+        parameters: &[f64],
+        [q, dq, ddq]: [&[T]; 3],
+        torque: &mut [T],
+    ) {
+        let base = base_acceleration(tree);
+        for (j, link) in tree.links().iter().enumerate() {
+            let state = JointState {
+                q: q[j],
+                dq: dq[j],
+                ddq: ddq[j],
+            };
+            let parent = link.parent.map(|p| &self.motions[p]);
+            self.motions[j] = advance(link, parent, base, state);
+            let body = &parameters[10 * j..10 * j + 10];
+            self.loads[j] = body_load(&self.motions[j], std::array::from_fn(|k| T::constant(body[k])));
+        }
+        for (j, link) in tree.links().iter().enumerate().rev() {
+            let Load { force, moment } = self.loads[j];
+            let axis = Vec3::constant(link.axis);
+            torque[j] = axis.dot(if link.revolute { moment } else { force });
+            if let Some(parent) = link.parent {
+                let motion = &self.motions[j];
+                let carried = motion.turn.transpose_times(force);
+                self.loads[parent].force += carried;
+                self.loads[parent].moment +=
+                    motion.turn.transpose_times(moment) + motion.offset.cross(carried);
+            }
+        }
+    }
+}
+
+/// Inertial load of one body, with its ten parameters, about the origin of its frame.
+#[inline(always)]
+pub(crate) fn body_load<T: Scalar>(motion: &LinkMotion<T>, body: [T; 10]) -> Load<T> {
+    let [m, hx, hy, hz, xx, xy, yy, xz, yz, zz] = body;
+    let (h, tensor) = (Vec3([hx, hy, hz]), Mat3::symmetric([xx, xy, yy, xz, yz, zz]));
+    let (spin, rate, d) = (motion.spin, motion.spin_rate, motion.acceleration);
+    Load {
+        force: (rate.cross(h) + centripetal(spin, h)).plus_scaled(m, d),
+        moment: tensor.times(rate) + spin.cross(tensor.times(spin)) + h.cross(d),
+    }
+}

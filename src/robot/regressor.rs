@@ -1,0 +1,240 @@
+//! The regressors: torque and base reaction are linear in the inertial parameters.
+//!
+//! `τ = Y(q, q̇, q̈) π` (n x 10n) and `w = Y_b(q, q̇, q̈) π` (6 x 10n; force and moment of the base on
+//! the first link, about the origin of the base frame and in its axes).
+//!
+//! A row is a linear functional (w, v) of a body's load, `w·n + v·f` about the body's origin: the
+//! joint's axis for a torque, a unit vector for a base reaction. It travels outward with the links,
+//! `v ← E (v + w × r)`, `w ← E w`, and on link j with ω, ω̇, d it meets the body's ten columns:
+//!
+//! ```text
+//! m    v·d
+//! m c  Bᵀ v + d × w,           B = [ω̇×] + [ω×]²
+//! I    w·(I ω̇) + (w × ω)·(I ω), entry by entry
+//! ```
+//!
+//! (the linear form of Atkeson, An and Hollerbach 1986, eqs 6 to 9, projected before it is propagated).
+
+use crate::robot::motion::{JointState, LinkMotion, advance, base_acceleration};
+use crate::robot::scalar::Scalar;
+use crate::robot::tree::Tree;
+use crate::robot::vector::{Mat3, Vec3};
+use nalgebra::DMatrix;
+
+/// What is measured, and so which rows the regressor has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rows {
+    /// Joint torques: n rows.
+    Torque,
+    /// Base reaction: 6 rows, force then moment.
+    Base,
+    /// Joint torques, then base reaction: n + 6 rows.
+    Both,
+}
+
+impl Rows {
+    /// Number of rows for a robot of n joints.
+    pub fn count(self, n: usize) -> usize {
+        match self {
+            Self::Torque => n,
+            Self::Base => 6,
+            Self::Both => n + 6,
+        }
+    }
+
+    fn torque(self) -> bool {
+        self != Self::Base
+    }
+
+    fn base(self) -> bool {
+        self != Self::Torque
+    }
+
+    /// Row of the first component of the base reaction.
+    fn base_row(self, n: usize) -> usize {
+        if self == Self::Both { n } else { 0 }
+    }
+}
+
+/// A linear functional of a load: `angular·moment + linear·force`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Functional<T> {
+    pub angular: Vec3<T>,
+    pub linear: Vec3<T>,
+}
+
+impl<T: Scalar> Functional<T> {
+    pub fn zero() -> Self {
+        Self {
+            angular: Vec3::zero(),
+            linear: Vec3::zero(),
+        }
+    }
+
+    /// The torque of the joint itself, in its link's frame.
+    #[inline(always)]
+    pub fn of_joint(revolute: bool, axis: [f64; 3]) -> Self {
+        let axis = Vec3::constant(axis);
+        if revolute {
+            Self {
+                angular: axis,
+                linear: Vec3::zero(),
+            }
+        } else {
+            Self {
+                angular: Vec3::zero(),
+                linear: axis,
+            }
+        }
+    }
+
+    /// Component k of the base reaction, in the base frame: forces 0 to 2, moments 3 to 5.
+    fn of_base(k: usize) -> Self {
+        let mut unit = [0.0; 3];
+        unit[k % 3] = 1.0;
+        Self::of_joint(k >= 3, unit)
+    }
+
+    /// The same functional about the origin of the next link.
+    #[inline(always)]
+    pub fn carried(&self, motion: &LinkMotion<T>) -> Self {
+        Self {
+            angular: motion.turn.times(self.angular),
+            linear: motion
+                .turn
+                .times(self.linear + self.angular.cross(motion.offset)),
+        }
+    }
+}
+
+/// Columns of one body: the parts of its load that do not depend on the functional.
+struct BodyColumns<T> {
+    /// Bᵀ, from first moment to force, transposed.
+    force_of_moment: Mat3<T>,
+    /// Rows: the six inertia entries; columns: components of the moment.
+    moment_of_inertia: [Vec3<T>; 6],
+    acceleration: Vec3<T>,
+}
+
+impl<T: Scalar> BodyColumns<T> {
+    #[inline(always)]
+    fn new(motion: &LinkMotion<T>) -> Self {
+        let [x, y, z] = motion.spin.0;
+        let [ax, ay, az] = motion.spin_rate.0;
+        let (xx, yy, zz) = (x * x, y * y, z * z);
+        let (xy, xz, yz) = (x * y, x * z, y * z);
+        let force_of_moment = Mat3([
+            [-(yy + zz), xy + az, xz - ay],
+            [xy - az, -(xx + zz), yz + ax],
+            [xz + ay, yz - ax, -(xx + yy)],
+        ]);
+        let moment_of_inertia = [
+            Vec3([ax, xz, -xy]),
+            Vec3([ay - xz, ax + yz, xx - yy]),
+            Vec3([-yz, ay, xy]),
+            Vec3([az + xy, zz - xx, ax - yz]),
+            Vec3([yy - zz, az - xy, ay + xz]),
+            Vec3([yz, -xz, az]),
+        ];
+        Self {
+            force_of_moment,
+            moment_of_inertia,
+            acceleration: motion.acceleration,
+        }
+    }
+
+    #[inline(always)]
+    fn row(&self, f: &Functional<T>) -> [T; 10] {
+        let (w, v, d) = (f.angular, f.linear, self.acceleration);
+        let Vec3([hx, hy, hz]) = self.force_of_moment.times(v) + d.cross(w);
+        let [xx, xy, yy, xz, yz, zz] = [0, 1, 2, 3, 4, 5].map(|k| self.moment_of_inertia[k].dot(w));
+        [v.dot(d), hx, hy, hz, xx, xy, yy, xz, yz, zz]
+    }
+}
+
+/// Memory of the recursion, reused from sample to sample.
+#[derive(Clone, Debug)]
+pub struct Regressor<T> {
+    rows: Rows,
+    motions: Vec<LinkMotion<T>>,
+    /// Functionals of each link's ancestors, packed link after link.
+    joints: Vec<Functional<T>>,
+    /// Functionals of the base reaction on each link.
+    base: Vec<[Functional<T>; 6]>,
+}
+
+impl<T: Scalar> Regressor<T> {
+    pub fn new(tree: &Tree, rows: Rows) -> Self {
+        let n = tree.len();
+        Self {
+            rows,
+            motions: vec![LinkMotion::rest(); n],
+            joints: vec![Functional::zero(); if rows.torque() { tree.pairs() } else { 0 }],
+            base: vec![[Functional::zero(); 6]; if rows.base() { n } else { 0 }],
+        }
+    }
+
+    /// Gives every block that can be other than zero to `emit(row, link, columns)`.
+    #[inline(always)]
+    pub fn blocks(
+        &mut self,
+        tree: &Tree,
+        [q, dq, ddq]: [&[T]; 3],
+        mut emit: impl FnMut(usize, usize, &[T; 10]),
+    ) {
+        let gravity = base_acceleration(tree);
+        let first_base_row = self.rows.base_row(tree.len());
+        for (j, link) in tree.links().iter().enumerate() {
+            let state = JointState {
+                q: q[j],
+                dq: dq[j],
+                ddq: ddq[j],
+            };
+            let parent = link.parent.map(|p| &self.motions[p]);
+            let motion = advance(link, parent, gravity, state);
+            let columns = BodyColumns::new(&motion);
+            if self.rows.torque() {
+                let first = link.own + 1 - link.ancestors.len();
+                if let Some(p) = link.parent {
+                    let inherited = tree.links()[p].own + 1 - (link.ancestors.len() - 1);
+                    for k in 0..link.ancestors.len() - 1 {
+                        self.joints[first + k] = self.joints[inherited + k].carried(&motion);
+                    }
+                }
+                self.joints[link.own] = Functional::of_joint(link.revolute, link.axis);
+                for (k, &row) in link.ancestors.iter().enumerate() {
+                    emit(row, j, &columns.row(&self.joints[first + k]));
+                }
+            }
+            if self.rows.base() {
+                for k in 0..6 {
+                    let at_parent = match link.parent {
+                        Some(p) => self.base[p][k],
+                        None => Functional::of_base(k),
+                    };
+                    self.base[j][k] = at_parent.carried(&motion);
+                    emit(first_base_row + k, j, &columns.row(&self.base[j][k]));
+                }
+            }
+            self.motions[j] = motion;
+        }
+    }
+}
+
+impl Regressor<f64> {
+    /// Regressor of one sample into `matrix` ([`Rows::count`] x 10n), every entry written.
+    ///
+    /// Columns follow the project's parameter order link by link; rows are N·m (N for sliding joints
+    /// and forces) per unit of the parameter.
+    pub fn fill(&mut self, tree: &Tree, state: [&[f64]; 3], matrix: &mut DMatrix<f64>) {
+        matrix.fill(0.0);
+        let rows = matrix.nrows();
+        let entries = matrix.as_mut_slice();
+        self.blocks(tree, state, |row, link, columns| {
+            let first = 10 * link * rows + row;
+            for (k, value) in columns.iter().enumerate() {
+                entries[first + k * rows] = *value;
+            }
+        });
+    }
+}
