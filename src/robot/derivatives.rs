@@ -15,7 +15,7 @@
 //! `Ψ̈ = a_p × S + v_p × Ψ̇` and `B(I, v) = ½ ((v×*) I − I (v×) + (I v) ×̄*)`.
 
 use crate::robot::inertia::Inertia;
-use crate::robot::motion::placement;
+use crate::robot::motion::{JointState, placement};
 use crate::robot::tree::Tree;
 use nalgebra::{DMatrix, Matrix3, Matrix6, Vector3, Vector6};
 
@@ -85,7 +85,12 @@ impl Derivatives {
             let (parent_turn, parent_origin, v, a) = match link.parent {
                 Some(p) => {
                     let parent = &self.links[p];
-                    (parent.turn, parent.origin, parent.velocity, parent.acceleration)
+                    (
+                        parent.turn,
+                        parent.origin,
+                        parent.velocity,
+                        parent.acceleration,
+                    )
                 }
                 None => {
                     let mut a = Vector6::zeros();
@@ -93,7 +98,7 @@ impl Derivatives {
                     (Matrix3::identity(), Vector3::zeros(), Vector6::zeros(), a)
                 }
             };
-            let (turn, offset) = placement::<f64>(link, q[j]);
+            let (turn, offset) = placement(link, &JointState::of(link, q[j], dq[j], ddq[j]));
             let down = Matrix3::from_fn(|r, c| turn.0[r][c]);
             let here = &mut self.links[j];
             here.turn = parent_turn * down.transpose();
@@ -113,8 +118,7 @@ impl Derivatives {
             here.inertia = spatial_inertia(&body, &here.turn, &here.origin);
             let momentum = here.inertia * here.velocity;
             here.bias = coriolis(&here.inertia, &here.velocity, &momentum);
-            here.force =
-                here.inertia * here.acceleration + cross_force(&here.velocity, &momentum);
+            here.force = here.inertia * here.acceleration + cross_force(&here.velocity, &momentum);
         }
     }
 

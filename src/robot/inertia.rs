@@ -61,7 +61,9 @@ impl Inertia {
 
     /// From mass, first moment and inertia about the origin.
     pub fn from_moments(mass: f64, first: Vector3<f64>, tensor: &Matrix3<f64>) -> Self {
-        let mut p = [mass, first.x, first.y, first.z, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let mut p = [
+            mass, first.x, first.y, first.z, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        ];
         for (slot, (row, column)) in p[4..].iter_mut().zip(INERTIA_ENTRIES) {
             *slot = tensor[(row, column)];
         }
@@ -150,7 +152,11 @@ mod tests {
         assert!((back.centre - body().centre).norm() < 1e-15);
         let again = Inertia::from_pseudo_inertia(&origin.pseudo_inertia());
         for k in 0..PER_LINK {
-            assert!((again.0[k] - origin.0[k]).abs() < 1e-14, "{}", QUANTITIES[k]);
+            assert!(
+                (again.0[k] - origin.0[k]).abs() < 1e-14,
+                "{}",
+                QUANTITIES[k]
+            );
         }
     }
 

@@ -1,16 +1,24 @@
 //! Robots: kinematic trees, inertial parameters, inverse and forward dynamics, regressors.
 
+mod assemble;
 pub mod batch;
 pub mod derivatives;
+pub mod error;
+mod file;
 pub mod forward_dynamics;
 pub mod inertia;
+pub mod instructions;
+pub mod lanes;
+pub mod mdh;
 mod motion;
 pub mod newton_euler;
 pub mod random;
 pub mod regressor;
 pub mod regressor_gradient;
+pub mod sample_regressor;
 pub mod scalar;
 pub mod tree;
+pub mod urdf;
 mod vector;
 
 #[cfg(test)]

@@ -53,28 +53,36 @@ impl<T: Scalar> LinkMotion<T> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JointState<T> {
     pub q: T,
+    /// Sine and cosine of q; not looked at for a sliding joint.
+    pub turn: (T, T),
     pub dq: T,
     pub ddq: T,
 }
 
-/// Turn and offset of a link at position q.
+impl<T: Scalar> JointState<T> {
+    #[inline(always)]
+    pub fn of(link: &Link, q: T, dq: T, ddq: T) -> Self {
+        let turn = if link.revolute { q.sin_cos() } else { (q, q) };
+        Self { q, turn, dq, ddq }
+    }
+}
+
+/// Turn and offset of a link at the joint's position.
 #[inline(always)]
-pub(crate) fn placement<T: Scalar>(link: &Link, q: T) -> (Mat3<T>, Vec3<T>) {
+pub(crate) fn placement<T: Scalar>(link: &Link, state: &JointState<T>) -> (Mat3<T>, Vec3<T>) {
     let offset = Vec3::constant(link.translation);
     if !link.revolute {
-        let slid = offset.plus_scaled(q, Vec3::constant(link.parent_axis));
+        let slid = offset.plus_scaled(state.q, Vec3::constant(link.parent_axis));
         return (Mat3::constant(link.constant), slid);
     }
-    let (sine, cosine) = q.sin_cos();
-    let turn = Mat3(std::array::from_fn(|r| {
-        std::array::from_fn(|c| {
-            let even = cosine.mul_add(
-                T::constant(link.cosine[r][c]),
-                T::constant(link.constant[r][c]),
-            );
-            sine.mul_add(T::constant(link.sine[r][c]), even)
-        })
-    }));
+    let (sine, cosine) = state.turn;
+    let mut turn = Mat3::constant(link.constant);
+    for r in 0..3 {
+        for c in 0..3 {
+            let even = cosine.mul_add(T::constant(link.cosine[r][c]), turn.0[r][c]);
+            turn.0[r][c] = sine.mul_add(T::constant(link.sine[r][c]), even);
+        }
+    }
     (turn, offset)
 }
 
@@ -92,7 +100,7 @@ pub(crate) fn advance<T: Scalar>(
     base_acceleration: Vec3<T>,
     state: JointState<T>,
 ) -> LinkMotion<T> {
-    let (turn, offset) = placement(link, state.q);
+    let (turn, offset) = placement(link, &state);
     let axis = Vec3::constant(link.axis);
     let (carried_spin, carried_spin_rate, at_offset) = match parent {
         None => (Vec3::zero(), Vec3::zero(), base_acceleration),

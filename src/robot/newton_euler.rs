@@ -56,15 +56,14 @@ impl<T: Scalar> NewtonEuler<T> {
     ) {
         let base = base_acceleration(tree);
         for (j, link) in tree.links().iter().enumerate() {
-            let state = JointState {
-                q: q[j],
-                dq: dq[j],
-                ddq: ddq[j],
-            };
+            let state = JointState::of(link, q[j], dq[j], ddq[j]);
             let parent = link.parent.map(|p| &self.motions[p]);
             self.motions[j] = advance(link, parent, base, state);
             let body = &parameters[10 * j..10 * j + 10];
-            self.loads[j] = body_load(&self.motions[j], std::array::from_fn(|k| T::constant(body[k])));
+            self.loads[j] = body_load(
+                &self.motions[j],
+                std::array::from_fn(|k| T::constant(body[k])),
+            );
         }
         for (j, link) in tree.links().iter().enumerate().rev() {
             let Load { force, moment } = self.loads[j];
@@ -85,7 +84,10 @@ impl<T: Scalar> NewtonEuler<T> {
 #[inline(always)]
 pub(crate) fn body_load<T: Scalar>(motion: &LinkMotion<T>, body: [T; 10]) -> Load<T> {
     let [m, hx, hy, hz, xx, xy, yy, xz, yz, zz] = body;
-    let (h, tensor) = (Vec3([hx, hy, hz]), Mat3::symmetric([xx, xy, yy, xz, yz, zz]));
+    let (h, tensor) = (
+        Vec3([hx, hy, hz]),
+        Mat3::symmetric([xx, xy, yy, xz, yz, zz]),
+    );
     let (spin, rate, d) = (motion.spin, motion.spin_rate, motion.acceleration);
     Load {
         force: (rate.cross(h) + centripetal(spin, h)).plus_scaled(m, d),

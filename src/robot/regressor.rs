@@ -19,7 +19,6 @@ use crate::robot::motion::{JointState, LinkMotion, advance, base_acceleration};
 use crate::robot::scalar::Scalar;
 use crate::robot::tree::Tree;
 use crate::robot::vector::{Mat3, Vec3};
-use nalgebra::DMatrix;
 
 /// What is measured, and so which rows the regressor has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,16 +41,16 @@ impl Rows {
         }
     }
 
-    fn torque(self) -> bool {
+    pub(crate) fn torque(self) -> bool {
         self != Self::Base
     }
 
-    fn base(self) -> bool {
+    pub(crate) fn base(self) -> bool {
         self != Self::Torque
     }
 
     /// Row of the first component of the base reaction.
-    fn base_row(self, n: usize) -> usize {
+    pub(crate) fn base_row(self, n: usize) -> usize {
         if self == Self::Both { n } else { 0 }
     }
 }
@@ -89,7 +88,7 @@ impl<T: Scalar> Functional<T> {
     }
 
     /// Component k of the base reaction, in the base frame: forces 0 to 2, moments 3 to 5.
-    fn of_base(k: usize) -> Self {
+    pub fn of_base(k: usize) -> Self {
         let mut unit = [0.0; 3];
         unit[k % 3] = 1.0;
         Self::of_joint(k >= 3, unit)
@@ -97,18 +96,16 @@ impl<T: Scalar> Functional<T> {
 
     /// The same functional about the origin of the next link.
     #[inline(always)]
-    pub fn carried(&self, motion: &LinkMotion<T>) -> Self {
+    pub fn carried(&self, turn: &Mat3<T>, offset: Vec3<T>) -> Self {
         Self {
-            angular: motion.turn.times(self.angular),
-            linear: motion
-                .turn
-                .times(self.linear + self.angular.cross(motion.offset)),
+            angular: turn.times(self.angular),
+            linear: turn.times(self.linear + self.angular.cross(offset)),
         }
     }
 }
 
 /// Columns of one body: the parts of its load that do not depend on the functional.
-struct BodyColumns<T> {
+pub(crate) struct BodyColumns<T> {
     /// Bᵀ, from first moment to force, transposed.
     force_of_moment: Mat3<T>,
     /// Rows: the six inertia entries; columns: components of the moment.
@@ -116,9 +113,29 @@ struct BodyColumns<T> {
     acceleration: Vec3<T>,
 }
 
+impl BodyColumns<f64> {
+    /// The same body in every lane.
+    #[inline(always)]
+    pub fn spread<T: Scalar>(&self) -> BodyColumns<T> {
+        let m = &self.moment_of_inertia;
+        BodyColumns {
+            force_of_moment: Mat3::constant(self.force_of_moment.0),
+            moment_of_inertia: [
+                Vec3::constant(m[0].0),
+                Vec3::constant(m[1].0),
+                Vec3::constant(m[2].0),
+                Vec3::constant(m[3].0),
+                Vec3::constant(m[4].0),
+                Vec3::constant(m[5].0),
+            ],
+            acceleration: Vec3::constant(self.acceleration.0),
+        }
+    }
+}
+
 impl<T: Scalar> BodyColumns<T> {
     #[inline(always)]
-    fn new(motion: &LinkMotion<T>) -> Self {
+    pub fn new(motion: &LinkMotion<T>) -> Self {
         let [x, y, z] = motion.spin.0;
         let [ax, ay, az] = motion.spin_rate.0;
         let (xx, yy, zz) = (x * x, y * y, z * z);
@@ -144,12 +161,29 @@ impl<T: Scalar> BodyColumns<T> {
     }
 
     #[inline(always)]
-    fn row(&self, f: &Functional<T>) -> [T; 10] {
+    pub fn row(&self, f: &Functional<T>) -> [T; 10] {
         let (w, v, d) = (f.angular, f.linear, self.acceleration);
         let Vec3([hx, hy, hz]) = self.force_of_moment.times(v) + d.cross(w);
-        let [xx, xy, yy, xz, yz, zz] = [0, 1, 2, 3, 4, 5].map(|k| self.moment_of_inertia[k].dot(w));
-        [v.dot(d), hx, hy, hz, xx, xy, yy, xz, yz, zz]
+        let [xx, xy, yy, xz, yz, zz] = self.moment_of_inertia;
+        [
+            v.dot(d),
+            hx,
+            hy,
+            hz,
+            xx.dot(w),
+            xy.dot(w),
+            yy.dot(w),
+            xz.dot(w),
+            yz.dot(w),
+            zz.dot(w),
+        ]
     }
+}
+
+/// Takes the blocks of a regressor; `put` should be `#[inline(always)]`.
+pub trait BlockSink<T> {
+    /// The ten columns of `link` in `row`.
+    fn put(&mut self, row: usize, link: usize, columns: &[T; 10]);
 }
 
 /// Memory of the recursion, reused from sample to sample.
@@ -174,22 +208,13 @@ impl<T: Scalar> Regressor<T> {
         }
     }
 
-    /// Gives every block that can be other than zero to `emit(row, link, columns)`.
+    /// Gives every block that can be other than zero to `sink`.
     #[inline(always)]
-    pub fn blocks(
-        &mut self,
-        tree: &Tree,
-        [q, dq, ddq]: [&[T]; 3],
-        mut emit: impl FnMut(usize, usize, &[T; 10]),
-    ) {
+    pub fn blocks(&mut self, tree: &Tree, [q, dq, ddq]: [&[T]; 3], sink: &mut impl BlockSink<T>) {
         let gravity = base_acceleration(tree);
         let first_base_row = self.rows.base_row(tree.len());
         for (j, link) in tree.links().iter().enumerate() {
-            let state = JointState {
-                q: q[j],
-                dq: dq[j],
-                ddq: ddq[j],
-            };
+            let state = JointState::of(link, q[j], dq[j], ddq[j]);
             let parent = link.parent.map(|p| &self.motions[p]);
             let motion = advance(link, parent, gravity, state);
             let columns = BodyColumns::new(&motion);
@@ -198,12 +223,13 @@ impl<T: Scalar> Regressor<T> {
                 if let Some(p) = link.parent {
                     let inherited = tree.links()[p].own + 1 - (link.ancestors.len() - 1);
                     for k in 0..link.ancestors.len() - 1 {
-                        self.joints[first + k] = self.joints[inherited + k].carried(&motion);
+                        self.joints[first + k] =
+                            self.joints[inherited + k].carried(&motion.turn, motion.offset);
                     }
                 }
                 self.joints[link.own] = Functional::of_joint(link.revolute, link.axis);
                 for (k, &row) in link.ancestors.iter().enumerate() {
-                    emit(row, j, &columns.row(&self.joints[first + k]));
+                    sink.put(row, j, &columns.row(&self.joints[first + k]));
                 }
             }
             if self.rows.base() {
@@ -212,29 +238,11 @@ impl<T: Scalar> Regressor<T> {
                         Some(p) => self.base[p][k],
                         None => Functional::of_base(k),
                     };
-                    self.base[j][k] = at_parent.carried(&motion);
-                    emit(first_base_row + k, j, &columns.row(&self.base[j][k]));
+                    self.base[j][k] = at_parent.carried(&motion.turn, motion.offset);
+                    sink.put(first_base_row + k, j, &columns.row(&self.base[j][k]));
                 }
             }
             self.motions[j] = motion;
         }
-    }
-}
-
-impl Regressor<f64> {
-    /// Regressor of one sample into `matrix` ([`Rows::count`] x 10n), every entry written.
-    ///
-    /// Columns follow the project's parameter order link by link; rows are N·m (N for sliding joints
-    /// and forces) per unit of the parameter.
-    pub fn fill(&mut self, tree: &Tree, state: [&[f64]; 3], matrix: &mut DMatrix<f64>) {
-        matrix.fill(0.0);
-        let rows = matrix.nrows();
-        let entries = matrix.as_mut_slice();
-        self.blocks(tree, state, |row, link, columns| {
-            let first = 10 * link * rows + row;
-            for (k, value) in columns.iter().enumerate() {
-                entries[first + k * rows] = *value;
-            }
-        });
     }
 }

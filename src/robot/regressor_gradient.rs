@@ -81,18 +81,15 @@ impl<T: Scalar> RegressorGradient<T> {
     ) -> &MotionGradient<T> {
         let base = base_acceleration(tree);
         for (j, link) in tree.links().iter().enumerate() {
-            let state = JointState {
-                q: q[j],
-                dq: dq[j],
-                ddq: ddq[j],
-            };
+            let state = JointState::of(link, q[j], dq[j], ddq[j]);
             let parent = link.parent.map(|p| &self.motions[p]);
             let motion = advance(link, parent, base, state);
             let first = link.own + 1 - link.ancestors.len();
             if let Some(p) = link.parent {
                 let inherited = tree.links()[p].own + 1 - (link.ancestors.len() - 1);
                 for k in 0..link.ancestors.len() - 1 {
-                    self.functionals[first + k] = self.functionals[inherited + k].carried(&motion);
+                    self.functionals[first + k] =
+                        self.functionals[inherited + k].carried(&motion.turn, motion.offset);
                 }
             }
             self.functionals[link.own] = Functional::of_joint(link.revolute, link.axis);
@@ -125,7 +122,10 @@ impl<T: Scalar> RegressorGradient<T> {
             let body = weights(row, j);
             let Load { force, moment } = body_load(motion, body);
             let [m, hx, hy, hz, xx, xy, yy, xz, yz, zz] = body;
-            let (h, tensor) = (Vec3([hx, hy, hz]), Mat3::symmetric([xx, xy, yy, xz, yz, zz]));
+            let (h, tensor) = (
+                Vec3([hx, hy, hz]),
+                Mat3::symmetric([xx, xy, yy, xz, yz, zz]),
+            );
             let Functional {
                 angular: w,
                 linear: v,
@@ -170,11 +170,9 @@ impl<T: Scalar> RegressorGradient<T> {
         for k in 0..link.ancestors.len() - 1 {
             let here = self.functionals[first + k];
             let bar = self.functional_adjoints[first + k];
-            turn_moment +=
-                bar.angular.cross(here.angular) + bar.linear.cross(here.linear);
+            turn_moment += bar.angular.cross(here.angular) + bar.linear.cross(here.linear);
             let linear = motion.turn.transpose_times(bar.linear);
-            let angular =
-                motion.turn.transpose_times(bar.angular) + motion.offset.cross(linear);
+            let angular = motion.turn.transpose_times(bar.angular) + motion.offset.cross(linear);
             // A functional exists on this link only beside the parent's: the parent is there.
             if let Some(p) = link.parent {
                 let at = tree.links()[p].own + 1 - (link.ancestors.len() - 1) + k;
@@ -186,12 +184,10 @@ impl<T: Scalar> RegressorGradient<T> {
         let through = motion.turn.transpose_times(adjoint.acceleration);
         if let Some(p) = link.parent {
             let (spin, r) = (self.motions[p].spin, motion.offset);
-            offset += through.cross(self.motions[p].spin_rate)
-                + spin.cross(spin.cross(through));
+            offset += through.cross(self.motions[p].spin_rate) + spin.cross(spin.cross(through));
             let parent = &mut self.adjoints[p];
             parent.acceleration += through;
-            parent.spin_rate +=
-                motion.turn.transpose_times(adjoint.spin_rate) + r.cross(through);
+            parent.spin_rate += motion.turn.transpose_times(adjoint.spin_rate) + r.cross(through);
             parent.spin += motion.turn.transpose_times(carried_spin)
                 + through
                     .scale(spin.dot(r))

@@ -1,13 +1,15 @@
 //! The recursions against each other, against differences and against momentum, on random trees.
 
-use crate::robot::batch::{InstructionSet, RegressorBatch, Trajectory, torques};
+use crate::robot::batch::{RegressorBatch, Trajectory, torques};
 use crate::robot::derivatives::Derivatives;
 use crate::robot::forward_dynamics::ForwardDynamics;
 use crate::robot::inertia::Inertia;
+use crate::robot::instructions::InstructionSet;
 use crate::robot::newton_euler::NewtonEuler;
 use crate::robot::random::{generator, symmetric, tree};
-use crate::robot::regressor::{Regressor, Rows};
+use crate::robot::regressor::Rows;
 use crate::robot::regressor_gradient::RegressorGradient;
+use crate::robot::sample_regressor::SampleRegressor;
 use crate::robot::tree::Tree;
 use nalgebra::{DMatrix, DVector, Vector3};
 use rand_chacha::ChaCha8Rng;
@@ -64,7 +66,7 @@ fn torque(tree: &Tree, parameters: &[f64], state: &State) -> DVector<f64> {
 
 fn regressor(tree: &Tree, rows: Rows, state: &State) -> DMatrix<f64> {
     let mut y = DMatrix::zeros(rows.count(tree.len()), 10 * tree.len());
-    Regressor::new(tree, rows).fill(tree, state.slices(), &mut y);
+    SampleRegressor::new(tree, rows).fill(tree, state.slices(), &mut y);
     y
 }
 
@@ -132,7 +134,10 @@ fn matches_derivative_of_momentum_minus_gravity() {
             // Two nested differences leave H² of the motion and 1e-16/(1e-6·1e-4) of rounding.
             for k in 0..3 {
                 assert!((got[k] - force[k]).abs() <= 2e-5 * scale, "{got} {force}");
-                assert!((got[k + 3] - moment[k]).abs() <= 2e-5 * scale, "{got} {moment}");
+                assert!(
+                    (got[k + 3] - moment[k]).abs() <= 2e-5 * scale,
+                    "{got} {moment}"
+                );
             }
         }
     }
@@ -231,10 +236,12 @@ fn matches_differences_of_torque_in_position_velocity_acceleration() {
             .enumerate()
             {
                 for j in 0..tree.len() {
-                    let column =
-                        differences(|h| torque(&tree, &pi, &shifted(&state, which, j, h)));
+                    let column = differences(|h| torque(&tree, &pi, &shifted(&state, which, j, h)));
                     let error = (matrix.column(j) - &column).amax();
-                    assert!(error <= 1e-7 * column.amax().max(1.0), "{which} {j}: {error:e}");
+                    assert!(
+                        error <= 1e-7 * column.amax().max(1.0),
+                        "{which} {j}: {error:e}"
+                    );
                 }
             }
         }
@@ -249,9 +256,8 @@ fn matches_differences_of_weighted_regressor() {
         for _ in 0..5 {
             let state = State::random(&mut rng, n);
             let g = DMatrix::from_fn(n, 10 * n, |_, _| symmetric(&mut rng, 1.0));
-            let value = |s: &State| {
-                DVector::from_element(1, regressor(&tree, Rows::Torque, s).dot(&g))
-            };
+            let value =
+                |s: &State| DVector::from_element(1, regressor(&tree, Rows::Torque, s).dot(&g));
             let got = gradient
                 .evaluate(&tree, state.slices(), |row, link| {
                     std::array::from_fn(|k| g[(row, 10 * link + k)])

@@ -219,9 +219,7 @@ impl Tree {
 
     /// Length of the packed list of (ancestor, link) pairs.
     pub(crate) fn pairs(&self) -> usize {
-        self.links
-            .last()
-            .map_or(0, |link| link.own + 1)
+        self.links.last().map_or(0, |link| link.own + 1)
     }
 }
 

@@ -1,4 +1,7 @@
 //! Vectors and matrices of three rows over any [`Scalar`]: the algebra of the recursions.
+//!
+//! Entries are written out and closures avoided: a closure is a function of its own, without the
+//! instruction set of the kernel around it, and lanes that cross it leave their registers.
 
 use crate::robot::scalar::Scalar;
 use std::ops::{Add, AddAssign, Neg, Sub};
@@ -10,7 +13,7 @@ pub struct Vec3<T>(pub [T; 3]);
 impl<T: Scalar> Vec3<T> {
     #[inline(always)]
     pub fn constant(v: [f64; 3]) -> Self {
-        Self(v.map(T::constant))
+        Self([T::constant(v[0]), T::constant(v[1]), T::constant(v[2])])
     }
 
     #[inline(always)]
@@ -36,15 +39,15 @@ impl<T: Scalar> Vec3<T> {
 
     #[inline(always)]
     pub fn scale(self, s: T) -> Self {
-        Self(self.0.map(|x| x * s))
+        let [x, y, z] = self.0;
+        Self([x * s, y * s, z * s])
     }
 
     /// `self + s·direction`.
     #[inline(always)]
     pub fn plus_scaled(self, s: T, direction: Self) -> Self {
-        Self(std::array::from_fn(|k| {
-            s.mul_add(direction.0[k], self.0[k])
-        }))
+        let ([x, y, z], [a, b, c]) = (self.0, direction.0);
+        Self([s.mul_add(a, x), s.mul_add(b, y), s.mul_add(c, z)])
     }
 }
 
@@ -52,7 +55,8 @@ impl<T: Scalar> Add for Vec3<T> {
     type Output = Self;
     #[inline(always)]
     fn add(self, o: Self) -> Self {
-        Self(std::array::from_fn(|k| self.0[k] + o.0[k]))
+        let ([a, b, c], [x, y, z]) = (self.0, o.0);
+        Self([a + x, b + y, c + z])
     }
 }
 
@@ -60,7 +64,8 @@ impl<T: Scalar> Sub for Vec3<T> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, o: Self) -> Self {
-        Self(std::array::from_fn(|k| self.0[k] - o.0[k]))
+        let ([a, b, c], [x, y, z]) = (self.0, o.0);
+        Self([a - x, b - y, c - z])
     }
 }
 
@@ -68,7 +73,8 @@ impl<T: Scalar> Neg for Vec3<T> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self(self.0.map(|x| -x))
+        let [x, y, z] = self.0;
+        Self([-x, -y, -z])
     }
 }
 
@@ -86,13 +92,18 @@ pub struct Mat3<T>(pub [[T; 3]; 3]);
 impl<T: Scalar> Mat3<T> {
     #[inline(always)]
     pub fn constant(m: [[f64; 3]; 3]) -> Self {
-        Self(m.map(|row| row.map(T::constant)))
+        Self([
+            Vec3::constant(m[0]).0,
+            Vec3::constant(m[1]).0,
+            Vec3::constant(m[2]).0,
+        ])
     }
 
     /// `M v`.
     #[inline(always)]
     pub fn times(&self, v: Vec3<T>) -> Vec3<T> {
-        Vec3(self.0.map(|row| Vec3(row).dot(v)))
+        let [a, b, c] = self.0;
+        Vec3([Vec3(a).dot(v), Vec3(b).dot(v), Vec3(c).dot(v)])
     }
 
     /// `Mᵀ v`.
@@ -100,9 +111,11 @@ impl<T: Scalar> Mat3<T> {
     pub fn transpose_times(&self, v: Vec3<T>) -> Vec3<T> {
         let [a, b, c] = self.0;
         let [x, y, z] = v.0;
-        Vec3(std::array::from_fn(|k| {
-            a[k].mul_add(x, b[k].mul_add(y, c[k] * z))
-        }))
+        Vec3([
+            a[0].mul_add(x, b[0].mul_add(y, c[0] * z)),
+            a[1].mul_add(x, b[1].mul_add(y, c[1] * z)),
+            a[2].mul_add(x, b[2].mul_add(y, c[2] * z)),
+        ])
     }
 
     /// The symmetric matrix of the six entries xx, xy, yy, xz, yz, zz.

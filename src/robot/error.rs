@@ -1,0 +1,307 @@
+//! What can be wrong with a robot file.
+
+use crate::fault::{Description, Fault, Place, write_fault};
+use std::fmt;
+
+/// A fault of a robot description, with its place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RobotError {
+    pub place: Place,
+    pub kind: RobotErrorKind,
+}
+
+/// Kinds of faults of a robot description.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RobotErrorKind {
+    NotFound,
+    IsDirectory,
+    NotReadable {
+        reason: String,
+    },
+    TooLarge {
+        bytes: u64,
+        limit: u64,
+    },
+    NotText,
+    Empty,
+    NotXml {
+        reason: String,
+    },
+    NotRobot {
+        root: String,
+    },
+    MissingAttribute {
+        element: String,
+        attribute: &'static str,
+    },
+    MissingElement {
+        element: String,
+        child: &'static str,
+    },
+    NotNumber {
+        found: String,
+    },
+    NotFinite {
+        found: String,
+    },
+    WrongCount {
+        found: usize,
+        expected: usize,
+    },
+    UnknownJointType {
+        found: String,
+        nearest: Option<String>,
+    },
+    UnsupportedJoint {
+        found: String,
+    },
+    Mimic {
+        of: String,
+    },
+    DuplicateJoint {
+        first_line: usize,
+    },
+    DuplicateLink {
+        first_line: usize,
+    },
+    DuplicateInertial,
+    UnknownLink {
+        found: String,
+        nearest: Option<String>,
+    },
+    TwoParents {
+        link: String,
+        other: String,
+    },
+    Cycle {
+        links: Vec<String>,
+    },
+    SeveralRoots {
+        roots: Vec<String>,
+    },
+    NoLinks,
+    NoMovingJoint,
+    ZeroAxis,
+    NegativeMass {
+        found: f64,
+    },
+    LimitsReversed {
+        lower: f64,
+        upper: f64,
+    },
+    NotMdh {
+        reason: String,
+    },
+}
+
+impl Fault for RobotError {
+    fn place(&self) -> &Place {
+        &self.place
+    }
+
+    fn describe(&self) -> Description {
+        match &self.kind {
+            kind @ (RobotErrorKind::NotFound
+            | RobotErrorKind::IsDirectory
+            | RobotErrorKind::NotReadable { .. }
+            | RobotErrorKind::TooLarge { .. }
+            | RobotErrorKind::NotText
+            | RobotErrorKind::Empty
+            | RobotErrorKind::NotXml { .. }
+            | RobotErrorKind::NotRobot { .. }
+            | RobotErrorKind::NotMdh { .. }) => of_file(kind),
+            kind @ (RobotErrorKind::MissingAttribute { .. }
+            | RobotErrorKind::MissingElement { .. }
+            | RobotErrorKind::NotNumber { .. }
+            | RobotErrorKind::NotFinite { .. }
+            | RobotErrorKind::WrongCount { .. }
+            | RobotErrorKind::ZeroAxis
+            | RobotErrorKind::NegativeMass { .. }
+            | RobotErrorKind::LimitsReversed { .. }) => of_value(kind),
+            kind => of_structure(kind),
+        }
+    }
+}
+
+fn suggestion(nearest: &Option<String>, otherwise: &str) -> String {
+    match nearest {
+        Some(name) => format!("did you mean `{name}`?"),
+        None => otherwise.to_string(),
+    }
+}
+
+fn of_file(kind: &RobotErrorKind) -> Description {
+    use RobotErrorKind as K;
+    match kind {
+        K::NotFound => Description::new(
+            "robot-file-not-found",
+            "there is no such robot file",
+            "correct the path; paths are relative to the problem file",
+        ),
+        K::IsDirectory => Description::new(
+            "robot-file-is-directory",
+            "the robot file is a directory",
+            "name the file inside it",
+        ),
+        K::NotReadable { reason } => Description::new(
+            "robot-file-not-readable",
+            format!("the robot file cannot be read: {reason}"),
+            "check its permissions",
+        ),
+        K::TooLarge { bytes, limit } => Description::new(
+            "robot-file-too-large",
+            format!("the robot file has {bytes} bytes, more than {limit}"),
+            "check that this is a robot description and not a recording or mesh",
+        ),
+        K::NotText => Description::new(
+            "robot-file-not-text",
+            "the robot file is not UTF-8 text",
+            "save it as UTF-8",
+        ),
+        K::Empty => Description::new(
+            "robot-file-empty",
+            "the robot file is empty",
+            "write the robot's description into it",
+        ),
+        K::NotXml { reason } => Description::new(
+            "urdf-not-xml",
+            format!("the file is not well-formed XML: {reason}"),
+            "correct the XML; xacro files must be expanded first",
+        ),
+        K::NotMdh { reason } => Description::new(
+            "mdh-not-readable",
+            format!("the table of Denavit-Hartenberg parameters cannot be read: {reason}"),
+            "see the README for its keys",
+        ),
+        K::NotRobot { root } => Description::new(
+            "urdf-not-robot",
+            format!("the root element is <{root}>, not <robot>"),
+            "give a URDF file; SDF and MJCF are other formats",
+        ),
+        other => of_structure(other),
+    }
+}
+
+fn of_value(kind: &RobotErrorKind) -> Description {
+    use RobotErrorKind as K;
+    match kind {
+        K::MissingAttribute { element, attribute } => Description::new(
+            "urdf-missing-attribute",
+            format!("<{element}> has no attribute `{attribute}`"),
+            format!("add {attribute}=\"...\""),
+        ),
+        K::MissingElement { element, child } => Description::new(
+            "urdf-missing-element",
+            format!("<{element}> has no <{child}>"),
+            format!("add <{child} .../>"),
+        ),
+        K::NotNumber { found } => Description::new(
+            "robot-not-a-number",
+            format!("`{found}` is not a number"),
+            "write a decimal number",
+        ),
+        K::NotFinite { found } => Description::new(
+            "robot-not-finite",
+            format!("`{found}` is not a finite number"),
+            "write a finite number",
+        ),
+        K::WrongCount { found, expected } => Description::new(
+            "robot-wrong-count",
+            format!("{found} numbers where {expected} are needed"),
+            format!("write {expected} numbers separated by spaces"),
+        ),
+        K::ZeroAxis => Description::new(
+            "robot-zero-axis",
+            "the joint's axis has no length",
+            "give a direction, for example xyz=\"0 0 1\"",
+        ),
+        K::NegativeMass { found } => Description::new(
+            "robot-negative-mass",
+            format!("the mass is {found} kg"),
+            "give a mass that is not negative",
+        ),
+        K::LimitsReversed { lower, upper } => Description::new(
+            "robot-limits-reversed",
+            format!("the lower limit {lower} is above the upper limit {upper}"),
+            "exchange them",
+        ),
+        other => of_structure(other),
+    }
+}
+
+fn of_structure(kind: &RobotErrorKind) -> Description {
+    use RobotErrorKind as K;
+    match kind {
+        K::UnknownJointType { found, nearest } => Description::new(
+            "urdf-unknown-joint-type",
+            format!("the joint's type is `{found}`"),
+            suggestion(nearest, "write revolute, continuous, prismatic or fixed"),
+        ),
+        K::UnsupportedJoint { found } => Description::new(
+            "urdf-unsupported-joint",
+            format!("the joint's type is `{found}`, which has more than one degree of freedom"),
+            "split it into revolute and prismatic joints",
+        ),
+        K::Mimic { of } => Description::new(
+            "urdf-mimic",
+            format!("the joint mimics `{of}`; a mimicking joint has no motor of its own"),
+            "make it fixed, or leave it out with what hangs on it",
+        ),
+        K::DuplicateJoint { first_line } => Description::new(
+            "robot-duplicate-joint",
+            format!("a joint of this name stands at line {first_line} already"),
+            "give every joint its own name",
+        ),
+        K::DuplicateLink { first_line } => Description::new(
+            "robot-duplicate-link",
+            format!("a link of this name stands at line {first_line} already"),
+            "give every link its own name",
+        ),
+        K::DuplicateInertial => Description::new(
+            "urdf-duplicate-inertial",
+            "the link has two <inertial> elements",
+            "keep one of them",
+        ),
+        K::UnknownLink { found, nearest } => Description::new(
+            "urdf-unknown-link",
+            format!("there is no link `{found}`"),
+            suggestion(nearest, "define the link or correct the name"),
+        ),
+        K::TwoParents { link, other } => Description::new(
+            "urdf-two-parents",
+            format!("link `{link}` is the child of joint `{other}` too"),
+            "a link hangs on one joint; closed loops need a mechanism of their own",
+        ),
+        K::Cycle { links } => Description::new(
+            "urdf-cycle",
+            format!(
+                "the links {} hang on each other in a circle",
+                links.join(", ")
+            ),
+            "cut the circle at one joint",
+        ),
+        K::SeveralRoots { roots } => Description::new(
+            "urdf-several-roots",
+            format!("the links {} all have no parent", roots.join(", ")),
+            "connect them to one base link by fixed joints",
+        ),
+        K::NoLinks => Description::new(
+            "urdf-no-links",
+            "the robot has no links",
+            "define links and joints",
+        ),
+        _ => Description::new(
+            "robot-no-moving-joint",
+            "no joint of the robot can move",
+            "make at least one joint revolute, continuous or prismatic",
+        ),
+    }
+}
+
+impl fmt::Display for RobotError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write_fault(f, self)
+    }
+}
+
+impl std::error::Error for RobotError {}

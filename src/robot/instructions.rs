@@ -1,0 +1,69 @@
+//! Instruction sets of the processor, and running a kernel compiled for each.
+
+use crate::robot::lanes::{Lanes, Portable};
+use std::sync::OnceLock;
+
+/// Instruction sets that the kernels are compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum InstructionSet {
+    Baseline,
+    Avx2,
+    Avx512,
+}
+
+impl InstructionSet {
+    /// The widest that this processor has.
+    pub fn detect() -> Self {
+        static FOUND: OnceLock<InstructionSet> = OnceLock::new();
+        *FOUND.get_or_init(Self::ask)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    fn ask() -> Self {
+        let fma = std::arch::is_x86_feature_detected!("fma")
+            && std::arch::is_x86_feature_detected!("avx2");
+        if fma && std::arch::is_x86_feature_detected!("avx512f") {
+            Self::Avx512
+        } else if fma {
+            Self::Avx2
+        } else {
+            Self::Baseline
+        }
+    }
+
+    #[cfg(not(target_arch = "x86_64"))]
+    fn ask() -> Self {
+        Self::Baseline
+    }
+}
+
+/// A computation that is written once for any lanes. `run` must be `#[inline(always)]`.
+pub trait Kernel {
+    type Output;
+    fn run<L: Lanes>(self) -> Self::Output;
+}
+
+/// Runs a kernel with the lanes of `set`, or of the widest set below it that the processor has.
+pub fn run<K: Kernel>(kernel: K, set: InstructionSet) -> K::Output {
+    #[cfg(target_arch = "x86_64")]
+    match set.min(InstructionSet::detect()) {
+        // SAFETY: at most the set that was detected.
+        InstructionSet::Avx512 => return unsafe { run_avx512(kernel) },
+        // SAFETY: as above.
+        InstructionSet::Avx2 => return unsafe { run_avx2(kernel) },
+        InstructionSet::Baseline => {}
+    }
+    kernel.run::<Portable>()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx2,fma")]
+fn run_avx512<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<crate::robot::lanes::Avx512>()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<crate::robot::lanes::Avx2>()
+}

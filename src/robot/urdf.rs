@@ -1,0 +1,286 @@
+//! Reads URDF: links, joints, limits and inertials; visuals, collisions and plugins are passed over.
+//!
+//! The parsing library gives every element its position, so that each fault names line and column.
+
+use crate::fault::Place;
+use crate::robot::assemble::{RawJoint, RawLink, RawRobot, assemble};
+use crate::robot::error::{RobotError, RobotErrorKind};
+use crate::robot::file;
+use crate::robot::inertia::{CentralInertia, Inertia};
+use crate::robot::tree::{JointKind, Limits, Tree};
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use roxmltree::{Document, Node};
+use std::path::Path;
+
+/// Reads a URDF file into a tree; fixed joints are merged, their frames kept by name.
+pub fn read(path: &Path) -> Result<Tree, RobotError> {
+    parse(&file::text(path)?, path)
+}
+
+/// Reads the text of a URDF file; `path` is named in errors.
+pub fn parse(text: &str, path: &Path) -> Result<Tree, RobotError> {
+    let document = Document::parse(text).map_err(|e| {
+        let at = e.pos();
+        RobotError {
+            place: Place::file(path)
+                .line(at.row as usize)
+                .column(at.col as usize),
+            kind: RobotErrorKind::NotXml {
+                reason: e.to_string(),
+            },
+        }
+    })?;
+    let reader = Reader { path };
+    let root = document.root_element();
+    if root.tag_name().name() != "robot" {
+        return Err(reader.fault(
+            root,
+            RobotErrorKind::NotRobot {
+                root: root.tag_name().name().to_string(),
+            },
+        ));
+    }
+    let elements = |name: &'static str| root.children().filter(move |node| node.has_tag_name(name));
+    let robot = RawRobot {
+        name: root.attribute("name").unwrap_or("robot").to_string(),
+        links: elements("link")
+            .map(|node| reader.link(node))
+            .collect::<Result<_, _>>()?,
+        joints: elements("joint")
+            .map(|node| reader.joint(node))
+            .collect::<Result<_, _>>()?,
+    };
+    assemble(robot, path)
+}
+
+struct Reader<'a> {
+    path: &'a Path,
+}
+
+impl Reader<'_> {
+    fn place(&self, node: Node<'_, '_>) -> Place {
+        let at = node.document().text_pos_at(node.range().start);
+        let place = Place::file(self.path)
+            .line(at.row as usize)
+            .column(at.col as usize);
+        let mut named = node.ancestors().filter(|n| n.is_element());
+        match named.find_map(|n| n.attribute("name").filter(|_| !n.has_tag_name("robot"))) {
+            Some(name) => place.key(name),
+            None => place,
+        }
+    }
+
+    fn fault(&self, node: Node<'_, '_>, kind: RobotErrorKind) -> RobotError {
+        RobotError {
+            place: self.place(node),
+            kind,
+        }
+    }
+
+    fn attribute<'a>(
+        &self,
+        node: Node<'a, '_>,
+        attribute: &'static str,
+    ) -> Result<&'a str, RobotError> {
+        node.attribute(attribute).ok_or_else(|| {
+            self.fault(
+                node,
+                RobotErrorKind::MissingAttribute {
+                    element: node.tag_name().name().to_string(),
+                    attribute,
+                },
+            )
+        })
+    }
+
+    fn child<'a, 'd>(
+        &self,
+        node: Node<'a, 'd>,
+        child: &'static str,
+    ) -> Result<Node<'a, 'd>, RobotError> {
+        find(node, child).ok_or_else(|| {
+            self.fault(
+                node,
+                RobotErrorKind::MissingElement {
+                    element: node.tag_name().name().to_string(),
+                    child,
+                },
+            )
+        })
+    }
+
+    fn number(&self, node: Node<'_, '_>, text: &str) -> Result<f64, RobotError> {
+        let value: f64 = text.trim().parse().map_err(|_| {
+            self.fault(
+                node,
+                RobotErrorKind::NotNumber {
+                    found: text.to_string(),
+                },
+            )
+        })?;
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(self.fault(
+                node,
+                RobotErrorKind::NotFinite {
+                    found: text.to_string(),
+                },
+            ))
+        }
+    }
+
+    fn optional(
+        &self,
+        node: Option<Node<'_, '_>>,
+        attribute: &str,
+    ) -> Result<Option<f64>, RobotError> {
+        let found = node.and_then(|n| n.attribute(attribute).map(|text| (n, text)));
+        found.map(|(n, text)| self.number(n, text)).transpose()
+    }
+
+    fn triple(&self, node: Node<'_, '_>, text: &str) -> Result<Vector3<f64>, RobotError> {
+        let values = text
+            .split_whitespace()
+            .map(|word| self.number(node, word))
+            .collect::<Result<Vec<f64>, _>>()?;
+        match values[..] {
+            [x, y, z] => Ok(Vector3::new(x, y, z)),
+            _ => Err(self.fault(
+                node,
+                RobotErrorKind::WrongCount {
+                    found: values.len(),
+                    expected: 3,
+                },
+            )),
+        }
+    }
+
+    fn origin(&self, parent: Node<'_, '_>) -> Result<Isometry3<f64>, RobotError> {
+        let Some(node) = find(parent, "origin") else {
+            return Ok(Isometry3::identity());
+        };
+        let read = |attribute| match node.attribute(attribute) {
+            Some(text) => self.triple(node, text),
+            None => Ok(Vector3::zeros()),
+        };
+        let (xyz, rpy) = (read("xyz")?, read("rpy")?);
+        let turn = Rotation3::from_euler_angles(rpy.x, rpy.y, rpy.z);
+        Ok(Isometry3::from_parts(
+            Translation3::from(xyz),
+            UnitQuaternion::from_rotation_matrix(&turn),
+        ))
+    }
+
+    fn link(&self, node: Node<'_, '_>) -> Result<RawLink, RobotError> {
+        let name = self.attribute(node, "name")?.to_string();
+        let mut inertials = node.children().filter(|n| n.has_tag_name("inertial"));
+        let inertia = match inertials.next() {
+            Some(first) => self.inertial(first)?,
+            None => Inertia::default(),
+        };
+        if let Some(second) = inertials.next() {
+            return Err(self.fault(second, RobotErrorKind::DuplicateInertial));
+        }
+        Ok(RawLink {
+            name,
+            place: self.place(node),
+            inertia,
+        })
+    }
+
+    fn inertial(&self, node: Node<'_, '_>) -> Result<Inertia, RobotError> {
+        let mass_node = self.child(node, "mass")?;
+        let mass = self.number(mass_node, self.attribute(mass_node, "value")?)?;
+        if mass < 0.0 {
+            return Err(self.fault(mass_node, RobotErrorKind::NegativeMass { found: mass }));
+        }
+        let tensor_node = self.child(node, "inertia")?;
+        let entry = |name| {
+            self.attribute(tensor_node, name)
+                .and_then(|text| self.number(tensor_node, text))
+        };
+        let (xx, xy, xz) = (entry("ixx")?, entry("ixy")?, entry("ixz")?);
+        let (yy, yz, zz) = (entry("iyy")?, entry("iyz")?, entry("izz")?);
+        let tensor = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        let frame = self.origin(node)?;
+        let central = Inertia::from_central(&CentralInertia {
+            mass,
+            centre: Vector3::zeros(),
+            tensor,
+        });
+        Ok(central.seen_from(
+            &frame.rotation.to_rotation_matrix(),
+            &frame.translation.vector,
+        ))
+    }
+
+    fn joint(&self, node: Node<'_, '_>) -> Result<RawJoint, RobotError> {
+        let kind = match self.attribute(node, "type")? {
+            "revolute" | "continuous" => Some(JointKind::Revolute),
+            "prismatic" => Some(JointKind::Prismatic),
+            "fixed" => None,
+            found @ ("floating" | "planar") => {
+                let found = found.to_string();
+                return Err(self.fault(node, RobotErrorKind::UnsupportedJoint { found }));
+            }
+            found => return Err(self.unknown_type(node, found)),
+        };
+        if let Some(mimic) = find(node, "mimic") {
+            let of = mimic.attribute("joint").unwrap_or("?").to_string();
+            return Err(self.fault(mimic, RobotErrorKind::Mimic { of }));
+        }
+        let axis = match find(node, "axis") {
+            Some(axis) => self.triple(axis, self.attribute(axis, "xyz")?)?,
+            None => Vector3::x(),
+        };
+        if kind.is_some() && axis.norm() == 0.0 {
+            return Err(self.fault(node, RobotErrorKind::ZeroAxis));
+        }
+        let (parent, child) = (self.child(node, "parent")?, self.child(node, "child")?);
+        Ok(RawJoint {
+            name: self.attribute(node, "name")?.to_string(),
+            place: self.place(node),
+            kind,
+            parent: self.attribute(parent, "link")?.to_string(),
+            child: self.attribute(child, "link")?.to_string(),
+            axis,
+            origin: self.origin(node)?,
+            limits: self.limits(node)?,
+        })
+    }
+
+    fn unknown_type(&self, node: Node<'_, '_>, found: &str) -> RobotError {
+        let known = ["revolute", "continuous", "prismatic", "fixed"];
+        self.fault(
+            node,
+            RobotErrorKind::UnknownJointType {
+                found: found.to_string(),
+                nearest: crate::robot::assemble::nearest(found, known.into_iter()),
+            },
+        )
+    }
+
+    fn limits(&self, node: Node<'_, '_>) -> Result<Limits, RobotError> {
+        let limit = find(node, "limit");
+        // A continuous joint has no position limits, whatever its file says of them.
+        let bounded = node.attribute("type") != Some("continuous");
+        let position = limit.filter(|_| bounded);
+        let limits = Limits {
+            lower: self.optional(position, "lower")?,
+            upper: self.optional(position, "upper")?,
+            velocity: self.optional(limit, "velocity")?,
+            effort: self.optional(limit, "effort")?,
+        };
+        match (limits.lower, limits.upper) {
+            (Some(lower), Some(upper)) if lower > upper => {
+                Err(self.fault(node, RobotErrorKind::LimitsReversed { lower, upper }))
+            }
+            _ => Ok(limits),
+        }
+    }
+}
+
+fn find<'a, 'd>(node: Node<'a, 'd>, name: &str) -> Option<Node<'a, 'd>> {
+    node.children().find(|child| child.has_tag_name(name))
+}
