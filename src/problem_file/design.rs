@@ -2,7 +2,7 @@
 
 use crate::problem_file::choices::{Criterion, DesignKind, Scaling};
 use crate::problem_file::document::{Node, NodeValue};
-use crate::problem_file::error::{ProblemFileError, ProblemFileErrorKind};
+use crate::problem_file::error::{NumberFault, ProblemFileError, ValueFault};
 use crate::problem_file::located::{Located, PerJoint};
 use crate::problem_file::reader::Reader;
 use crate::problem_file::values;
@@ -181,7 +181,7 @@ fn check_order(
         {
             return Err(ProblemFileError::new(
                 &lower.place,
-                ProblemFileErrorKind::LowerAboveUpper {
+                NumberFault::LowerAboveUpper {
                     lower: low,
                     upper: high,
                 },
@@ -215,7 +215,7 @@ impl Halfspace {
         let normal = reader.required("normal", "state the normal, such as [0, 0, 1]", |n| {
             let normal = values::vector3(n)?;
             match normal.iter().all(|entry| *entry == 0.0) {
-                true => Err(ProblemFileError::new(&n.place, ProblemFileErrorKind::Zero)),
+                true => Err(ProblemFileError::new(&n.place, NumberFault::Zero)),
                 false => Ok(normal),
             }
         })?;
@@ -235,7 +235,7 @@ impl Clearance {
             match links[0] == links[1] {
                 true => Err(ProblemFileError::new(
                     &n.place,
-                    ProblemFileErrorKind::Duplicate {
+                    ValueFault::Duplicate {
                         found: links[1].clone(),
                     },
                 )),
@@ -268,7 +268,7 @@ fn design_parameters(node: &Node) -> Result<DesignParameters, ProblemFileError> 
             .ok_or_else(|| {
                 ProblemFileError::new(
                     &node.place,
-                    ProblemFileErrorKind::UnknownWord {
+                    ValueFault::UnknownWord {
                         noun: "group of parameters",
                         code: "unknown-parameter-group",
                         found: word.clone(),

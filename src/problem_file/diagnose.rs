@@ -1,7 +1,7 @@
 //! `[diagnose]`: the physics to look for, and how sure a finding has to be.
 
 use crate::problem_file::document::{Node, NodeValue};
-use crate::problem_file::error::{ProblemFileError, ProblemFileErrorKind};
+use crate::problem_file::error::{NumberFault, ProblemFileError};
 use crate::problem_file::located::Located;
 use crate::problem_file::reader::Reader;
 use crate::problem_file::{Context, values};
@@ -59,7 +59,7 @@ fn probability(node: &Node) -> Result<f64, ProblemFileError> {
     }
     Err(ProblemFileError::new(
         &node.place,
-        ProblemFileErrorKind::OutOfRange {
+        NumberFault::OutOfRange {
             found: value.to_string(),
             range: "greater than 0 and less than 1",
         },

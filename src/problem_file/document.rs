@@ -9,7 +9,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::fault::Place;
-use crate::problem_file::error::{ProblemFileError, ProblemFileErrorKind};
+use crate::problem_file::error::{FileFault, NumberFault, ProblemFileError};
 
 /// A value and its place.
 #[derive(Debug, Clone)]
@@ -104,18 +104,13 @@ impl Node {
 pub(super) fn read_text(path: &Path) -> Result<String, ProblemFileError> {
     let place = Place::file(path);
     if path.is_dir() {
-        return Err(ProblemFileError::new(
-            &place,
-            ProblemFileErrorKind::FileIsDirectory,
-        ));
+        return Err(ProblemFileError::new(&place, FileFault::IsDirectory));
     }
     let bytes = fs::read(path).map_err(|error| {
         let kind = match error.kind() {
-            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => {
-                ProblemFileErrorKind::FileMissing
-            }
-            io::ErrorKind::PermissionDenied => ProblemFileErrorKind::PermissionDenied,
-            _ => ProblemFileErrorKind::Unreadable {
+            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => FileFault::Missing,
+            io::ErrorKind::PermissionDenied => FileFault::PermissionDenied,
+            _ => FileFault::Unreadable {
                 reason: error.to_string(),
             },
         };
@@ -128,7 +123,7 @@ pub(super) fn read_text(path: &Path) -> Result<String, ProblemFileError> {
         let byte = bytes.get(valid).copied().unwrap_or_default();
         ProblemFileError::new(
             &Positions::new(path, &text).place(valid, None),
-            ProblemFileErrorKind::NotUtf8 { byte },
+            FileFault::NotUtf8 { byte },
         )
     })
 }
@@ -136,19 +131,13 @@ pub(super) fn read_text(path: &Path) -> Result<String, ProblemFileError> {
 /// Parses the text of the file at `path` into its root table.
 pub(super) fn parse(path: &Path, text: &str) -> Result<Node, ProblemFileError> {
     if text.trim_start_matches('\u{feff}').trim().is_empty() {
-        return Err(ProblemFileError::new(
-            &Place::file(path),
-            ProblemFileErrorKind::EmptyFile,
-        ));
+        return Err(ProblemFileError::new(&Place::file(path), FileFault::Empty));
     }
     let positions = Positions::new(path, text);
     let table = DeTable::parse(text).map_err(|error| {
         let offset = error.span().map_or(text.len(), |span| span.start);
         let reason = error.message().replace('\n', ", ");
-        ProblemFileError::new(
-            &positions.place(offset, None),
-            ProblemFileErrorKind::Syntax { reason },
-        )
+        ProblemFileError::new(&positions.place(offset, None), FileFault::Syntax { reason })
     })?;
     let source = Source::File(&positions);
     Ok(Node {
@@ -232,7 +221,7 @@ impl Source<'_> {
         let too_large = |found: &str| {
             ProblemFileError::new(
                 &place,
-                ProblemFileErrorKind::NumberTooLarge {
+                NumberFault::TooLarge {
                     found: found.to_owned(),
                 },
             )

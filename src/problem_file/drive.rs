@@ -1,7 +1,7 @@
 //! `[drive]`: the motors, what is known of them, and the physics between motor and joint.
 
 use crate::problem_file::document::Node;
-use crate::problem_file::error::{ProblemFileError, ProblemFileErrorKind};
+use crate::problem_file::error::{ProblemFileError, ValueFault};
 use crate::problem_file::located::{Located, Named, PerJoint};
 use crate::problem_file::reader::Reader;
 use crate::problem_file::{Context, values};
@@ -94,7 +94,7 @@ fn square_matrix(node: &Node) -> Result<Vec<Vec<f64>>, ProblemFileError> {
             if entries.len() != rows.len() {
                 return Err(ProblemFileError::new(
                     &row.place,
-                    ProblemFileErrorKind::WrongLength {
+                    ValueFault::WrongLength {
                         expected: format!("{}, as many as rows", rows.len()),
                         found: entries.len(),
                     },

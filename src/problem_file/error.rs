@@ -8,39 +8,53 @@ use crate::fault::{Description, Fault, Place, write_fault};
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProblemFileError {
     place: Place,
+    // Boxed, so that every result of this layer stays small.
     kind: Box<ProblemFileErrorKind>,
 }
 
-/// The kinds of faults. `found` is the value as written.
+/// What is at fault.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ProblemFileErrorKind {
-    FileMissing,
-    FileIsDirectory,
+    File(FileFault),
+    Key(KeyFault),
+    Value(ValueFault),
+    Number(NumberFault),
+    Override(OverrideFault),
+}
+
+/// The file as a whole cannot be used.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FileFault {
+    Missing,
+    IsDirectory,
     PermissionDenied,
-    Unreadable {
-        reason: String,
-    },
-    NotUtf8 {
-        byte: u8,
-    },
-    EmptyFile,
-    Syntax {
-        reason: String,
-    },
-    /// A key that no table of this name has.
-    UnknownKey {
-        key: String,
+    Unreadable { reason: String },
+    NotUtf8 { byte: u8 },
+    Empty,
+    Syntax { reason: String },
+}
+
+/// A key is unknown, missing, or contradicts another.
+#[derive(Debug, Clone, PartialEq)]
+pub enum KeyFault {
+    Unknown {
+        found: String,
         known: &'static [&'static str],
-        /// The table that does have a key of this name.
+        /// Another table that has a key of this name.
         elsewhere: Option<&'static str>,
     },
-    MissingKey {
+    Missing {
         remedy: String,
     },
     Conflict {
         found: String,
         remedy: String,
     },
+}
+
+/// A value is not of the kind that its key asks for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ValueFault {
     WrongType {
         expected: &'static str,
         found: String,
@@ -49,38 +63,12 @@ pub enum ProblemFileErrorKind {
         expected: String,
         found: usize,
     },
-    /// A word that is not in the list for its key, which has its own code.
+    /// A word that is not in the list for its key; each list has its own code.
     UnknownWord {
         noun: &'static str,
         code: &'static str,
         found: String,
         known: Vec<String>,
-    },
-    NotANumber,
-    Infinite {
-        found: f64,
-    },
-    NumberTooLarge {
-        found: String,
-    },
-    NotPositive {
-        found: f64,
-    },
-    Negative {
-        found: f64,
-    },
-    Zero,
-    OutOfRange {
-        found: String,
-        range: &'static str,
-    },
-    LowerAboveUpper {
-        lower: f64,
-        upper: f64,
-    },
-    CutoffAboveNyquist {
-        cutoff: f64,
-        rate: f64,
     },
     Duplicate {
         found: String,
@@ -90,26 +78,38 @@ pub enum ProblemFileErrorKind {
     NotAFolderName {
         found: String,
     },
-    /// An override that is not `key=value`.
-    OverrideForm {
-        found: String,
-    },
-    OverrideValue {
-        found: String,
-        reason: String,
-    },
-    /// An override of a key below a value that is not a table.
-    OverrideBelowValue {
-        parent: String,
-        found: &'static str,
-    },
+}
+
+/// A number is out of its range.
+#[derive(Debug, Clone, PartialEq)]
+pub enum NumberFault {
+    NotANumber,
+    Infinite { found: f64 },
+    TooLarge { found: String },
+    NotPositive { found: f64 },
+    Negative { found: f64 },
+    Zero,
+    OutOfRange { found: String, range: &'static str },
+    LowerAboveUpper { lower: f64, upper: f64 },
+    CutoffAboveNyquist { cutoff: f64, rate: f64 },
+}
+
+/// An override cannot be applied.
+#[derive(Debug, Clone, PartialEq)]
+pub enum OverrideFault {
+    /// It is not `key=value`.
+    Form { found: String },
+    /// What follows the equals sign begins like a TOML value and is none.
+    Value { found: String, reason: String },
+    /// The key lies below a value that is not a table.
+    BelowValue { parent: String, found: &'static str },
 }
 
 impl ProblemFileError {
-    pub fn new(place: &Place, kind: ProblemFileErrorKind) -> Self {
+    pub fn new(place: &Place, kind: impl Into<ProblemFileErrorKind>) -> Self {
         Self {
             place: place.clone(),
-            kind: Box::new(kind),
+            kind: Box::new(kind.into()),
         }
     }
 
@@ -124,11 +124,13 @@ impl Fault for ProblemFileError {
     }
 
     fn describe(&self) -> Description {
-        self.kind
-            .describe_file()
-            .or_else(|| self.kind.describe_key())
-            .or_else(|| self.kind.describe_number())
-            .unwrap_or_else(|| self.kind.describe_text())
+        match self.kind.as_ref() {
+            ProblemFileErrorKind::File(fault) => fault.describe(),
+            ProblemFileErrorKind::Key(fault) => fault.describe(),
+            ProblemFileErrorKind::Value(fault) => fault.describe(),
+            ProblemFileErrorKind::Number(fault) => fault.describe(),
+            ProblemFileErrorKind::Override(fault) => fault.describe(),
+        }
     }
 }
 
@@ -140,179 +142,235 @@ impl fmt::Display for ProblemFileError {
 
 impl std::error::Error for ProblemFileError {}
 
-impl ProblemFileErrorKind {
-    /// Faults of the file as a whole.
-    fn describe_file(&self) -> Option<Description> {
-        Some(match self {
-            Self::FileMissing => Description::new(
+impl From<FileFault> for ProblemFileErrorKind {
+    fn from(fault: FileFault) -> Self {
+        Self::File(fault)
+    }
+}
+
+impl From<KeyFault> for ProblemFileErrorKind {
+    fn from(fault: KeyFault) -> Self {
+        Self::Key(fault)
+    }
+}
+
+impl From<ValueFault> for ProblemFileErrorKind {
+    fn from(fault: ValueFault) -> Self {
+        Self::Value(fault)
+    }
+}
+
+impl From<NumberFault> for ProblemFileErrorKind {
+    fn from(fault: NumberFault) -> Self {
+        Self::Number(fault)
+    }
+}
+
+impl From<OverrideFault> for ProblemFileErrorKind {
+    fn from(fault: OverrideFault) -> Self {
+        Self::Override(fault)
+    }
+}
+
+impl FileFault {
+    fn describe(&self) -> Description {
+        let (code, message, remedy) = match self {
+            Self::Missing => (
                 "file-missing",
-                "there is no such file",
+                "there is no such file".to_owned(),
                 "check the path of the problem file",
             ),
-            Self::FileIsDirectory => Description::new(
+            Self::IsDirectory => (
                 "file-is-directory",
-                "this is a directory, not a file",
+                "this is a directory, not a file".to_owned(),
                 "name the problem file in it",
             ),
-            Self::PermissionDenied => Description::new(
+            Self::PermissionDenied => (
                 "permission-denied",
-                "no permission to read the file",
+                "no permission to read the file".to_owned(),
                 "make the file readable",
             ),
-            Self::Unreadable { reason } => Description::new(
+            Self::Unreadable { reason } => (
                 "unreadable",
                 format!("the file cannot be read: {reason}"),
                 "check the path and the disk",
             ),
-            Self::NotUtf8 { byte } => Description::new(
+            Self::NotUtf8 { byte } => (
                 "not-utf8",
                 format!("byte 0x{byte:02x} is not UTF-8 text"),
                 "save the file as UTF-8; a problem file is TOML text",
             ),
-            Self::EmptyFile => Description::new(
+            Self::Empty => (
                 "empty-file",
-                "the file is empty",
+                "the file is empty".to_owned(),
                 "state at least the robot, with a table [robot]",
             ),
-            Self::Syntax { reason } => Description::new(
+            Self::Syntax { reason } => (
                 "syntax",
                 format!("not TOML: {reason}"),
-                "correct the text at this place; texts need quotes, a key stands once in a table",
+                "correct the text here; texts need quotes, and a key stands once in a table",
             ),
-            _ => return None,
-        })
+        };
+        Description::new(code, message, remedy)
     }
+}
 
-    /// Faults of keys, and of values against each other.
-    fn describe_key(&self) -> Option<Description> {
-        Some(match self {
-            Self::UnknownKey {
-                key,
+impl KeyFault {
+    fn describe(&self) -> Description {
+        match self {
+            Self::Unknown {
+                found,
                 known,
                 elsewhere,
-            } => Description::new(
-                "unknown-key",
-                format!("unknown key \"{key}\""),
-                unknown_key_remedy(key, known, *elsewhere),
-            ),
-            Self::MissingKey { remedy } => {
-                Description::new("missing-key", "this is missing", remedy)
+            } => {
+                let elsewhere =
+                    elsewhere.map(|table| format!("\"{found}\" is a key of [{table}]; "));
+                Description::new(
+                    "unknown-key",
+                    format!("unknown key \"{found}\""),
+                    format!(
+                        "{}did you mean \"{}\"? known keys: {}",
+                        elsewhere.unwrap_or_default(),
+                        nearest(found, known.iter().copied()),
+                        known.join(", ")
+                    ),
+                )
+            }
+            Self::Missing { remedy } => {
+                Description::new("missing-key", "this key is required and missing", remedy)
             }
             Self::Conflict { found, remedy } => Description::new("conflict", found, remedy),
-            Self::Duplicate { found } => Description::new(
-                "duplicate",
-                format!("\"{found}\" stands here twice"),
-                "remove one of the two",
-            ),
-            Self::LowerAboveUpper { lower, upper } => Description::new(
-                "lower-above-upper",
-                format!("lower {lower} is above upper {upper}"),
-                "give the lower value first",
-            ),
-            Self::CutoffAboveNyquist { cutoff, rate } => Description::new(
-                "cutoff-above-nyquist",
-                format!(
-                    "cut-off {cutoff} Hz is not below half the rate of {rate} Hz, {} Hz",
-                    rate / 2.0
-                ),
-                "lower the cut-off, or correct recordings.rate",
-            ),
-            _ => return None,
-        })
+        }
     }
+}
 
-    /// Faults of single numbers.
-    fn describe_number(&self) -> Option<Description> {
-        Some(match self {
-            Self::NotANumber => {
-                Description::new("not-a-number", "the value is NaN", "give a number")
-            }
-            Self::Infinite { found } => Description::new(
-                "infinite",
-                format!("the value {found} is infinite"),
-                "give a finite number, or leave the key out where it is optional",
-            ),
-            Self::NumberTooLarge { found } => Description::new(
-                "number-too-large",
-                format!("{found} is beyond the numbers that can be represented"),
-                "give a smaller number",
-            ),
-            Self::NotPositive { found } => Description::new(
-                "not-positive",
-                format!("{found} is not greater than zero"),
-                "give a number greater than zero",
-            ),
-            Self::Negative { found } => Description::new(
-                "negative",
-                format!("{found} is negative"),
-                "give zero or a number greater than zero",
-            ),
-            Self::Zero => Description::new(
-                "zero",
-                "the value is 0",
-                "give a value other than zero, or leave the key out where it is optional",
-            ),
-            Self::OutOfRange { found, range } => Description::new(
-                "out-of-range",
-                format!("{found} is out of range"),
-                format!("give a value {range}"),
-            ),
-            _ => return None,
-        })
-    }
-
-    /// Faults of the remaining values, and of overrides.
-    fn describe_text(&self) -> Description {
-        match self {
-            Self::WrongType { expected, found } => Description::new(
+impl ValueFault {
+    fn describe(&self) -> Description {
+        let (code, message, remedy) = match self {
+            Self::WrongType { expected, found } => (
                 "wrong-type",
                 format!("found {found}, expected {expected}"),
                 wrong_type_remedy(expected, found),
             ),
-            Self::WrongLength { expected, found } => Description::new(
+            Self::WrongLength { expected, found } => (
                 "wrong-length",
-                format!("{found} values, expected {expected}"),
-                "give as many values as expected; where a single number is the same for all \
-                 joints, write it without brackets",
+                format!("the number of values is {found}, expected {expected}"),
+                "give as many values as expected; a number that holds for all joints may stand \
+                 alone, without brackets"
+                    .to_owned(),
             ),
             Self::UnknownWord {
                 noun,
                 code,
                 found,
                 known,
-            } => Description::new(
-                code,
+            } => (
+                *code,
                 format!("unknown {noun} \"{found}\""),
-                unknown_word_remedy(found, known),
+                format!(
+                    "did you mean \"{}\"? known: {}",
+                    nearest(found, known.iter().map(String::as_str)),
+                    known.join(", ")
+                ),
             ),
-            Self::EmptyText => Description::new("empty-text", "the text is empty", "give a name"),
-            Self::EmptyList => Description::new(
+            Self::Duplicate { found } => (
+                "duplicate",
+                format!("\"{found}\" stands here twice"),
+                "remove one of the two".to_owned(),
+            ),
+            Self::EmptyText => (
+                "empty-text",
+                "the text is empty".to_owned(),
+                "give a name".to_owned(),
+            ),
+            Self::EmptyList => (
                 "empty-list",
-                "the list is empty",
-                "give at least one value, or leave the key out",
+                "the list is empty".to_owned(),
+                "give at least one value, or leave the key out where it is optional".to_owned(),
             ),
-            Self::NotAFolderName { found } => Description::new(
+            Self::NotAFolderName { found } => (
                 "not-a-folder-name",
                 format!("\"{found}\" cannot be the name of the results folder"),
-                "use letters, digits, spaces, \"-\", \"_\" and \".\" only, not a dot alone",
+                "use letters, digits, spaces, \"-\", \"_\" and \".\", but not dots alone"
+                    .to_owned(),
             ),
-            Self::OverrideForm { found } => Description::new(
+        };
+        Description::new(code, message, remedy)
+    }
+}
+
+impl NumberFault {
+    fn describe(&self) -> Description {
+        const OTHER: &str = "or leave the key out where it is optional";
+        let (code, message, remedy) = match self {
+            Self::NotANumber => (
+                "not-a-number",
+                "the value is NaN".to_owned(),
+                format!("give a number, {OTHER}"),
+            ),
+            Self::Infinite { found } => (
+                "infinite",
+                format!("the value {found} is infinite"),
+                format!("give a finite number, {OTHER}"),
+            ),
+            Self::TooLarge { found } => (
+                "number-too-large",
+                format!("{found} is beyond the numbers that can be represented"),
+                format!("give a smaller number, {OTHER}"),
+            ),
+            Self::NotPositive { found } => (
+                "not-positive",
+                format!("{found} is not greater than zero"),
+                format!("give a number greater than zero, {OTHER}"),
+            ),
+            Self::Negative { found } => (
+                "negative",
+                format!("{found} is negative"),
+                format!("give zero or a number greater than zero, {OTHER}"),
+            ),
+            Self::Zero => (
+                "zero",
+                "the value is 0".to_owned(),
+                format!("give a value other than zero, {OTHER}"),
+            ),
+            Self::OutOfRange { found, range } => (
+                "out-of-range",
+                format!("{found} is out of range"),
+                format!("give a value {range}"),
+            ),
+            Self::LowerAboveUpper { lower, upper } => (
+                "lower-above-upper",
+                format!("lower {lower} is above upper {upper}"),
+                "give the lower value first".to_owned(),
+            ),
+            Self::CutoffAboveNyquist { cutoff, rate } => (
+                "cutoff-above-nyquist",
+                format!("the cut-off {cutoff} Hz is not below half the rate of {rate} Hz"),
+                "lower the cut-off, or correct recordings.rate".to_owned(),
+            ),
+        };
+        Description::new(code, message, remedy)
+    }
+}
+
+impl OverrideFault {
+    fn describe(&self) -> Description {
+        match self {
+            Self::Form { found } => Description::new(
                 "override-form",
                 format!("\"{found}\" is not of the form key=value"),
                 "write it such as fit.estimator=wls",
             ),
-            Self::OverrideValue { found, reason } => Description::new(
+            Self::Value { found, reason } => Description::new(
                 "override-value",
                 format!("{found} is not a TOML value: {reason}"),
                 "correct the value; quote it for the shell where it has brackets or quotes",
             ),
-            Self::OverrideBelowValue { parent, found } => Description::new(
+            Self::BelowValue { parent, found } => Description::new(
                 "override-below-value",
                 format!("\"{parent}\" is {found}, which has no keys"),
                 format!("set {parent} as a whole"),
             ),
-            // The kinds of the other three lists are described there.
-            _ => Description::new("fault", format!("{self:?}"), "correct the problem file"),
         }
     }
 }
@@ -320,31 +378,10 @@ impl ProblemFileErrorKind {
 fn wrong_type_remedy(expected: &str, found: &str) -> String {
     match found {
         "a table" => {
-            format!("give {expected}; a name with dots is a key only in quotes: \"joint1.Fc\"")
+            format!("give {expected}; a name with dots is one key only in quotes: \"joint1.Fc\"")
         }
         _ => format!("give {expected}"),
     }
-}
-
-fn unknown_key_remedy(key: &str, known: &[&str], elsewhere: Option<&str>) -> String {
-    let elsewhere = elsewhere.map(|table| format!("\"{key}\" is a key of [{table}]; "));
-    format!(
-        "{}did you mean \"{}\"? known keys: {}",
-        elsewhere.unwrap_or_default(),
-        nearest(key, known.iter().copied()),
-        known.join(", ")
-    )
-}
-
-fn unknown_word_remedy(found: &str, known: &[String]) -> String {
-    if known.is_empty() {
-        return "leave the list empty".into();
-    }
-    format!(
-        "did you mean \"{}\"? known: {}",
-        nearest(found, known.iter().map(String::as_str)),
-        known.join(", ")
-    )
 }
 
 /// The candidate most like the word; the first of equals.

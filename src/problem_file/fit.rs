@@ -2,7 +2,7 @@
 
 use crate::problem_file::choices::{Estimator, PriorKind};
 use crate::problem_file::document::{Node, NodeValue, Table};
-use crate::problem_file::error::{ProblemFileError, ProblemFileErrorKind};
+use crate::problem_file::error::{NumberFault, ProblemFileError, ValueFault};
 use crate::problem_file::located::{Located, Named};
 use crate::problem_file::reader::Reader;
 use crate::problem_file::{Context, values};
@@ -139,7 +139,7 @@ fn strength(node: &Node) -> Result<Strength, ProblemFileError> {
             .ok_or_else(|| {
                 ProblemFileError::new(
                     &node.place,
-                    ProblemFileErrorKind::UnknownWord {
+                    ValueFault::UnknownWord {
                         noun: "strength of the prior",
                         code: "unknown-strength",
                         found: word.clone(),
@@ -180,7 +180,7 @@ fn interval(node: &Node) -> Result<Interval, ProblemFileError> {
     if lower > upper {
         return Err(ProblemFileError::new(
             &node.place,
-            ProblemFileErrorKind::LowerAboveUpper { lower, upper },
+            NumberFault::LowerAboveUpper { lower, upper },
         ));
     }
     Ok(Interval { lower, upper })

@@ -4,7 +4,7 @@ use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
 use crate::fault::Place;
-use crate::problem_file::error::{ProblemFileError, ProblemFileErrorKind};
+use crate::problem_file::error::{ProblemFileError, ValueFault};
 
 /// A value and the place where it was written. A default has the key, but no line.
 #[derive(Debug, Clone, PartialEq)]
@@ -95,7 +95,7 @@ fn check_length(found: usize, joints: &[String], place: &Place) -> Result<(), Pr
     let expected = format!("one per joint, {}: {}", joints.len(), joints.join(", "));
     Err(ProblemFileError::new(
         place,
-        ProblemFileErrorKind::WrongLength { expected, found },
+        ValueFault::WrongLength { expected, found },
     ))
 }
 
@@ -126,7 +126,7 @@ mod tests {
         let error = ratio.expand(&joints(3)).unwrap_err();
         let text = error.to_string();
         assert!(
-            text.starts_with("p.toml:4: drive.ratio: 2 values"),
+            text.starts_with("p.toml:4: drive.ratio: the number of values is 2"),
             "{text}"
         );
         assert!(text.contains("one per joint, 3: a1, a2, a3"), "{text}");

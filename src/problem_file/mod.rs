@@ -38,6 +38,7 @@ pub use robot::RobotTable;
 pub use simulate::SimulateTable;
 
 use document::Node;
+use error::KeyFault;
 use reader::Reader;
 
 /// Keys of the top level of a problem file.
@@ -152,7 +153,7 @@ impl ProblemFile {
         self.recordings.as_ref().ok_or_else(|| {
             ProblemFileError::new(
                 &Place::file(&self.path).key("recordings"),
-                ProblemFileErrorKind::MissingKey {
+                KeyFault::Missing {
                     remedy: "state the recordings with a table [recordings]".into(),
                 },
             )
@@ -165,7 +166,7 @@ impl ProblemFile {
         match (loaded, &self.robot.payload) {
             (Some(loaded), None) => Err(ProblemFileError::new(
                 &loaded.place,
-                ProblemFileErrorKind::Conflict {
+                KeyFault::Conflict {
                     found: "recordings with a load, but the robot has none".into(),
                     remedy: "add payload = \"last\" to [robot], or move the files to train".into(),
                 },

@@ -5,7 +5,7 @@ use toml::de::DeTable;
 
 use crate::fault::Place;
 use crate::problem_file::document::{Entry, Node, NodeValue, Source, Table, join};
-use crate::problem_file::error::{ProblemFileError, ProblemFileErrorKind};
+use crate::problem_file::error::{OverrideFault, ProblemFileError};
 
 /// Tables whose keys are names with dots. A shell takes the quotes off such a key, so below these
 /// tables the rest of the key is one name.
@@ -26,7 +26,7 @@ pub(super) fn apply(root: &mut Node, overrides: &[String]) -> Result<(), Problem
         let (segments, value) = split(text).ok_or_else(|| {
             ProblemFileError::new(
                 &place,
-                ProblemFileErrorKind::OverrideForm {
+                OverrideFault::Form {
                     found: text.clone(),
                 },
             )
@@ -92,7 +92,7 @@ fn parse_value(text: &str, place: &Place) -> Result<Node, ProblemFileError> {
         },
         Err(error) if text.starts_with(['[', '{', '"', '\'']) => Err(ProblemFileError::new(
             place,
-            ProblemFileErrorKind::OverrideValue {
+            OverrideFault::Value {
                 found: text.to_owned(),
                 reason: error.message().replace('\n', ", "),
             },
@@ -140,7 +140,7 @@ fn table_mut<'a>(
         NodeValue::Table(table) => Ok(table),
         _ => Err(ProblemFileError::new(
             place,
-            ProblemFileErrorKind::OverrideBelowValue {
+            OverrideFault::BelowValue {
                 parent: path.unwrap_or_default().to_owned(),
                 found,
             },

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use crate::fault::Place;
 use crate::problem_file::document::{Node, NodeValue, Table, join};
-use crate::problem_file::error::{ProblemFileError, ProblemFileErrorKind};
+use crate::problem_file::error::{KeyFault, ProblemFileError, ValueFault};
 use crate::problem_file::located::{Located, Named};
 use crate::problem_file::{design, diagnose, drive, fit, recordings, robot, simulate, values};
 
@@ -47,8 +47,8 @@ impl<'a> Reader<'a> {
             let elsewhere = TABLES.iter().find(|(_, keys)| has(keys));
             return Err(ProblemFileError::new(
                 &entry.place,
-                ProblemFileErrorKind::UnknownKey {
-                    key: entry.key.clone(),
+                KeyFault::Unknown {
+                    found: entry.key.clone(),
                     known,
                     elsewhere: elsewhere.map(|(table, _)| *table),
                 },
@@ -72,7 +72,7 @@ impl<'a> Reader<'a> {
     pub fn missing(&self, key: &str, remedy: &str) -> ProblemFileError {
         ProblemFileError::new(
             &self.place(key),
-            ProblemFileErrorKind::MissingKey {
+            KeyFault::Missing {
                 remedy: remedy.to_owned(),
             },
         )
@@ -141,7 +141,7 @@ impl<'a> Reader<'a> {
         entries
             .map(|entry| {
                 if entry.key.trim().is_empty() {
-                    let kind = ProblemFileErrorKind::EmptyText;
+                    let kind = ValueFault::EmptyText;
                     return Err(ProblemFileError::new(&entry.place, kind));
                 }
                 Ok(Named {
@@ -187,7 +187,7 @@ impl<'a> Reader<'a> {
         match given.as_slice() {
             [.., first, last] => Err(ProblemFileError::new(
                 &last.place,
-                ProblemFileErrorKind::Conflict {
+                KeyFault::Conflict {
                     found: format!("both \"{}\" and \"{}\" are given", first.key, last.key),
                     remedy: format!("keep one of {}", keys.join(", ")),
                 },

@@ -2,7 +2,7 @@
 
 use crate::problem_file::choices::{DifferentiationMethod, PositionSide, Signal};
 use crate::problem_file::document::Node;
-use crate::problem_file::error::{ProblemFileError, ProblemFileErrorKind};
+use crate::problem_file::error::{KeyFault, NumberFault, ProblemFileError};
 use crate::problem_file::located::{FilePath, Located};
 use crate::problem_file::reader::Reader;
 use crate::problem_file::{Context, values};
@@ -121,7 +121,7 @@ impl RecordingsTable {
             {
                 Err(ProblemFileError::new(
                     &method.place,
-                    ProblemFileErrorKind::Conflict {
+                    KeyFault::Conflict {
                         found: "method \"fourier\" without a period".into(),
                         remedy: "state recordings.period, or use method = \"lowpass\"".into(),
                     },
@@ -141,7 +141,7 @@ impl RecordingsTable {
             if cutoff.value >= rate.value / 2.0 {
                 return Err(ProblemFileError::new(
                     &cutoff.place,
-                    ProblemFileErrorKind::CutoffAboveNyquist {
+                    NumberFault::CutoffAboveNyquist {
                         cutoff: cutoff.value,
                         rate: rate.value,
                     },

@@ -2,7 +2,7 @@
 
 use crate::problem_file::choices::{Choice, Inertials, Mechanism};
 use crate::problem_file::document::{Node, NodeValue};
-use crate::problem_file::error::{ProblemFileError, ProblemFileErrorKind};
+use crate::problem_file::error::{KeyFault, ProblemFileError};
 use crate::problem_file::located::{FilePath, Located, Named};
 use crate::problem_file::reader::Reader;
 use crate::problem_file::{Context, values};
@@ -94,7 +94,7 @@ impl RobotTable {
             None => Ok(()),
             Some(locked) => Err(ProblemFileError::new(
                 &locked.value.place,
-                ProblemFileErrorKind::Conflict {
+                KeyFault::Conflict {
                     found: format!("joint \"{}\" is locked and listed in joints", locked.name),
                     remedy: "remove it from one of the two".into(),
                 },

@@ -4,12 +4,12 @@
 use crate::problem_file::Context;
 use crate::problem_file::choices::Choice;
 use crate::problem_file::document::{Node, NodeValue, Table};
-use crate::problem_file::error::{ProblemFileError, ProblemFileErrorKind};
+use crate::problem_file::error::{NumberFault, ProblemFileError, ProblemFileErrorKind, ValueFault};
 use crate::problem_file::located::{FilePath, Located, PerJoint};
 
 type Parsed<T> = Result<T, ProblemFileError>;
 
-fn fault<T>(node: &Node, kind: ProblemFileErrorKind) -> Parsed<T> {
+fn fault<T>(node: &Node, kind: impl Into<ProblemFileErrorKind>) -> Parsed<T> {
     Err(ProblemFileError::new(&node.place, kind))
 }
 
@@ -22,10 +22,7 @@ pub(super) fn wrong_type(node: &Node, expected: &'static str) -> ProblemFileErro
         NodeValue::Date(date) => format!("the date {date}"),
         NodeValue::List(_) | NodeValue::Table(_) => node.kind().to_owned(),
     };
-    ProblemFileError::new(
-        &node.place,
-        ProblemFileErrorKind::WrongType { expected, found },
-    )
+    ProblemFileError::new(&node.place, ValueFault::WrongType { expected, found })
 }
 
 pub(super) fn table(node: &Node) -> Parsed<&Table> {
@@ -55,7 +52,7 @@ pub(super) fn array<T, const N: usize>(
     values.try_into().or_else(|values: Vec<T>| {
         fault(
             node,
-            ProblemFileErrorKind::WrongLength {
+            ValueFault::WrongLength {
                 expected: format!("{N}: {expected}"),
                 found: values.len(),
             },
@@ -74,9 +71,7 @@ pub(super) fn vector4(node: &Node) -> Parsed<[f64; 4]> {
 /// A text that is not blank.
 pub(super) fn text(node: &Node) -> Parsed<String> {
     match &node.value {
-        NodeValue::Text(text) if text.trim().is_empty() => {
-            fault(node, ProblemFileErrorKind::EmptyText)
-        }
+        NodeValue::Text(text) if text.trim().is_empty() => fault(node, ValueFault::EmptyText),
         NodeValue::Text(text) => Ok(text.clone()),
         _ => Err(wrong_type(node, "a text in quotes")),
     }
@@ -93,9 +88,7 @@ pub(super) fn boolean(node: &Node) -> Parsed<bool> {
 pub(super) fn not_nan(node: &Node) -> Parsed<f64> {
     match node.value {
         NodeValue::Integer(integer) => Ok(integer as f64),
-        NodeValue::Number(number) if number.is_nan() => {
-            fault(node, ProblemFileErrorKind::NotANumber)
-        }
+        NodeValue::Number(number) if number.is_nan() => fault(node, NumberFault::NotANumber),
         NodeValue::Number(number) => Ok(number),
         _ => Err(wrong_type(node, "a number")),
     }
@@ -105,7 +98,7 @@ pub(super) fn finite(node: &Node) -> Parsed<f64> {
     let number = not_nan(node)?;
     match number.is_finite() {
         true => Ok(number),
-        false => fault(node, ProblemFileErrorKind::Infinite { found: number }),
+        false => fault(node, NumberFault::Infinite { found: number }),
     }
 }
 
@@ -113,7 +106,7 @@ pub(super) fn positive(node: &Node) -> Parsed<f64> {
     let found = finite(node)?;
     match found > 0.0 {
         true => Ok(found),
-        false => fault(node, ProblemFileErrorKind::NotPositive { found }),
+        false => fault(node, NumberFault::NotPositive { found }),
     }
 }
 
@@ -121,7 +114,7 @@ pub(super) fn non_negative(node: &Node) -> Parsed<f64> {
     let found = finite(node)?;
     match found >= 0.0 {
         true => Ok(found),
-        false => fault(node, ProblemFileErrorKind::Negative { found }),
+        false => fault(node, NumberFault::Negative { found }),
     }
 }
 
@@ -129,7 +122,7 @@ fn nonzero(node: &Node) -> Parsed<f64> {
     let found = finite(node)?;
     match found != 0.0 {
         true => Ok(found),
-        false => fault(node, ProblemFileErrorKind::Zero),
+        false => fault(node, NumberFault::Zero),
     }
 }
 
@@ -154,7 +147,7 @@ fn whole_number(node: &Node, least: usize, range: &'static str) -> Parsed<usize>
         Ok(count) if (least..=LARGEST_COUNT).contains(&count) => Ok(count),
         _ => fault(
             node,
-            ProblemFileErrorKind::OutOfRange {
+            NumberFault::OutOfRange {
                 found: integer.to_string(),
                 range,
             },
@@ -195,7 +188,7 @@ pub(super) fn per_joint_nonzero(node: &Node) -> Parsed<PerJoint> {
 
 pub(super) fn not_empty<T>(values: Vec<T>, node: &Node) -> Parsed<Vec<T>> {
     match values.is_empty() {
-        true => fault(node, ProblemFileErrorKind::EmptyList),
+        true => fault(node, ValueFault::EmptyList),
         false => Ok(values),
     }
 }
@@ -208,7 +201,7 @@ pub(super) fn choice<C: Choice>(node: &Node) -> Parsed<C> {
         Some((_, choice)) => Ok(*choice),
         None => fault(
             node,
-            ProblemFileErrorKind::UnknownWord {
+            ValueFault::UnknownWord {
                 noun: C::NOUN,
                 code: C::CODE,
                 found,
@@ -241,7 +234,7 @@ pub(super) fn effects(node: &Node, context: &Context) -> Parsed<Vec<Located<Stri
         None => Ok(effects),
         Some(effect) => Err(ProblemFileError::new(
             &effect.place,
-            ProblemFileErrorKind::UnknownWord {
+            ValueFault::UnknownWord {
                 noun: "effect",
                 code: "unknown-effect",
                 found: effect.value.clone(),
@@ -259,7 +252,7 @@ pub(super) fn check_no_duplicates<'a>(
         if seen.contains(&name.as_str()) {
             return Err(ProblemFileError::new(
                 &name.place,
-                ProblemFileErrorKind::Duplicate {
+                ValueFault::Duplicate {
                     found: name.value.clone(),
                 },
             ));
@@ -289,7 +282,7 @@ pub(super) fn folder_name(node: &Node) -> Parsed<String> {
     let name = text(node)?;
     match is_folder_name(&name) {
         true => Ok(name),
-        false => fault(node, ProblemFileErrorKind::NotAFolderName { found: name }),
+        false => fault(node, ValueFault::NotAFolderName { found: name }),
     }
 }
 
