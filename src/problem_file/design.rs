@@ -277,7 +277,7 @@ fn design_parameters(node: &Node) -> Result<DesignParameters, ProblemFileError> 
                 )
             }),
         NodeValue::List(_) => {
-            let names = values::names(node)?;
+            let names = values::names(node, "a list of parameters")?;
             values::not_empty(names, node).map(DesignParameters::Listed)
         }
         _ => Err(values::wrong_type(

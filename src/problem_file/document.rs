@@ -230,7 +230,7 @@ impl Source<'_> {
             DeValue::String(text) => NodeValue::Text(text.to_string()),
             DeValue::Integer(integer) => NodeValue::Integer(
                 i64::from_str_radix(integer.as_str(), integer.radix())
-                    .map_err(|_| too_large(integer.as_str()))?,
+                    .map_err(|_| too_large(&integer.to_string()))?,
             ),
             DeValue::Float(float) => {
                 let text = float.as_str();

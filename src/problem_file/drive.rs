@@ -95,7 +95,7 @@ fn square_matrix(node: &Node) -> Result<Vec<Vec<f64>>, ProblemFileError> {
                 return Err(ProblemFileError::new(
                     &row.place,
                     ValueFault::WrongLength {
-                        expected: format!("{}, as many as rows", rows.len()),
+                        expected: format!("{}, as many as there are rows", rows.len()),
                         found: entries.len(),
                     },
                 ));

@@ -63,6 +63,10 @@ pub enum ValueFault {
         expected: String,
         found: usize,
     },
+    /// A table where TOML has split a name with dots that stands without quotes.
+    UnquotedName {
+        expected: &'static str,
+    },
     /// A word that is not in the list for its key; each list has its own code.
     UnknownWord {
         noun: &'static str,
@@ -249,15 +253,18 @@ impl ValueFault {
         let (code, message, remedy) = match self {
             Self::WrongType { expected, found } => (
                 "wrong-type",
-                format!("found {found}, expected {expected}"),
-                wrong_type_remedy(expected, found),
+                format!("found {found}"),
+                format!("give {expected}"),
             ),
             Self::WrongLength { expected, found } => (
                 "wrong-length",
-                format!("the number of values is {found}, expected {expected}"),
-                "give as many values as expected; a number that holds for all joints may stand \
-                 alone, without brackets"
-                    .to_owned(),
+                format!("the number of values is {found}"),
+                format!("give {expected}"),
+            ),
+            Self::UnquotedName { expected } => (
+                "unquoted-name",
+                "found a table, which is how TOML reads a name with dots and no quotes".to_owned(),
+                format!("put the name in quotes, \"joint1.Fc\" = ..., and give {expected}"),
             ),
             Self::UnknownWord {
                 noun,
@@ -375,21 +382,12 @@ impl OverrideFault {
     }
 }
 
-fn wrong_type_remedy(expected: &str, found: &str) -> String {
-    match found {
-        "a table" => {
-            format!("give {expected}; a name with dots is one key only in quotes: \"joint1.Fc\"")
-        }
-        _ => format!("give {expected}"),
-    }
-}
-
 /// The candidate most like the word; the first of equals.
 fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> &'a str {
     let mut best = ("", -1.0);
     for candidate in candidates {
         // Jaro-Winkler favours a common beginning, which is how names are cut short.
-        let likeness = strsim::jaro_winkler(word, candidate);
+        let likeness = strsim::jaro_winkler(&word.to_lowercase(), candidate);
         if likeness > best.1 {
             best = (candidate, likeness);
         }

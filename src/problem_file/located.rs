@@ -71,7 +71,8 @@ impl Located<PerJoint> {
         match &self.value {
             PerJoint::All(value) => Ok(vec![*value; joints.len()]),
             PerJoint::Each(values) => {
-                check_length(values.len(), joints, &self.place)?;
+                let remark = "; one number for all joints may stand alone, without brackets";
+                check_length(values.len(), joints, remark, &self.place)?;
                 Ok(values.clone())
             }
         }
@@ -84,15 +85,24 @@ impl<T> Located<Vec<T>> {
     /// # Errors
     /// `wrong-length`, where there is not.
     pub fn check_one_per_joint(&self, joints: &[String]) -> Result<(), ProblemFileError> {
-        check_length(self.value.len(), joints, &self.place)
+        check_length(self.value.len(), joints, "", &self.place)
     }
 }
 
-fn check_length(found: usize, joints: &[String], place: &Place) -> Result<(), ProblemFileError> {
+fn check_length(
+    found: usize,
+    joints: &[String],
+    remark: &str,
+    place: &Place,
+) -> Result<(), ProblemFileError> {
     if found == joints.len() {
         return Ok(());
     }
-    let expected = format!("one per joint, {}: {}", joints.len(), joints.join(", "));
+    let expected = format!(
+        "one per joint, {}: {}{remark}",
+        joints.len(),
+        joints.join(", ")
+    );
     Err(ProblemFileError::new(
         place,
         ValueFault::WrongLength { expected, found },
@@ -129,6 +139,9 @@ mod tests {
             text.starts_with("p.toml:4: drive.ratio: the number of values is 2"),
             "{text}"
         );
-        assert!(text.contains("one per joint, 3: a1, a2, a3"), "{text}");
+        assert!(
+            text.contains("one per joint, 3: a1, a2, a3; one number"),
+            "{text}"
+        );
     }
 }

@@ -2,9 +2,9 @@
 
 use std::borrow::Cow;
 
-use crate::fault::Place;
-use crate::problem_file::document::{Node, NodeValue, Table, join};
-use crate::problem_file::error::{KeyFault, ProblemFileError, ValueFault};
+use crate::fault::{Fault, Place};
+use crate::problem_file::document::{Entry, Node, NodeValue, Table, join};
+use crate::problem_file::error::{KeyFault, ProblemFileError, ProblemFileErrorKind, ValueFault};
 use crate::problem_file::located::{Located, Named};
 use crate::problem_file::{design, diagnose, drive, fit, recordings, robot, simulate, values};
 
@@ -146,7 +146,7 @@ impl<'a> Reader<'a> {
                 }
                 Ok(Named {
                     name: entry.key.clone(),
-                    value: located(&entry.node, &parse)?,
+                    value: located(&entry.node, &parse).map_err(|e| unquoted(entry, e))?,
                 })
             })
             .collect()
@@ -171,8 +171,12 @@ impl<'a> Reader<'a> {
 
     /// A list of tables, empty where the key is absent.
     pub fn tables(&self, key: &str) -> Result<&'a [Node], ProblemFileError> {
-        self.node(key)
-            .map_or(Ok(&[]), |node| values::items(node, "a list of tables"))
+        self.node(key).map_or(Ok(&[]), |node| {
+            values::items(
+                node,
+                "a list of tables, each under its own header in double brackets",
+            )
+        })
     }
 
     /// # Errors
@@ -194,6 +198,19 @@ impl<'a> Reader<'a> {
             )),
             _ => Ok(()),
         }
+    }
+}
+
+/// A table where a name ought to have a value comes from a name with dots and no quotes.
+fn unquoted(entry: &Entry, error: ProblemFileError) -> ProblemFileError {
+    match (&entry.node.value, error.kind()) {
+        (
+            NodeValue::Table(_),
+            ProblemFileErrorKind::Value(ValueFault::WrongType { expected, .. }),
+        ) if *error.place() == entry.node.place => {
+            ProblemFileError::new(&entry.place, ValueFault::UnquotedName { expected })
+        }
+        _ => error,
     }
 }
 

@@ -73,10 +73,17 @@ impl RobotTable {
         let table = Self {
             source: source(&reader, context)?,
             gravity: reader.or("gravity", DEFAULT_GRAVITY, values::vector3)?,
-            joints: reader.optional("joints", |n| values::not_empty(values::names(n)?, n))?,
+            joints: reader.optional("joints", |n| {
+                values::not_empty(
+                    values::names(n, "a list of joints such as [\"joint1\", \"joint2\"]")?,
+                    n,
+                )
+            })?,
             locked: reader.named("locked", values::finite)?,
             inertials: reader.or("inertials", Inertials::Estimate, values::choice)?,
-            zero: reader.list("zero", values::names)?,
+            zero: reader.list("zero", |n| {
+                values::names(n, "a list of parameters such as [\"link2.com_y\"]")
+            })?,
             parameters: reader.optional("parameters", |n| values::file_path(n, context))?,
             payload: reader.optional("payload", payload_place)?,
         };

@@ -53,7 +53,7 @@ pub(super) fn array<T, const N: usize>(
         fault(
             node,
             ValueFault::WrongLength {
-                expected: format!("{N}: {expected}"),
+                expected: expected.to_owned(),
                 found: values.len(),
             },
         )
@@ -212,8 +212,8 @@ pub(super) fn choice<C: Choice>(node: &Node) -> Parsed<C> {
 }
 
 /// A list of names, each once.
-pub(super) fn names(node: &Node) -> Parsed<Vec<Located<String>>> {
-    let names: Vec<Located<String>> = items(node, "a list of names such as [\"a\", \"b\"]")?
+pub(super) fn names(node: &Node, expected: &'static str) -> Parsed<Vec<Located<String>>> {
+    let names: Vec<Located<String>> = items(node, expected)?
         .iter()
         .map(|item| {
             Ok(Located {
@@ -228,7 +228,7 @@ pub(super) fn names(node: &Node) -> Parsed<Vec<Located<String>>> {
 
 /// A list of effects, each once and known.
 pub(super) fn effects(node: &Node, context: &Context) -> Parsed<Vec<Located<String>>> {
-    let effects = names(node)?;
+    let effects = names(node, "a list of effects such as [\"coulomb_friction\"]")?;
     let unknown = |effect: &&Located<String>| !context.effect_ids.contains(&effect.as_str());
     match effects.iter().find(unknown) {
         None => Ok(effects),
@@ -268,7 +268,7 @@ pub(super) fn file_path(node: &Node, context: &Context) -> Parsed<FilePath> {
 
 /// A list of files, each once.
 pub(super) fn file_paths(node: &Node, context: &Context) -> Parsed<Vec<Located<FilePath>>> {
-    let names = names(node)?.into_iter();
+    let names = names(node, "a list of files such as [\"train.csv\"]")?.into_iter();
     Ok(names
         .map(|name| Located {
             value: FilePath::new(context.folder, &name.value),

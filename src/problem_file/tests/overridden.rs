@@ -57,73 +57,32 @@ fn the_last_override_of_a_key_holds() {
     assert_eq!(parse(FULL, &overrides).unwrap().design.period.value, 4.5);
 }
 
+/// Override, code, key, and a part of the message or remedy.
+#[rustfmt::skip]
+const FAULTS: &[(&str, &str, &str, &str)] = &[
+    ("fit.estimatr=wls", "unknown-key", "fit.estimatr", "\"estimator\""),
+    ("ftt.estimator=wls", "unknown-key", "ftt.estimator", "\"fit\""),
+    ("fit.estimator=wlz", "unknown-estimator", "fit.estimator", "\"wls\""),
+    ("recordings.period=-1", "not-positive", "recordings.period", "-1"),
+    ("recordings.period=1e", "wrong-type", "recordings.period", "1e"),
+    ("drive.ratio=[1, 0]", "zero", "drive.ratio", "0"),
+    ("drive.ratio=[1, 2", "override-value", "drive.ratio", "[1, 2"),
+    ("drive.ratio", "override-form", "drive.ratio", "key=value"),
+    ("drive.ratio=", "override-form", "drive.ratio", "key=value"),
+    ("=3", "override-form", "", "key=value"),
+    ("drive..ratio=3", "override-form", "drive..ratio", "key=value"),
+    ("", "override-form", "", "key=value"),
+    ("name.first=x", "override-below-value", "name.first", "\"name\" is a text"),
+    ("robot.mdh=r.toml", "conflict", "robot.mdh", "urdf"),
+    ("fit=3", "wrong-type", "fit", "a table"),
+    ("design.harmonics=2.5", "wrong-type", "design.harmonics", "whole"),
+];
+
 #[test]
 fn faults_of_overrides_name_the_override() {
-    for (text, code, key, says) in [
-        (
-            "fit.estimatr=wls",
-            "unknown-key",
-            "fit.estimatr",
-            "\"estimator\"",
-        ),
-        (
-            "ftt.estimator=wls",
-            "unknown-key",
-            "ftt.estimator",
-            "\"fit\"",
-        ),
-        (
-            "fit.estimator=wlz",
-            "unknown-estimator",
-            "fit.estimator",
-            "\"wls\"",
-        ),
-        (
-            "recordings.period=-1",
-            "not-positive",
-            "recordings.period",
-            "-1",
-        ),
-        (
-            "recordings.period=1e",
-            "wrong-type",
-            "recordings.period",
-            "1e",
-        ),
-        ("drive.ratio=[1, 0]", "zero", "drive.ratio", "0"),
-        (
-            "drive.ratio=[1, 2",
-            "override-value",
-            "drive.ratio",
-            "[1, 2",
-        ),
-        ("drive.ratio", "override-form", "drive.ratio", "key=value"),
-        ("drive.ratio=", "override-form", "drive.ratio", "key=value"),
-        ("=3", "override-form", "", "key=value"),
-        (
-            "drive..ratio=3",
-            "override-form",
-            "drive..ratio",
-            "key=value",
-        ),
-        ("", "override-form", "", "key=value"),
-        (
-            "name.first=x",
-            "override-below-value",
-            "name.first",
-            "\"name\" is a text",
-        ),
-        ("robot.mdh=r.toml", "conflict", "robot.mdh", "urdf"),
-        ("fit=3", "wrong-type", "fit", "a table"),
-        (
-            "design.harmonics=2.5",
-            "wrong-type",
-            "design.harmonics",
-            "whole",
-        ),
-    ] {
+    for (text, code, key, says) in FAULTS {
         let error = parse(FULL, &[text]).expect_err(text);
-        assert_eq!(error.describe().code, code, "{text}: {error}");
+        assert_eq!(error.describe().code, *code, "{text}: {error}");
         let place = error.place();
         assert_eq!(place.key, Some(format!("--set {key}")), "{text}: {error}");
         assert_eq!((place.line, place.column), (None, None), "{text}");
