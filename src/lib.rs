@@ -1,4 +1,18 @@
 //! exid: excite, identify, diagnose.
+//!
+//! A module uses only modules of lower layers, and `tests/architecture.rs` holds it to this table:
+//!
+//! | layer | modules |
+//! |---|---|
+//! | 6 | `cli` |
+//! | 5 | `report` |
+//! | 4b | `estimate`, `simulate`, `check` |
+//! | 4a | `setup` |
+//! | 3 | `chain`, `outcome`, `problem_file` |
+//! | 2 | `robot`, `recording`, `solve` |
+//! | 1 | `problem` |
+//! | 0 | `linalg`, `stats` |
+//! | every layer uses | `fault` |
 
 pub mod fault;
 

@@ -1,1 +1,185 @@
-//! problem_file
+//! The problem file: TOML in, plain typed structs out, one struct per table.
+//!
+//! This layer knows the keys, their types and their ranges. What needs the robot (the number of
+//! joints, the names of parameters) is checked later, by the layer that has it; every value that
+//! can still turn out wrong is therefore a [`Located`] value, which knows its line and key.
+
+pub mod choices;
+pub mod design;
+pub mod diagnose;
+pub mod drive;
+pub mod error;
+pub mod fit;
+pub mod located;
+pub mod recordings;
+pub mod robot;
+pub mod simulate;
+
+mod document;
+mod overrides;
+mod reader;
+mod values;
+
+#[cfg(test)]
+mod tests;
+
+use std::path::{Path, PathBuf};
+
+use crate::fault::Place;
+
+pub use design::DesignTable;
+pub use diagnose::DiagnoseTable;
+pub use drive::DriveTable;
+pub use error::{ProblemFileError, ProblemFileErrorKind};
+pub use fit::FitTable;
+pub use located::{FilePath, Located, Named, PerJoint};
+pub use recordings::RecordingsTable;
+pub use robot::RobotTable;
+pub use simulate::SimulateTable;
+
+use document::Node;
+use error::KeyFault;
+use reader::Reader;
+
+/// Keys of the top level of a problem file.
+pub(crate) const KEYS: &[&str] = &[
+    "name",
+    "robot",
+    "drive",
+    "recordings",
+    "fit",
+    "design",
+    "simulate",
+    "diagnose",
+];
+
+/// A problem file as read, after overrides.
+#[derive(Debug, Clone)]
+pub struct ProblemFile {
+    /// The file itself.
+    pub path: PathBuf,
+    /// Name of the problem and of its results folder. Default: the file's name without extension.
+    pub name: Located<String>,
+    pub robot: RobotTable,
+    /// Default: an empty table, a rigid body without losses.
+    pub drive: DriveTable,
+    /// Absent where nothing is read, as for `design` and `simulate`; see [`Self::recordings`].
+    pub recordings: Option<RecordingsTable>,
+    pub fit: FitTable,
+    pub design: DesignTable,
+    pub simulate: SimulateTable,
+    pub diagnose: DiagnoseTable,
+    /// The file as read, after overrides, for the record in `result.json`. A number that JSON
+    /// cannot hold, such as an infinite bound, is a text there.
+    pub json: serde_json::Value,
+}
+
+/// What the tables need to know besides their own text.
+struct Context<'a> {
+    /// Folder that relative paths start from: the problem file's own.
+    folder: &'a Path,
+    /// Identifiers that lists of effects may hold.
+    effect_ids: &'a [&'a str],
+}
+
+impl ProblemFile {
+    /// Reads and validates a problem file.
+    ///
+    /// `overrides` are `key=value` texts that replace keys of the file (`fit.estimator=wls`);
+    /// `effect_ids` are the identifiers that lists of effects may hold.
+    ///
+    /// # Errors
+    /// The first fault found, with file, line, column and key: the file cannot be read, is not
+    /// TOML, has an unknown, missing or conflicting key, or a value out of its type or range.
+    pub fn read(
+        path: &Path,
+        overrides: &[String],
+        effect_ids: &[&str],
+    ) -> Result<Self, ProblemFileError> {
+        let text = document::read_text(path)?;
+        Self::parse(path, &text, overrides, effect_ids)
+    }
+
+    /// As [`Self::read`], from the text of the file at `path`.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn parse(
+        path: &Path,
+        text: &str,
+        overrides: &[String],
+        effect_ids: &[&str],
+    ) -> Result<Self, ProblemFileError> {
+        let mut root = document::parse(path, text)?;
+        overrides::apply(&mut root, overrides)?;
+        let context = Context {
+            folder: path.parent().unwrap_or(Path::new("")),
+            effect_ids,
+        };
+        let file = Self::from_node(path, &root, &context)?;
+        file.check_across_tables()?;
+        Ok(file)
+    }
+
+    fn from_node(path: &Path, root: &Node, context: &Context) -> Result<Self, ProblemFileError> {
+        let reader = Reader::open(root, KEYS)?;
+        let name = reader.or("name", default_name(path), values::folder_name)?;
+        let recordings = match reader.node("recordings") {
+            Some(node) => Some(RecordingsTable::from_node(node, context)?),
+            None => None,
+        };
+        Ok(Self {
+            path: path.to_path_buf(),
+            name,
+            robot: RobotTable::from_node(
+                reader.required_node("robot", "state the robot with a table [robot]")?,
+                context,
+            )?,
+            drive: DriveTable::from_node(&reader.table("drive"), context)?,
+            recordings,
+            fit: FitTable::from_node(&reader.table("fit"), context)?,
+            design: DesignTable::from_node(&reader.table("design"))?,
+            simulate: SimulateTable::from_node(&reader.table("simulate"), context)?,
+            diagnose: DiagnoseTable::from_node(&reader.table("diagnose"), context)?,
+            json: root.to_json(),
+        })
+    }
+
+    /// The table of recordings, for a verb that reads them.
+    ///
+    /// # Errors
+    /// `missing-table`, where the file has no `[recordings]`.
+    pub fn recordings(&self) -> Result<&RecordingsTable, ProblemFileError> {
+        self.recordings.as_ref().ok_or_else(|| {
+            ProblemFileError::new(
+                &Place::file(&self.path).key("recordings"),
+                KeyFault::Missing {
+                    remedy: "state the recordings with a table [recordings]".into(),
+                },
+            )
+        })
+    }
+
+    /// Recordings with a load ask for a load in the model.
+    fn check_across_tables(&self) -> Result<(), ProblemFileError> {
+        let loaded = self.recordings.as_ref().and_then(|r| r.loaded.first());
+        match (loaded, &self.robot.payload) {
+            (Some(loaded), None) => Err(ProblemFileError::new(
+                &loaded.place,
+                KeyFault::Conflict {
+                    found: "recordings with a load, but the robot has none".into(),
+                    remedy: "add payload = \"last\" to [robot], or move the files to train".into(),
+                },
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The file's name without extension; "problem" where that is not a name for a folder.
+fn default_name(path: &Path) -> String {
+    path.file_stem()
+        .map(|stem| stem.to_string_lossy().into_owned())
+        .filter(|name| values::is_folder_name(name))
+        .unwrap_or_else(|| "problem".to_owned())
+}

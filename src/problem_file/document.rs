@@ -1,0 +1,268 @@
+//! The text of a problem file as a tree of values that each know their place: file, line, column
+//! and key.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::fault::Place;
+use crate::problem_file::error::{FileFault, NumberFault, ProblemFileError};
+
+/// A value and its place.
+#[derive(Debug, Clone)]
+pub(super) struct Node {
+    pub value: NodeValue,
+    pub place: Place,
+}
+
+#[derive(Debug, Clone)]
+pub(super) enum NodeValue {
+    Text(String),
+    Integer(i64),
+    Number(f64),
+    Boolean(bool),
+    /// A date or time, as written.
+    Date(String),
+    List(Vec<Node>),
+    Table(Table),
+}
+
+/// Entries in the order of the file, each key once.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Table {
+    pub entries: Vec<Entry>,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Entry {
+    pub key: String,
+    /// Where the key stands.
+    pub place: Place,
+    pub node: Node,
+}
+
+impl Table {
+    pub fn get(&self, key: &str) -> Option<&Node> {
+        let entry = self.entries.iter().find(|entry| entry.key == key);
+        entry.map(|entry| &entry.node)
+    }
+}
+
+impl Node {
+    /// What the value is, in words, for messages.
+    pub fn kind(&self) -> &'static str {
+        match self.value {
+            NodeValue::Text(_) => "a text",
+            NodeValue::Integer(_) | NodeValue::Number(_) => "a number",
+            NodeValue::Boolean(_) => "true or false",
+            NodeValue::Date(_) => "a date",
+            NodeValue::List(_) => "a list",
+            NodeValue::Table(_) => "a table",
+        }
+    }
+
+    /// The value as JSON. Infinite numbers are texts there.
+    pub fn to_json(&self) -> serde_json::Value {
+        match &self.value {
+            NodeValue::Text(text) | NodeValue::Date(text) => text.as_str().into(),
+            NodeValue::Integer(integer) => (*integer).into(),
+            NodeValue::Number(number) if number.is_finite() => (*number).into(),
+            NodeValue::Number(number) => number.to_string().into(),
+            NodeValue::Boolean(boolean) => (*boolean).into(),
+            NodeValue::List(items) => items.iter().map(Self::to_json).collect(),
+            NodeValue::Table(table) => table
+                .entries
+                .iter()
+                .map(|entry| (entry.key.clone(), entry.node.to_json()))
+                .collect(),
+        }
+    }
+
+    /// The value as TOML. Dates are texts there.
+    pub fn to_toml(&self) -> toml::Value {
+        match &self.value {
+            NodeValue::Text(text) | NodeValue::Date(text) => text.as_str().into(),
+            NodeValue::Integer(integer) => (*integer).into(),
+            NodeValue::Number(number) => (*number).into(),
+            NodeValue::Boolean(boolean) => (*boolean).into(),
+            NodeValue::List(items) => toml::Value::Array(items.iter().map(Self::to_toml).collect()),
+            NodeValue::Table(table) => toml::Value::Table(
+                table
+                    .entries
+                    .iter()
+                    .map(|entry| (entry.key.clone(), entry.node.to_toml()))
+                    .collect(),
+            ),
+        }
+    }
+}
+
+/// Reads the text of a file.
+pub(super) fn read_text(path: &Path) -> Result<String, ProblemFileError> {
+    let place = Place::file(path);
+    if path.is_dir() {
+        return Err(ProblemFileError::new(&place, FileFault::IsDirectory));
+    }
+    let bytes = fs::read(path).map_err(|error| {
+        let kind = match error.kind() {
+            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => FileFault::Missing,
+            io::ErrorKind::PermissionDenied => FileFault::PermissionDenied,
+            _ => FileFault::Unreadable {
+                reason: error.to_string(),
+            },
+        };
+        ProblemFileError::new(&place, kind)
+    })?;
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let bytes = error.as_bytes();
+        let text = String::from_utf8_lossy(&bytes[..valid]);
+        let byte = bytes.get(valid).copied().unwrap_or_default();
+        ProblemFileError::new(
+            &Positions::new(path, &text).place(valid, None),
+            FileFault::NotUtf8 { byte },
+        )
+    })
+}
+
+/// Parses the text of the file at `path` into its root table.
+pub(super) fn parse(path: &Path, text: &str) -> Result<Node, ProblemFileError> {
+    if text.trim_start_matches('\u{feff}').trim().is_empty() {
+        return Err(ProblemFileError::new(&Place::file(path), FileFault::Empty));
+    }
+    let positions = Positions::new(path, text);
+    let table = DeTable::parse(text).map_err(|error| {
+        let offset = error.span().map_or(text.len(), |span| span.start);
+        let reason = error.message().replace('\n', ", ");
+        ProblemFileError::new(&positions.place(offset, None), FileFault::Syntax { reason })
+    })?;
+    let source = Source::File(&positions);
+    Ok(Node {
+        value: NodeValue::Table(source.table(table.get_ref(), None)?),
+        place: Place::file(path),
+    })
+}
+
+/// Lines of a text, to turn an offset in bytes into line and column.
+pub(super) struct Positions<'a> {
+    path: &'a Path,
+    text: &'a str,
+    /// Offset of the first byte of each line.
+    starts: Vec<usize>,
+}
+
+impl<'a> Positions<'a> {
+    fn new(path: &'a Path, text: &'a str) -> Self {
+        let ends = text.match_indices('\n').map(|(offset, _)| offset + 1);
+        Self {
+            path,
+            text,
+            starts: std::iter::once(0).chain(ends).collect(),
+        }
+    }
+
+    fn place(&self, offset: usize, key: Option<&str>) -> Place {
+        let line = self.starts.partition_point(|start| *start <= offset);
+        let start = self.starts[line - 1];
+        let before = self.text.get(start..offset).unwrap_or_default();
+        let place = Place::file(self.path)
+            .line(line)
+            .column(before.chars().count() + 1);
+        match key {
+            Some(key) => place.key(key),
+            None => place,
+        }
+    }
+}
+
+/// Where values come from.
+pub(super) enum Source<'a> {
+    File(&'a Positions<'a>),
+    /// An override, whose place holds for all of its value.
+    Override(&'a Place),
+}
+
+impl Source<'_> {
+    fn place(&self, offset: usize, key: Option<&str>) -> Place {
+        match self {
+            Self::File(positions) => positions.place(offset, key),
+            Self::Override(place) => (*place).clone(),
+        }
+    }
+
+    fn table(&self, table: &DeTable, path: Option<&str>) -> Result<Table, ProblemFileError> {
+        let mut entries: Vec<(usize, Entry)> = Vec::with_capacity(table.len());
+        for (key, value) in table {
+            let path = join(path, key.get_ref());
+            let offset = key.span().start;
+            let place = self.place(offset, Some(&path));
+            let mut node = self.node(value, &path)?;
+            if let NodeValue::Table(_) = node.value {
+                // A fault of a table as a whole is shown at its header, not inside it.
+                node.place = place.clone();
+            }
+            let key = key.get_ref().to_string();
+            entries.push((offset, Entry { key, place, node }));
+        }
+        entries.sort_by_key(|(offset, _)| *offset);
+        let entries = entries.into_iter().map(|(_, entry)| entry).collect();
+        Ok(Table { entries })
+    }
+
+    pub(super) fn node(
+        &self,
+        value: &Spanned<DeValue>,
+        path: &str,
+    ) -> Result<Node, ProblemFileError> {
+        let place = self.place(value.span().start, Some(path));
+        let too_large = |found: &str| {
+            ProblemFileError::new(
+                &place,
+                NumberFault::TooLarge {
+                    found: found.to_owned(),
+                },
+            )
+        };
+        let value = match value.get_ref() {
+            DeValue::String(text) => NodeValue::Text(text.to_string()),
+            DeValue::Integer(integer) => NodeValue::Integer(
+                i64::from_str_radix(integer.as_str(), integer.radix())
+                    .map_err(|_| too_large(&integer.to_string()))?,
+            ),
+            DeValue::Float(float) => {
+                let text = float.as_str();
+                let number: f64 = text.parse().map_err(|_| too_large(text))?;
+                if number.is_infinite() && !text.contains("inf") {
+                    return Err(too_large(text));
+                }
+                NodeValue::Number(number)
+            }
+            DeValue::Boolean(boolean) => NodeValue::Boolean(*boolean),
+            DeValue::Datetime(date) => NodeValue::Date(date.to_string()),
+            DeValue::Array(items) => NodeValue::List(
+                items
+                    .iter()
+                    .map(|item| self.node(item, path))
+                    .collect::<Result<_, _>>()?,
+            ),
+            DeValue::Table(table) => NodeValue::Table(self.table(table, Some(path))?),
+        };
+        Ok(Node { value, place })
+    }
+}
+
+/// The path of a key: `fit.estimator`, in quotes where the key has dots or other marks.
+pub(super) fn join(parent: Option<&str>, key: &str) -> String {
+    let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    let key = match !key.is_empty() && key.chars().all(bare) {
+        true => key.to_owned(),
+        false => format!("\"{key}\""),
+    };
+    match parent {
+        Some(parent) => format!("{parent}.{key}"),
+        None => key,
+    }
+}

@@ -1,0 +1,106 @@
+//! `[drive]`: the motors, what is known of them, and the physics between motor and joint.
+
+use crate::problem_file::document::Node;
+use crate::problem_file::error::{ProblemFileError, ValueFault};
+use crate::problem_file::located::{Located, Named, PerJoint};
+use crate::problem_file::reader::Reader;
+use crate::problem_file::{Context, values};
+
+pub(crate) const KEYS: &[&str] = &[
+    "torque_constant",
+    "current_polynomial",
+    "rotor_inertia",
+    "ratio",
+    "offset",
+    "coupling",
+    "effects",
+    "effects_of",
+    "values",
+];
+
+/// Coefficients of one joint's torque, N·m at the joint side, in powers of the current |i|, A:
+/// sign(i)·(c0 + c1·|i| + c2·|i|² + c3·|i|³).
+pub type CurrentPolynomial = [f64; 4];
+
+/// The table `[drive]`. Every list has one value per joint, in the order of the joints, and
+/// belongs to the motor with that index; a single number holds for every joint.
+#[derive(Debug, Clone)]
+pub struct DriveTable {
+    /// How current gives torque. Default: none, as for signals that are torques.
+    pub current_law: Option<CurrentLaw>,
+    /// Reflected inertia of rotor and gear at the joint side, kg·m² (kg), not negative.
+    /// Default: none; estimated if `rotor_inertia` is among the effects.
+    pub rotor_inertia: Option<Located<PerJoint>>,
+    /// Motor turns per joint turn, signed, not zero. Default: none.
+    pub ratio: Option<Located<PerJoint>>,
+    /// q = V·(q_enc / ratio) + offset, rad (m). Default: none.
+    pub offset: Option<Located<PerJoint>>,
+    /// V, rows of a square matrix without unit: joint speeds = V·(motor speeds / ratio).
+    /// Default: none, the identity.
+    pub coupling: Option<Located<Vec<Vec<f64>>>>,
+    /// Physics in the model, for all joints. Default: none.
+    pub effects: Vec<Located<String>>,
+    /// Per joint, what replaces `effects`. Default: none.
+    pub effects_of: Vec<Named<Vec<Located<String>>>>,
+    /// Parameters of the model with known values, in their own units. Default: none.
+    pub values: Vec<Named<f64>>,
+}
+
+/// How current gives torque.
+#[derive(Debug, Clone)]
+pub enum CurrentLaw {
+    /// Torque constant at the joint side, N·m/A (N/A), not zero.
+    Constant(Located<PerJoint>),
+    /// One polynomial per joint.
+    Polynomial(Located<Vec<CurrentPolynomial>>),
+}
+
+impl DriveTable {
+    pub(super) fn from_node(node: &Node, context: &Context) -> Result<Self, ProblemFileError> {
+        let reader = Reader::open(node, KEYS)?;
+        let effects = |n: &Node| values::effects(n, context);
+        Ok(Self {
+            current_law: current_law(&reader)?,
+            rotor_inertia: reader.optional("rotor_inertia", values::per_joint_non_negative)?,
+            ratio: reader.optional("ratio", values::per_joint_nonzero)?,
+            offset: reader.optional("offset", values::per_joint_finite)?,
+            coupling: reader.optional("coupling", square_matrix)?,
+            effects: reader.list("effects", effects)?,
+            effects_of: reader.named("effects_of", effects)?,
+            values: reader.named("values", values::finite)?,
+        })
+    }
+}
+
+fn current_law(reader: &Reader) -> Result<Option<CurrentLaw>, ProblemFileError> {
+    reader.at_most_one(&["torque_constant", "current_polynomial"])?;
+    let constant = reader.optional("torque_constant", values::per_joint_nonzero)?;
+    let polynomial = reader.optional("current_polynomial", polynomials)?;
+    Ok(constant
+        .map(CurrentLaw::Constant)
+        .or(polynomial.map(CurrentLaw::Polynomial)))
+}
+
+fn polynomials(node: &Node) -> Result<Vec<CurrentPolynomial>, ProblemFileError> {
+    let rows = values::items(node, "a list with four coefficients per joint")?;
+    rows.iter().map(values::vector4).collect()
+}
+
+fn square_matrix(node: &Node) -> Result<Vec<Vec<f64>>, ProblemFileError> {
+    let rows = values::items(node, "a square matrix, as a list of rows")?;
+    rows.iter()
+        .map(|row| {
+            let entries = values::items(row, "a row of the matrix, as a list of numbers")?;
+            if entries.len() != rows.len() {
+                return Err(ProblemFileError::new(
+                    &row.place,
+                    ValueFault::WrongLength {
+                        expected: format!("{}, as many as there are rows", rows.len()),
+                        found: entries.len(),
+                    },
+                ));
+            }
+            entries.iter().map(values::finite).collect()
+        })
+        .collect()
+}

@@ -1,0 +1,187 @@
+//! `[fit]`: the estimator, what is known before the data, and fits to compare with.
+
+use crate::problem_file::choices::{Estimator, PriorKind};
+use crate::problem_file::document::{Node, NodeValue, Table};
+use crate::problem_file::error::{NumberFault, ProblemFileError, ValueFault};
+use crate::problem_file::located::{Located, Named};
+use crate::problem_file::reader::Reader;
+use crate::problem_file::{Context, values};
+
+pub(crate) const KEYS: &[&str] = &["estimator", "prior", "bounds", "compare"];
+pub(crate) const PRIOR_KEYS: &[&str] = &["kind", "strength", "values"];
+pub(crate) const PRIOR_VALUE_KEYS: &[&str] = &["value", "std_dev"];
+pub(crate) const COMPARE_KEYS: &[&str] = &["name", "effects"];
+
+/// Name of the bound on the sum of all masses in `[fit.bounds]`.
+const TOTAL_MASS: &str = "total_mass";
+
+/// The table `[fit]`.
+#[derive(Debug, Clone)]
+pub struct FitTable {
+    /// Default: [`Estimator::MaximumLikelihood`].
+    pub estimator: Located<Estimator>,
+    pub prior: PriorTable,
+    /// By parameter name, in the parameter's unit. Default: none.
+    pub bounds: Vec<Named<Interval>>,
+    /// Bounds on the sum of all masses, kg. Default: none.
+    pub total_mass: Option<Located<Interval>>,
+    /// The same fit with other effects. Default: none.
+    pub compare: Vec<Comparison>,
+}
+
+/// The table `[fit.prior]`.
+#[derive(Debug, Clone)]
+pub struct PriorTable {
+    /// Default: none, no prior on the inertials of the links.
+    pub kind: Option<Located<PriorKind>>,
+    /// Default: [`Strength::HeldOut`].
+    pub strength: Located<Strength>,
+    /// Single parameters. Default: none.
+    pub values: Vec<Named<PriorValue>>,
+}
+
+/// How far a prior on the inertials is trusted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Strength {
+    /// The strength with the least held-out error.
+    HeldOut,
+    /// The strength at which the residual is as large as the noise.
+    Noise,
+    /// This factor of the prior's distance, positive.
+    Number(f64),
+}
+
+/// What is known of a parameter before the data, in its unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PriorValue {
+    pub value: f64,
+    /// Standard deviation, positive.
+    pub std_dev: f64,
+}
+
+/// lower <= x <= upper; a side may be infinite.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interval {
+    pub lower: f64,
+    pub upper: f64,
+}
+
+/// One table `[[fit.compare]]`.
+#[derive(Debug, Clone)]
+pub struct Comparison {
+    pub name: Located<String>,
+    /// What replaces `drive.effects`.
+    pub effects: Located<Vec<Located<String>>>,
+}
+
+impl FitTable {
+    pub(super) fn from_node(node: &Node, context: &Context) -> Result<Self, ProblemFileError> {
+        let reader = Reader::open(node, KEYS)?;
+        let mut bounds = reader.named("bounds", interval)?;
+        let total_mass = bounds
+            .iter()
+            .position(|bound| bound.name == TOTAL_MASS)
+            .map(|index| bounds.remove(index).value);
+        let compare = reader.tables("compare")?;
+        let compare: Vec<Comparison> = compare
+            .iter()
+            .map(|table| Comparison::from_node(table, context))
+            .collect::<Result<_, _>>()?;
+        values::check_no_duplicates(compare.iter().map(|comparison| &comparison.name))?;
+        Ok(Self {
+            estimator: reader.or("estimator", Estimator::MaximumLikelihood, values::choice)?,
+            prior: PriorTable::from_node(&reader.table("prior"))?,
+            bounds,
+            total_mass,
+            compare,
+        })
+    }
+}
+
+impl PriorTable {
+    fn from_node(node: &Node) -> Result<Self, ProblemFileError> {
+        let reader = Reader::open(node, PRIOR_KEYS)?;
+        let kind = reader.optional("kind", values::choice)?;
+        if kind.is_none() && reader.node("strength").is_some() {
+            return Err(reader.missing(
+                "kind",
+                "a strength belongs to a kind: add kind = \"entropic\", \"euclidean\" or \"pullback\"",
+            ));
+        }
+        Ok(Self {
+            kind,
+            strength: reader.or("strength", Strength::HeldOut, strength)?,
+            values: reader.named("values", prior_value)?,
+        })
+    }
+}
+
+impl Comparison {
+    fn from_node(node: &Node, context: &Context) -> Result<Self, ProblemFileError> {
+        let reader = Reader::open(node, COMPARE_KEYS)?;
+        Ok(Self {
+            name: reader.required("name", "name the comparison", values::text)?,
+            effects: reader.required("effects", "list the effects of the comparison", |n| {
+                values::effects(n, context)
+            })?,
+        })
+    }
+}
+
+fn strength(node: &Node) -> Result<Strength, ProblemFileError> {
+    const WORDS: &[(&str, Strength)] =
+        &[("held_out", Strength::HeldOut), ("noise", Strength::Noise)];
+    match &node.value {
+        NodeValue::Text(word) => WORDS
+            .iter()
+            .find(|(known, _)| known == word)
+            .map(|(_, strength)| *strength)
+            .ok_or_else(|| {
+                ProblemFileError::new(
+                    &node.place,
+                    ValueFault::UnknownWord {
+                        noun: "strength of the prior",
+                        code: "unknown-strength",
+                        found: word.clone(),
+                        known: WORDS.iter().map(|(word, _)| (*word).to_owned()).collect(),
+                    },
+                )
+            }),
+        NodeValue::Integer(_) | NodeValue::Number(_) => {
+            values::positive(node).map(Strength::Number)
+        }
+        _ => Err(values::wrong_type(
+            node,
+            "\"held_out\", \"noise\" or a number",
+        )),
+    }
+}
+
+fn prior_value(node: &Node) -> Result<PriorValue, ProblemFileError> {
+    // Without either key this is the table that TOML makes of a name with dots and no quotes.
+    let described = |table: &Table| PRIOR_VALUE_KEYS.iter().any(|key| table.get(key).is_some());
+    if !matches!(&node.value, NodeValue::Table(table) if described(table)) {
+        return Err(values::wrong_type(
+            node,
+            "a table such as { value = 120.0, std_dev = 5.0 }",
+        ));
+    }
+    let reader = Reader::open(node, PRIOR_VALUE_KEYS)?;
+    let value = reader.required("value", "state the value expected", values::finite)?;
+    let std_dev = reader.required("std_dev", "state how far to trust it", values::positive)?;
+    Ok(PriorValue {
+        value: value.value,
+        std_dev: std_dev.value,
+    })
+}
+
+fn interval(node: &Node) -> Result<Interval, ProblemFileError> {
+    let [lower, upper] = values::array(node, "two numbers, lower and upper", values::not_nan)?;
+    if lower > upper {
+        return Err(ProblemFileError::new(
+            &node.place,
+            NumberFault::LowerAboveUpper { lower, upper },
+        ));
+    }
+    Ok(Interval { lower, upper })
+}

@@ -1,0 +1,168 @@
+//! Overrides `key=value` of a problem file: values are TOML, bare words are texts, and the place
+//! of their faults is `--set key`.
+
+use toml::de::DeTable;
+
+use crate::fault::Place;
+use crate::problem_file::document::{Entry, Node, NodeValue, Source, Table, join};
+use crate::problem_file::error::{OverrideFault, ProblemFileError};
+
+/// Tables whose keys are names with dots. A shell takes the quotes off such a key, so below these
+/// tables the rest of the key is one name.
+const TABLES_OF_NAMES: &[&str] = &[
+    "robot.locked",
+    "drive.effects_of",
+    "drive.values",
+    "fit.prior.values",
+    "fit.bounds",
+    "simulate.values",
+];
+
+/// Applies the overrides in their order to the root table of a file.
+pub(super) fn apply(root: &mut Node, overrides: &[String]) -> Result<(), ProblemFileError> {
+    let file = root.place.clone();
+    for text in overrides {
+        let place = file.clone().key(format!("--set {}", key_text(text)));
+        let (segments, value) = split(text).ok_or_else(|| {
+            ProblemFileError::new(
+                &place,
+                OverrideFault::Form {
+                    found: text.clone(),
+                },
+            )
+        })?;
+        let node = parse_value(value, &place)?;
+        insert(root, &segments, node)?;
+    }
+    Ok(())
+}
+
+/// The part before the value, or all of it where there is none.
+fn key_text(text: &str) -> &str {
+    text.split('=').next().unwrap_or(text).trim()
+}
+
+/// Splits `a.b."c.d" = value` into the parts of the key and the text of the value.
+fn split(text: &str) -> Option<(Vec<String>, &str)> {
+    let mut segments = vec![String::new()];
+    let mut quote = None;
+    for (offset, c) in text.char_indices() {
+        match (quote, c) {
+            (Some(open), c) if c == open => quote = None,
+            (None, '"' | '\'') => quote = Some(c),
+            (None, '.') => segments.push(String::new()),
+            (None, '=') => {
+                let value = text[offset + 1..].trim();
+                let segments = join_names(&segments);
+                let complete = segments.iter().all(|segment| !segment.is_empty());
+                return (complete && !value.is_empty()).then_some((segments, value));
+            }
+            (None, c) if c.is_whitespace() => {}
+            (_, c) => segments.last_mut()?.push(c),
+        }
+    }
+    None
+}
+
+/// Makes one name of what follows a table of names.
+fn join_names(segments: &[String]) -> Vec<String> {
+    for length in 1..segments.len() {
+        let (table, name) = segments.split_at(length);
+        if TABLES_OF_NAMES.contains(&table.join(".").as_str()) {
+            let mut joined = table.to_vec();
+            joined.push(name.join("."));
+            return joined;
+        }
+    }
+    segments.to_vec()
+}
+
+/// A TOML value; what is none and does not begin like a list, table or quoted text, is a text.
+fn parse_value(text: &str, place: &Place) -> Result<Node, ProblemFileError> {
+    const KEY: &str = "value";
+    let document = format!("{KEY} = {text}");
+    let bare = || Node {
+        value: NodeValue::Text(text.to_owned()),
+        place: place.clone(),
+    };
+    match DeTable::parse(&document) {
+        Ok(table) if table.get_ref().len() == 1 => match table.get_ref().get(KEY) {
+            Some(value) => Source::Override(place).node(value, KEY),
+            None => Ok(bare()),
+        },
+        Err(error) if text.starts_with(['[', '{', '"', '\'']) => Err(ProblemFileError::new(
+            place,
+            OverrideFault::Value {
+                found: text.to_owned(),
+                reason: error.message().replace('\n', ", "),
+            },
+        )),
+        _ => Ok(bare()),
+    }
+}
+
+/// Puts the value at its key; tables on the way are made where they are missing.
+fn insert(root: &mut Node, segments: &[String], value: Node) -> Result<(), ProblemFileError> {
+    let place = value.place.clone();
+    let file = root.place.clone();
+    let Some((last, parents)) = segments.split_last() else {
+        return Ok(());
+    };
+    let mut node = root;
+    let mut path: Option<String> = None;
+    for segment in parents {
+        let below = join(path.as_deref(), segment);
+        let empty = Node {
+            value: NodeValue::Table(Table::default()),
+            place: file.clone().key(&below),
+        };
+        let table = table_mut(node, path.as_deref(), &place)?;
+        node = entry_mut(table, segment, || (place.clone(), empty));
+        path = Some(below);
+    }
+    let table = table_mut(node, path.as_deref(), &place)?;
+    table.entries.retain(|entry| entry.key != *last);
+    table.entries.push(Entry {
+        key: last.clone(),
+        place,
+        node: value,
+    });
+    Ok(())
+}
+
+fn table_mut<'a>(
+    node: &'a mut Node,
+    path: Option<&str>,
+    place: &Place,
+) -> Result<&'a mut Table, ProblemFileError> {
+    let found = node.kind();
+    match &mut node.value {
+        NodeValue::Table(table) => Ok(table),
+        _ => Err(ProblemFileError::new(
+            place,
+            OverrideFault::BelowValue {
+                parent: path.unwrap_or_default().to_owned(),
+                found,
+            },
+        )),
+    }
+}
+
+/// The entry with this key, made where it is missing.
+fn entry_mut<'a>(
+    table: &'a mut Table,
+    key: &str,
+    make: impl FnOnce() -> (Place, Node),
+) -> &'a mut Node {
+    let index = table.entries.iter().position(|entry| entry.key == key);
+    let index = index.unwrap_or_else(|| {
+        let (place, node) = make();
+        table.entries.push(Entry {
+            key: key.to_owned(),
+            place,
+            node,
+        });
+        table.entries.len() - 1
+    });
+    &mut table.entries[index].node
+}

@@ -1,0 +1,187 @@
+//! `[recordings]`: the files, what they hold, and how positions give velocities and accelerations.
+
+use crate::problem_file::choices::{DifferentiationMethod, PositionSide, Signal};
+use crate::problem_file::document::Node;
+use crate::problem_file::error::{KeyFault, NumberFault, ProblemFileError};
+use crate::problem_file::located::{FilePath, Located};
+use crate::problem_file::reader::Reader;
+use crate::problem_file::{Context, values};
+
+pub(crate) const KEYS: &[&str] = &[
+    "train",
+    "validation",
+    "loaded",
+    "signal",
+    "position_side",
+    "rate",
+    "period",
+    "columns",
+    "differentiation",
+];
+pub(crate) const COLUMNS_KEYS: &[&str] = &[
+    "time",
+    "position",
+    "velocity",
+    "acceleration",
+    "current",
+    "torque",
+    "wrench",
+    "temperature",
+    "mask",
+];
+pub(crate) const DIFFERENTIATION_KEYS: &[&str] = &["method", "cutoff_hz", "parallel_hz"];
+
+/// The table `[recordings]`.
+#[derive(Debug, Clone)]
+pub struct RecordingsTable {
+    /// Training recordings without `loaded`. Required unless there are `loaded` ones.
+    pub train: Vec<Located<FilePath>>,
+    /// Default: none; held-out figures are then null.
+    pub validation: Vec<Located<FilePath>>,
+    /// Training recordings with the load on; the others are then without it. Default: none, every
+    /// recording carries the load.
+    pub loaded: Vec<Located<FilePath>>,
+    /// Default: [`Signal::Current`].
+    pub signal: Located<Signal>,
+    /// Default: [`PositionSide::Joint`].
+    pub position_side: Located<PositionSide>,
+    /// Hz, positive. Default: from the time stamps.
+    pub rate: Option<Located<f64>>,
+    /// s, positive. Default: not periodic.
+    pub period: Option<Located<f64>>,
+    pub columns: ColumnsTable,
+    pub differentiation: DifferentiationTable,
+}
+
+/// The table `[recordings.columns]`: names of columns or channels, in which `{joint}` stands for
+/// the joint's name and `{n}` for its number from 1. Every key is optional; an absent one leaves
+/// the name to the reader of recordings.
+#[derive(Debug, Clone)]
+pub struct ColumnsTable {
+    /// s.
+    pub time: Option<Located<String>>,
+    /// rad (m), or the motor's turns in rad.
+    pub position: Option<Located<String>>,
+    /// rad/s (m/s).
+    pub velocity: Option<Located<String>>,
+    /// rad/s² (m/s²).
+    pub acceleration: Option<Located<String>>,
+    /// A.
+    pub current: Option<Located<String>>,
+    /// N·m (N).
+    pub torque: Option<Located<String>>,
+    /// Forces along x, y, z in N, then moments in N·m.
+    pub wrench: Option<Located<[String; 6]>>,
+    /// °C.
+    pub temperature: Option<Located<String>>,
+    /// Samples with 0 are left out.
+    pub mask: Option<Located<String>>,
+}
+
+/// The table `[recordings.differentiation]`.
+#[derive(Debug, Clone)]
+pub struct DifferentiationTable {
+    /// Default: Fourier for periodic recordings, otherwise low-pass.
+    pub method: Option<Located<DifferentiationMethod>>,
+    /// Cut-off frequency, Hz, positive. Default: chosen from the data, per joint.
+    pub cutoff_hz: Option<Located<f64>>,
+    /// Cut-off of the low-pass on the signal and on every column of the model, Hz, positive.
+    /// Default: none.
+    pub parallel_hz: Option<Located<f64>>,
+}
+
+impl RecordingsTable {
+    pub(super) fn from_node(node: &Node, context: &Context) -> Result<Self, ProblemFileError> {
+        let reader = Reader::open(node, KEYS)?;
+        let files = |n: &Node| values::file_paths(n, context);
+        let table = Self {
+            train: reader.list("train", files)?,
+            validation: reader.list("validation", files)?,
+            loaded: reader.list("loaded", files)?,
+            signal: reader.or("signal", Signal::Current, values::choice)?,
+            position_side: reader.or("position_side", PositionSide::Joint, values::choice)?,
+            rate: reader.optional("rate", values::positive)?,
+            period: reader.optional("period", values::positive)?,
+            columns: ColumnsTable::from_node(&reader.table("columns"))?,
+            differentiation: DifferentiationTable::from_node(&reader.table("differentiation"))?,
+        };
+        if table.train.is_empty() && table.loaded.is_empty() {
+            return Err(reader.missing("train", "list the training recordings"));
+        }
+        table.check_method()?;
+        table.check_cutoffs()?;
+        Ok(table)
+    }
+
+    /// A Fourier series needs a period.
+    fn check_method(&self) -> Result<(), ProblemFileError> {
+        match &self.differentiation.method {
+            Some(method)
+                if method.value == DifferentiationMethod::Fourier && self.period.is_none() =>
+            {
+                Err(ProblemFileError::new(
+                    &method.place,
+                    KeyFault::Conflict {
+                        found: "method \"fourier\" without a period".into(),
+                        remedy: "state recordings.period, or use method = \"lowpass\"".into(),
+                    },
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// A cut-off lies below half the rate, where the rate is stated.
+    fn check_cutoffs(&self) -> Result<(), ProblemFileError> {
+        let Some(rate) = &self.rate else {
+            return Ok(());
+        };
+        let table = &self.differentiation;
+        for cutoff in [&table.cutoff_hz, &table.parallel_hz].into_iter().flatten() {
+            if cutoff.value >= rate.value / 2.0 {
+                return Err(ProblemFileError::new(
+                    &cutoff.place,
+                    NumberFault::CutoffAboveNyquist {
+                        cutoff: cutoff.value,
+                        rate: rate.value,
+                    },
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl ColumnsTable {
+    fn from_node(node: &Node) -> Result<Self, ProblemFileError> {
+        let reader = Reader::open(node, COLUMNS_KEYS)?;
+        Ok(Self {
+            time: reader.optional("time", values::text)?,
+            position: reader.optional("position", values::text)?,
+            velocity: reader.optional("velocity", values::text)?,
+            acceleration: reader.optional("acceleration", values::text)?,
+            current: reader.optional("current", values::text)?,
+            torque: reader.optional("torque", values::text)?,
+            wrench: reader.optional("wrench", |n| {
+                values::array(
+                    n,
+                    "six names, of forces x, y, z and moments x, y, z",
+                    values::text,
+                )
+            })?,
+            temperature: reader.optional("temperature", values::text)?,
+            mask: reader.optional("mask", values::text)?,
+        })
+    }
+}
+
+impl DifferentiationTable {
+    fn from_node(node: &Node) -> Result<Self, ProblemFileError> {
+        let reader = Reader::open(node, DIFFERENTIATION_KEYS)?;
+        Ok(Self {
+            method: reader.optional("method", values::choice)?,
+            cutoff_hz: reader.optional("cutoff_hz", values::positive)?,
+            parallel_hz: reader.optional("parallel_hz", values::positive)?,
+        })
+    }
+}

@@ -1,0 +1,250 @@
+//! The shape of the source: paths between modules point down the table of layers in `src/lib.rs`,
+//! files have at most 500 lines and functions at most 60.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const LONGEST_FILE: usize = 500;
+const LONGEST_FUNCTION: usize = 60;
+
+/// A source file: its path from the root of the repository, and its text.
+struct Source {
+    path: PathBuf,
+    text: String,
+}
+
+impl Source {
+    /// The module right under the crate that the file belongs to.
+    fn module(&self) -> Option<String> {
+        let first = self.path.strip_prefix("src").ok()?.iter().next()?;
+        let module = Path::new(first).file_stem()?.to_str()?;
+        (!["lib", "main"].contains(&module)).then(|| module.to_owned())
+    }
+}
+
+/// All Rust files under a folder of the repository, in the order of their paths.
+fn sources(folder: &str) -> Vec<Source> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut folders = vec![root.join(folder)];
+    let mut sources = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                sources.push(Source {
+                    text: fs::read_to_string(&path).unwrap(),
+                    path: path.strip_prefix(root).unwrap().to_path_buf(),
+                });
+            }
+        }
+    }
+    sources.sort_by(|a, b| a.path.cmp(&b.path));
+    sources
+}
+
+/// Rows `//! | layer | modules |` of the library's documentation, the highest layer first.
+fn layers() -> Vec<(String, Vec<String>)> {
+    let lib = include_str!("../src/lib.rs");
+    lib.lines()
+        .filter_map(|line| line.strip_prefix("//! | "))
+        .filter(|row| !row.starts_with("layer"))
+        .map(|row| {
+            let mut cells = row.trim_end_matches([' ', '|']).split(" | ");
+            let layer = cells.next().unwrap().to_owned();
+            let modules = cells.next().unwrap().split(", ");
+            let name = |module: &str| module.trim_matches('`').to_owned();
+            (layer, modules.map(name).collect())
+        })
+        .collect()
+}
+
+/// The text with comments, texts and characters blanked, lines kept.
+fn bare(text: &str) -> String {
+    let chars: Vec<char> = text.chars().collect();
+    let mut out = String::with_capacity(text.len());
+    let mut i = 0;
+    while i < chars.len() {
+        let end = blank_end(&chars, i);
+        if end == i {
+            out.push(chars[i]);
+            i += 1;
+            continue;
+        }
+        out.extend(
+            chars[i..end]
+                .iter()
+                .map(|c| if *c == '\n' { '\n' } else { ' ' }),
+        );
+        i = end;
+    }
+    out
+}
+
+/// The end of the comment, text or character that begins at `start`; `start` if there is none.
+fn blank_end(chars: &[char], start: usize) -> usize {
+    let at = |offset: usize| chars.get(start + offset).copied().unwrap_or(' ');
+    let find = |from: usize, is_end: &dyn Fn(usize) -> bool| {
+        (from..chars.len())
+            .find(|i| is_end(*i))
+            .unwrap_or(chars.len())
+    };
+    let word_before = start > 0 && (chars[start - 1].is_alphanumeric() || chars[start - 1] == '_');
+    match (at(0), at(1)) {
+        ('/', '/') => find(start, &|i| chars[i] == '\n'),
+        ('/', '*') => find(start + 2, &|i| chars[i - 1] == '*' && chars[i] == '/') + 1,
+        ('r', '"' | '#') if !word_before => {
+            let hashes = chars[start + 1..].iter().take_while(|c| **c == '#').count();
+            if at(1 + hashes) != '"' {
+                return start;
+            }
+            let closes =
+                |i: usize| chars[i] == '"' && (1..=hashes).all(|k| chars.get(i + k) == Some(&'#'));
+            find(start + 2 + hashes, &closes) + hashes + 1
+        }
+        ('"', _) => quoted_end(chars, start),
+        ('\'', '\\') => find(start + 3, &|i| chars[i] == '\'') + 1,
+        ('\'', _) if at(2) == '\'' => start + 3,
+        _ => start,
+    }
+    .min(chars.len())
+}
+
+fn quoted_end(chars: &[char], start: usize) -> usize {
+    let mut i = start + 1;
+    while i < chars.len() && chars[i] != '"' {
+        i += if chars[i] == '\\' { 2 } else { 1 };
+    }
+    i + 1
+}
+
+/// Names that follow `word` in the text, with the line of each.
+fn names_after<'a>(text: &'a str, word: &str) -> Vec<(usize, usize, &'a str)> {
+    let is_name = |c: char| c.is_alphanumeric() || c == '_';
+    text.match_indices(word)
+        .filter(|(offset, _)| !text[..*offset].ends_with(is_name))
+        .map(|(offset, _)| {
+            let rest = &text[offset + word.len()..];
+            let end = rest.find(|c| !is_name(c)).unwrap_or(rest.len());
+            let line = text[..offset].matches('\n').count() + 1;
+            (offset, line, &rest[..end])
+        })
+        .collect()
+}
+
+/// Lines from the word `fn` at `offset` to the end of the body; none for a signature alone.
+fn function_lines(text: &str, offset: usize) -> Option<usize> {
+    let mut depth = 0_usize;
+    let mut in_body = false;
+    for (position, c) in text[offset..].char_indices() {
+        match c {
+            ';' if depth == 0 => return None,
+            '{' | '(' | '[' => {
+                in_body |= c == '{' && depth == 0;
+                depth += 1;
+            }
+            '}' | ')' | ']' => {
+                depth = depth.saturating_sub(1);
+                if in_body && depth == 0 {
+                    return Some(text[offset..offset + position].matches('\n').count() + 1);
+                }
+            }
+            _ => {}
+        }
+    }
+    None
+}
+
+#[test]
+fn every_module_has_one_layer() {
+    let modules: Vec<String> = layers().into_iter().flat_map(|(_, row)| row).collect();
+    let lib = bare(include_str!("../src/lib.rs"));
+    let declared = names_after(&lib, "mod ");
+    assert!(!declared.is_empty());
+    for (_, line, module) in &declared {
+        let rows = modules.iter().filter(|known| known == module).count();
+        assert_eq!(rows, 1, "src/lib.rs:{line}: {module} in the table");
+    }
+    assert_eq!(modules.len(), declared.len(), "modules that do not exist");
+}
+
+#[test]
+fn paths_between_modules_point_down() {
+    let layers = layers();
+    let height = |module: &str| {
+        let row = layers
+            .iter()
+            .position(|(_, row)| row.iter().any(|m| m == module));
+        row.map(|row| layers.len() - row)
+    };
+    let mut faults = Vec::new();
+    let mut edges = 0;
+    for source in sources("src") {
+        let Some(module) = source.module() else {
+            continue;
+        };
+        let text = bare(&source.text);
+        for (_, line, target) in names_after(&text, "crate::") {
+            if target == module {
+                continue;
+            }
+            edges += 1;
+            if height(target).is_none() || height(target) >= height(&module) {
+                let path = source.path.display();
+                faults.push(format!("{path}:{line}: {module} uses crate::{target}"));
+            }
+        }
+    }
+    assert!(edges > 0, "no path between modules was found");
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn files_and_functions_are_short() {
+    let mut faults = Vec::new();
+    let mut functions = 0;
+    for source in sources("src").into_iter().chain(sources("tests")) {
+        let path = source.path.display();
+        let lines = source.text.lines().count();
+        if lines > LONGEST_FILE {
+            faults.push(format!("{path}: {lines} lines"));
+        }
+        let text = bare(&source.text);
+        for (offset, line, name) in names_after(&text, "fn ") {
+            let Some(length) = function_lines(&text, offset) else {
+                continue;
+            };
+            functions += 1;
+            if length > LONGEST_FUNCTION {
+                faults.push(format!("{path}:{line}: fn {name} has {length} lines"));
+            }
+        }
+    }
+    assert!(functions > 0, "no function was found");
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn files_open_with_what_they_are() {
+    for source in sources("src") {
+        // The binary's only text is its function.
+        let opens = source.text.starts_with("//! ") || source.path == Path::new("src/main.rs");
+        assert!(opens, "{}: no opening line `//! `", source.path.display());
+    }
+}
+
+#[test]
+fn recognises_texts_comments_and_lengths_of_functions() {
+    let text = "fn a(x: [u8; 2]) {\n  let s = \"}\\\"{\"; // }\n  let c = '}';\n}\n\
+                fn b<'a>(x: &'a str);\nfn c() -> u8 {\n  r#\"}\"# /* } */\n}\n";
+    let bare = bare(text);
+    let functions: Vec<_> = names_after(&bare, "fn ")
+        .into_iter()
+        .map(|(offset, line, name)| (line, name, function_lines(&bare, offset)))
+        .collect();
+    assert_eq!(
+        functions,
+        [(1, "a", Some(4)), (5, "b", None), (6, "c", Some(3))]
+    );
+}
