@@ -1,1 +1,5 @@
-//! linalg
+//! Dense linear algebra that the crates do not offer in this shape.
+
+pub mod lapack;
+pub mod svec;
+pub mod triangular;

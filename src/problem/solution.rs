@@ -1,0 +1,122 @@
+//! What a solver returns (point, why it stopped, its trace) and what it lets its caller control.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use nalgebra::DVector;
+
+use crate::problem::bounds::ActiveBound;
+
+/// Why a solver stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Stop {
+    /// Neither the model nor the last step lowers the cost by more than the tolerance.
+    CostTolerance,
+    /// The last step changed no variable by more than the tolerance.
+    StepTolerance,
+    /// The gradient, projected on the bounds, is within the tolerance.
+    GradientTolerance,
+    /// A direct or conic method reached the optimum within its tolerances.
+    Optimal,
+    /// The conic method came close to the optimum, within its reduced tolerances only.
+    NearlyOptimal,
+    /// No point satisfies the constraints.
+    Infeasible,
+    /// The cost has no lower bound on the feasible set.
+    Unbounded,
+    /// No step lowers the cost although no test of convergence holds.
+    Stalled,
+    IterationLimit,
+    TimeLimit,
+    /// The caller asked to stop.
+    Interrupted,
+}
+
+impl Stop {
+    /// Whether the point is a solution within the solver's tolerances.
+    pub fn converged(self) -> bool {
+        matches!(
+            self,
+            Self::CostTolerance | Self::StepTolerance | Self::GradientTolerance | Self::Optimal
+        )
+    }
+
+    /// The name in results, in kebab-case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::CostTolerance => "cost-tolerance",
+            Self::StepTolerance => "step-tolerance",
+            Self::GradientTolerance => "gradient-tolerance",
+            Self::Optimal => "optimal",
+            Self::NearlyOptimal => "nearly-optimal",
+            Self::Infeasible => "infeasible",
+            Self::Unbounded => "unbounded",
+            Self::Stalled => "stalled",
+            Self::IterationLimit => "iteration-limit",
+            Self::TimeLimit => "time-limit",
+            Self::Interrupted => "interrupted",
+        }
+    }
+}
+
+/// The end of a run: stopping is a result, not an error.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solution {
+    pub x: DVector<f64>,
+    /// f(x).
+    pub cost: f64,
+    pub stop: Stop,
+    pub iterations: usize,
+    /// Calls of the problem, values and linearisations together.
+    pub evaluations: usize,
+    /// Variables held at a bound.
+    pub active_bounds: Vec<ActiveBound>,
+    pub trace: Trace,
+}
+
+/// The course of a run, one row per iteration.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Trace {
+    pub rows: Vec<TraceRow>,
+}
+
+/// One iteration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TraceRow {
+    pub iteration: usize,
+    /// f at the best point so far.
+    pub cost: f64,
+    /// Largest change of a variable over its scale; zero for a rejected step.
+    pub step: f64,
+    /// The solver's measure of stationarity; zero at a solution.
+    pub stationarity: f64,
+    /// Damping, penalty or barrier parameter of the solver.
+    pub regularization: f64,
+}
+
+/// What a caller may do to a run: stop it, limit its time, watch it.
+#[derive(Clone, Default)]
+pub struct Control<'a> {
+    /// Set from anywhere; the run ends with the best point so far.
+    pub interrupt: Option<Arc<AtomicBool>>,
+    /// Checked between iterations.
+    pub time_limit: Option<Duration>,
+    /// Called once per iteration.
+    pub progress: Option<&'a (dyn Fn(&TraceRow) + Sync)>,
+}
+
+impl Control<'_> {
+    pub fn is_interrupted(&self) -> bool {
+        self.interrupt
+            .as_ref()
+            .is_some_and(|flag| flag.load(Ordering::Relaxed))
+    }
+
+    /// Tells the watcher, if there is one.
+    pub fn report(&self, row: &TraceRow) {
+        if let Some(progress) = self.progress {
+            progress(row);
+        }
+    }
+}

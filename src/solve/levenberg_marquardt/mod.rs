@@ -1,0 +1,154 @@
+//! Levenberg-Marquardt for min 1/2 |r(x)|² subject to lower <= x <= upper.
+//!
+//! A step d minimises |J d + r|² + lambda |D d|² within the bounds, by QR of [R; sqrt(lambda) D], where R is
+//! the triangular factor of J and D holds the largest column norms seen. It is accepted if the nonlinear cost
+//! falls; lambda follows the ratio of actual to predicted decrease. Sources: Moré (1978) for D, Nielsen
+//! (1999) for lambda, Bates and Watts (1981) for the test of convergence. The iterations run in argmin.
+
+use argmin::core::{Executor, State, TerminationReason, TerminationStatus};
+use nalgebra::DVector;
+
+use crate::problem::bounds;
+use crate::problem::solution::{Control, Solution, Stop};
+use crate::problem::view::LeastSquares;
+use crate::solve::error::{SolveError, SolveErrorKind};
+use crate::solve::levenberg_marquardt::iteration::{Iterate, Iteration};
+use crate::solve::levenberg_marquardt::model::Model;
+
+mod iteration;
+mod model;
+
+/// When to stop, and how to start.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    pub max_iterations: usize,
+    /// Stop when the undamped Gauss-Newton step promises a decrease <= cost_tolerance · cost: the point is
+    /// then within sqrt(2 cost_tolerance · rows) standard deviations of the optimum. No unit.
+    pub cost_tolerance: f64,
+    /// Stop when that step moves every variable by <= step_tolerance · (|x| + scale). No unit.
+    pub step_tolerance: f64,
+    /// Stop when |g_j| <= gradient_tolerance · |J_j| sqrt(2 cost) for every variable that no bound holds. No unit.
+    pub gradient_tolerance: f64,
+    /// First lambda, > 0: the weight of |D d|² against |J d + r|². No unit.
+    pub initial_damping: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            max_iterations: 200,
+            cost_tolerance: 1e-14,
+            step_tolerance: 1e-12,
+            gradient_tolerance: 1e-12,
+            initial_damping: 1e-3,
+        }
+    }
+}
+
+impl Settings {
+    fn validate(&self) -> Result<(), SolveError> {
+        let tolerances = [
+            ("cost_tolerance", self.cost_tolerance),
+            ("step_tolerance", self.step_tolerance),
+            ("gradient_tolerance", self.gradient_tolerance),
+        ];
+        for (name, value) in tolerances {
+            if !(0.0..1.0).contains(&value) {
+                let range = "0 <= value < 1";
+                return Err(SolveError::at(
+                    name,
+                    SolveErrorKind::Setting { value, range },
+                ));
+            }
+        }
+        let value = self.initial_damping;
+        if !(value > 0.0 && value.is_finite()) {
+            let kind = SolveErrorKind::Setting {
+                value,
+                range: "value > 0",
+            };
+            return Err(SolveError::at("initial_damping", kind));
+        }
+        Ok(())
+    }
+}
+
+/// Minimises from a start, which is first projected on the bounds.
+pub fn minimize(
+    view: LeastSquares,
+    start: &DVector<f64>,
+    settings: &Settings,
+    control: &Control,
+) -> Result<Solution, SolveError> {
+    settings.validate()?;
+    let x = admissible_start(view, start)?;
+    let model = Model::at(view.problem(), &x)
+        .map_err(|e| SolveError::whole(SolveErrorKind::StartOutsideDomain { reason: e.reason }))?
+        .ok_or_else(|| SolveError::whole(SolveErrorKind::ModelNotFinite))?;
+    let iteration = Iteration::new(settings, control, model);
+    let mut executor = Executor::new(view, iteration)
+        .configure(|state: Iterate| state.param(x).max_iters(settings.max_iterations as u64))
+        .ctrlc(false);
+    if let Some(limit) = control.time_limit {
+        executor = executor.timeout(limit);
+    }
+    let mut result = executor.run().map_err(defect)?;
+    let x = result
+        .state
+        .take_best_param()
+        .ok_or_else(|| defect("no best point"))?;
+    let iteration = result.solver;
+    Ok(Solution {
+        active_bounds: bounds::active(view.problem().form(), &x),
+        x,
+        cost: iteration.cost(),
+        stop: iteration
+            .stop()
+            .unwrap_or_else(|| stop_of(result.state.get_termination_status())),
+        iterations: result.state.get_iter() as usize,
+        // The linearisation at the start comes before argmin counts.
+        evaluations: 1 + result.problem.counts.values().sum::<u64>() as usize,
+        trace: iteration.into_trace(),
+    })
+}
+
+/// The start within the bounds, or what is wrong with it.
+pub(super) fn admissible_start(
+    view: LeastSquares,
+    start: &DVector<f64>,
+) -> Result<DVector<f64>, SolveError> {
+    let form = view.problem().form();
+    let (expected, found) = (form.variables.len(), start.len());
+    if expected != found {
+        return Err(SolveError::whole(SolveErrorKind::StartLength {
+            expected,
+            found,
+        }));
+    }
+    for (variable, value) in form.variables.iter().zip(start.iter()) {
+        if !value.is_finite() {
+            let kind = SolveErrorKind::StartNotFinite { value: *value };
+            return Err(SolveError::at(&variable.name, kind));
+        }
+    }
+    Ok(bounds::project(form, start))
+}
+
+fn stop_of(status: &TerminationStatus) -> Stop {
+    match status {
+        TerminationStatus::Terminated(TerminationReason::Timeout) => Stop::TimeLimit,
+        TerminationStatus::Terminated(TerminationReason::Interrupt) => Stop::Interrupted,
+        _ => Stop::IterationLimit,
+    }
+}
+
+fn defect(error: impl std::fmt::Display) -> SolveError {
+    SolveError::whole(SolveErrorKind::Defect {
+        message: error.to_string(),
+    })
+}
+
+#[cfg(test)]
+mod nist;
+#[cfg(test)]
+mod tests;
