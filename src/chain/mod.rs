@@ -1,1 +1,18 @@
-//! chain
+//! The measurement chain of a robot: motion → rigid body → transmission → motor → signal.
+//!
+//! ```text
+//! q = V m + offset                       m: motor positions at joint scale
+//! τ = Y(q, q̇, q̈) π  (+ payload)         joint torque;  τ_M = Vᵀ τ
+//! τ_mot = τ_M + Σ laws(m, ṁ, m̈)         rotor inertia, friction, offsets
+//! s = τ_mot / (k · gain)                 current (k: torque constant) or torque (k = 1)
+//! ```
+//!
+//! A [`model::Model`] lists every parameter with its name, unit and state; [`evaluate`] predicts the
+//! signal and its derivatives with respect to any of them; [`effect`] is the table of the physics.
+
+pub mod base_parameters;
+pub mod effect;
+pub mod error;
+pub mod evaluate;
+pub mod model;
+pub mod parameter;

@@ -213,6 +213,11 @@ impl Tree {
         poses
     }
 
+    /// Whether a joint moves a link.
+    pub fn moves(&self, joint: usize, link: usize) -> bool {
+        self.links[link].ancestors.contains(&joint)
+    }
+
     pub(crate) fn links(&self) -> &[Link] {
         &self.links
     }

@@ -1,0 +1,187 @@
+//! Base parameters: the combinations of linear parameters that the signal depends on.
+//!
+//! The linear unknowns are scanned in the project's order (links from the first on, Pinocchio's entries;
+//! then rotor inertias; then friction and the rest) over generic states, and each column that is
+//! independent of those kept before is kept: `Y_dependent = Y_kept C`, so that the signal sees only
+//! `β = π_kept + C π_dependent` (Gautier 1990, numerical QR; here without pivoting, which would make the
+//! basis depend on rounding). States come from a fixed seed, so the basis is the same on every machine.
+
+use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
+use crate::chain::model::Model;
+use crate::chain::parameter::Role;
+use crate::linalg::triangular::Triangular;
+use crate::robot::batch::Trajectory;
+use crate::robot::random::{generator, symmetric};
+use nalgebra::DMatrix;
+
+/// A column counts as independent when the part that the columns kept before do not explain exceeds
+/// this share of it. Rounding leaves 1e-14; the smallest lengths of real robots, 1e-4 of the largest,
+/// leave 1e-8 where they enter squared.
+const INDEPENDENT: f64 = 1e-9;
+
+/// Shares of the largest column below which a column is rounding: a parameter without effect.
+const NEGLIGIBLE: f64 = 1e-12;
+
+/// Coefficients of combinations below this are rounding.
+const COEFFICIENT_ROUNDING: f64 = 1e-9;
+
+/// Ranges of the generic states, rad, rad/s, rad/s² (and metres).
+const RANGES: [f64; 3] = [3.0, 2.0, 8.0];
+
+/// One base parameter: the kept parameter and what it stands for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BaseParameter {
+    /// Position of the kept parameter in the model.
+    pub parameter: usize,
+    /// (position, coefficient) of the dependent parameters that enter with it.
+    pub others: Vec<(usize, f64)>,
+}
+
+/// The base parameters of a model.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct BaseParameters {
+    pub base: Vec<BaseParameter>,
+    /// Linear unknowns that have no effect on the signal at all.
+    pub without_effect: Vec<usize>,
+}
+
+impl BaseParameters {
+    /// Scans the linear unknowns of a model over generic states.
+    ///
+    /// `loads` says with which loads the recordings are made: without it, with it, or both.
+    pub fn structural(model: &Model, loads: &[bool]) -> Self {
+        let unknowns = scan_order(model);
+        let factor = generic_factor(model, &unknowns, loads);
+        Self::scan(&factor, &unknowns)
+    }
+
+    /// Scans the columns of a triangular factor; `unknowns` are the parameters of its columns.
+    pub fn scan(factor: &Triangular, unknowns: &[usize]) -> Self {
+        let norms = factor.column_norms();
+        let largest = norms.iter().copied().fold(0.0, f64::max);
+        let (effective, without): (Vec<usize>, Vec<usize>) =
+            (0..unknowns.len()).partition(|&k| norms[k] > NEGLIGIBLE * largest);
+        // Columns of one size: the tolerance is a share of each.
+        let scaled = DMatrix::from_fn(factor.columns(), effective.len(), |i, k| {
+            factor.entry(i, effective[k]) / norms[effective[k]]
+        });
+        let split = Triangular::of(&scaled).independent_columns(INDEPENDENT);
+        let base = split
+            .kept
+            .iter()
+            .enumerate()
+            .map(|(row, &kept)| {
+                let kept = effective[kept];
+                let others = split.dependent.iter().enumerate().filter_map(|(k, &d)| {
+                    let d = effective[d];
+                    let coefficient = split.coefficients[(row, k)] * norms[d] / norms[kept];
+                    (coefficient.abs() > COEFFICIENT_ROUNDING).then_some((unknowns[d], coefficient))
+                });
+                BaseParameter {
+                    parameter: unknowns[kept],
+                    others: others.collect(),
+                }
+            })
+            .collect();
+        Self {
+            base,
+            without_effect: without.iter().map(|&k| unknowns[k]).collect(),
+        }
+    }
+
+    /// Positions of the kept parameters.
+    pub fn kept(&self) -> Vec<usize> {
+        self.base.iter().map(|b| b.parameter).collect()
+    }
+
+    /// Whether the data determine a parameter by itself.
+    pub fn determines(&self, parameter: usize) -> bool {
+        self.base
+            .iter()
+            .any(|b| b.parameter == parameter && b.others.is_empty())
+    }
+
+    /// `link1.Izz + 0.07·link3.mcz − ...`
+    pub fn expression(&self, model: &Model, index: usize) -> String {
+        let base = &self.base[index];
+        let name = |p: usize| model.parameters()[p].name.as_str();
+        let mut text = name(base.parameter).to_string();
+        for &(parameter, coefficient) in &base.others {
+            let sign = if coefficient < 0.0 { '-' } else { '+' };
+            let size = significant(coefficient.abs());
+            let factor = if size == "1" { String::new() } else { format!("{size}*") };
+            text.push_str(&format!(" {sign} {factor}{}", name(parameter)));
+        }
+        text
+    }
+}
+
+/// Seven significant digits without trailing zeros: enough to compute with, stable to read.
+fn significant(x: f64) -> String {
+    let digits = (6 - x.log10().floor() as i32).clamp(0, 12) as usize;
+    let text = format!("{x:.digits$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_string()
+    } else {
+        text
+    }
+}
+
+/// Links first, then rotor inertias, then everything else, each in the model's order.
+pub fn scan_order(model: &Model) -> Vec<usize> {
+    let rank = |p: &usize| match model.parameters()[*p].role {
+        Role::Inertial { .. } => 0,
+        Role::Payload { .. } => 1,
+        Role::Effect { joint, effect, .. } => {
+            let id = model.joints()[joint].effects[effect].0.id;
+            if id == "rotor_inertia" { 2 } else { 3 }
+        }
+        Role::Coupling { .. } => 4,
+    };
+    let mut unknowns: Vec<usize> = (0..model.parameters().len())
+        .filter(|&p| model.parameters()[p].is_linear_unknown())
+        .collect();
+    unknowns.sort_by_key(rank);
+    unknowns
+}
+
+fn generic_factor(model: &Model, unknowns: &[usize], loads: &[bool]) -> Triangular {
+    let n = model.tree().len();
+    let mut rng = generator(0);
+    let blocks = 1 + 3 * unknowns.len() / BLOCK;
+    let mut factor = Triangular::new(unknowns.len());
+    let mut evaluator = Evaluator::new(model, &model.values(), unknowns);
+    let zeros = vec![0.0; BLOCK];
+    for _ in 0..blocks {
+        let mut motion = RANGES.map(|range| {
+            (0..n)
+                .map(|_| (0..BLOCK).map(|_| symmetric(&mut rng, range)).collect::<Vec<f64>>())
+                .collect::<Vec<_>>()
+        });
+        for (j, joint) in model.joints().iter().enumerate() {
+            if joint.locked {
+                // Locked joints stand at their offset: motor position zero, at rest.
+                for series in &mut motion {
+                    series[j].fill(0.0);
+                }
+            }
+        }
+        let [q, dq, ddq] = &motion;
+        for &loaded in loads {
+            let segment = Segment {
+                motors: Trajectory { q, dq, ddq },
+                loaded,
+            };
+            let block = evaluator.evaluate(segment, 0..BLOCK);
+            for (c, channel) in model.channels().iter().enumerate() {
+                if channel.active {
+                    let columns: Vec<&[f64]> = (0..unknowns.len())
+                        .map(|k| block.derivative(c, k).unwrap_or(&zeros))
+                        .collect();
+                    factor.absorb_columns(&columns);
+                }
+            }
+        }
+    }
+    factor
+}

@@ -1,0 +1,57 @@
+//! Friction that differs between the two directions: `dFc + dFv·|v|`.
+
+use crate::chain::effect::{
+    Confounder, Contribution, Dependence, Effect, Law, Linearity, ParameterInfo, Power, Samples, TorqueLaw, Unit,
+};
+
+/// The table's entry.
+pub const EFFECT: Effect = Effect {
+    id: "asymmetric_friction",
+    sentence: "Friction is not the same in both directions of motion.",
+    equation: "dFc + dFv·|v|",
+    source: "friction levels Fc ± dFc and Fv ± dFv of the two directions",
+    parameters: &[
+        ParameterInfo {
+            name: "dFc",
+            unit: Unit::Torque,
+            meaning: "half the difference of the Coulomb levels; the same torque as a constant offset",
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            typical: 0.1,
+            linearity: Linearity::Linear,
+        },
+        ParameterInfo {
+            name: "dFv",
+            unit: Unit::TorquePerSpeed,
+            meaning: "half the difference of the viscous coefficients",
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            typical: 0.1,
+            linearity: Linearity::Linear,
+        },
+    ],
+    depends_on: &[Dependence::Direction, Dependence::Speed],
+    confounded_with: &[Confounder {
+        with: "torque_offset",
+        separated_by: "nothing for dFc: it is the same torque; dFv by motion at several speeds",
+    }],
+    law: Law::Motor(&AsymmetricFriction),
+};
+
+#[derive(Debug)]
+struct AsymmetricFriction;
+
+impl TorqueLaw for AsymmetricFriction {
+    fn add(&self, samples: Samples<'_>, parameters: &[f64], out: &mut Contribution<'_>) {
+        let [dfc, dfv] = *parameters else { return };
+        for (k, v) in samples.velocity.iter().enumerate() {
+            out.torque[k] += dfc + dfv * v.abs();
+            out.by_parameter[0][k] = 1.0;
+            out.by_parameter[1][k] = v.abs();
+        }
+    }
+
+    fn power(&self) -> Power {
+        Power::Exchanges
+    }
+}

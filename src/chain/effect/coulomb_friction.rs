@@ -1,0 +1,81 @@
+//! Coulomb friction: `Fc·v/(|v| + w)`.
+
+use crate::chain::effect::{
+    Confounder, Contribution, Dependence, Effect, Law, Linearity, ParameterInfo, Power, Samples, TorqueLaw, Unit,
+};
+
+/// The table's entry.
+pub const EFFECT: Effect = Effect {
+    id: "coulomb_friction",
+    sentence: "Dry friction of constant size opposes the motion; near standstill it grows over a narrow band of speed.",
+    equation: "Fc·v/(|v| + w)",
+    source: "Coulomb 1785; file 001 eq. 5; transition width as in regularised friction laws",
+    parameters: &[
+        ParameterInfo {
+            name: "Fc",
+            unit: Unit::Torque,
+            meaning: "friction at speeds well above w",
+            lower: 0.0,
+            upper: f64::INFINITY,
+            typical: 1.0,
+            linearity: Linearity::Linear,
+        },
+        ParameterInfo {
+            name: "w",
+            unit: Unit::Speed,
+            meaning: "speed at which half of Fc is reached",
+            lower: 0.0,
+            upper: 1.0,
+            typical: 0.005,
+            linearity: Linearity::Nonlinear,
+        },
+    ],
+    depends_on: &[Dependence::Direction, Dependence::Speed],
+    confounded_with: &[Confounder {
+        with: "viscous_friction",
+        separated_by: "motion at several speeds, slow ones among them",
+    }],
+    law: Law::Motor(&CoulombFriction),
+};
+
+/// Positions of the parameters within the effect's.
+pub const FC: usize = 0;
+pub const WIDTH: usize = 1;
+
+/// `sign(v) = v/(|v| + w)`, 0 at standstill; with w = 0 the sign of v.
+#[inline]
+pub fn sign(velocity: f64, width: f64) -> f64 {
+    if velocity == 0.0 {
+        0.0
+    } else {
+        velocity / (velocity.abs() + width)
+    }
+}
+
+/// `∂sign/∂w = −v/(|v| + w)²`.
+#[inline]
+pub fn sign_by_width(velocity: f64, width: f64) -> f64 {
+    if velocity == 0.0 {
+        0.0
+    } else {
+        -velocity / (velocity.abs() + width).powi(2)
+    }
+}
+
+#[derive(Debug)]
+struct CoulombFriction;
+
+impl TorqueLaw for CoulombFriction {
+    fn add(&self, samples: Samples<'_>, parameters: &[f64], out: &mut Contribution<'_>) {
+        let [fc, _] = *parameters else { return };
+        for k in 0..samples.sign.len() {
+            out.torque[k] += fc * samples.sign[k];
+            out.by_sign[k] += fc;
+            out.by_parameter[FC][k] = samples.sign[k];
+        }
+    }
+
+    fn power(&self) -> Power {
+        Power::Dissipates
+    }
+}

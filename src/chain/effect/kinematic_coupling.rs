@@ -1,0 +1,34 @@
+//! Kinematic coupling: entries of `q = V m`, by which one motor moves two joints.
+//!
+//! The row of V that belongs to the effect's joint is estimated: entries that the problem file's
+//! `coupling` declares as other than zero, or the entry of the joint before where it declares none.
+
+use crate::chain::effect::{
+    Confounder, Dependence, Effect, Law, Linearity, ParameterInfo, Unit,
+};
+
+/// Name of the parameter in this table; a model names it after the other joint.
+pub const OTHER_JOINT: &str = "<other joint>";
+
+/// The table's entry.
+pub const EFFECT: Effect = Effect {
+    id: "kinematic_coupling",
+    sentence: "One motor moves two joints: gears of the wrist, belts, hollow shafts.",
+    equation: "q = V·m + offset, τ_M = Vᵀ·τ",
+    source: "file 001 eqs 9 to 11",
+    parameters: &[ParameterInfo {
+        name: OTHER_JOINT,
+        unit: Unit::One,
+        meaning: "speed of this joint per speed of the other joint's motor",
+        lower: -10.0,
+        upper: 10.0,
+        typical: 0.01,
+        linearity: Linearity::Nonlinear,
+    }],
+    depends_on: &[Dependence::OtherJoints],
+    confounded_with: &[Confounder {
+        with: "coulomb_friction",
+        separated_by: "reversals of the two joints at different times",
+    }],
+    law: Law::Coupling,
+};

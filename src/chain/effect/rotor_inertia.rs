@@ -1,0 +1,45 @@
+//! Rotor inertia: `Jm·m̈`.
+
+use crate::chain::effect::{
+    Confounder, Contribution, Dependence, Effect, Law, Linearity, ParameterInfo, Power, Samples, TorqueLaw, Unit,
+};
+
+/// The table's entry.
+pub const EFFECT: Effect = Effect {
+    id: "rotor_inertia",
+    sentence: "Rotor and fast gear wheels are accelerated with the motor.",
+    equation: "Jm·m̈",
+    source: "file 001 eq. 6",
+    parameters: &[ParameterInfo {
+        name: "Jm",
+        unit: Unit::Inertia,
+        meaning: "inertia of rotor and gear, reflected to the joint",
+        lower: 0.0,
+        upper: f64::INFINITY,
+        typical: 0.1,
+        linearity: Linearity::Linear,
+    }],
+    depends_on: &[Dependence::Acceleration],
+    confounded_with: &[Confounder {
+        with: "link inertia about the joint's axis",
+        separated_by: "gravity or other axes, where the link's mass distribution enters another way",
+    }],
+    law: Law::Motor(&RotorInertia),
+};
+
+#[derive(Debug)]
+struct RotorInertia;
+
+impl TorqueLaw for RotorInertia {
+    fn add(&self, samples: Samples<'_>, parameters: &[f64], out: &mut Contribution<'_>) {
+        let [inertia] = *parameters else { return };
+        for (k, a) in samples.acceleration.iter().enumerate() {
+            out.torque[k] += inertia * a;
+            out.by_parameter[0][k] = *a;
+        }
+    }
+
+    fn power(&self) -> Power {
+        Power::Exchanges
+    }
+}

@@ -1,0 +1,163 @@
+//! Every torque law of the table, whatever it is: derivatives, power, linearity, documentation.
+
+use crate::chain::effect::coulomb_friction::sign;
+use crate::chain::effect::{Contribution, EFFECTS, Effect, Law, Linearity, Power, Samples, TorqueLaw};
+use crate::robot::random::{generator, symmetric};
+use rand_chacha::ChaCha8Rng;
+
+const SAMPLES: usize = 64;
+
+struct Motion {
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+    acceleration: Vec<f64>,
+    sign: Vec<f64>,
+}
+
+impl Motion {
+    fn random(rng: &mut ChaCha8Rng) -> Self {
+        let mut draw = |range: f64| (0..SAMPLES).map(|_| symmetric(rng, range)).collect::<Vec<_>>();
+        let velocity = draw(1.5);
+        Self {
+            position: draw(3.0),
+            sign: velocity.iter().map(|v| sign(*v, 0.01)).collect(),
+            velocity,
+            acceleration: draw(5.0),
+        }
+    }
+
+    fn samples(&self) -> Samples<'_> {
+        Samples {
+            position: &self.position,
+            velocity: &self.velocity,
+            acceleration: &self.acceleration,
+            sign: &self.sign,
+        }
+    }
+}
+
+struct Evaluated {
+    torque: Vec<f64>,
+    by_parameter: Vec<Vec<f64>>,
+    by_sign: Vec<f64>,
+}
+
+fn evaluate(law: &dyn TorqueLaw, samples: Samples<'_>, parameters: &[f64]) -> Evaluated {
+    let mut out = Evaluated {
+        torque: vec![0.0; SAMPLES],
+        by_parameter: vec![vec![0.0; SAMPLES]; parameters.len()],
+        by_sign: vec![0.0; SAMPLES],
+    };
+    let mut contribution = Contribution {
+        torque: &mut out.torque,
+        by_parameter: &mut out.by_parameter,
+        by_sign: &mut out.by_sign,
+    };
+    law.add(samples, parameters, &mut contribution);
+    out
+}
+
+fn laws() -> impl Iterator<Item = (&'static Effect, &'static dyn TorqueLaw)> {
+    EFFECTS.iter().filter_map(|effect| match effect.law {
+        Law::Motor(law) => Some((*effect, law)),
+        _ => None,
+    })
+}
+
+fn random_parameters(effect: &Effect, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let draw = |info: &crate::chain::effect::ParameterInfo| {
+        let value = info.typical * (1.0 + symmetric(rng, 0.9));
+        value.clamp(info.lower, info.upper)
+    };
+    effect.parameters.iter().map(draw).collect()
+}
+
+#[test]
+fn matches_differences_in_every_parameter_and_in_sign() {
+    let mut rng = generator(11);
+    for (effect, law) in laws() {
+        let motion = Motion::random(&mut rng);
+        let parameters = random_parameters(effect, &mut rng);
+        let here = evaluate(law, motion.samples(), &parameters);
+        let difference = |high: &Evaluated, low: &Evaluated, k: usize, h: f64| {
+            (high.torque[k] - low.torque[k]) / (2.0 * h)
+        };
+        for (index, info) in effect.parameters.iter().enumerate() {
+            let h = 1e-6 * info.typical;
+            let at = |step: f64| {
+                let mut moved = parameters.clone();
+                moved[index] += step;
+                evaluate(law, motion.samples(), &moved)
+            };
+            let (high, low) = (at(h), at(-h));
+            for k in 0..SAMPLES {
+                let expected = difference(&high, &low, k, h);
+                let error = (here.by_parameter[index][k] - expected).abs();
+                assert!(error <= 1e-6 * expected.abs().max(1.0), "{} {}", effect.id, info.name);
+            }
+        }
+        let h = 1e-6;
+        let at = |step: f64| {
+            let sign: Vec<f64> = motion.sign.iter().map(|s| s + step).collect();
+            let samples = Samples { sign: &sign, ..motion.samples() };
+            evaluate(law, samples, &parameters)
+        };
+        let (high, low) = (at(h), at(-h));
+        for k in 0..SAMPLES {
+            let expected = difference(&high, &low, k, h);
+            assert!((here.by_sign[k] - expected).abs() <= 1e-6 * expected.abs().max(1.0), "{}", effect.id);
+        }
+    }
+}
+
+#[test]
+fn invariant_laws_that_claim_to_dissipate_never_give_power() {
+    let mut rng = generator(12);
+    for (effect, law) in laws().filter(|(_, law)| law.power() == Power::Dissipates) {
+        for _ in 0..20 {
+            let motion = Motion::random(&mut rng);
+            let out = evaluate(law, motion.samples(), &random_parameters(effect, &mut rng));
+            for (torque, speed) in out.torque.iter().zip(&motion.velocity) {
+                assert!(torque * speed >= 0.0, "{} gives power", effect.id);
+            }
+        }
+    }
+}
+
+#[test]
+fn invariant_linear_parameters_superpose() {
+    let mut rng = generator(13);
+    for (effect, law) in laws() {
+        let motion = Motion::random(&mut rng);
+        let base = random_parameters(effect, &mut rng);
+        for (index, info) in effect.parameters.iter().enumerate() {
+            if info.linearity == Linearity::Nonlinear {
+                continue;
+            }
+            let at = |value: f64| {
+                let mut moved = base.clone();
+                moved[index] = value;
+                evaluate(law, motion.samples(), &moved).torque
+            };
+            let (zero, one, three) = (at(0.0), at(1.0), at(3.0));
+            for k in 0..SAMPLES {
+                let expected = zero[k] + 3.0 * (one[k] - zero[k]);
+                assert!((three[k] - expected).abs() < 1e-12 * (1.0 + three[k].abs()), "{}", effect.id);
+            }
+        }
+    }
+}
+
+#[test]
+fn every_effect_is_documented_and_named_once() {
+    for (k, effect) in EFFECTS.iter().enumerate() {
+        assert!(EFFECTS[..k].iter().all(|other| other.id != effect.id));
+        assert!(effect.sentence.ends_with('.'), "{}", effect.id);
+        assert!(!effect.equation.is_empty() && !effect.source.is_empty(), "{}", effect.id);
+        assert!(!effect.depends_on.is_empty() && !effect.parameters.is_empty(), "{}", effect.id);
+        for info in effect.parameters {
+            assert!(info.lower <= info.typical && info.typical <= info.upper, "{}", effect.id);
+            assert!(!info.meaning.is_empty(), "{} {}", effect.id, info.name);
+        }
+    }
+}

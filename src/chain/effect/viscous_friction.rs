@@ -1,0 +1,45 @@
+//! Viscous friction: `Fv·v`.
+
+use crate::chain::effect::{
+    Confounder, Contribution, Dependence, Effect, Law, Linearity, ParameterInfo, Power, Samples, TorqueLaw, Unit,
+};
+
+/// The table's entry.
+pub const EFFECT: Effect = Effect {
+    id: "viscous_friction",
+    sentence: "Friction in proportion to speed: lubricant, bearings, eddy currents.",
+    equation: "Fv·v",
+    source: "file 001 eq. 5",
+    parameters: &[ParameterInfo {
+        name: "Fv",
+        unit: Unit::TorquePerSpeed,
+        meaning: "friction per speed",
+        lower: 0.0,
+        upper: f64::INFINITY,
+        typical: 1.0,
+        linearity: Linearity::Linear,
+    }],
+    depends_on: &[Dependence::Speed],
+    confounded_with: &[Confounder {
+        with: "coulomb_friction",
+        separated_by: "motion at several speeds",
+    }],
+    law: Law::Motor(&ViscousFriction),
+};
+
+#[derive(Debug)]
+struct ViscousFriction;
+
+impl TorqueLaw for ViscousFriction {
+    fn add(&self, samples: Samples<'_>, parameters: &[f64], out: &mut Contribution<'_>) {
+        let [fv] = *parameters else { return };
+        for (k, v) in samples.velocity.iter().enumerate() {
+            out.torque[k] += fv * v;
+            out.by_parameter[0][k] = *v;
+        }
+    }
+
+    fn power(&self) -> Power {
+        Power::Dissipates
+    }
+}

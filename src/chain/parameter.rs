@@ -1,0 +1,60 @@
+//! The parameters of a model: what each is, its unit, its value and whether it is known.
+
+use crate::chain::effect::Linearity;
+
+/// What a parameter stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// Entry of the ten inertial parameters of a link (project order).
+    Inertial { link: usize, quantity: usize },
+    /// Entry of the ten inertial parameters of the load.
+    Payload { quantity: usize },
+    /// Parameter of an effect on a joint: positions in `JointModel::effects` and in the effect.
+    Effect {
+        joint: usize,
+        effect: usize,
+        parameter: usize,
+    },
+    /// Entry of V.
+    Coupling { row: usize, column: usize },
+}
+
+/// Whether an estimate may change a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum State {
+    Free,
+    Known,
+}
+
+/// One parameter of a model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// `<link>.<entry>` for inertial parameters (link3.mcx), `<joint>.<effect>.<parameter>` for effects.
+    pub name: String,
+    pub unit: String,
+    pub role: Role,
+    pub state: State,
+    /// The known value, or the one from which an estimate starts.
+    pub value: f64,
+    pub lower: f64,
+    pub upper: f64,
+    /// A change that matters, in the parameter's unit.
+    pub scale: f64,
+    pub linearity: Linearity,
+}
+
+impl Parameter {
+    pub fn is_free(&self) -> bool {
+        self.state == State::Free
+    }
+
+    /// Free, and the signal is affine in it.
+    pub fn is_linear_unknown(&self) -> bool {
+        self.is_free() && self.linearity == Linearity::Linear
+    }
+
+    /// Free, and the signal is not affine in it.
+    pub fn is_nonlinear_unknown(&self) -> bool {
+        self.is_free() && self.linearity == Linearity::Nonlinear
+    }
+}
