@@ -8,10 +8,12 @@ pub mod check;
 pub mod error;
 pub mod estimate;
 pub mod fit;
+pub mod folder;
 pub mod input;
 pub mod joint;
 pub mod number;
 pub mod parameter;
+pub mod predictions;
 pub mod run;
 pub mod simulation;
 
