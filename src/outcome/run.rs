@@ -17,7 +17,7 @@ pub struct Run {
     pub seed: u64,
     /// The problem file as read, overrides included.
     pub problem: serde_json::Value,
-    /// Every file that was read, with its hash.
+    /// Every file that was read, with its hash; the problem file is the first.
     pub inputs: Vec<Input>,
     /// Wall time in s; the one figure that differs between repetitions.
     #[serde(with = "number::nullable")]

@@ -5,7 +5,6 @@ use crate::outcome::check::{Finding, Severity};
 use crate::outcome::estimate::Solver;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::parameter::{Parameter, Source};
-use crate::report::number;
 
 /// Every source, in the order in which counts are told.
 const SOURCES: [Source; 5] = [
@@ -50,12 +49,13 @@ pub(super) fn range(
         })
 }
 
-/// A range of shares in words: `2.10 % to 6.25 %`.
-pub(super) fn percent_range((low, high): (f64, f64)) -> String {
+/// A range in words: `2.10 % to 6.25 %`, or one number where both ends read the same.
+pub(super) fn in_words((low, high): (f64, f64), format: impl Fn(f64) -> String) -> String {
+    let (low, high) = (format(low), format(high));
     if low == high {
-        number::percent(low)
+        low
     } else {
-        format!("{} to {}", number::percent(low), number::percent(high))
+        format!("{low} to {high}")
     }
 }
 

@@ -65,12 +65,15 @@ pub fn escape(text: &str) -> String {
     out
 }
 
-/// An escaped identifier that a narrow page may break after a point, a line or an operator.
+/// An escaped identifier or expression that a narrow page may break after a sign within it, but
+/// not within a number.
 pub fn breakable(name: &str) -> String {
     let mut out = String::with_capacity(name.len());
-    for c in name.chars() {
+    let mut rest = name.chars().peekable();
+    while let Some(c) = rest.next() {
         out.push_str(&escape(c.encode_utf8(&mut [0; 4])));
-        if matches!(c, '.' | '_' | '/' | '*') {
+        let in_number = rest.peek().is_some_and(char::is_ascii_digit);
+        if matches!(c, '_' | '/' | '*') || (c == '.' && !in_number) {
             out.push_str("<wbr>");
         }
     }
@@ -87,6 +90,6 @@ mod tests {
             escape("<a href='x'>\"&\""),
             "&lt;a href=&#39;x&#39;&gt;&quot;&amp;&quot;"
         );
-        assert_eq!(breakable("a.b<c"), "a.<wbr>b&lt;c");
+        assert_eq!(breakable("0.5*a.b<c"), "0.5*<wbr>a.<wbr>b&lt;c");
     }
 }

@@ -33,8 +33,14 @@ pub(super) fn optional(value: Option<f64>) -> String {
     value.map_or_else(|| ABSENT.to_string(), significant)
 }
 
-/// For the ticks of an axis: `0.5`, `-20`, `1e-7`, without trailing zeros.
-pub(super) fn tick(value: f64) -> String {
+/// Ticks this much smaller than the range of their axis are zero up to rounding.
+const ZERO_OF_RANGE: f64 = 1e-9;
+
+/// For the ticks of an axis over `range`: `0.5`, `-20`, `1e-7`, without trailing zeros.
+pub(super) fn tick(value: f64, range: (f64, f64)) -> String {
+    if value.abs() <= ZERO_OF_RANGE * (range.1 - range.0) {
+        return "0".to_string();
+    }
     let text = significant(value);
     let (digits, exponent) = match text.split_once('e') {
         Some((digits, exponent)) => (digits, Some(exponent)),
@@ -97,8 +103,9 @@ mod tests {
             (2.5e6, "2.5e6"),
             (500.0, "500"),
         ] {
-            assert_eq!(tick(value), text);
+            assert_eq!(tick(value, (0.0, value)), text);
         }
+        assert_eq!(tick(5.551e-17, (-0.4, 0.4)), "0");
     }
 
     #[test]

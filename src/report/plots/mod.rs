@@ -31,17 +31,24 @@ pub(super) const RESIDUAL: RGBColor = RGBColor(190, 82, 22);
 pub(super) const INK: RGBColor = RGBColor(27, 31, 36);
 const GRID: RGBColor = RGBColor(226, 229, 233);
 
-/// Text height in drawing units: 12 px on the page. The backend divides what it is given by 1.24.
-const TEXT_UNITS: f64 = 24.0 * 1.24;
+/// Height of text in drawing units: 13 px on a wide page, 9 px on a phone.
+const TEXT_HEIGHT: f64 = 27.0;
+
+/// What the backend has to be given for it: it divides by 1.24.
+const TEXT_UNITS: f64 = 1.24 * TEXT_HEIGHT;
 
 /// Width of the numbers left of a vertical axis, in drawing units.
-const Y_LABEL_UNITS: u32 = 116;
+const Y_LABEL_UNITS: u32 = 124;
 
 /// Height of the numbers and the title below a horizontal axis, in drawing units.
-const X_LABEL_UNITS: u32 = 72;
+const X_LABEL_UNITS: u32 = 80;
 
 /// Room beyond the outermost point, as a share of the range.
 const PADDING: f64 = 0.04;
+
+/// Least range of an axis as a share of its values: below it, ticks run into the spacing of
+/// floating-point numbers, 2e-16 of the value.
+const LEAST_RANGE: f64 = 1e-9;
 
 /// Draws an SVG of the given size and describes it to a screen reader by `label`; a sentence where
 /// it cannot be drawn.
@@ -75,7 +82,10 @@ pub(super) fn figure(caption: &str, svg: &str) -> String {
 /// An entry of a legend: a stroke of the colour, and what it stands for.
 pub(super) fn key(colour: RGBColor, text: &str) -> String {
     let RGBColor(r, g, b) = colour;
-    format!("<span class=\"key\" style=\"background:rgb({r},{g},{b})\"></span>{text}")
+    format!(
+        "<span class=\"entry\"><span class=\"key\" style=\"background:rgb({r},{g},{b})\"></span>\
+         {text}</span> "
+    )
 }
 
 /// Text of the standard height.
@@ -86,7 +96,7 @@ fn text_style<'a>(colour: RGBColor, position: Pos) -> TextStyle<'a> {
         .pos(position)
 }
 
-/// Least and greatest ordinate or abscissa with some room around; never empty.
+/// Least and greatest of the values with some room around; never empty.
 pub(super) fn padded_range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values
         .filter(|value| value.is_finite())
@@ -96,25 +106,43 @@ pub(super) fn padded_range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     if low > high {
         return (-1.0, 1.0);
     }
-    let room = match PADDING * (high - low) {
-        room if room > 0.0 => room,
-        _ if low != 0.0 => 0.1 * low.abs(),
-        _ => 1.0,
-    };
-    (low - room, high + room)
+    if high - low > resolvable(low, high) {
+        let room = PADDING * (high - low);
+        (low - room, high + room)
+    } else {
+        let room = if low == 0.0 { 1.0 } else { 0.1 * low.abs() };
+        (low - room, high + room)
+    }
 }
 
-/// Axes with a light grid over the ranges `x` and `y`; `x_title` stands below.
+/// Least range between two values over which ticks are distinct numbers.
+pub(super) fn resolvable(low: f64, high: f64) -> f64 {
+    LEAST_RANGE * low.abs().max(high.abs())
+}
+
+/// What stands below a horizontal axis.
+pub(super) enum Below<'t> {
+    /// Numbers and a title.
+    Title(&'t str),
+    /// Nothing: a plot below this one shares the axis.
+    Nothing,
+}
+
+/// Axes with a light grid over the ranges `x` and `y`.
 fn axes<'a, 'b>(
     area: &'a Area<'b>,
     x: (f64, f64),
     y: (f64, f64),
-    x_title: &str,
+    below: &Below,
 ) -> Result<Cartesian<'a, 'b>, Box<dyn Error>> {
+    let (title, x_label_units) = match below {
+        Below::Title(title) => (*title, X_LABEL_UNITS),
+        Below::Nothing => ("", 0),
+    };
     let mut chart = ChartBuilder::on(area)
         .margin_top(14)
         .margin_right(24)
-        .x_label_area_size(X_LABEL_UNITS)
+        .x_label_area_size(x_label_units)
         .y_label_area_size(Y_LABEL_UNITS)
         .build_cartesian_2d(x.0..x.1, y.0..y.1)?;
     chart
@@ -125,9 +153,9 @@ fn axes<'a, 'b>(
         .bold_line_style(ShapeStyle::from(&GRID).stroke_width(2))
         .axis_style(ShapeStyle::from(&RECORDED).stroke_width(2))
         .label_style(("sans-serif", TEXT_UNITS).into_font().color(&INK))
-        .x_label_formatter(&|value| number::tick(*value))
-        .y_label_formatter(&|value| number::tick(*value))
-        .x_desc(x_title)
+        .x_label_formatter(&|value| number::tick(*value, x))
+        .y_label_formatter(&|value| number::tick(*value, y))
+        .x_desc(title)
         .draw()?;
     Ok(chart)
 }

@@ -5,7 +5,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::report::number;
 use crate::report::plots::{
-    Area, Drawn, GRID, INK, PREDICTED, RECORDED, TEXT_UNITS, X_LABEL_UNITS, draw, padded_range,
+    Area, Drawn, GRID, INK, PREDICTED, RECORDED, TEXT_HEIGHT, X_LABEL_UNITS, draw, padded_range,
     text_style,
 };
 
@@ -97,7 +97,7 @@ impl Layout {
             .iter()
             .map(|label| short(label).chars().count())
             .max();
-        let text = TEXT_UNITS / 1.24 * CHARACTER_WIDTH * characters.unwrap_or(0) as f64;
+        let text = TEXT_HEIGHT * CHARACTER_WIDTH * characters.unwrap_or(0) as f64;
         Self {
             width,
             left: text.ceil() as i32 + 20,
@@ -134,14 +134,14 @@ impl Layout {
         for value in ticks(self.range, 5) {
             self.vertical(area, value, GRID)?;
             area.draw_text(
-                &number::tick(value),
+                &number::tick(value, self.range),
                 &below,
                 (self.x(value), self.bottom() + 10),
             )?;
         }
         self.vertical(area, self.range.0, RECORDED)?;
         let middle = (self.x(self.range.0) + self.x(self.range.1)) / 2;
-        area.draw_text(title, &below, (middle, self.bottom() + 42))?;
+        area.draw_text(title, &below, (middle, self.bottom() + 46))?;
         Ok(())
     }
 
@@ -223,6 +223,34 @@ mod tests {
         close(ticks((0.0, 1.05), 5), &[0.0, 0.5, 1.0]);
         close(ticks((-0.3, 0.3), 5), &[-0.2, 0.0, 0.2]);
         close(ticks((1.1e-7, 3.9e-7), 5), &[2e-7, 3e-7]);
+    }
+
+    #[test]
+    fn draws_rows_without_range_or_numbers() {
+        for value in [0.0, 1.0, 1e300, 1e-300, f64::NAN, f64::INFINITY] {
+            let label = "a".to_string();
+            let row = Bars {
+                label: label.clone(),
+                train: value,
+                validation: Some(value),
+            };
+            let estimate = Estimated {
+                label,
+                value,
+                interval: [value, value],
+            };
+            for svg in [
+                bars(&[row], Some(1.0), "x"),
+                estimates(&[estimate], "x"),
+                bars(&[], None, ""),
+            ] {
+                assert!(
+                    svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"),
+                    "{svg}"
+                );
+                assert!(!svg.contains("NaN") && !svg.contains("inf"));
+            }
+        }
     }
 
     #[test]

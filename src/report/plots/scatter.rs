@@ -2,7 +2,7 @@
 
 use plotters::prelude::*;
 
-use crate::report::plots::{Area, Drawn, RESIDUAL, axes, draw, padded_range};
+use crate::report::plots::{Area, Below, Drawn, RESIDUAL, axes, draw, padded_range};
 use crate::report::series::Point;
 
 /// Size of the drawing; 520 px wide on the page.
@@ -16,7 +16,7 @@ pub(in crate::report) fn scatter(points: &[Point], x_title: &str, label: &str) -
 fn paint(area: &Area, points: &[Point], x_title: &str) -> Drawn {
     let x = padded_range(points.iter().map(|p| p.0));
     let y = padded_range(points.iter().map(|p| p.1));
-    let mut chart = axes(area, x, y, x_title)?;
+    let mut chart = axes(area, x, y, &Below::Title(x_title))?;
     let dots = points
         .iter()
         .map(|point| Circle::new(*point, 3, RESIDUAL.mix(0.5).filled()));

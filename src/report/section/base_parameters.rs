@@ -22,7 +22,7 @@ pub(super) fn section(source: &Source) -> Option<Section> {
             _ => ABSENT.to_string(),
         };
         table.row(vec![
-            Cell::Number((index + 1).to_string()),
+            Cell::text((index + 1).to_string()),
             Cell::Html(expression(&base.expression)),
             Cell::Number(optional(base.value)),
             Cell::text(&base.unit),
@@ -45,12 +45,12 @@ fn expression(text: &str) -> String {
             let more = count(term_starts(rest).count(), "more term");
             format!(
                 "<details><summary><code>{}</code><small>{more}</small></summary>\
-                 <code>{}</code></details>",
+                 <code class=\"long\">{}</code></details>",
                 breakable(shown.trim_end()),
                 breakable(rest)
             )
         }
-        _ => format!("<code>{}</code>", breakable(text)),
+        _ => format!("<code class=\"long\">{}</code>", breakable(text)),
     }
 }
 

@@ -1,7 +1,7 @@
 //! What the run read, and how to repeat it.
 
 use crate::report::facts;
-use crate::report::html::{breakable, escape};
+use crate::report::html::escape;
 use crate::report::section::{Section, Source};
 use crate::report::table::{Cell, Table};
 
@@ -11,7 +11,10 @@ pub(super) fn section(source: &Source) -> Option<Section> {
     for input in &run.inputs {
         table.row(vec![
             Cell::name(&input.path),
-            Cell::Html(format!("<code>{}</code>", breakable(&input.sha256))),
+            Cell::Html(format!(
+                "<code class=\"long\">{}</code>",
+                escape(&input.sha256)
+            )),
         ]);
     }
     let mut body = format!(
@@ -27,11 +30,7 @@ pub(super) fn section(source: &Source) -> Option<Section> {
          <pre>{}</pre></details>\n",
         escape(&problem_text(&run.problem))
     ));
-    Some(Section::new(
-        "repeat",
-        "Inputs, and how to repeat this run",
-        body,
-    ))
+    Some(Section::new("repeat", "Repeat this run", body))
 }
 
 /// The problem as TOML, the form in which users write it; as JSON where TOML cannot hold it.

@@ -74,23 +74,33 @@ fn chart(joints: &[JointFigures]) -> String {
         train,
         validation,
     };
-    let (rows, reference, title): (Vec<Bars>, _, _) = match noise {
+    let (rows, reference, axis, title): (Vec<Bars>, _, _, _) = match noise {
         Some(noise) => {
             let ratios = joints.iter().zip(noise).map(|(joint, noise)| {
                 let validation = joint.rmse_validation.map(|rmse| rmse / noise);
                 row(joint, joint.rmse_train / noise, validation)
             });
-            (ratios.collect(), Some(1.0), "RMSE / noise")
+            (
+                ratios.collect(),
+                Some(1.0),
+                "RMSE / noise",
+                "RMSE in multiples of the noise",
+            )
         }
         None => {
             let shares = joints.iter().map(|joint| {
                 let validation = joint.relative_validation.map(|share| 100.0 * share);
                 row(joint, 100.0 * joint.relative_train, validation)
             });
-            (shares.collect(), None, "residual / signal [%]")
+            (
+                shares.collect(),
+                None,
+                "residual / signal [%]",
+                "Residual as a share of the signal",
+            )
         }
     };
     let caption = format!("<b>{title}</b>{legend}");
-    let plot = figure(&caption, &bars(&rows, reference, title));
+    let plot = figure(&caption, &bars(&rows, reference, axis));
     format!("<div class=\"plots\">{plot}</div>\n")
 }

@@ -58,15 +58,12 @@ fn fit_sentence(outcome: &Outcome) -> String {
     };
     let mut text = format!(
         "On the {recordings} the model leaves {} of the signal of {channels} unexplained",
-        facts::percent_range(range)
+        facts::in_words(range, number::percent)
     );
     if let Some((low, high)) = facts::range(&estimate.joints, |joint| joint.lack_of_fit) {
         // The square root of a ratio of mean squares: a ratio of root mean squares.
-        let (low, high) = (
-            number::significant(low.sqrt()),
-            number::significant(high.sqrt()),
-        );
-        text.push_str(&format!(", which is {low} to {high} times the noise"));
+        let ratio = facts::in_words((low.sqrt(), high.sqrt()), number::significant);
+        text.push_str(&format!(", which is {ratio} times the noise"));
     }
     format!(
         "{text}. Parameters: {}.",
