@@ -1,1 +1,76 @@
-//! outcome
+//! What a run found: the data model of `result.json`, and the results folder it is written to.
+//!
+//! Every verb of the command line produces one [`Outcome`]: what was run, what was estimated, and
+//! the part of its verb. The keys and their order in the file are the fields in the order in which
+//! they stand here; a number that is not finite is written as `null` and read back as not a number.
+
+pub mod check;
+pub mod error;
+pub mod estimate;
+pub mod fit;
+pub mod folder;
+pub mod input;
+pub mod joint;
+pub mod number;
+pub mod parameter;
+pub mod predictions;
+pub mod run;
+pub mod simulation;
+
+mod document;
+
+use serde::Serialize;
+
+use crate::outcome::check::Check;
+use crate::outcome::estimate::Estimate;
+use crate::outcome::fit::Fit;
+use crate::outcome::run::Run;
+use crate::outcome::simulation::Simulation;
+
+/// Name of the result in its folder.
+pub const RESULT_FILE: &str = "result.json";
+
+/// Name of the table of recorded and predicted signals in the results folder.
+pub const PREDICTIONS_FILE: &str = "predictions.csv";
+
+/// Name of the rendered report in the results folder.
+pub const REPORT_FILE: &str = "report.html";
+
+/// The result of one run: the common head and the part of the verb.
+///
+/// In JSON all parts lie flat beside each other: `name`, `verb`, the keys of [`Run`], of
+/// [`Estimate`] and of the [`Part`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// Name of the problem.
+    pub name: String,
+    /// What was run, on what.
+    pub run: Run,
+    /// What was estimated; empty for verbs that estimate nothing.
+    pub estimate: Estimate,
+    /// What only this verb gives.
+    pub part: Part,
+}
+
+/// What a verb adds to the common head.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Part {
+    Fit(Fit),
+    Check(Check),
+    Simulate(Simulation),
+}
+
+impl Part {
+    /// The verb as it stands on the command line and in the file.
+    pub fn verb(&self) -> &'static str {
+        match self {
+            Part::Fit(_) => "fit",
+            Part::Check(_) => "check",
+            Part::Simulate(_) => "simulate",
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

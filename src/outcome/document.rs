@@ -1,0 +1,104 @@
+//! An outcome as one flat JSON object, whose `verb` says which part it carries.
+
+use std::path::Path;
+
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::outcome::error::{Action, OutcomeError, OutcomeErrorKind};
+use crate::outcome::estimate::Estimate;
+use crate::outcome::run::Run;
+use crate::outcome::{Outcome, Part, RESULT_FILE};
+
+impl Outcome {
+    /// The outcome as indented JSON, ended by a newline.
+    ///
+    /// # Errors
+    /// `not-encodable` if the problem holds a key that is not text.
+    pub fn to_json(&self) -> Result<String, OutcomeError> {
+        let mut text = serde_json::to_string_pretty(self).map_err(|error| {
+            OutcomeError::new(
+                Path::new(RESULT_FILE),
+                OutcomeErrorKind::NotEncodable(error.to_string()),
+            )
+        })?;
+        text.push('\n');
+        Ok(text)
+    }
+
+    /// Reads `result.json` of a results folder, or the file itself.
+    ///
+    /// # Errors
+    /// `not-readable` if there is no such file, `not-a-result` if it is not the result of a run.
+    pub fn read(path: &Path) -> Result<Self, OutcomeError> {
+        let file = if path.is_dir() {
+            path.join(RESULT_FILE)
+        } else {
+            path.to_path_buf()
+        };
+        let text = std::fs::read_to_string(&file)
+            .map_err(|error| OutcomeError::io(&file, Action::ReadResult, &error))?;
+        serde_json::from_str(&text).map_err(|error| {
+            OutcomeError::new(&file, OutcomeErrorKind::NotAResult(error.to_string()))
+        })
+    }
+}
+
+#[derive(Serialize)]
+struct Written<'a> {
+    name: &'a str,
+    verb: &'static str,
+    #[serde(flatten)]
+    run: &'a Run,
+    #[serde(flatten)]
+    estimate: &'a Estimate,
+    #[serde(flatten)]
+    part: &'a Part,
+}
+
+impl Serialize for Outcome {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Written {
+            name: &self.name,
+            verb: self.part.verb(),
+            run: &self.run,
+            estimate: &self.estimate,
+            part: &self.part,
+        }
+        .serialize(serializer)
+    }
+}
+
+#[derive(Deserialize)]
+struct Head {
+    name: String,
+    verb: String,
+    #[serde(flatten)]
+    run: Run,
+    #[serde(flatten)]
+    estimate: Estimate,
+}
+
+impl<'de> Deserialize<'de> for Outcome {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = serde_json::Value::deserialize(deserializer)?;
+        let head = Head::deserialize(&value).map_err(D::Error::custom)?;
+        let part = match head.verb.as_str() {
+            "fit" => Deserialize::deserialize(&value).map(Part::Fit),
+            "check" => Deserialize::deserialize(&value).map(Part::Check),
+            "simulate" => Deserialize::deserialize(&value).map(Part::Simulate),
+            other => {
+                return Err(D::Error::custom(format!(
+                    "the verb `{other}` is not known to version {}",
+                    crate::outcome::run::VERSION
+                )));
+            }
+        };
+        Ok(Self {
+            name: head.name,
+            run: head.run,
+            estimate: head.estimate,
+            part: part.map_err(D::Error::custom)?,
+        })
+    }
+}

@@ -1,0 +1,73 @@
+//! What `fit` adds: base parameters, identifiability, physical feasibility and comparisons.
+
+use serde::{Deserialize, Serialize};
+
+use crate::outcome::joint::JointFigures;
+use crate::outcome::number;
+
+/// The part of `fit`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Fit {
+    pub base_parameters: Vec<BaseParameter>,
+    /// Number of independent columns of the regressor.
+    pub rank: usize,
+    /// Condition number of the base regressor with columns of unit norm.
+    #[serde(with = "number::nullable")]
+    pub condition_number: f64,
+    /// Whether a member of the equivalence class of the estimate has every pseudo-inertia positive
+    /// definite; absent where it was not examined.
+    pub feasible: Option<bool>,
+    /// Least eigenvalue over the pseudo-inertias of that member.
+    #[serde(with = "number::optional")]
+    pub min_pseudo_inertia_eigenvalue: Option<f64>,
+    pub comparison: Vec<Comparison>,
+    /// A physically feasible member of the equivalence class, complete, for export.
+    #[serde(default)]
+    pub realization: Vec<Realized>,
+    /// What was done to the recordings before the fit.
+    #[serde(default)]
+    pub preprocessing: Vec<Preprocessing>,
+    /// Anything a reader should know, one sentence each.
+    #[serde(default)]
+    pub notes: Vec<String>,
+}
+
+/// A combination of parameters that the motion determines.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BaseParameter {
+    /// The combination, such as `link2.mass + 0.4*link3.mass`.
+    pub expression: String,
+    #[serde(default)]
+    pub unit: String,
+    #[serde(with = "number::optional")]
+    pub value: Option<f64>,
+    #[serde(with = "number::optional")]
+    pub std_dev: Option<f64>,
+    #[serde(with = "number::interval", default)]
+    pub ci95: Option<[f64; 2]>,
+}
+
+/// The same fit with another list of effects.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    pub name: String,
+    pub effects: Vec<String>,
+    pub joints: Vec<JointFigures>,
+}
+
+/// One value of the feasible realization, in SI units.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Realized {
+    pub name: String,
+    #[serde(with = "number::nullable")]
+    pub value: f64,
+}
+
+/// One line on what was done to a channel: rate, bandwidth, trims.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Preprocessing {
+    pub recording: String,
+    /// Absent where the line is about the recording as a whole.
+    pub channel: Option<String>,
+    pub text: String,
+}

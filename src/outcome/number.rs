@@ -1,0 +1,82 @@
+//! Numbers in JSON: whatever is not finite becomes `null`, and `null` reads back as not a number.
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// A number; `null` where it is not finite.
+pub mod nullable {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        finite(*value).serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
+    }
+}
+
+/// A number that may be absent; `null` where it is absent or not finite.
+pub mod optional {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+        value.and_then(finite).serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<f64>, D::Error> {
+        Option::deserialize(deserializer)
+    }
+}
+
+/// An interval `[lower, upper]`; `null` as a whole where either end is not finite.
+pub mod interval {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(
+        value: &Option<[f64; 2]>,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        value
+            .filter(|ends| ends.iter().all(|end| end.is_finite()))
+            .serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<[f64; 2]>, D::Error> {
+        Option::deserialize(deserializer)
+    }
+}
+
+/// A matrix by rows; `null` for each entry that is not finite.
+pub mod matrix {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(rows: &[Vec<f64>], serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(rows.iter().map(|row| Row(row)))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Vec<Vec<f64>>, D::Error> {
+        let rows: Vec<Vec<Option<f64>>> = Vec::deserialize(deserializer)?;
+        Ok(rows
+            .into_iter()
+            .map(|row| row.into_iter().map(|x| x.unwrap_or(f64::NAN)).collect())
+            .collect())
+    }
+
+    struct Row<'a>(&'a [f64]);
+
+    impl Serialize for Row<'_> {
+        fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+            serializer.collect_seq(self.0.iter().map(|x| finite(*x)))
+        }
+    }
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}

@@ -1,0 +1,85 @@
+//! A parameter of the model: its value, how well it is known, and what it is known from.
+
+use serde::{Deserialize, Serialize};
+
+use crate::outcome::number;
+
+/// What the value of a parameter rests on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Source {
+    /// The recordings determine it.
+    Data,
+    /// The recordings alone do not; the prior does.
+    Prior,
+    /// It lies on a bound, or on the edge of what is physically possible.
+    Bound,
+    /// Given by the user, not estimated.
+    Known,
+    /// Nothing determines it: it has no value.
+    Undetermined,
+}
+
+impl Source {
+    /// The word that stands in the result.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Source::Data => "data",
+            Source::Prior => "prior",
+            Source::Bound => "bound",
+            Source::Known => "known",
+            Source::Undetermined => "undetermined",
+        }
+    }
+}
+
+/// One parameter, in SI units.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Parameter {
+    /// `<joint>.<effect>.<parameter>` or `<link>.<quantity>`.
+    pub name: String,
+    pub unit: String,
+    /// The estimate; absent where undetermined.
+    #[serde(with = "number::optional")]
+    pub value: Option<f64>,
+    /// Standard deviation of the estimate; absent where undetermined or known.
+    #[serde(with = "number::optional")]
+    pub std_dev: Option<f64>,
+    /// 95 % confidence interval, lower and upper end.
+    #[serde(with = "number::interval")]
+    pub ci95: Option<[f64; 2]>,
+    pub source: Source,
+    /// What the parameter is, in plain words; may be empty.
+    #[serde(default)]
+    pub description: String,
+}
+
+impl Parameter {
+    /// A parameter that the data do not determine: no value, no deviation, no interval.
+    pub fn undetermined(name: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            unit: unit.into(),
+            value: None,
+            std_dev: None,
+            ci95: None,
+            source: Source::Undetermined,
+            description: String::new(),
+        }
+    }
+
+    /// A parameter that the user gave: a value without uncertainty.
+    pub fn known(name: impl Into<String>, unit: impl Into<String>, value: f64) -> Self {
+        Self {
+            value: Some(value),
+            source: Source::Known,
+            ..Self::undetermined(name, unit)
+        }
+    }
+
+    /// The same parameter, with its meaning in plain words.
+    pub fn described(mut self, description: impl Into<String>) -> Self {
+        self.description = description.into();
+        self
+    }
+}

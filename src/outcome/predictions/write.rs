@@ -1,0 +1,100 @@
+//! Writes `predictions.csv` in blocks of samples through one reused line buffer.
+
+use std::io::{self, Write};
+
+use crate::outcome::predictions::{LEADING, Quantity, Split};
+
+/// Rows of one recording.
+#[derive(Debug, Clone, Copy)]
+pub struct Block<'a> {
+    /// Name of the recording as the user wrote it.
+    pub recording: &'a str,
+    pub split: Split,
+    /// Time of each row in s.
+    pub t: &'a [f64],
+    /// One column per joint and quantity, the quantities of the first joint first, as long as `t`.
+    pub columns: &'a [&'a [f64]],
+}
+
+/// Writes the table to `out`.
+#[derive(Debug)]
+pub struct PredictionsWriter<W: Write> {
+    out: W,
+    columns: usize,
+    line: Vec<u8>,
+}
+
+impl<W: Write> PredictionsWriter<W> {
+    /// Writes the header for `joints` with the same `quantities` each.
+    ///
+    /// # Errors
+    /// What writing to `out` gives.
+    pub fn new(mut out: W, joints: &[String], quantities: &[Quantity]) -> io::Result<Self> {
+        let mut line = LEADING.join(",").into_bytes();
+        for joint in joints {
+            for quantity in quantities {
+                line.push(b',');
+                push_field(&mut line, &format!("{joint}_{}", quantity.as_str()));
+            }
+        }
+        line.push(b'\n');
+        out.write_all(&line)?;
+        Ok(Self {
+            out,
+            columns: joints.len() * quantities.len(),
+            line,
+        })
+    }
+
+    /// Appends the rows of a block: ten significant digits, an empty field for what is not finite.
+    ///
+    /// # Errors
+    /// `InvalidInput` if the block does not fit the header, else what writing to `out` gives.
+    pub fn block(&mut self, block: &Block) -> io::Result<()> {
+        let fits = block.columns.len() == self.columns
+            && block
+                .columns
+                .iter()
+                .all(|column| column.len() == block.t.len());
+        if !fits {
+            return Err(io::Error::new(
+                io::ErrorKind::InvalidInput,
+                "the columns of a block do not fit the header",
+            ));
+        }
+        let mut lead = Vec::new();
+        push_field(&mut lead, block.recording);
+        write!(lead, ",{},", block.split.as_str())?;
+        for (row, t) in block.t.iter().enumerate() {
+            self.line.clear();
+            self.line.extend_from_slice(&lead);
+            // In full: time stamps may count from 1970, and ten digits would merge them.
+            write!(self.line, "{t}")?;
+            for column in block.columns {
+                self.line.push(b',');
+                push_number(&mut self.line, column[row])?;
+            }
+            self.line.push(b'\n');
+            self.out.write_all(&self.line)?;
+        }
+        Ok(())
+    }
+}
+
+fn push_number(line: &mut Vec<u8>, value: f64) -> io::Result<()> {
+    if value.is_finite() {
+        write!(line, "{value:.9e}")?;
+    }
+    Ok(())
+}
+
+/// A text field, quoted where it holds what would end a field (RFC 4180).
+fn push_field(line: &mut Vec<u8>, text: &str) {
+    if text.contains([',', '"', '\n', '\r']) {
+        line.push(b'"');
+        line.extend_from_slice(text.replace('"', "\"\"").as_bytes());
+        line.push(b'"');
+    } else {
+        line.extend_from_slice(text.as_bytes());
+    }
+}

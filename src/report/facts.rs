@@ -1,0 +1,148 @@
+//! The few facts that both the page and the terminal open with.
+
+use crate::outcome::Outcome;
+use crate::outcome::check::{Finding, Severity};
+use crate::outcome::estimate::Solver;
+use crate::outcome::joint::JointFigures;
+use crate::outcome::parameter::{Parameter, Source};
+
+/// Every source, in the order in which counts are told.
+const SOURCES: [Source; 5] = [
+    Source::Data,
+    Source::Prior,
+    Source::Bound,
+    Source::Known,
+    Source::Undetermined,
+];
+
+/// How many parameters each source gives: `36 from data, 2 on a bound, 14 undetermined`.
+pub(super) fn parameter_counts(parameters: &[Parameter]) -> String {
+    let counts: Vec<String> = SOURCES
+        .into_iter()
+        .filter_map(|source| {
+            let count = parameters.iter().filter(|p| p.source == source).count();
+            let words = match source {
+                Source::Data => "from data",
+                Source::Prior => "from the prior",
+                Source::Bound => "on a bound",
+                Source::Known => "known",
+                Source::Undetermined => "undetermined",
+            };
+            (count > 0).then(|| format!("{count} {words}"))
+        })
+        .collect();
+    counts.join(", ")
+}
+
+/// Least and greatest of a figure over the joints that have it.
+pub(super) fn range(
+    joints: &[JointFigures],
+    figure: impl Fn(&JointFigures) -> Option<f64>,
+) -> Option<(f64, f64)> {
+    joints
+        .iter()
+        .filter_map(figure)
+        .filter(|value| value.is_finite())
+        .fold(None, |range, value| match range {
+            None => Some((value, value)),
+            Some((low, high)) => Some((value.min(low), value.max(high))),
+        })
+}
+
+/// A range in words: `2.10 % to 6.25 %`, or one number where both ends read the same.
+pub(super) fn in_words((low, high): (f64, f64), format: impl Fn(f64) -> String) -> String {
+    let (low, high) = (format(low), format(high));
+    if low == high {
+        low
+    } else {
+        format!("{low} to {high}")
+    }
+}
+
+/// How the solver ended, in words.
+pub(super) fn solver_sentence(solver: &Solver) -> String {
+    let ended = if solver.converged {
+        "converged"
+    } else {
+        "did not converge"
+    };
+    let iterations = count(solver.iterations as usize, "iteration");
+    format!(
+        "{} {ended} ({}) after {iterations}",
+        solver.name,
+        solver.stop.replace('_', " ")
+    )
+}
+
+/// Number of findings of each severity: `2 errors, 1 warning`.
+pub(super) fn finding_counts(findings: &[Finding]) -> String {
+    let counts: Vec<String> = [Severity::Error, Severity::Warning, Severity::Note]
+        .into_iter()
+        .filter_map(|severity| {
+            let number = findings.iter().filter(|f| f.severity == severity).count();
+            (number > 0).then(|| count(number, severity.as_str()))
+        })
+        .collect();
+    if counts.is_empty() {
+        "nothing found".to_string()
+    } else {
+        counts.join(", ")
+    }
+}
+
+/// Where a finding lies: file, line and channel as far as known.
+pub(super) fn finding_place(finding: &Finding) -> String {
+    let mut place = finding.file.clone().unwrap_or_default();
+    if let (Some(line), false) = (finding.line, place.is_empty()) {
+        place.push_str(&format!(":{line}"));
+    }
+    match &finding.channel {
+        Some(channel) if place.is_empty() => channel.clone(),
+        Some(channel) => format!("{place}: {channel}"),
+        None => place,
+    }
+}
+
+/// `1 joint`, `6 joints`.
+pub(super) fn count(number: usize, noun: &str) -> String {
+    match number {
+        1 => format!("1 {noun}"),
+        _ => format!("{number} {noun}s"),
+    }
+}
+
+/// The command that makes this result again. The problem file is the first input of a run.
+pub(super) fn command(outcome: &Outcome) -> String {
+    let problem = outcome
+        .run
+        .inputs
+        .first()
+        .map_or("PROBLEM.toml", |input| input.path.as_str());
+    let verb = outcome.part.verb();
+    format!(
+        "exid {verb} {} --seed {}",
+        shell_word(problem),
+        outcome.run.seed
+    )
+}
+
+/// A word that a POSIX shell takes as it stands, quoted where needed.
+fn shell_word(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "._-/+=:@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_string()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quotes_what_a_shell_would_split() {
+        assert_eq!(shell_word("a/b-1.toml"), "a/b-1.toml");
+        assert_eq!(shell_word("my arm's.toml"), r"'my arm'\''s.toml'");
+    }
+}

@@ -1,0 +1,95 @@
+//! The page: one self-contained HTML file, legible on screen, on a phone and on paper.
+
+use crate::outcome::Outcome;
+use crate::report::section::{self, Section};
+use crate::report::series::Series;
+
+/// The style sheet, part of every page.
+const STYLE: &str = include_str!("style.css");
+
+/// Forbids the page to load anything: a report must read the same in ten years, offline.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'";
+
+/// Renders the report of an outcome.
+pub fn page(outcome: &Outcome, series: &Series) -> String {
+    let sections = section::all(outcome, series);
+    let title = escape(&format!("{}: {}", outcome.name, outcome.part.verb()));
+    let mut out = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
+         <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
+         <header>\n<h1>{}</h1>\n<p class=\"verb\">{}</p>\n</header>\n<nav>{}</nav>\n<main>\n",
+        breakable(&outcome.name),
+        escape(&byline(outcome)),
+        contents(&sections),
+    );
+    for Section { id, title, body } in &sections {
+        out.push_str(&format!(
+            "<section id=\"{id}\">\n<h2>{title}</h2>\n{body}</section>\n"
+        ));
+    }
+    out.push_str("</main>\n</body>\n</html>\n");
+    out
+}
+
+fn byline(outcome: &Outcome) -> String {
+    let verb = outcome.part.verb();
+    format!(
+        "exid {verb}, version {}, seed {}",
+        outcome.run.version, outcome.run.seed
+    )
+}
+
+fn contents(sections: &[Section]) -> String {
+    sections
+        .iter()
+        .map(|section| format!("<a href=\"#{}\">{}</a>", section.id, section.title))
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+/// Text as it may stand in HTML, in an element or in a quoted attribute.
+pub fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            _ => out.push(c),
+        }
+    }
+    out
+}
+
+/// An escaped identifier or expression that a narrow page may break after a sign within it, but
+/// not within a number.
+pub fn breakable(name: &str) -> String {
+    let mut out = String::with_capacity(name.len());
+    let mut rest = name.chars().peekable();
+    while let Some(c) = rest.next() {
+        out.push_str(&escape(c.encode_utf8(&mut [0; 4])));
+        let in_number = rest.peek().is_some_and(char::is_ascii_digit);
+        if matches!(c, '_' | '/' | '*') || (c == '.' && !in_number) {
+            out.push_str("<wbr>");
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn escapes_every_character_that_html_gives_a_meaning() {
+        assert_eq!(
+            escape("<a href='x'>\"&\""),
+            "&lt;a href=&#39;x&#39;&gt;&quot;&amp;&quot;"
+        );
+        assert_eq!(breakable("0.5*a.b<c"), "0.5*<wbr>a.<wbr>b&lt;c");
+    }
+}

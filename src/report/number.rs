@@ -1,0 +1,117 @@
+//! Numbers as a reader wants them: four significant digits, exponents only where needed.
+
+/// What stands where there is no number.
+pub(super) const ABSENT: &str = "–";
+
+/// Significant digits after the first one.
+const FURTHER_DIGITS: i32 = 3;
+
+/// Decimal exponents outside of which a number is written with its exponent: five digits before
+/// the point, or three zeros after it, are the most that are read at a glance.
+const PLAIN_EXPONENTS: std::ops::Range<i32> = -4..5;
+
+/// Four significant digits: `0.01234`, `12.30`, `1.235e-7`.
+pub(super) fn significant(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_string();
+    }
+    if !value.is_finite() {
+        return ABSENT.to_string();
+    }
+    let scientific = format!("{:.*e}", FURTHER_DIGITS as usize, value);
+    match scientific.split_once('e').and_then(|(_, e)| e.parse().ok()) {
+        Some(exponent) if PLAIN_EXPONENTS.contains(&exponent) => {
+            let decimals = (FURTHER_DIGITS - exponent).max(0) as usize;
+            format!("{value:.decimals$}")
+        }
+        _ => scientific,
+    }
+}
+
+/// As [`significant`], or the sign for an absent number.
+pub(super) fn optional(value: Option<f64>) -> String {
+    value.map_or_else(|| ABSENT.to_string(), significant)
+}
+
+/// Ticks this much smaller than the range of their axis are zero up to rounding.
+const ZERO_OF_RANGE: f64 = 1e-9;
+
+/// For the ticks of an axis over `range`: `0.5`, `-20`, `1e-7`, without trailing zeros.
+pub(super) fn tick(value: f64, range: (f64, f64)) -> String {
+    if value.abs() <= ZERO_OF_RANGE * (range.1 - range.0) {
+        return "0".to_string();
+    }
+    let text = significant(value);
+    let (digits, exponent) = match text.split_once('e') {
+        Some((digits, exponent)) => (digits, Some(exponent)),
+        None => (text.as_str(), None),
+    };
+    let digits = if digits.contains('.') {
+        digits.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        digits
+    };
+    match exponent {
+        Some(exponent) => format!("{digits}e{exponent}"),
+        None => digits.to_string(),
+    }
+}
+
+/// A share as per cent, three significant digits at most: `6.25 %`, `0.04 %`, `140 %`.
+pub(super) fn percent(share: f64) -> String {
+    let value = 100.0 * share;
+    if !value.is_finite() {
+        return ABSENT.to_string();
+    }
+    let decimals = match value.abs() {
+        size if size < 10.0 => 2,
+        size if size < 100.0 => 1,
+        _ => 0,
+    };
+    format!("{value:.decimals$} %")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keeps_four_significant_digits_at_every_scale() {
+        for (value, text) in [
+            (0.0, "0"),
+            (0.0123449, "0.01234"),
+            (-12.3, "-12.30"),
+            (9.99996, "10.00"),
+            (12345.6, "12346"),
+            (99999.4, "1.000e5"),
+            (123456.0, "1.235e5"),
+            (0.0001, "0.0001000"),
+            (0.00001234, "1.234e-5"),
+            (f64::NAN, "–"),
+            (f64::INFINITY, "–"),
+        ] {
+            assert_eq!(significant(value), text);
+        }
+    }
+
+    #[test]
+    fn ticks_have_no_trailing_zeros() {
+        for (value, text) in [
+            (0.30000000000000004, "0.3"),
+            (20.0, "20"),
+            (-1e-7, "-1e-7"),
+            (2.5e6, "2.5e6"),
+            (500.0, "500"),
+        ] {
+            assert_eq!(tick(value, (0.0, value)), text);
+        }
+        assert_eq!(tick(5.551e-17, (-0.4, 0.4)), "0");
+    }
+
+    #[test]
+    fn shares_are_per_cent() {
+        for (share, text) in [(0.0625, "6.25 %"), (0.4567, "45.7 %"), (1.4, "140 %")] {
+            assert_eq!(percent(share), text);
+        }
+    }
+}

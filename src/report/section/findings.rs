@@ -1,0 +1,33 @@
+//! What `check` found, the worst first, each with what to do about it.
+
+use crate::outcome::Part;
+use crate::outcome::check::Finding;
+use crate::report::facts;
+use crate::report::html::escape;
+use crate::report::section::{Section, Source};
+use crate::report::table::{Cell, Table};
+
+pub(super) fn section(source: &Source) -> Option<Section> {
+    let Part::Check(check) = &source.outcome.part else {
+        return None;
+    };
+    if check.findings.is_empty() {
+        return None;
+    }
+    let mut findings: Vec<&Finding> = check.findings.iter().collect();
+    findings.sort_by_key(|finding| finding.severity);
+    let mut table = Table::new(&["", "Where", "What, and what to do", "Code"]);
+    for finding in findings {
+        table.row(vec![
+            Cell::Mark(finding.severity.as_str()),
+            Cell::name(&facts::finding_place(finding)),
+            Cell::Html(format!(
+                "{}<small>{}</small>",
+                escape(&finding.message),
+                escape(&finding.remedy)
+            )),
+            Cell::text(&finding.code),
+        ]);
+    }
+    Some(Section::new("findings", "Findings", table.html()))
+}

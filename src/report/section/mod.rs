@@ -1,0 +1,75 @@
+//! The sections of the page, one file each: the table below is their order.
+
+mod base_parameters;
+mod comparison;
+mod findings;
+mod inputs;
+mod joints;
+mod notes;
+mod parameters;
+mod preprocessing;
+mod signals;
+mod simulation;
+mod solver;
+mod summary;
+
+use crate::outcome::Outcome;
+use crate::outcome::Part;
+use crate::outcome::fit::Fit;
+use crate::report::series::Series;
+
+/// A part of the page with a heading of its own.
+pub(super) struct Section {
+    /// Anchor in the page.
+    pub id: &'static str,
+    pub title: &'static str,
+    /// HTML.
+    pub body: String,
+}
+
+impl Section {
+    fn new(id: &'static str, title: &'static str, body: String) -> Self {
+        Self { id, title, body }
+    }
+}
+
+/// What a section is made from.
+struct Source<'a> {
+    outcome: &'a Outcome,
+    series: &'a Series,
+}
+
+impl<'a> Source<'a> {
+    /// The part of `fit`, if that is the verb.
+    fn fit(&self) -> Option<&'a Fit> {
+        match &self.outcome.part {
+            Part::Fit(fit) => Some(fit),
+            _ => None,
+        }
+    }
+}
+
+/// Every section in the order of the page; each is absent where it has nothing to say.
+const SECTIONS: [fn(&Source) -> Option<Section>; 12] = [
+    summary::section,
+    findings::section,
+    joints::section,
+    signals::section,
+    parameters::section,
+    base_parameters::section,
+    comparison::section,
+    simulation::section,
+    preprocessing::section,
+    notes::section,
+    solver::section,
+    inputs::section,
+];
+
+/// The sections that this outcome fills.
+pub(super) fn all(outcome: &Outcome, series: &Series) -> Vec<Section> {
+    let source = Source { outcome, series };
+    SECTIONS
+        .iter()
+        .filter_map(|section| section(&source))
+        .collect()
+}

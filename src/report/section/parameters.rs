@@ -1,0 +1,140 @@
+//! The parameters: value, uncertainty, and what each rests on.
+
+use crate::outcome::parameter::{Parameter, Source as Origin};
+use crate::report::html::breakable;
+use crate::report::number::{ABSENT, optional, percent};
+use crate::report::plots::figure;
+use crate::report::plots::rows::{Estimated, estimates};
+use crate::report::section::{Section, Source};
+use crate::report::table::{Cell, Table};
+
+/// Standard deviations to either end of a 95 % interval of a normal distribution.
+const NORMAL_95: f64 = 1.96;
+
+const EXPLANATION: &str = "<p class=\"hint\">Source: data, determined by the recordings; prior, by \
+    the prior where the recordings alone do not; bound, on a bound or on the edge of what is \
+    physically possible; known, given. An undetermined parameter has no value of its own: the base \
+    parameters show in which combination it enters.</p>\n";
+
+pub(super) fn section(source: &Source) -> Option<Section> {
+    let parameters = &source.outcome.estimate.parameters;
+    if parameters.is_empty() {
+        return None;
+    }
+    let body = format!(
+        "{}{EXPLANATION}{}",
+        table(parameters).html(),
+        charts(parameters)
+    );
+    Some(Section::new("parameters", "Parameters", body))
+}
+
+fn table(parameters: &[Parameter]) -> Table {
+    let mut table = Table::new(&[
+        "Parameter",
+        "Value",
+        "Unit",
+        "Std. dev.",
+        "Relative",
+        "95 % from",
+        "to",
+        "Source",
+    ]);
+    let mut owner = "";
+    for parameter in parameters {
+        if owner_of(parameter) != owner {
+            owner = owner_of(parameter);
+            table.begin_group();
+        }
+        table.row(row(parameter));
+    }
+    table
+}
+
+fn row(parameter: &Parameter) -> Vec<Cell> {
+    let mut cells = vec![Cell::Name {
+        name: parameter.name.clone(),
+        remark: parameter.description.clone(),
+    }];
+    if parameter.source == Origin::Undetermined {
+        let text = "undetermined".to_string();
+        cells.push(Cell::Span { columns: 1, text });
+        cells.push(Cell::text(&parameter.unit));
+        cells.extend((0..4).map(|_| Cell::Number(ABSENT.to_string())));
+    } else {
+        cells.push(Cell::Number(optional(parameter.value)));
+        cells.push(Cell::text(&parameter.unit));
+        let ends = parameter.ci95;
+        cells.extend([
+            Cell::Number(optional(parameter.std_dev)),
+            Cell::Number(relative(parameter)),
+            Cell::Number(optional(ends.map(|ends| ends[0]))),
+            Cell::Number(optional(ends.map(|ends| ends[1]))),
+        ]);
+    }
+    cells.push(Cell::Mark(parameter.source.as_str()));
+    cells
+}
+
+fn relative(parameter: &Parameter) -> String {
+    match (parameter.value, parameter.std_dev) {
+        (Some(value), Some(std_dev)) if value != 0.0 => percent(std_dev / value.abs()),
+        _ => ABSENT.to_string(),
+    }
+}
+
+/// The joint or link that a parameter belongs to.
+fn owner_of(parameter: &Parameter) -> &str {
+    parameter
+        .name
+        .split_once('.')
+        .map_or("", |(owner, _)| owner)
+}
+
+/// One chart for each quantity that several joints or links have, such as all Coulomb frictions.
+fn charts(parameters: &[Parameter]) -> String {
+    let mut groups: Vec<(&str, &str, Vec<Estimated>)> = Vec::new();
+    for parameter in parameters {
+        let Some((owner, quantity)) = parameter.name.split_once('.') else {
+            continue;
+        };
+        let Some(estimated) = estimated(owner, parameter) else {
+            continue;
+        };
+        let unit = parameter.unit.as_str();
+        match groups
+            .iter_mut()
+            .find(|(q, u, _)| *q == quantity && *u == unit)
+        {
+            Some((_, _, rows)) => rows.push(estimated),
+            None => groups.push((quantity, unit, vec![estimated])),
+        }
+    }
+    let plots: String = groups
+        .iter()
+        .filter(|(_, _, rows)| rows.len() > 1)
+        .map(|(quantity, unit, rows)| {
+            let caption = format!("<b>{}</b>", breakable(quantity));
+            let title = if unit.is_empty() {
+                String::new()
+            } else {
+                format!("[{unit}]")
+            };
+            figure(&caption, &estimates(rows, &title))
+        })
+        .collect();
+    if plots.is_empty() {
+        return String::new();
+    }
+    format!("<h3>Estimates with 95 % intervals</h3>\n<div class=\"plots small\">\n{plots}</div>\n")
+}
+
+fn estimated(owner: &str, parameter: &Parameter) -> Option<Estimated> {
+    let (value, std_dev) = (parameter.value?, parameter.std_dev?);
+    let reach = NORMAL_95 * std_dev;
+    Some(Estimated {
+        label: owner.to_string(),
+        value,
+        interval: parameter.ci95.unwrap_or([value - reach, value + reach]),
+    })
+}

@@ -1,0 +1,25 @@
+//! What was done to the recordings before the fit.
+
+use crate::report::section::{Section, Source};
+use crate::report::table::{Cell, Table};
+
+pub(super) fn section(source: &Source) -> Option<Section> {
+    let lines = &source.fit()?.preprocessing;
+    if lines.is_empty() {
+        return None;
+    }
+    let mut table = Table::new(&["Recording", "Channel", "What was done"]);
+    let mut recording = "";
+    for line in lines {
+        if line.recording != recording {
+            recording = &line.recording;
+            table.begin_group();
+        }
+        table.row(vec![
+            Cell::name(&line.recording),
+            Cell::text(line.channel.as_deref().unwrap_or_default()),
+            Cell::text(&line.text),
+        ]);
+    }
+    Some(Section::new("preprocessing", "Preprocessing", table.html()))
+}

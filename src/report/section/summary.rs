@@ -1,0 +1,111 @@
+//! What was found, in a sentence or two, and the figures that a reader looks for first.
+
+use crate::outcome::fit::Fit;
+use crate::outcome::{Outcome, Part};
+use crate::report::facts::{self, count};
+use crate::report::html::escape;
+use crate::report::number;
+use crate::report::section::{Section, Source};
+
+pub(super) fn section(source: &Source) -> Option<Section> {
+    let outcome = source.outcome;
+    let mut body = alert(outcome);
+    let sentence = sentence(outcome);
+    body.push_str(&format!("<p class=\"lead\">{}</p>\n", escape(&sentence)));
+    if let Part::Fit(fit) = &outcome.part {
+        body.push_str(&figures(outcome, fit));
+    }
+    Some(Section::new("summary", "Summary", body))
+}
+
+/// A warning where the solver did not end well: the figures are then not the answer.
+fn alert(outcome: &Outcome) -> String {
+    match &outcome.estimate.solver {
+        Some(solver) if !solver.converged => format!(
+            "<p class=\"alert\">{}. The values below are what it had reached.</p>\n",
+            escape(&facts::solver_sentence(solver))
+        ),
+        _ => String::new(),
+    }
+}
+
+fn sentence(outcome: &Outcome) -> String {
+    match &outcome.part {
+        Part::Fit(_) => fit_sentence(outcome),
+        Part::Check(check) => {
+            let counts = facts::finding_counts(&check.findings);
+            format!("The inputs were read and nothing was run: {counts}.")
+        }
+        Part::Simulate(simulation) => {
+            let files = count(simulation.files.len(), "file");
+            format!("The model was simulated and {files} written.")
+        }
+    }
+}
+
+fn fit_sentence(outcome: &Outcome) -> String {
+    let estimate = &outcome.estimate;
+    let held_out = facts::range(&estimate.joints, |joint| joint.relative_validation);
+    let trained = facts::range(&estimate.joints, |joint| Some(joint.relative_train));
+    let (range, recordings) = match (held_out, trained) {
+        (Some(range), _) => (range, "held-out recordings"),
+        (None, Some(range)) => (range, "training recordings (none was held out)"),
+        (None, None) => return format!("{}.", facts::parameter_counts(&estimate.parameters)),
+    };
+    let channels = match estimate.joints.len() {
+        1 => "the joint".to_string(),
+        number => format!("the {number} joints"),
+    };
+    let mut text = format!(
+        "On the {recordings} the model leaves {} of the signal of {channels} unexplained",
+        facts::in_words(range, number::percent)
+    );
+    if let Some((low, high)) = facts::range(&estimate.joints, |joint| joint.lack_of_fit) {
+        // The square root of a ratio of mean squares: a ratio of root mean squares.
+        let ratio = facts::in_words((low.sqrt(), high.sqrt()), number::significant);
+        text.push_str(&format!(", which is {ratio} times the noise"));
+    }
+    format!(
+        "{text}. Parameters: {}.",
+        facts::parameter_counts(&estimate.parameters)
+    )
+}
+
+fn figures(outcome: &Outcome, fit: &Fit) -> String {
+    let parameters = &outcome.estimate.parameters;
+    let mut figures = vec![
+        ("Parameters", parameters.len().to_string()),
+        ("Independent combinations (rank)", fit.rank.to_string()),
+        (
+            "Condition number",
+            number::significant(fit.condition_number),
+        ),
+    ];
+    if let Some(feasible) = fit.feasible {
+        let answer = if feasible { "yes" } else { "no" };
+        figures.push(("Physically feasible", answer.to_string()));
+    }
+    if let Some(value) = fit.min_pseudo_inertia_eigenvalue {
+        figures.push((
+            "Least pseudo-inertia eigenvalue",
+            number::significant(value),
+        ));
+    }
+    if let Some(solver) = &outcome.estimate.solver {
+        let ended = if solver.converged {
+            "converged"
+        } else {
+            "not converged"
+        };
+        figures.push(("Solver", ended.to_string()));
+    }
+    figures.push((
+        "Wall time",
+        format!("{} s", number::significant(outcome.run.wall_s)),
+    ));
+    let items: String = figures
+        .iter()
+        .map(|(term, value)| format!("<div><dt>{term}</dt><dd>{}</dd></div>\n", escape(value)))
+        .collect();
+    format!("<dl class=\"figures\">\n{items}</dl>\n")
+}

@@ -1,0 +1,214 @@
+//! Tables of the page: numbers right-aligned at the decimal point, everything else escaped text.
+
+use crate::report::html::{breakable, escape};
+
+/// Space as wide as a digit, and as wide as a point: they align numbers of unlike precision.
+const FIGURE_SPACE: char = '\u{2007}';
+const POINT_SPACE: char = '\u{2008}';
+
+/// What a cell holds; text is as given by the user and escaped here.
+#[derive(Debug, Clone)]
+pub(super) enum Cell {
+    Text(String),
+    /// An identifier that may break at its points, with a remark below it.
+    Name {
+        name: String,
+        remark: String,
+    },
+    /// A number already formatted; aligned with the others of its column.
+    Number(String),
+    /// One text over several columns.
+    Span {
+        columns: usize,
+        text: String,
+    },
+    /// A word that carries a class of the style sheet of the same name.
+    Mark(&'static str),
+    /// HTML that is already safe.
+    Html(String),
+}
+
+/// A table with one header row.
+#[derive(Debug, Default)]
+pub(super) struct Table {
+    headers: Vec<String>,
+    rows: Vec<Vec<Cell>>,
+    /// Rows before which a rule is drawn.
+    groups: Vec<usize>,
+}
+
+impl Table {
+    pub fn new(headers: &[&str]) -> Self {
+        Self {
+            headers: headers.iter().map(|header| header.to_string()).collect(),
+            ..Self::default()
+        }
+    }
+
+    pub fn row(&mut self, cells: Vec<Cell>) {
+        self.rows.push(cells);
+    }
+
+    /// Sets the next row apart from those before it.
+    pub fn begin_group(&mut self) {
+        self.groups.push(self.rows.len());
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// The table in a box that scrolls sideways where the page is narrow.
+    pub fn html(&self) -> String {
+        let fractions = self.fraction_widths();
+        let mut out = String::from("<div class=\"scroll\"><table>\n<thead><tr>");
+        for (index, header) in self.headers.iter().enumerate() {
+            let class = if fractions[index].is_some() {
+                " class=\"number\""
+            } else {
+                ""
+            };
+            out.push_str(&format!("<th{class}>{}</th>", escape(header)));
+        }
+        out.push_str("</tr></thead>\n<tbody>\n");
+        for (index, row) in self.rows.iter().enumerate() {
+            out.push_str(if self.groups.contains(&index) {
+                "<tr class=\"group\">"
+            } else {
+                "<tr>"
+            });
+            let mut column = 0;
+            for cell in row {
+                let fraction = fractions.get(column).copied().flatten().unwrap_or(0);
+                out.push_str(&cell.html(fraction));
+                column += cell.columns();
+            }
+            out.push_str("</tr>\n");
+        }
+        out.push_str("</tbody></table></div>\n");
+        out
+    }
+
+    /// By column, the longest part from the point on, in characters; absent without numbers.
+    fn fraction_widths(&self) -> Vec<Option<usize>> {
+        let mut widths = vec![None; self.headers.len()];
+        for row in &self.rows {
+            let mut column = 0;
+            for cell in row {
+                if let (Cell::Number(text), Some(width)) = (cell, widths.get_mut(column)) {
+                    *width = Some(width.unwrap_or(0).max(fraction_width(text)));
+                }
+                column += cell.columns();
+            }
+        }
+        widths
+    }
+}
+
+impl Cell {
+    pub fn text(text: impl Into<String>) -> Self {
+        Cell::Text(text.into())
+    }
+
+    /// An identifier without a remark.
+    pub fn name(name: &str) -> Self {
+        Cell::Name {
+            name: name.to_string(),
+            remark: String::new(),
+        }
+    }
+
+    fn columns(&self) -> usize {
+        match self {
+            Cell::Span { columns, .. } => *columns,
+            _ => 1,
+        }
+    }
+
+    fn html(&self, fraction: usize) -> String {
+        match self {
+            Cell::Text(text) => format!("<td>{}</td>", escape(text)),
+            Cell::Name { name, remark } if remark.is_empty() => {
+                format!("<td><code>{}</code></td>", breakable(name))
+            }
+            Cell::Name { name, remark } => format!(
+                "<td><code>{}</code><small>{}</small></td>",
+                breakable(name),
+                escape(remark)
+            ),
+            Cell::Number(text) => {
+                format!(
+                    "<td class=\"number\">{}</td>",
+                    escape(&padded(text, fraction))
+                )
+            }
+            Cell::Span { columns, text } => {
+                format!(
+                    "<td class=\"span\" colspan=\"{columns}\">{}</td>",
+                    escape(text)
+                )
+            }
+            Cell::Mark(word) => format!("<td><span class=\"{word}\">{word}</span></td>"),
+            Cell::Html(html) => format!("<td>{html}</td>"),
+        }
+    }
+}
+
+/// Characters from the decimal point on; none for a number with an exponent, which stands alone.
+fn fraction_width(text: &str) -> usize {
+    if text.contains('e') {
+        return 0;
+    }
+    text.find('.').map_or(0, |point| text.len() - point)
+}
+
+/// The number with as much space after it as its fraction lacks to `width` characters.
+fn padded(text: &str, width: usize) -> String {
+    let own = fraction_width(text);
+    let is_plain =
+        text.chars().next_back().is_some_and(|c| c.is_ascii_digit()) && !text.contains('e');
+    let mut out = text.to_string();
+    if is_plain && own < width {
+        let mut missing = width - own;
+        if own == 0 {
+            out.push(POINT_SPACE);
+            missing -= 1;
+        }
+        out.extend(std::iter::repeat_n(FIGURE_SPACE, missing));
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimal_points_stand_below_each_other() {
+        assert_eq!(padded("12.5", 4), "12.5\u{2007}\u{2007}");
+        assert_eq!(padded("12", 3), "12\u{2008}\u{2007}\u{2007}");
+        assert_eq!(padded("1.5e7", 4), "1.5e7");
+        assert_eq!(padded("6.25 %", 4), "6.25 %");
+    }
+
+    #[test]
+    fn text_of_users_is_escaped_in_every_kind_of_cell() {
+        let bad = "<b>&\"".to_string();
+        let mut table = Table::new(&["<h>", "b", "c", "d", "e"]);
+        table.row(vec![
+            Cell::Text(bad.clone()),
+            Cell::Name {
+                name: bad.clone(),
+                remark: bad.clone(),
+            },
+            Cell::Number(bad.clone()),
+            Cell::Span {
+                columns: 2,
+                text: bad,
+            },
+        ]);
+        let html = table.html();
+        assert!(!html.contains("<b>") && !html.contains("<h>"));
+        assert_eq!(html.matches("&lt;b&gt;&amp;&quot;").count(), 5);
+    }
+}
