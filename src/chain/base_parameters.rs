@@ -109,7 +109,11 @@ impl BaseParameters {
         for &(parameter, coefficient) in &base.others {
             let sign = if coefficient < 0.0 { '-' } else { '+' };
             let size = significant(coefficient.abs());
-            let factor = if size == "1" { String::new() } else { format!("{size}*") };
+            let factor = if size == "1" {
+                String::new()
+            } else {
+                format!("{size}*")
+            };
             text.push_str(&format!(" {sign} {factor}{}", name(parameter)));
         }
         text
@@ -155,7 +159,11 @@ fn generic_factor(model: &Model, unknowns: &[usize], loads: &[bool]) -> Triangul
     for _ in 0..blocks {
         let mut motion = RANGES.map(|range| {
             (0..n)
-                .map(|_| (0..BLOCK).map(|_| symmetric(&mut rng, range)).collect::<Vec<f64>>())
+                .map(|_| {
+                    (0..BLOCK)
+                        .map(|_| symmetric(&mut rng, range))
+                        .collect::<Vec<f64>>()
+                })
                 .collect::<Vec<_>>()
         });
         for (j, joint) in model.joints().iter().enumerate() {

@@ -6,7 +6,7 @@
 
 use crate::chain::effect::coulomb_friction::{sign, sign_by_width};
 use crate::chain::effect::{Contribution, Law, Samples};
-use crate::chain::model::Model;
+use crate::chain::model::{Model, Signal};
 use crate::chain::parameter::Role;
 use crate::robot::batch::{RegressorBatch, Trajectory};
 use crate::robot::derivatives::Derivatives;
@@ -173,7 +173,11 @@ impl<'m> Evaluator<'m> {
         for (which, input) in inputs.into_iter().enumerate() {
             for i in 0..n {
                 let out = &mut self.joint_motion[which][i];
-                let constant = if which == 0 { self.model.offset()[i] } else { 0.0 };
+                let constant = if which == 0 {
+                    self.model.offset()[i]
+                } else {
+                    0.0
+                };
                 let last = range.len();
                 match &self.coupling {
                     None => {
@@ -210,7 +214,11 @@ impl<'m> Evaluator<'m> {
         );
         regressor.evaluate(tree, self.trajectory(), 0..samples);
         let n = tree.len();
-        let torque_rows = if self.rigid.values.len() == 6 { 0 } else { n };
+        let torque_rows = if self.model.signal() == Signal::BaseWrench {
+            0
+        } else {
+            n
+        };
         let bodies = Rc::clone(&self.bodies[usize::from(loaded)]);
         for row in 0..self.rigid.values.len() {
             for link in 0..n {
@@ -240,8 +248,7 @@ impl<'m> Evaluator<'m> {
 
     /// The load's parameters enter through the columns of the link that carries it.
     fn payload_columns(&mut self, row: usize, (link, entry): (usize, usize), series: &[f64]) {
-        let (Some((payload, first)), Some(transfer)) = (self.model.payload(), self.transfer)
-        else {
+        let (Some((payload, first)), Some(transfer)) = (self.model.payload(), self.transfer) else {
             return;
         };
         if payload.link != link {
@@ -258,7 +265,11 @@ impl<'m> Evaluator<'m> {
     /// `τ_M = Vᵀ τ`; a base wrench passes unchanged.
     fn to_motors(&mut self) {
         let n = self.model.joints().len();
-        let torque_rows = if self.rigid.values.len() == 6 { 0 } else { n };
+        let torque_rows = if self.model.signal() == Signal::BaseWrench {
+            0
+        } else {
+            n
+        };
         for row in 0..self.rigid.values.len() {
             let uncoupled = row >= torque_rows || self.coupling.is_none();
             let targets: Vec<(usize, f64)> = match &self.coupling {
@@ -269,7 +280,10 @@ impl<'m> Evaluator<'m> {
                 if weight == 0.0 {
                     continue;
                 }
-                for (to, x) in self.block.values[channel].iter_mut().zip(&self.rigid.values[row]) {
+                for (to, x) in self.block.values[channel]
+                    .iter_mut()
+                    .zip(&self.rigid.values[row])
+                {
                     *to += weight * x;
                 }
                 for column in 0..self.block.columns {
@@ -323,8 +337,19 @@ impl<'m> Evaluator<'m> {
                     + derivatives.mass.column(i) * ddm;
                 let mut change = v.tr_mul(&moved);
                 change[j] += derivatives.torque[i];
-                for channel in 0..n {
-                    self.block.series(channel, column)[k] += change[channel];
+                let [by_q, by_dq, by_ddq] = &derivatives.base;
+                let wrench = by_q.column(i) * m + by_dq.column(i) * dm + by_ddq.column(i) * ddm;
+                let torques = if self.model.signal() == Signal::BaseWrench {
+                    0
+                } else {
+                    n
+                };
+                for channel in 0..self.block.values.len() {
+                    let by_entry = match channel.checked_sub(torques) {
+                        Some(component) => wrench[component],
+                        None => change[channel],
+                    };
+                    self.block.series(channel, column)[k] += by_entry;
                 }
             }
         }
@@ -348,7 +373,9 @@ impl<'m> Evaluator<'m> {
             sign: &self.scratch.sign[..samples],
         };
         for &(effect, first) in &joint.effects {
-            let Law::Motor(law) = effect.law else { continue };
+            let Law::Motor(law) = effect.law else {
+                continue;
+            };
             let count = effect.parameters.len();
             for series in &mut self.scratch.by_parameter[..count] {
                 series.fill(0.0);
@@ -358,7 +385,11 @@ impl<'m> Evaluator<'m> {
                 by_parameter: &mut self.scratch.by_parameter[..count],
                 by_sign: &mut self.scratch.by_sign,
             };
-            law.add(input, &self.values.as_slice()[first..first + count], &mut out);
+            law.add(
+                input,
+                &self.values.as_slice()[first..first + count],
+                &mut out,
+            );
             for parameter in 0..count {
                 if let Some(column) = self.column[first + parameter] {
                     let series = &self.scratch.by_parameter[parameter];

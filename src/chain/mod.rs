@@ -16,3 +16,6 @@ pub mod error;
 pub mod evaluate;
 pub mod model;
 pub mod parameter;
+
+#[cfg(test)]
+mod tests;

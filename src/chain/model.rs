@@ -152,11 +152,7 @@ impl Model {
             let first = parameters.len();
             let entries = QUANTITIES.iter().zip(UNITS).enumerate();
             parameters.extend(entries.map(|(quantity, (entry, unit))| {
-                inertial(
-                    format!("payload.{entry}"),
-                    unit,
-                    Role::Payload { quantity },
-                )
+                inertial(format!("payload.{entry}"), unit, Role::Payload { quantity })
             }));
             (payload, first)
         });
@@ -310,11 +306,7 @@ fn inertial_parameters(settings: &ModelSettings) -> Vec<Parameter> {
     parameters
 }
 
-fn joint_model(
-    settings: &ModelSettings,
-    j: usize,
-    parameters: &mut Vec<Parameter>,
-) -> JointModel {
+fn joint_model(settings: &ModelSettings, j: usize, parameters: &mut Vec<Parameter>) -> JointModel {
     let joint = &settings.tree.joints()[j];
     let mut model = JointModel {
         name: joint.name.clone(),

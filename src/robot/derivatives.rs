@@ -47,6 +47,9 @@ pub struct Derivatives {
     pub velocity: DMatrix<f64>,
     /// ∂τ/∂q̈, n x n: the mass matrix.
     pub mass: DMatrix<f64>,
+    /// Derivatives of the base reaction (force, then moment), 6 x n, with respect to q, q̇ and q̈: the
+    /// base stands before every joint, so they are the forms above before the product with S_j.
+    pub base: [DMatrix<f64>; 3],
 }
 
 impl Derivatives {
@@ -70,6 +73,7 @@ impl Derivatives {
             position: DMatrix::zeros(n, n),
             velocity: DMatrix::zeros(n, n),
             mass: DMatrix::zeros(n, n),
+            base: std::array::from_fn(|_| DMatrix::zeros(6, n)),
         }
     }
 
@@ -146,6 +150,16 @@ impl Derivatives {
                 + at.inertia * at.axis_second_rate
                 + cross_force(&at.axis, &at.force);
             let of_velocity = doubled_bias * at.axis + at.inertia * at.axis_rate * 2.0;
+            for (matrix, column) in
+                self.base
+                    .iter_mut()
+                    .zip([&of_position, &of_velocity, &inertia_axis])
+            {
+                for k in 0..3 {
+                    matrix[(k, i)] = column[k + 3];
+                    matrix[(k + 3, i)] = column[k];
+                }
+            }
             let bias_row = doubled_bias.transpose() * at.axis;
             for &j in &link.ancestors {
                 let ancestor = &self.links[j];

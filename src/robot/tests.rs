@@ -249,6 +249,27 @@ fn matches_differences_of_torque_in_position_velocity_acceleration() {
 }
 
 #[test]
+fn matches_differences_of_base_reaction() {
+    for (tree, mut rng) in robots() {
+        let pi = DVector::from_vec(tree.parameters());
+        let mut derivatives = Derivatives::new(&tree);
+        let state = State::random(&mut rng, tree.len());
+        derivatives.evaluate(&tree, pi.as_slice(), state.slices());
+        let reaction = |s: &State| regressor(&tree, Rows::Base, s) * &pi;
+        for (which, matrix) in derivatives.base.iter().enumerate() {
+            for j in 0..tree.len() {
+                let column = differences(|h| reaction(&shifted(&state, which, j, h)));
+                let error = (matrix.column(j) - &column).amax();
+                assert!(
+                    error <= 1e-7 * column.amax().max(1.0),
+                    "{which} {j}: {error:e}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
 fn matches_differences_of_weighted_regressor() {
     for (tree, mut rng) in robots() {
         let n = tree.len();

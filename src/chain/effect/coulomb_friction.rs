@@ -1,7 +1,8 @@
 //! Coulomb friction: `Fc·v/(|v| + w)`.
 
 use crate::chain::effect::{
-    Confounder, Contribution, Dependence, Effect, Law, Linearity, ParameterInfo, Power, Samples, TorqueLaw, Unit,
+    Confounder, Contribution, Dependence, Effect, Law, Linearity, ParameterInfo, Power, Samples,
+    TorqueLaw, Unit,
 };
 
 /// The table's entry.

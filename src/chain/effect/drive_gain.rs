@@ -1,8 +1,6 @@
 //! An unknown factor of the torque constant: `true constant = gain · declared constant`.
 
-use crate::chain::effect::{
-    Confounder, Dependence, Effect, Law, Linearity, ParameterInfo, Unit,
-};
+use crate::chain::effect::{Confounder, Dependence, Effect, Law, Linearity, ParameterInfo, Unit};
 
 /// The table's entry.
 pub const EFFECT: Effect = Effect {

@@ -3,9 +3,7 @@
 //! The row of V that belongs to the effect's joint is estimated: entries that the problem file's
 //! `coupling` declares as other than zero, or the entry of the joint before where it declares none.
 
-use crate::chain::effect::{
-    Confounder, Dependence, Effect, Law, Linearity, ParameterInfo, Unit,
-};
+use crate::chain::effect::{Confounder, Dependence, Effect, Law, Linearity, ParameterInfo, Unit};
 
 /// Name of the parameter in this table; a model names it after the other joint.
 pub const OTHER_JOINT: &str = "<other joint>";

@@ -1,7 +1,9 @@
 //! Every torque law of the table, whatever it is: derivatives, power, linearity, documentation.
 
 use crate::chain::effect::coulomb_friction::sign;
-use crate::chain::effect::{Contribution, EFFECTS, Effect, Law, Linearity, Power, Samples, TorqueLaw};
+use crate::chain::effect::{
+    Contribution, EFFECTS, Effect, Law, Linearity, Power, Samples, TorqueLaw,
+};
 use crate::robot::random::{generator, symmetric};
 use rand_chacha::ChaCha8Rng;
 
@@ -16,7 +18,11 @@ struct Motion {
 
 impl Motion {
     fn random(rng: &mut ChaCha8Rng) -> Self {
-        let mut draw = |range: f64| (0..SAMPLES).map(|_| symmetric(rng, range)).collect::<Vec<_>>();
+        let mut draw = |range: f64| {
+            (0..SAMPLES)
+                .map(|_| symmetric(rng, range))
+                .collect::<Vec<_>>()
+        };
         let velocity = draw(1.5);
         Self {
             position: draw(3.0),
@@ -93,19 +99,31 @@ fn matches_differences_in_every_parameter_and_in_sign() {
             for k in 0..SAMPLES {
                 let expected = difference(&high, &low, k, h);
                 let error = (here.by_parameter[index][k] - expected).abs();
-                assert!(error <= 1e-6 * expected.abs().max(1.0), "{} {}", effect.id, info.name);
+                assert!(
+                    error <= 1e-6 * expected.abs().max(1.0),
+                    "{} {}",
+                    effect.id,
+                    info.name
+                );
             }
         }
         let h = 1e-6;
         let at = |step: f64| {
             let sign: Vec<f64> = motion.sign.iter().map(|s| s + step).collect();
-            let samples = Samples { sign: &sign, ..motion.samples() };
+            let samples = Samples {
+                sign: &sign,
+                ..motion.samples()
+            };
             evaluate(law, samples, &parameters)
         };
         let (high, low) = (at(h), at(-h));
         for k in 0..SAMPLES {
             let expected = difference(&high, &low, k, h);
-            assert!((here.by_sign[k] - expected).abs() <= 1e-6 * expected.abs().max(1.0), "{}", effect.id);
+            assert!(
+                (here.by_sign[k] - expected).abs() <= 1e-6 * expected.abs().max(1.0),
+                "{}",
+                effect.id
+            );
         }
     }
 }
@@ -142,7 +160,11 @@ fn invariant_linear_parameters_superpose() {
             let (zero, one, three) = (at(0.0), at(1.0), at(3.0));
             for k in 0..SAMPLES {
                 let expected = zero[k] + 3.0 * (one[k] - zero[k]);
-                assert!((three[k] - expected).abs() < 1e-12 * (1.0 + three[k].abs()), "{}", effect.id);
+                assert!(
+                    (three[k] - expected).abs() < 1e-12 * (1.0 + three[k].abs()),
+                    "{}",
+                    effect.id
+                );
             }
         }
     }
@@ -153,10 +175,22 @@ fn every_effect_is_documented_and_named_once() {
     for (k, effect) in EFFECTS.iter().enumerate() {
         assert!(EFFECTS[..k].iter().all(|other| other.id != effect.id));
         assert!(effect.sentence.ends_with('.'), "{}", effect.id);
-        assert!(!effect.equation.is_empty() && !effect.source.is_empty(), "{}", effect.id);
-        assert!(!effect.depends_on.is_empty() && !effect.parameters.is_empty(), "{}", effect.id);
+        assert!(
+            !effect.equation.is_empty() && !effect.source.is_empty(),
+            "{}",
+            effect.id
+        );
+        assert!(
+            !effect.depends_on.is_empty() && !effect.parameters.is_empty(),
+            "{}",
+            effect.id
+        );
         for info in effect.parameters {
-            assert!(info.lower <= info.typical && info.typical <= info.upper, "{}", effect.id);
+            assert!(
+                info.lower <= info.typical && info.typical <= info.upper,
+                "{}",
+                effect.id
+            );
             assert!(!info.meaning.is_empty(), "{} {}", effect.id, info.name);
         }
     }

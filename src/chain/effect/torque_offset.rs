@@ -1,7 +1,8 @@
 //! A constant torque: zero error of sensor or amplifier.
 
 use crate::chain::effect::{
-    Confounder, Contribution, Dependence, Effect, Law, Linearity, ParameterInfo, Power, Samples, TorqueLaw, Unit,
+    Confounder, Contribution, Dependence, Effect, Law, Linearity, ParameterInfo, Power, Samples,
+    TorqueLaw, Unit,
 };
 
 /// The table's entry.

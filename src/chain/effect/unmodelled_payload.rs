@@ -1,8 +1,6 @@
 //! A load on a link: ten inertial parameters more.
 
-use crate::chain::effect::{
-    Confounder, Dependence, Effect, Law, Linearity, ParameterInfo, Unit,
-};
+use crate::chain::effect::{Confounder, Dependence, Effect, Law, Linearity, ParameterInfo, Unit};
 
 const fn free(name: &'static str, meaning: &'static str) -> ParameterInfo {
     ParameterInfo {
@@ -34,7 +32,11 @@ pub const EFFECT: Effect = Effect {
         free("inertia_yz", "kg·m²"),
         free("inertia_zz", "kg·m²"),
     ],
-    depends_on: &[Dependence::Position, Dependence::Acceleration, Dependence::Gravity],
+    depends_on: &[
+        Dependence::Position,
+        Dependence::Acceleration,
+        Dependence::Gravity,
+    ],
     confounded_with: &[Confounder {
         with: "the inertials of the link that carries it",
         separated_by: "known link inertials, or recordings with and without the load",

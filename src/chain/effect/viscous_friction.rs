@@ -1,7 +1,8 @@
 //! Viscous friction: `Fv·v`.
 
 use crate::chain::effect::{
-    Confounder, Contribution, Dependence, Effect, Law, Linearity, ParameterInfo, Power, Samples, TorqueLaw, Unit,
+    Confounder, Contribution, Dependence, Effect, Law, Linearity, ParameterInfo, Power, Samples,
+    TorqueLaw, Unit,
 };
 
 /// The table's entry.
