@@ -37,7 +37,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             max_iterations: 200,
-            cost_tolerance: 1e-14,
+            cost_tolerance: 1e-16,
             step_tolerance: 1e-12,
             gradient_tolerance: 1e-12,
             initial_damping: 1e-3,
