@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, RealField};
 pub(super) struct Foreign<T> {
     first: *mut T,
     pub(super) rows: usize,
-    columns: usize,
+    pub(super) columns: usize,
     /// Entries from one column to the next.
     stride: usize,
 }
