@@ -11,6 +11,7 @@ use nalgebra::DVector;
 use crate::problem::bounds;
 use crate::problem::solution::{Control, Solution, Stop};
 use crate::problem::view::LeastSquares;
+use crate::solve::admissible_start;
 use crate::solve::error::{SolveError, SolveErrorKind};
 use crate::solve::levenberg_marquardt::iteration::{Iterate, Iteration};
 use crate::solve::levenberg_marquardt::model::Model;
@@ -37,7 +38,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             max_iterations: 200,
-            cost_tolerance: 1e-14,
+            cost_tolerance: 1e-16,
             step_tolerance: 1e-12,
             gradient_tolerance: 1e-12,
             initial_damping: 1e-3,
@@ -81,7 +82,7 @@ pub fn minimize(
     control: &Control,
 ) -> Result<Solution, SolveError> {
     settings.validate()?;
-    let x = admissible_start(view, start)?;
+    let x = admissible_start(view.problem().form(), start)?;
     let model = Model::at(view.problem(), &x)
         .map_err(|e| SolveError::whole(SolveErrorKind::StartOutsideDomain { reason: e.reason }))?
         .ok_or_else(|| SolveError::whole(SolveErrorKind::ModelNotFinite))?;
@@ -110,28 +111,6 @@ pub fn minimize(
         evaluations: 1 + result.problem.counts.values().sum::<u64>() as usize,
         trace: iteration.into_trace(),
     })
-}
-
-/// The start within the bounds, or what is wrong with it.
-pub(super) fn admissible_start(
-    view: LeastSquares,
-    start: &DVector<f64>,
-) -> Result<DVector<f64>, SolveError> {
-    let form = view.problem().form();
-    let (expected, found) = (form.variables.len(), start.len());
-    if expected != found {
-        return Err(SolveError::whole(SolveErrorKind::StartLength {
-            expected,
-            found,
-        }));
-    }
-    for (variable, value) in form.variables.iter().zip(start.iter()) {
-        if !value.is_finite() {
-            let kind = SolveErrorKind::StartNotFinite { value: *value };
-            return Err(SolveError::at(&variable.name, kind));
-        }
-    }
-    Ok(bounds::project(form, start))
 }
 
 fn stop_of(status: &TerminationStatus) -> Stop {

@@ -2,7 +2,8 @@
 //!
 //! Data and values: <https://www.itl.nist.gov/div898/strd/nls/nls_main.shtml>, in the public domain.
 //! Pass rule: from both of NIST's starting points, every parameter agrees with the certified value to
-//! seven digits and the residual sum of squares to nine; a start listed as hopeless may end elsewhere.
+//! seven digits and the residual sum of squares to nine. The starts in `LOST` lead down a valley without
+//! end; there the run must not claim to have converged.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -110,6 +111,9 @@ fn problem(data: &'static Dataset, start: &[f64]) -> TestProblem {
     }
 }
 
+/// Dataset and start from which the sum of squares falls towards a point at infinity.
+const LOST: [(&str, usize); 2] = [("BoxBOD", 1), ("MGH10", 1)];
+
 /// Digits in which two numbers agree.
 fn digits(found: f64, certified: f64) -> f64 {
     -((found - certified).abs() / certified.abs())
@@ -119,14 +123,28 @@ fn digits(found: f64, certified: f64) -> f64 {
 
 #[test]
 fn matches_certified_values_of_nist_from_both_starts() {
+    let settings = Settings {
+        max_iterations: 1000,
+        // Seven digits of parameters that are known to one or two need more than the default.
+        cost_tolerance: 1e-18,
+        ..Settings::default()
+    };
     let mut failures = Vec::new();
     for data in &DATASETS {
         for (number, start) in (1..).zip(data.starts) {
             let problem = problem(data, start);
             let view = LeastSquares::try_from(&problem as &dyn Problem).unwrap();
             let start = DVector::from_column_slice(start);
-            let solution =
-                minimize(view, &start, &Settings::default(), &Control::default()).unwrap();
+            let solution = minimize(view, &start, &settings, &Control::default()).unwrap();
+            if LOST.contains(&(data.name, number)) {
+                assert!(
+                    !solution.stop.converged(),
+                    "{}: {:?}",
+                    data.name,
+                    solution.stop
+                );
+                continue;
+            }
             let agreed = solution
                 .x
                 .iter()
