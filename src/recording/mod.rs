@@ -1,1 +1,17 @@
-//! recording
+//! From files to motion and signal: tables, channels, time base, periods, derivatives, noise.
+
+pub mod columns;
+pub mod csv;
+mod differences;
+pub mod error;
+pub mod experiment;
+mod fill;
+mod fourier;
+mod layout;
+pub mod lowpass;
+pub mod periodic;
+pub mod settings;
+mod spectrum;
+pub mod table;
+pub mod timing;
+pub mod zero_phase;

@@ -1,0 +1,398 @@
+//! From the columns of a table to the channels of a robot: which column is what, of which joint.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use crate::fault::Place;
+use crate::recording::error::{MissingColumn, RecordingError, RecordingErrorKind};
+use crate::recording::table::{Table, format_of};
+
+/// Names of the columns. In a pattern `{joint}` stands for the joint's name and `{n}` for its
+/// number from 1. The empty map follows the conventions listed in this file; in any other map the
+/// optional channels that it does not name are not read.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ColumnMap {
+    pub time: Option<String>,
+    pub position: Option<String>,
+    pub velocity: Option<String>,
+    pub acceleration: Option<String>,
+    pub current: Option<String>,
+    pub torque: Option<String>,
+    /// Force x, y, z and moment x, y, z.
+    pub wrench: Option<[String; 6]>,
+    pub temperature: Option<String>,
+    pub mask: Option<String>,
+}
+
+/// What the signal of a recording is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SignalKind {
+    /// Motor currents, A.
+    Current,
+    /// Motor torques at the joint side, N·m (N).
+    Torque,
+    /// Motor torques at the motor side, N·m (N).
+    MotorTorque,
+    /// Joint torques behind the gear, N·m (N).
+    LinkTorque,
+    /// Reaction of the base: force in N, moment in N·m.
+    BaseWrench,
+    /// Motor torques at the joint side, then the reaction of the base.
+    Both,
+}
+
+impl SignalKind {
+    /// Channels of the signal of so many joints.
+    pub fn channels(self, joints: usize) -> usize {
+        match self {
+            Self::BaseWrench => 6,
+            Self::Both => joints + 6,
+            _ => joints,
+        }
+    }
+}
+
+/// What was measured, as read: nothing averaged, filtered or scaled.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    pub file: PathBuf,
+    /// Time stamps, s.
+    pub time: Option<Vec<f64>>,
+    /// Line of sample 0 in the file; sample k is line `first_line + k`.
+    pub first_line: usize,
+    /// `position[j][k]`: joint j, sample k; rad or m.
+    pub position: Vec<Vec<f64>>,
+    /// rad/s or m/s, if measured.
+    pub velocity: Option<Vec<Vec<f64>>>,
+    /// rad/s² or m/s², if measured.
+    pub acceleration: Option<Vec<Vec<f64>>>,
+    /// `signal[c][k]`: channel c (joints, six of a wrench, or joints and then six), sample k.
+    pub signal: Vec<Vec<f64>>,
+    /// °C, if measured.
+    pub temperature: Option<Vec<Vec<f64>>>,
+    /// false: the sample is left out.
+    pub mask: Option<Vec<bool>>,
+}
+
+const TIME: &[&str] = &["t", "time"];
+const POSITION: &[&str] = &[
+    "q_{joint}",
+    "{joint}_position",
+    "position_{joint}",
+    "{joint}_q",
+    "q{n}",
+    "q_{n}",
+    "position{n}",
+    "position_{n}",
+];
+const VELOCITY: &[&str] = &[
+    "dq_{joint}",
+    "{joint}_velocity",
+    "velocity_{joint}",
+    "dq{n}",
+    "dq_{n}",
+    "velocity{n}",
+    "velocity_{n}",
+];
+const ACCELERATION: &[&str] = &[
+    "ddq_{joint}",
+    "{joint}_acceleration",
+    "acceleration_{joint}",
+    "ddq{n}",
+    "ddq_{n}",
+    "acceleration{n}",
+    "acceleration_{n}",
+];
+const CURRENT: &[&str] = &[
+    "i_{joint}",
+    "{joint}_current",
+    "current_{joint}",
+    "i{n}",
+    "i_{n}",
+    "current{n}",
+    "current_{n}",
+];
+const TORQUE: &[&str] = &[
+    "tau_{joint}",
+    "{joint}_torque",
+    "torque_{joint}",
+    "{joint}_effort",
+    "effort_{joint}",
+    "tau{n}",
+    "tau_{n}",
+    "torque{n}",
+    "torque_{n}",
+];
+const TEMPERATURE: &[&str] = &[
+    "temp_{joint}",
+    "{joint}_temperature",
+    "temperature_{joint}",
+    "temp{n}",
+    "temp_{n}",
+    "temperature{n}",
+];
+const WRENCH: [&str; 6] = ["fx", "fy", "fz", "mx", "my", "mz"];
+
+/// Reads a recording of the joints, in their order.
+///
+/// Errors: those of the file and its table, a column that is missing (naming the nearest one), and
+/// a pattern that does not tell the joints apart.
+pub fn read(
+    path: &Path,
+    map: &ColumnMap,
+    joints: &[String],
+    kind: SignalKind,
+) -> Result<Recording, RecordingError> {
+    let format = format_of(path)?;
+    let present = (format.columns)(path)?;
+    let finder = Finder {
+        path,
+        joints,
+        present: &present,
+        conventional: *map == ColumnMap::default(),
+    };
+    let names = finder.choose(map, kind)?;
+    let table = (format.read)(path, &names.all(path)?)?;
+    Ok(names.assemble(path, table))
+}
+
+/// The columns chosen for each channel.
+struct Names {
+    time: Option<String>,
+    position: Vec<String>,
+    velocity: Option<Vec<String>>,
+    acceleration: Option<Vec<String>>,
+    signal: Vec<String>,
+    temperature: Option<Vec<String>>,
+    mask: Option<String>,
+}
+
+impl Names {
+    /// Every chosen column once; one column in two roles is a slip in the map.
+    fn all(&self, path: &Path) -> Result<Vec<String>, RecordingError> {
+        let groups = [&self.velocity, &self.acceleration, &self.temperature];
+        let mut all: Vec<String> = self.time.iter().chain(&self.mask).cloned().collect();
+        all.extend(self.position.iter().chain(&self.signal).cloned());
+        all.extend(groups.into_iter().flatten().flatten().cloned());
+        let mut seen = HashSet::new();
+        match all.iter().find(|name| !seen.insert(*name)) {
+            None => Ok(all),
+            Some(name) => Err(RecordingError::new(
+                Place::file(path).key(name),
+                RecordingErrorKind::ColumnUsedTwice { name: name.clone() },
+            )),
+        }
+    }
+
+    fn assemble(&self, path: &Path, mut table: Table) -> Recording {
+        let first_line = table.first_line;
+        let mut take = |name: &String| table.take(name).unwrap_or_default();
+        let mut group = |names: &Vec<String>| names.iter().map(&mut take).collect::<Vec<_>>();
+        let position = group(&self.position);
+        let signal = group(&self.signal);
+        let velocity = self.velocity.as_ref().map(&mut group);
+        let acceleration = self.acceleration.as_ref().map(&mut group);
+        let temperature = self.temperature.as_ref().map(&mut group);
+        let valid = |column: Vec<f64>| column.iter().map(|&value| value != 0.0).collect();
+        Recording {
+            file: path.to_path_buf(),
+            time: self.time.as_ref().map(&mut take),
+            first_line,
+            position,
+            velocity,
+            acceleration,
+            signal,
+            temperature,
+            mask: self.mask.as_ref().map(|name| valid(take(name))),
+        }
+    }
+}
+
+/// Finds the columns of one file.
+struct Finder<'a> {
+    path: &'a Path,
+    joints: &'a [String],
+    present: &'a [String],
+    /// The map is empty: optional channels are looked for under their usual names.
+    conventional: bool,
+}
+
+impl Finder<'_> {
+    fn choose(&self, map: &ColumnMap, kind: SignalKind) -> Result<Names, RecordingError> {
+        let optional = |pattern: &Option<String>, usual, what| match pattern {
+            Some(pattern) => self.joints_by_pattern(pattern, what).map(Some),
+            None if self.conventional => Ok(self.joints_by_convention(usual)),
+            None => Ok(None),
+        };
+        Ok(Names {
+            time: self.time(map)?,
+            position: self.required(&map.position, POSITION, "position")?,
+            velocity: optional(&map.velocity, VELOCITY, "velocity")?,
+            acceleration: optional(&map.acceleration, ACCELERATION, "acceleration")?,
+            signal: self.signal(map, kind)?,
+            temperature: optional(&map.temperature, TEMPERATURE, "temperature")?,
+            mask: match &map.mask {
+                Some(name) => Some(self.single(name, "mask")?),
+                None => None,
+            },
+        })
+    }
+
+    fn time(&self, map: &ColumnMap) -> Result<Option<String>, RecordingError> {
+        match &map.time {
+            Some(name) => self.single(name, "time").map(Some),
+            None => Ok(TIME
+                .iter()
+                .find(|&&name| self.has(name))
+                .map(|&name| name.into())),
+        }
+    }
+
+    fn signal(&self, map: &ColumnMap, kind: SignalKind) -> Result<Vec<String>, RecordingError> {
+        match kind {
+            SignalKind::Current => self.required(&map.current, CURRENT, "current"),
+            SignalKind::BaseWrench => self.wrench(map),
+            SignalKind::Both => {
+                let mut names = self.required(&map.torque, TORQUE, "torque")?;
+                names.extend(self.wrench(map)?);
+                Ok(names)
+            }
+            _ => self.required(&map.torque, TORQUE, "torque"),
+        }
+    }
+
+    fn wrench(&self, map: &ColumnMap) -> Result<Vec<String>, RecordingError> {
+        let usual = WRENCH.map(String::from);
+        let names = map.wrench.as_ref().unwrap_or(&usual);
+        let purpose = |axis| format!("{axis} of the base wrench");
+        let named = names.iter().zip(WRENCH);
+        named
+            .map(|(name, axis)| self.single(name, &purpose(axis)))
+            .collect()
+    }
+
+    fn required(
+        &self,
+        pattern: &Option<String>,
+        usual: &[&str],
+        what: &str,
+    ) -> Result<Vec<String>, RecordingError> {
+        if let Some(pattern) = pattern {
+            return self.joints_by_pattern(pattern, what);
+        }
+        self.joints_by_convention(usual)
+            .ok_or_else(|| self.missing_by_convention(usual, what))
+    }
+
+    /// The joint that the best-matching convention lacks, with all names that would do for it.
+    fn missing_by_convention(&self, usual: &[&str], what: &str) -> RecordingError {
+        let lacking = |pattern: &str| {
+            let names = self.expand(pattern);
+            names.iter().filter(|name| !self.has(name)).count()
+        };
+        let mut order: Vec<&str> = usual.to_vec();
+        order.sort_by_key(|pattern| lacking(pattern));
+        let best = self.expand(order.first().copied().unwrap_or_default());
+        let joint = best.iter().position(|name| !self.has(name)).unwrap_or(0);
+        let accepted = order
+            .iter()
+            .map(|pattern| self.expand_one(pattern, joint))
+            .collect();
+        self.missing(accepted, &self.purpose(what, joint))
+    }
+
+    /// One convention for all joints: joints of one file are not named in two ways.
+    fn joints_by_convention(&self, usual: &[&str]) -> Option<Vec<String>> {
+        usual
+            .iter()
+            .map(|pattern| self.expand(pattern))
+            .find(|names| names.iter().all(|name| self.has(name)))
+    }
+
+    fn joints_by_pattern(&self, pattern: &str, what: &str) -> Result<Vec<String>, RecordingError> {
+        self.check_pattern(pattern, what)?;
+        let names = self.expand(pattern);
+        match names.iter().position(|name| !self.has(name)) {
+            None => Ok(names),
+            Some(joint) => {
+                let accepted = vec![names[joint].clone()];
+                Err(self.missing(accepted, &self.purpose(what, joint)))
+            }
+        }
+    }
+
+    fn check_pattern(&self, pattern: &str, what: &str) -> Result<(), RecordingError> {
+        let place = Place::file(self.path).key(what);
+        let rest = pattern.replace("{joint}", "").replace("{n}", "");
+        if let Some((start, end)) = rest.find('{').zip(rest.find('}'))
+            && start < end
+        {
+            let kind = RecordingErrorKind::UnknownPlaceholder {
+                found: rest[start..=end].into(),
+            };
+            return Err(RecordingError::new(place, kind));
+        }
+        if rest == pattern && self.joints.len() > 1 {
+            let kind = RecordingErrorKind::PatternNotPerJoint {
+                pattern: pattern.into(),
+                joints: self.joints.len(),
+            };
+            return Err(RecordingError::new(place, kind));
+        }
+        Ok(())
+    }
+
+    fn single(&self, name: &str, purpose: &str) -> Result<String, RecordingError> {
+        if self.has(name) {
+            return Ok(name.into());
+        }
+        Err(self.missing(vec![name.into()], purpose))
+    }
+
+    fn missing(&self, accepted: Vec<String>, purpose: &str) -> RecordingError {
+        let first = accepted.first().cloned().unwrap_or_default();
+        let nearest = self
+            .present
+            .iter()
+            .map(|name| (strsim::jaro_winkler(name, &first), name))
+            .filter(|(similarity, _)| *similarity >= NEAREST_SIMILARITY)
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, name)| name.clone());
+        let kind = RecordingErrorKind::MissingColumn(Box::new(MissingColumn {
+            purpose: purpose.into(),
+            accepted,
+            nearest,
+            present: self.present.to_vec(),
+        }));
+        RecordingError::new(Place::file(self.path).key(first), kind)
+    }
+
+    fn purpose(&self, what: &str, joint: usize) -> String {
+        match self.joints.get(joint) {
+            Some(name) => format!("{what} of joint {name}"),
+            None => what.into(),
+        }
+    }
+
+    fn expand(&self, pattern: &str) -> Vec<String> {
+        (0..self.joints.len())
+            .map(|joint| self.expand_one(pattern, joint))
+            .collect()
+    }
+
+    fn expand_one(&self, pattern: &str, joint: usize) -> String {
+        let name = self.joints.get(joint).map_or("", String::as_str);
+        // The number first: a joint's name may hold braces, a number cannot.
+        pattern
+            .replace("{n}", &(joint + 1).to_string())
+            .replace("{joint}", name)
+    }
+
+    fn has(&self, name: &str) -> bool {
+        self.present.iter().any(|column| column == name)
+    }
+}
+
+/// Least Jaro-Winkler similarity of a name worth proposing: one or two wrong letters in a short
+/// name.
+const NEAREST_SIMILARITY: f64 = 0.7;

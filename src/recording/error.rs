@@ -1,0 +1,297 @@
+//! What can be wrong with a recording: its file, its table, its channels, its time base, or what is
+//! asked of it.
+
+use std::fmt;
+
+use crate::fault::{Description, Fault, Place, write_fault};
+use crate::recording::table::FORMATS;
+
+/// A fault of a recording, with the file, line and column or channel where it lies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordingError {
+    pub place: Place,
+    pub kind: RecordingErrorKind,
+}
+
+/// The kinds of fault, each with what was found.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RecordingErrorKind {
+    NotFound,
+    IsDirectory,
+    NoPermission,
+    Unreadable { reason: String },
+    UnknownExtension { found: String },
+    TruncatedGzip,
+    CorruptGzip { reason: String },
+    EmptyFile,
+    NoHeader { first: String },
+    NotUtf8,
+    NulByte,
+    LineTooLong { limit: usize },
+    DuplicateColumn { name: String },
+    WrongFieldCount { found: usize, expected: usize },
+    NotANumber { found: String },
+    NotFinite { found: String },
+    TooFewRows { found: usize, least: usize },
+    MissingColumn(Box<MissingColumn>),
+    ColumnUsedTwice { name: String },
+    PatternNotPerJoint { pattern: String, joints: usize },
+    UnknownPlaceholder { found: String },
+    TimeNotIncreasing { before: f64, found: f64 },
+    NoTimeBase,
+    RateContradictsTime { given: f64, found: f64 },
+    InvalidSetting { value: f64, requirement: String },
+    ShorterThanPeriod { duration: f64, period: f64 },
+    FourierWithoutPeriod,
+    TooShortForFilter { samples: usize, least: usize },
+    NothingUnmasked,
+}
+
+/// A column that is needed and absent.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MissingColumn {
+    /// What the column would hold, e.g. `position of joint a2`.
+    pub purpose: String,
+    /// The names that would be accepted, the most usual one first.
+    pub accepted: Vec<String>,
+    /// The present column whose name is nearest to the first accepted one.
+    pub nearest: Option<String>,
+    pub present: Vec<String>,
+}
+
+/// Column names listed in a message: more than this would hide the sentence.
+const LISTED_NAMES: usize = 40;
+
+/// Characters of a wrong field that are shown.
+const SHOWN_CHARACTERS: usize = 40;
+
+impl RecordingError {
+    pub(super) fn new(place: Place, kind: RecordingErrorKind) -> Self {
+        Self { place, kind }
+    }
+}
+
+/// The start of a text, as much as belongs in a message.
+pub(super) fn excerpt(text: &str) -> String {
+    let mut shown: String = text.chars().take(SHOWN_CHARACTERS).collect();
+    if shown.len() < text.len() {
+        shown.push_str("...");
+    }
+    shown
+}
+
+fn known_extensions() -> String {
+    let known: Vec<&str> = FORMATS.iter().map(|format| format.extension).collect();
+    known.join(", ")
+}
+
+fn list(names: &[String]) -> String {
+    let mut shown = names[..names.len().min(LISTED_NAMES)].join(", ");
+    if names.len() > LISTED_NAMES {
+        shown.push_str(&format!(", and {} more", names.len() - LISTED_NAMES));
+    }
+    shown
+}
+
+impl fmt::Display for RecordingError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write_fault(f, self)
+    }
+}
+
+impl std::error::Error for RecordingError {}
+
+impl Fault for RecordingError {
+    fn place(&self) -> &Place {
+        &self.place
+    }
+
+    fn describe(&self) -> Description {
+        describe_file(&self.kind)
+            .or_else(|| describe_table(&self.kind))
+            .unwrap_or_else(|| describe_use(&self.kind))
+    }
+}
+
+fn describe_file(kind: &RecordingErrorKind) -> Option<Description> {
+    use RecordingErrorKind as Kind;
+    let words = match kind {
+        Kind::NotFound => Description::new(
+            "recording-not-found",
+            "there is no such file",
+            "check the path; paths of a problem file are relative to that file",
+        ),
+        Kind::IsDirectory => Description::new(
+            "recording-is-directory",
+            "this is a directory",
+            "name a recording inside it",
+        ),
+        Kind::NoPermission => Description::new(
+            "recording-no-permission",
+            "the file may not be read",
+            "give the reading user permission",
+        ),
+        Kind::Unreadable { reason } => Description::new(
+            "recording-unreadable",
+            format!("reading fails: {reason}"),
+            "check the medium and copy the file again",
+        ),
+        Kind::UnknownExtension { found } => Description::new(
+            "unknown-extension",
+            format!("the extension {found:?} is not that of a known recording format"),
+            format!("convert the recording to one of {}", known_extensions()),
+        ),
+        Kind::TruncatedGzip => Description::new(
+            "truncated-gzip",
+            "the compressed data end before their end mark",
+            "copy or compress the file again",
+        ),
+        Kind::CorruptGzip { reason } => Description::new(
+            "corrupt-gzip",
+            format!("the file is not a valid gzip file: {reason}"),
+            "compress it again, or drop .gz from its name if it is plain text",
+        ),
+        _ => return None,
+    };
+    Some(words)
+}
+
+fn describe_table(kind: &RecordingErrorKind) -> Option<Description> {
+    use RecordingErrorKind as Kind;
+    let words = match kind {
+        Kind::EmptyFile => Description::new(
+            "empty-file",
+            "the file is empty",
+            "give a header line with column names and at least 20 rows",
+        ),
+        Kind::NoHeader { first } => Description::new(
+            "no-header",
+            format!("the first line holds numbers ({first}), not column names"),
+            "put a line with the name of every column first, such as t,q1,q2,i1,i2",
+        ),
+        Kind::NotUtf8 => Description::new(
+            "not-utf8",
+            "the line is not UTF-8 text",
+            "save the file as UTF-8 or plain ASCII text",
+        ),
+        Kind::NulByte => Description::new(
+            "nul-byte",
+            "the line holds a NUL byte: the file is binary, or was cut off while written",
+            "export the recording again",
+        ),
+        Kind::LineTooLong { limit } => Description::new(
+            "line-too-long",
+            format!("the line is longer than {limit} bytes: this is not a table of numbers"),
+            "check that the file is what its name says",
+        ),
+        Kind::DuplicateColumn { name } => Description::new(
+            "duplicate-column",
+            format!("two columns are named {name:?}"),
+            "give every column its own name",
+        ),
+        Kind::WrongFieldCount { found, expected } => Description::new(
+            "wrong-field-count",
+            format!("the row has {found} fields and the header {expected}"),
+            "complete the row or remove it",
+        ),
+        Kind::NotANumber { found } => Description::new(
+            "not-a-number",
+            format!("{found:?} is not a number"),
+            "write numbers with a decimal point, or remove the row",
+        ),
+        Kind::NotFinite { found } => Description::new(
+            "not-finite",
+            format!("the value is {found}"),
+            "remove the rows without a value, or fill them and mark them 0 in a mask column",
+        ),
+        Kind::TooFewRows { found, least } => Description::new(
+            "too-few-rows",
+            format!("the table has {found} rows"),
+            format!("record at least {least} samples"),
+        ),
+        Kind::MissingColumn(missing) => describe_missing(missing),
+        _ => return None,
+    };
+    Some(words)
+}
+
+fn describe_missing(missing: &MissingColumn) -> Description {
+    let first = missing.accepted.first().map_or("", String::as_str);
+    let accepted = match missing.accepted.len() {
+        0 | 1 => format!("column {first:?}"),
+        _ => format!("column (any of {})", missing.accepted.join(", ")),
+    };
+    let nearest = match &missing.nearest {
+        Some(name) => format!("did you mean {name:?}? "),
+        None => String::new(),
+    };
+    Description::new(
+        "missing-column",
+        format!("there is no {accepted} for the {}", missing.purpose),
+        format!(
+            "{nearest}name it under [recordings.columns]; present are {}",
+            list(&missing.present)
+        ),
+    )
+}
+
+fn describe_use(kind: &RecordingErrorKind) -> Description {
+    use RecordingErrorKind as Kind;
+    match kind {
+        Kind::PatternNotPerJoint { pattern, joints } => Description::new(
+            "pattern-not-per-joint",
+            format!("the pattern {pattern:?} names one column for {joints} joints"),
+            "put {joint} (the joint's name) or {n} (its number from 1) into it",
+        ),
+        Kind::ColumnUsedTwice { name } => Description::new(
+            "column-used-twice",
+            format!("column {name:?} is asked for in two roles"),
+            "name another column for one of them under [recordings.columns]",
+        ),
+        Kind::UnknownPlaceholder { found } => Description::new(
+            "unknown-placeholder",
+            format!("the pattern has the placeholder {found}"),
+            "use {joint} (the joint's name) or {n} (its number from 1)",
+        ),
+        Kind::TimeNotIncreasing { before, found } => Description::new(
+            "time-not-increasing",
+            format!("the time stamp {found} s does not come after {before} s"),
+            "sort or remove the rows, or leave the time column out and give a rate",
+        ),
+        Kind::NoTimeBase => Description::new(
+            "no-time-base",
+            "there is neither a time column nor a rate",
+            "give recordings.rate in Hz, or name the time column",
+        ),
+        Kind::RateContradictsTime { given, found } => Description::new(
+            "rate-contradicts-time",
+            format!("the time stamps give {found:.6} Hz and the rate given is {given} Hz"),
+            "remove the rate, or check that time is in seconds",
+        ),
+        Kind::InvalidSetting { value, requirement } => Description::new(
+            "invalid-setting",
+            format!("the value is {value}"),
+            format!("it must be {requirement}"),
+        ),
+        Kind::ShorterThanPeriod { duration, period } => Description::new(
+            "shorter-than-period",
+            format!("the recording lasts {duration:.4} s, less than one period of {period} s"),
+            "record at least one whole period, or remove the period",
+        ),
+        Kind::FourierWithoutPeriod => Description::new(
+            "fourier-without-period",
+            "a Fourier series needs the period of the motion",
+            "give recordings.period, or use the method \"lowpass\"",
+        ),
+        Kind::TooShortForFilter { samples, least } => Description::new(
+            "too-short-for-filter",
+            format!("{samples} samples leave nothing between the edges of the filter"),
+            format!("record at least {least} samples, or raise the cut-off"),
+        ),
+        _ => Description::new(
+            "nothing-unmasked",
+            "the mask leaves out too many samples",
+            "check the mask column: samples with 0 are left out, all others kept",
+        ),
+    }
+}

@@ -1,0 +1,216 @@
+//! A recording made ready for a model: the motion with its derivatives, the signal, the noise that
+//! the differences between periods show, and the way back to every recorded sample.
+
+use std::path::PathBuf;
+
+use nalgebra::DMatrix;
+
+use crate::recording::columns::Recording;
+use crate::recording::error::RecordingError;
+use crate::recording::settings::Preparation;
+use crate::recording::timing::{Timing, examine};
+use crate::recording::zero_phase::ZeroPhase;
+use crate::recording::{lowpass, periodic};
+
+/// Motion of n joints over N rows: `[j][k]`, joint j, row k.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Motion {
+    /// rad or m.
+    pub position: Vec<Vec<f64>>,
+    /// rad/s or m/s.
+    pub velocity: Vec<Vec<f64>>,
+    /// rad/s² or m/s².
+    pub acceleration: Vec<Vec<f64>>,
+}
+
+/// Whether a bandwidth was asked for or follows from the data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Chosen {
+    Given,
+    Data,
+}
+
+/// Bandwidth of the motion of one joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bandwidth {
+    /// Harmonics of the Fourier series; None for the low-pass.
+    pub harmonics: Option<usize>,
+    pub cutoff_hz: f64,
+    pub chosen: Chosen,
+}
+
+/// Noise, as the scatter of the periods about their mean shows it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Noise {
+    /// Covariance of one row of `Experiment::signal`, channels x channels, unit of the signal squared:
+    /// that of a recorded sample divided by the number of periods.
+    pub signal_covariance: DMatrix<f64>,
+    /// Autocovariance of one row by channel and lag: `[c][l]`, lags of l rows from 0 on.
+    pub autocovariance: Vec<Vec<f64>>,
+    /// Standard deviation of one recorded position, per joint, rad or m.
+    pub recorded_position_sd: Vec<f64>,
+    /// Standard deviations of one row of the motion, per joint, carried through the Fourier series.
+    pub position_sd: Vec<f64>,
+    pub velocity_sd: Vec<f64>,
+    pub acceleration_sd: Vec<f64>,
+}
+
+/// Which rows of the motion a recorded sample belongs to.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RowMap {
+    /// Sample k is row k.
+    Same,
+    /// Rows are even in time from `start` (s) on at `rate_hz`; samples are not.
+    Grid { start: f64, rate_hz: f64 },
+    /// Sample `first + m` is row m modulo the rows.
+    Periodic { first: usize },
+    /// As `Periodic`, with samples that are not on the grid of rows.
+    PeriodicGrid { start: f64, rate_hz: f64 },
+}
+
+/// A place between two rows: value = (1 - weight) · row[before] + weight · row[after].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Between {
+    pub before: usize,
+    pub after: usize,
+    pub weight: f64,
+}
+
+/// Every recorded sample for which there is motion, unfiltered.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Raw {
+    /// s, from the first sample of the file.
+    pub t: Vec<f64>,
+    /// `[c][k]`, as recorded.
+    pub signal: Vec<Vec<f64>>,
+    /// °C, `[j][k]`, as recorded.
+    pub temperature: Option<Vec<Vec<f64>>>,
+    /// false: left out.
+    pub mask: Option<Vec<bool>>,
+    pub map: RowMap,
+    pub(super) rows: usize,
+}
+
+/// Whole periods found in a recording.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Periods {
+    pub count: usize,
+    /// Rows of one period.
+    pub samples: usize,
+    /// s.
+    pub period: f64,
+}
+
+/// A recording made ready for a model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Experiment {
+    pub file: PathBuf,
+    /// s, from the first sample of the file; even.
+    pub t: Vec<f64>,
+    pub rate_hz: f64,
+    pub motion: Motion,
+    /// `[c][k]`: averaged over periods, or low-passed; in the unit of the recording.
+    pub signal: Vec<Vec<f64>>,
+    /// false: the row is there to keep the grid even, but counts for nothing.
+    pub mask: Option<Vec<bool>>,
+    /// None where there are no two periods to compare.
+    pub noise: Option<Noise>,
+    pub raw: Raw,
+    /// Per joint.
+    pub bandwidth: Vec<Bandwidth>,
+    pub timing: Timing,
+    pub periods: Option<Periods>,
+    /// Seconds dropped at each end, where filters know too little.
+    pub edge_s: f64,
+    /// The parallel filter, already run over `signal`.
+    pub parallel: Option<ZeroPhase>,
+}
+
+/// Makes a recording ready: time base, averaging or low-pass, differentiation, noise.
+///
+/// Errors: of the time base, of the settings, a recording that is too short, a mask that leaves
+/// too little.
+pub fn prepare(
+    recording: Recording,
+    preparation: &Preparation,
+) -> Result<Experiment, RecordingError> {
+    let timing = examine(&recording, preparation.rate)?;
+    preparation.validate(&recording, &timing)?;
+    match preparation.period {
+        Some(period) => periodic::prepare(recording, preparation, timing, period),
+        None => lowpass::prepare(recording, preparation, timing),
+    }
+}
+
+impl Experiment {
+    /// Rows of the motion and the signal.
+    pub fn rows(&self) -> usize {
+        self.t.len()
+    }
+
+    /// Runs the parallel filter, if there is one, over a series of one value per row.
+    pub fn apply_parallel(&self, series: &mut [f64]) {
+        match (&self.parallel, &self.periods) {
+            (Some(filter), Some(_)) => filter.apply_periodic(series),
+            (Some(filter), None) => filter.apply(series),
+            (None, _) => {}
+        }
+    }
+
+    /// The rows of one channel in one period, from 0; empty without such a period.
+    pub fn period_signal(&self, channel: usize, period: usize) -> Vec<f64> {
+        let Some(periods) = self.periods.filter(|periods| period < periods.count) else {
+            return Vec::new();
+        };
+        let signal = &self.raw.signal[channel];
+        let start = period * periods.samples;
+        if let RowMap::Periodic { first } = self.raw.map {
+            return signal[first + start..][..periods.samples].to_vec();
+        }
+        let at = |row: usize| self.t[0] + (start + row) as f64 / self.rate_hz;
+        let mut k = 0;
+        (0..periods.samples)
+            .map(|row| {
+                let t = at(row);
+                while k + 2 < signal.len() && self.raw.t[k + 1] <= t {
+                    k += 1;
+                }
+                let weight = (t - self.raw.t[k]) / (self.raw.t[k + 1] - self.raw.t[k]);
+                signal[k] + weight.clamp(0.0, 1.0) * (signal[k + 1] - signal[k])
+            })
+            .collect()
+    }
+}
+
+impl Raw {
+    /// Where recorded sample k lies among the rows of the motion.
+    pub fn locate(&self, k: usize) -> Between {
+        let exact = |row: usize| Between {
+            before: row,
+            after: row,
+            weight: 0.0,
+        };
+        match self.map {
+            RowMap::Same => exact(k),
+            RowMap::Periodic { first } => exact((k + self.rows - first % self.rows) % self.rows),
+            RowMap::Grid { start, rate_hz } => {
+                let row = ((self.t[k] - start) * rate_hz).clamp(0.0, (self.rows - 1) as f64);
+                let before = row.floor() as usize;
+                Between {
+                    before,
+                    after: (before + 1).min(self.rows - 1),
+                    weight: row - before as f64,
+                }
+            }
+            RowMap::PeriodicGrid { start, rate_hz } => {
+                let row = ((self.t[k] - start) * rate_hz).rem_euclid(self.rows as f64);
+                let before = (row.floor() as usize).min(self.rows - 1);
+                Between {
+                    before,
+                    after: (before + 1) % self.rows,
+                    weight: row - before as f64,
+                }
+            }
+        }
+    }
+}

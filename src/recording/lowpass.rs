@@ -1,0 +1,415 @@
+//! Motion and signal of a recording without a period: a zero-phase low-pass of everything, then
+//! central differences of what was not measured.
+//!
+//! With d differentiations to the acceleration, white noise of variance σ² per sample has there the
+//! spectrum σ² g(f), g = (2 sin(π f h))^{2d}. The cut-off minimises the estimated squared error
+//! Σ_f (1 - G)² (S(f) - σ² g(f)) + G² σ² g(f), with S the spectrum of the d-th differences and G the
+//! gain of the filter: what the filter takes from the motion, and what it leaves of the noise.
+
+use std::f64::consts::{PI, TAU};
+use std::ops::Range;
+use std::path::Path;
+
+use crate::fault::Place;
+use crate::recording::columns::Recording;
+use crate::recording::differences::{first, second};
+use crate::recording::error::{RecordingError, RecordingErrorKind};
+use crate::recording::experiment::{Bandwidth, Chosen, Experiment, Motion, Raw, RowMap};
+use crate::recording::fill::{Ends, fill};
+use crate::recording::settings::Preparation;
+use crate::recording::spectrum::{coefficients, noise_power};
+use crate::recording::table::LEAST_ROWS;
+use crate::recording::timing::{Grid, Timing, resample, take_stamps};
+use crate::recording::zero_phase::{ZeroPhase, edge_s, gain};
+
+/// Candidates for the cut-off; over three decades each is 8 % above the one before, and the error
+/// near its least changes far less than that.
+const CANDIDATES: usize = 90;
+
+/// Lowest cut-off that the data may choose, in cycles per recording: keeps the edges of a joint at
+/// rest to a twentieth of the recording each.
+const LEAST_CYCLES: f64 = 40.0;
+
+/// Highest cut-off that the data may choose, in units of the rate: just below half of it.
+const HIGHEST_CUTOFF: f64 = 0.45;
+
+/// From this fraction of half the rate on, the spectrum is taken for noise.
+const FLOOR_FROM: f64 = 0.75;
+
+pub(super) fn prepare(
+    mut recording: Recording,
+    preparation: &Preparation,
+    timing: Timing,
+) -> Result<Experiment, RecordingError> {
+    let rate_hz = timing.rate_hz;
+    let t = take_stamps(&mut recording, rate_hz);
+    let mut raw = Raw {
+        signal: recording.signal.clone(),
+        temperature: recording.temperature.take(),
+        mask: recording.mask.clone(),
+        map: RowMap::Same,
+        rows: t.len(),
+        t,
+    };
+    if !timing.uniform {
+        recording.time = Some(raw.t.clone());
+        recording = resample(recording, Grid::spanning(&raw.t, rate_hz));
+    }
+    fill_masked(&mut recording)?;
+    let bandwidth = bandwidths(&recording, preparation, rate_hz);
+    let filters = Filters::new(&recording.file, &bandwidth, rate_hz)?;
+    let parallel = parallel(&recording.file, preparation, rate_hz)?;
+    let edge = (filters.edge_s() * rate_hz).ceil() as usize;
+    let inner_edge = parallel.as_ref().map_or(0.0, ZeroPhase::edge_s);
+    let inner = (inner_edge * rate_hz).ceil() as usize;
+    let rows = kept_rows(&recording, edge, inner)?;
+    let file = std::mem::take(&mut recording.file);
+    let mut signal = filters.signal(std::mem::take(&mut recording.signal));
+    let mut mask = recording.mask.take();
+    let mut motion = filters.motion(recording, 1.0 / rate_hz);
+    keep(&mut motion.position, &rows);
+    keep(&mut motion.velocity, &rows);
+    keep(&mut motion.acceleration, &rows);
+    keep(&mut signal, &rows);
+    mask = mask.map(|mask| mask[rows.clone()].to_vec());
+    if let Some(filter) = &parallel {
+        signal.iter_mut().for_each(|series| filter.apply(series));
+        mask = Some(mask_edges(mask, rows.len(), inner));
+    }
+    let start = rows.start as f64 / rate_hz;
+    raw.keep_span(&rows, start, &timing);
+    Ok(Experiment {
+        t: (0..rows.len())
+            .map(|k| start + k as f64 / rate_hz)
+            .collect(),
+        rate_hz,
+        motion,
+        signal,
+        mask,
+        noise: None,
+        raw,
+        file,
+        bandwidth,
+        timing,
+        periods: None,
+        edge_s: edge as f64 / rate_hz,
+        parallel,
+    })
+}
+
+/// The parallel filter asked for.
+pub(super) fn parallel(
+    file: &Path,
+    preparation: &Preparation,
+    rate_hz: f64,
+) -> Result<Option<ZeroPhase>, RecordingError> {
+    match preparation.differentiation.parallel_hz {
+        Some(cutoff) => filter(file, cutoff, rate_hz, "parallel_hz").map(Some),
+        None => Ok(None),
+    }
+}
+
+fn filter(
+    file: &Path,
+    cutoff_hz: f64,
+    rate_hz: f64,
+    key: &str,
+) -> Result<ZeroPhase, RecordingError> {
+    ZeroPhase::new(cutoff_hz, rate_hz).map_err(|wrong| {
+        let kind = RecordingErrorKind::InvalidSetting {
+            value: wrong.cutoff_hz,
+            requirement: format!("above 0 and below {:.6} Hz", 0.5 * wrong.rate_hz),
+        };
+        RecordingError::new(Place::file(file).key(key), kind)
+    })
+}
+
+/// Straight lines over masked samples: what is recorded there must not leak through the filters.
+fn fill_masked(recording: &mut Recording) -> Result<(), RecordingError> {
+    let Some(mask) = &recording.mask else {
+        return Ok(());
+    };
+    if mask.iter().filter(|&&valid| valid).count() < LEAST_ROWS {
+        let kind = RecordingErrorKind::NothingUnmasked;
+        return Err(RecordingError::new(Place::file(&recording.file), kind));
+    }
+    let measured = [&mut recording.velocity, &mut recording.acceleration];
+    let channels = recording.position.iter_mut().chain(&mut recording.signal);
+    for series in channels.chain(measured.into_iter().flatten().flatten()) {
+        fill(series, mask, Ends::Held);
+    }
+    Ok(())
+}
+
+/// Bandwidth of every joint: given, or from the channel that the acceleration comes from.
+fn bandwidths(recording: &Recording, preparation: &Preparation, rate_hz: f64) -> Vec<Bandwidth> {
+    let of = |joint: usize| match preparation.differentiation.cutoff_hz {
+        Some(cutoff_hz) => (cutoff_hz, Chosen::Given),
+        None => {
+            let (series, order) = match (&recording.acceleration, &recording.velocity) {
+                (Some(acceleration), _) => (&acceleration[joint], 0),
+                (None, Some(velocity)) => (&velocity[joint], 1),
+                (None, None) => (&recording.position[joint], 2),
+            };
+            (choose_cutoff(series, order, rate_hz), Chosen::Data)
+        }
+    };
+    (0..recording.position.len())
+        .map(of)
+        .map(|(cutoff_hz, chosen)| Bandwidth {
+            harmonics: None,
+            cutoff_hz,
+            chosen,
+        })
+        .collect()
+}
+
+/// The cut-off with the least estimated error of the acceleration, which is the derivative of the
+/// given order of the series.
+fn choose_cutoff(series: &[f64], order: usize, rate_hz: f64) -> f64 {
+    let highest = HIGHEST_CUTOFF * rate_hz;
+    let lowest = (LEAST_CYCLES * rate_hz / series.len() as f64).min(0.5 * highest);
+    let (power, gain_of_noise) = spectra(series, order);
+    let from = (FLOOR_FROM * power.len() as f64) as usize;
+    let mut top: Vec<f64> = (from..power.len())
+        .map(|f| power[f] / gain_of_noise[f])
+        .collect();
+    let level = noise_power(&mut top, 1.0);
+    let frequency = |f: usize| f as f64 * 0.5 * rate_hz / power.len() as f64;
+    let error = |cutoff: f64| -> f64 {
+        (1..power.len())
+            .map(|f| {
+                let passed = gain(frequency(f), cutoff, rate_hz);
+                let noise = level * gain_of_noise[f];
+                (1.0 - passed).powi(2) * (power[f] - noise) + passed.powi(2) * noise
+            })
+            .sum()
+    };
+    let ratio = (highest / lowest).powf(1.0 / (CANDIDATES - 1) as f64);
+    let candidates = (0..CANDIDATES).map(|i| lowest * ratio.powi(i as i32));
+    candidates
+        .map(|cutoff| (error(cutoff), cutoff))
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or(highest, |(_, cutoff)| cutoff)
+}
+
+/// Power of the windowed d-th differences below half the rate, and the gain of white noise there.
+fn spectra(series: &[f64], order: usize) -> (Vec<f64>, Vec<f64>) {
+    let mut differences = series.to_vec();
+    for _ in 0..order {
+        differences = differences
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .collect();
+    }
+    let n = differences.len();
+    let mean = differences.iter().sum::<f64>() / n as f64;
+    for (k, value) in differences.iter_mut().enumerate() {
+        // Hann squared, whose leakage falls with the fifth power of the distance: neither what the two
+        // ends differ by nor the strong low frequencies may pass for high ones.
+        let hann = 0.5 * (1.0 - (TAU * (k as f64 + 0.5) / n as f64).cos());
+        *value = (*value - mean) * hann * hann;
+    }
+    let power: Vec<f64> = coefficients(&differences)[..n / 2]
+        .iter()
+        .map(|c| c.norm_sqr())
+        .collect();
+    let noise = |f: usize| (2.0 * (PI * f as f64 / n as f64).sin()).powi(2 * order as i32);
+    let noise = (0..power.len()).map(noise).collect();
+    (power, noise)
+}
+
+/// The low-pass of every joint, and that of the signal.
+struct Filters {
+    joints: Vec<ZeroPhase>,
+    /// Of the widest bandwidth: a channel carries torque that the motion of any joint causes.
+    signal: Option<ZeroPhase>,
+}
+
+impl Filters {
+    fn new(file: &Path, bandwidth: &[Bandwidth], rate_hz: f64) -> Result<Self, RecordingError> {
+        let joints = bandwidth
+            .iter()
+            .map(|joint| filter(file, joint.cutoff_hz, rate_hz, "cutoff_hz"))
+            .collect::<Result<Vec<_>, _>>()?;
+        let wider = |a: &&ZeroPhase, b: &&ZeroPhase| a.cutoff_hz().total_cmp(&b.cutoff_hz());
+        let signal = joints.iter().max_by(wider).cloned();
+        Ok(Self { joints, signal })
+    }
+
+    /// Seconds lost at each end: those of the lowest cut-off.
+    fn edge_s(&self) -> f64 {
+        self.joints
+            .iter()
+            .map(|joint| edge_s(joint.cutoff_hz()))
+            .fold(0.0, f64::max)
+    }
+
+    fn signal(&self, mut channels: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        if let Some(filter) = &self.signal {
+            channels.iter_mut().for_each(|series| filter.apply(series));
+        }
+        channels
+    }
+
+    /// Filters what was measured of the motion and differentiates the rest, step in s.
+    fn motion(&self, recording: Recording, step: f64) -> Motion {
+        let filtered = |mut channels: Vec<Vec<f64>>| {
+            for (series, filter) in channels.iter_mut().zip(&self.joints) {
+                filter.apply(series);
+            }
+            channels
+        };
+        let derived = |channels: &[Vec<f64>], derivative: fn(&[f64], f64) -> Vec<f64>| {
+            channels
+                .iter()
+                .map(|series| derivative(series, step))
+                .collect::<Vec<_>>()
+        };
+        let position = filtered(recording.position);
+        let measured = recording.velocity.map(filtered);
+        let acceleration = match (recording.acceleration, &measured) {
+            (Some(acceleration), _) => filtered(acceleration),
+            (None, Some(velocity)) => derived(velocity, first),
+            (None, None) => derived(&position, second),
+        };
+        Motion {
+            velocity: measured.unwrap_or_else(|| derived(&position, first)),
+            position,
+            acceleration,
+        }
+    }
+}
+
+/// The rows between the edges, if enough are left once the parallel filter has its edges as well.
+fn kept_rows(
+    recording: &Recording,
+    edge: usize,
+    inner: usize,
+) -> Result<Range<usize>, RecordingError> {
+    let samples = recording.position.first().map_or(0, Vec::len);
+    let least = 2 * (edge + inner) + LEAST_ROWS;
+    if samples < least {
+        let kind = RecordingErrorKind::TooShortForFilter { samples, least };
+        return Err(RecordingError::new(Place::file(&recording.file), kind));
+    }
+    Ok(edge..samples - edge)
+}
+
+fn keep(channels: &mut [Vec<f64>], rows: &Range<usize>) {
+    for series in channels {
+        series.truncate(rows.end);
+        series.drain(..rows.start);
+    }
+}
+
+/// Masks the rows at both ends in which the parallel filter knows too little.
+fn mask_edges(mask: Option<Vec<bool>>, rows: usize, edge: usize) -> Vec<bool> {
+    let mut mask = mask.unwrap_or_else(|| vec![true; rows]);
+    mask[..edge].fill(false);
+    mask[rows - edge..].fill(false);
+    mask
+}
+
+impl Raw {
+    /// Keeps the recorded samples within the span of the rows, the first of which is at `start`.
+    fn keep_span(&mut self, rows: &Range<usize>, start: f64, timing: &Timing) {
+        let mut samples = rows.clone();
+        if !timing.uniform {
+            let rate_hz = timing.rate_hz;
+            let end = (rows.end - 1) as f64 / rate_hz;
+            samples = self.t.partition_point(|t| *t < start)..self.t.partition_point(|t| *t <= end);
+            self.map = RowMap::Grid { start, rate_hz };
+        }
+        self.rows = rows.len();
+        keep(std::slice::from_mut(&mut self.t), &samples);
+        keep(&mut self.signal, &samples);
+        if let Some(temperature) = &mut self.temperature {
+            keep(temperature, &samples);
+        }
+        self.mask = self.mask.take().map(|mask| mask[samples].to_vec());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const RATE: f64 = 500.0;
+
+    /// Position and acceleration with content up to about 5 Hz.
+    fn truth(t: f64) -> (f64, f64) {
+        let terms = [(0.3, 1.0), (1.1, 0.5), (2.9, 0.05), (4.7, 0.01)];
+        terms
+            .iter()
+            .fold((0.0, 0.0), |(q, a), (frequency, amplitude)| {
+                let omega = TAU * frequency;
+                let value = amplitude * (omega * t + frequency).sin();
+                (q + value, a - omega * omega * value)
+            })
+    }
+
+    fn recording(sd: f64) -> Recording {
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
+        let mut draw = || -> f64 { StandardNormal.sample(&mut random) };
+        let position: Vec<f64> = (0..10_000)
+            .map(|k| truth(k as f64 / RATE).0 + sd * draw())
+            .collect();
+        Recording {
+            file: "made.csv".into(),
+            time: None,
+            first_line: 2,
+            signal: vec![position.clone()],
+            position: vec![position],
+            velocity: None,
+            acceleration: None,
+            temperature: None,
+            mask: None,
+        }
+    }
+
+    fn prepared(sd: f64, cutoff_hz: Option<f64>) -> Experiment {
+        let mut preparation = Preparation {
+            rate: Some(RATE),
+            ..Preparation::default()
+        };
+        preparation.differentiation.cutoff_hz = cutoff_hz;
+        crate::recording::experiment::prepare(recording(sd), &preparation).unwrap()
+    }
+
+    /// Root mean square error of the acceleration a second away from the ends, where the edges of
+    /// all cut-offs compared end.
+    fn error(experiment: &Experiment) -> f64 {
+        let pairs = experiment.t.iter().zip(&experiment.motion.acceleration[0]);
+        let inner = pairs.filter(|(t, _)| **t > 1.0 && **t < 19.0);
+        let squares: Vec<f64> = inner.map(|(t, a)| (a - truth(*t).1).powi(2)).collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    }
+
+    #[test]
+    fn chooses_nearly_the_best_cutoff() {
+        for sd in [1e-7, 1e-6, 1e-5, 1e-4] {
+            let chosen = error(&prepared(sd, None));
+            let best = (2..80)
+                .map(|cutoff| error(&prepared(sd, Some(f64::from(cutoff)))))
+                .fold(f64::INFINITY, f64::min);
+            assert!(chosen <= 1.3 * best, "sd {sd}: {chosen} for {best}");
+        }
+    }
+
+    #[test]
+    fn drops_two_cycles_of_the_cutoff_at_both_ends() {
+        let experiment = prepared(1e-6, Some(8.0));
+        assert_eq!(experiment.edge_s, 0.25);
+        assert_eq!(experiment.rows(), 10_000 - 2 * 125);
+        assert_eq!(experiment.t[0], 0.25);
+        let pairs = experiment.raw.t.iter().zip(&experiment.t);
+        assert!(
+            pairs
+                .into_iter()
+                .all(|(raw, row)| (raw - row).abs() < 1e-12)
+        );
+    }
+}

@@ -1,0 +1,240 @@
+//! Whole periods: their mean, and the noise that their scatter about it shows.
+//!
+//! x̄(k) = (1/P) Σ_p x_p(k),   Σ = Σ_k Σ_p e_p(k) e_p(k)ᵀ / ((P - 1) N)   with e_p = x_p - x̄:
+//! the covariance of one recorded sample; that of the mean is Σ / P.
+
+use nalgebra::DMatrix;
+use realfft::num_complex::Complex;
+
+use crate::recording::columns::Recording;
+use crate::recording::error::RecordingError;
+use crate::recording::experiment::{
+    Bandwidth, Chosen, Experiment, Motion, Noise, Periods, Raw, RowMap,
+};
+use crate::recording::fourier::{self, Series};
+use crate::recording::layout::Layout;
+use crate::recording::lowpass;
+use crate::recording::settings::{Method, Preparation};
+use crate::recording::spectrum::{coefficients, synthesis};
+use crate::recording::table::LEAST_ROWS;
+use crate::recording::timing::{Grid, Timing, resample, take_stamps};
+use crate::recording::zero_phase::{ZeroPhase, gain};
+
+/// Recorded samples may drift against the grid of the period by this fraction of a step over the
+/// whole recording before they are interpolated.
+const ALIGNED_STEPS: f64 = 0.05;
+
+/// Most lags of the autocovariance, rows; beyond it drift and noise cannot be told apart.
+const MOST_LAGS: usize = 500;
+
+pub(super) fn prepare(
+    mut recording: Recording,
+    preparation: &Preparation,
+    timing: Timing,
+    period: f64,
+) -> Result<Experiment, RecordingError> {
+    let samples = ((timing.rate_hz * period).round() as usize).max(LEAST_ROWS);
+    let rate_hz = samples as f64 / period;
+    let t = take_stamps(&mut recording, timing.rate_hz);
+    let temperature = recording.temperature.take();
+    let recorded_mask = recording.mask.clone();
+    let drift = (timing.rate_hz / rate_hz - 1.0).abs() * t.len() as f64;
+    let aligned = timing.uniform && drift <= ALIGNED_STEPS;
+    let recorded = (!aligned).then(|| recording.signal.clone());
+    if !aligned {
+        recording.time = Some(t.clone());
+        recording = resample(recording, Grid::spanning(&t, rate_hz));
+    }
+    let layout = Layout::new(&recording, samples, period)?;
+    let start = match aligned {
+        true => t[layout.first],
+        false => layout.first as f64 / rate_hz,
+    };
+    let map = match aligned {
+        true => RowMap::Periodic {
+            first: layout.first,
+        },
+        false => RowMap::PeriodicGrid { start, rate_hz },
+    };
+    let parallel = lowpass::parallel(&recording.file, preparation, rate_hz)?;
+    let positions = std::mem::take(&mut recording.position);
+    let joints = Joints::new(&positions, &layout, preparation, period);
+    let noise = noise(
+        &layout,
+        &recording.signal,
+        &positions,
+        &joints,
+        parallel.as_ref(),
+    );
+    drop(positions);
+    let mut signal: Vec<Vec<f64>> = recording.signal.iter().map(|s| layout.mean(s)).collect();
+    if let Some(filter) = &parallel {
+        signal
+            .iter_mut()
+            .for_each(|mean| filter.apply_periodic(mean));
+    }
+    Ok(Experiment {
+        t: (0..samples).map(|k| start + k as f64 / rate_hz).collect(),
+        rate_hz,
+        motion: joints.motion,
+        signal,
+        mask: layout.row_mask(),
+        noise,
+        raw: Raw {
+            t,
+            signal: recorded.unwrap_or(recording.signal),
+            temperature,
+            mask: recorded_mask,
+            map,
+            rows: samples,
+        },
+        file: recording.file,
+        bandwidth: joints.bandwidth,
+        timing,
+        periods: Some(Periods {
+            count: layout.count,
+            samples,
+            period,
+        }),
+        edge_s: 0.0,
+        parallel,
+    })
+}
+
+/// Motion, bandwidth and noise of all joints.
+struct Joints {
+    motion: Motion,
+    bandwidth: Vec<Bandwidth>,
+    /// Variances of a row's position, velocity and acceleration, per joint.
+    variances: Vec<[f64; 3]>,
+}
+
+impl Joints {
+    fn new(
+        positions: &[Vec<f64>],
+        layout: &Layout,
+        preparation: &Preparation,
+        period: f64,
+    ) -> Self {
+        let mut joints = Self {
+            motion: Motion::default(),
+            bandwidth: Vec::new(),
+            variances: Vec::new(),
+        };
+        for recorded in positions {
+            let (series, bandwidth) = differentiate(recorded, layout, preparation, period);
+            joints.motion.position.push(series.position);
+            joints.motion.velocity.push(series.velocity);
+            joints.motion.acceleration.push(series.acceleration);
+            joints.variances.push(series.variances);
+            joints.bandwidth.push(bandwidth);
+        }
+        joints
+    }
+}
+
+/// The mean position of one joint with its derivatives, by the method asked for.
+fn differentiate(
+    recorded: &[f64],
+    layout: &Layout,
+    preparation: &Preparation,
+    period: f64,
+) -> (Series, Bandwidth) {
+    let n = layout.samples;
+    let mean = layout.mean(recorded);
+    let differences = layout.differences(recorded, &mean);
+    let (mut coefficients, mut noise) = fourier::analyse(&mean, &differences);
+    let settings = &preparation.differentiation;
+    let chosen = match settings.cutoff_hz {
+        Some(_) => Chosen::Given,
+        None => Chosen::Data,
+    };
+    let harmonics = match settings.cutoff_hz {
+        Some(cutoff) => (cutoff * period + 1e-9) as usize,
+        None => fourier::choose_harmonics(&coefficients, &noise, n),
+    };
+    let harmonics = harmonics.clamp(1, fourier::most_harmonics(n));
+    let cutoff_hz = settings.cutoff_hz.unwrap_or(harmonics as f64 / period);
+    let mut bandwidth = Bandwidth {
+        harmonics: Some(harmonics),
+        cutoff_hz,
+        chosen,
+    };
+    let mut summed = harmonics;
+    if settings.method == Some(Method::Lowpass) {
+        for (h, (c, variance)) in coefficients.iter_mut().zip(&mut noise).enumerate() {
+            let gain = gain(h as f64 / period, cutoff_hz, n as f64 / period);
+            *c *= gain;
+            *variance *= gain * gain;
+        }
+        bandwidth.harmonics = None;
+        summed = fourier::most_harmonics(n);
+    }
+    let series = fourier::series(&coefficients, &noise, summed, (n, period));
+    (series, bandwidth)
+}
+
+/// Noise of the means of all channels and of the motion; None without two valid periods.
+fn noise(
+    layout: &Layout,
+    signal: &[Vec<f64>],
+    positions: &[Vec<f64>],
+    joints: &Joints,
+    parallel: Option<&ZeroPhase>,
+) -> Option<Noise> {
+    let degrees = layout.degrees() as f64;
+    if layout.count < 2 || degrees == 0.0 {
+        return None;
+    }
+    let differences = |series: &Vec<f64>| layout.differences(series, &layout.mean(series));
+    let mut scatter: Vec<Vec<f64>> = signal.iter().map(differences).collect();
+    if let Some(filter) = parallel {
+        // Filtered means are means of filtered periods, so their scatter is that of the differences
+        // after the filter.
+        let periods = scatter
+            .iter_mut()
+            .flat_map(|e| e.chunks_mut(layout.samples));
+        periods.for_each(|period| filter.apply_periodic(period));
+    }
+    let per_mean = 1.0 / layout.count as f64;
+    let product = |a: usize, b: usize| -> f64 {
+        let pairs = scatter[a].iter().zip(&scatter[b]);
+        pairs.map(|(x, y)| x * y).sum::<f64>() / degrees * per_mean
+    };
+    let lags = MOST_LAGS.min(layout.samples / 2);
+    let deviation = |order: usize| {
+        let variances = joints.variances.iter();
+        variances.map(|v| v[order].sqrt()).collect::<Vec<f64>>()
+    };
+    let spread = |series: &Vec<f64>| {
+        let squares: f64 = differences(series).iter().map(|e| e * e).sum();
+        (squares / degrees).sqrt()
+    };
+    Some(Noise {
+        signal_covariance: DMatrix::from_fn(signal.len(), signal.len(), product),
+        autocovariance: scatter
+            .iter()
+            .map(|e| autocovariance(e, lags, degrees * layout.count as f64))
+            .collect(),
+        recorded_position_sd: positions.iter().map(spread).collect(),
+        position_sd: deviation(0),
+        velocity_sd: deviation(1),
+        acceleration_sd: deviation(2),
+    })
+}
+
+/// Σ_i e(i) e(i + l) / degrees for the lags 0..=lags, corrected for the products lost at the end.
+fn autocovariance(differences: &[f64], lags: usize, degrees: f64) -> Vec<f64> {
+    let n = differences.len();
+    // Zeros at the end keep the circular correlation of the transform from wrapping around.
+    let padded = (n + lags).next_power_of_two();
+    let mut series = differences.to_vec();
+    series.resize(padded, 0.0);
+    let power = coefficients(&series)
+        .into_iter()
+        .map(|c| Complex::from(c.norm_sqr()));
+    let sums = synthesis(power.collect(), padded);
+    (0..=lags.min(n - 1))
+        .map(|l| sums[l] * padded as f64 / degrees * n as f64 / (n - l) as f64)
+        .collect()
+}

@@ -1,0 +1,106 @@
+//! A table of numbers with named columns, and the file formats that hold one.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::Path;
+
+use crate::fault::Place;
+use crate::recording::csv;
+use crate::recording::error::{RecordingError, RecordingErrorKind};
+
+/// The wanted columns of a file, column by column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    pub columns: Vec<String>,
+    /// `data[c][k]`: column c, row k.
+    pub data: Vec<Vec<f64>>,
+    /// Line of the first row in the file, from 1; row k is line `first_line + k`. In formats
+    /// without lines, the number of the first record: 1.
+    pub first_line: usize,
+}
+
+impl Table {
+    /// Takes a column out of the table; None if it is not there.
+    pub fn take(&mut self, name: &str) -> Option<Vec<f64>> {
+        let at = self.columns.iter().position(|column| column == name)?;
+        self.columns.swap_remove(at);
+        Some(self.data.swap_remove(at))
+    }
+}
+
+/// Fewest rows that can be differentiated, filtered and compared with a model.
+pub const LEAST_ROWS: usize = 20;
+
+/// One file format: how its files are called and read.
+pub struct Format {
+    /// End of the file name with the dot, in lower case.
+    pub extension: &'static str,
+    /// Names of all columns, without reading the rows.
+    pub columns: fn(&Path) -> Result<Vec<String>, RecordingError>,
+    /// The named columns, which all exist.
+    pub read: fn(&Path, &[String]) -> Result<Table, RecordingError>,
+}
+
+/// The known formats.
+pub const FORMATS: &[Format] = &[
+    Format {
+        extension: ".csv",
+        columns: csv::columns,
+        read: csv::read,
+    },
+    Format {
+        extension: ".csv.gz",
+        columns: csv::columns_gzip,
+        read: csv::read_gzip,
+    },
+];
+
+/// The format of a file by the end of its name, after a look whether the file is there at all.
+///
+/// Errors: not found, a directory, no permission, unknown extension.
+pub fn format_of(path: &Path) -> Result<&'static Format, RecordingError> {
+    let at = || Place::file(path);
+    let metadata = fs::metadata(path).map_err(|error| from_io(at(), &error))?;
+    if metadata.is_dir() {
+        return Err(RecordingError::new(at(), RecordingErrorKind::IsDirectory));
+    }
+    let name = path
+        .file_name()
+        .map(|name| name.to_string_lossy().to_lowercase())
+        .unwrap_or_default();
+    FORMATS
+        .iter()
+        .find(|format| name.ends_with(format.extension))
+        .ok_or_else(|| {
+            let found = name
+                .find('.')
+                .map_or(String::new(), |dot| name[dot..].into());
+            let kind = RecordingErrorKind::UnknownExtension { found };
+            RecordingError::new(at(), kind)
+        })
+}
+
+/// Fails unless the table has the least number of rows.
+pub(super) fn require_rows(path: &Path, rows: usize) -> Result<(), RecordingError> {
+    if rows >= LEAST_ROWS {
+        return Ok(());
+    }
+    let kind = RecordingErrorKind::TooFewRows {
+        found: rows,
+        least: LEAST_ROWS,
+    };
+    Err(RecordingError::new(Place::file(path), kind))
+}
+
+/// The recording error of an error of the operating system.
+pub(super) fn from_io(place: Place, error: &std::io::Error) -> RecordingError {
+    let kind = match error.kind() {
+        ErrorKind::NotFound => RecordingErrorKind::NotFound,
+        ErrorKind::PermissionDenied => RecordingErrorKind::NoPermission,
+        ErrorKind::IsADirectory => RecordingErrorKind::IsDirectory,
+        _ => RecordingErrorKind::Unreadable {
+            reason: error.to_string(),
+        },
+    };
+    RecordingError::new(place, kind)
+}
