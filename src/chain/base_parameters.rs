@@ -48,10 +48,12 @@ pub struct BaseParameters {
 impl BaseParameters {
     /// Scans the linear unknowns of a model over generic states.
     ///
-    /// `loads` says with which loads the recordings are made: without it, with it, or both.
-    pub fn structural(model: &Model, loads: &[bool]) -> Self {
+    /// `loads` says with which loads the recordings are made: without it, with it, or both. `prior` has
+    /// further rows over all parameters, combinations that are known from elsewhere.
+    pub fn structural(model: &Model, loads: &[bool], prior: &DMatrix<f64>) -> Self {
         let unknowns = scan_order(model);
-        let factor = generic_factor(model, &unknowns, loads);
+        let mut factor = generic_factor(model, &unknowns, loads);
+        factor.absorb(prior.select_columns(&unknowns).as_slice());
         Self::scan(&factor, &unknowns)
     }
 

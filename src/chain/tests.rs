@@ -137,11 +137,16 @@ fn plain(tree: Tree, effects: &[&str]) -> ModelSettings {
     }
 }
 
+fn structural(model: &Model) -> BaseParameters {
+    let no_prior = DMatrix::zeros(0, model.parameters().len());
+    BaseParameters::structural(model, &[false], &no_prior)
+}
+
 #[test]
 fn matches_published_number_of_base_parameters_of_the_panda() {
     // Gaz, Cognetti, Oliva, Robuffo Giordano and De Luca 2019: 43 dynamic coefficients.
     let model = Model::new(plain(panda(), &[])).unwrap();
-    let base = BaseParameters::structural(&model, &[false]);
+    let base = structural(&model);
     assert_eq!(base.base.len(), 43);
     let first = base.expression(&model, 0);
     assert!(first.starts_with("link1.Izz + link2.Iyy"), "{first}");
@@ -160,7 +165,7 @@ fn invariant_friction_and_rotors_add_what_they_should() {
         let width = model.joints()[j].width.unwrap();
         model.fix(width, 0.0).unwrap();
     }
-    let base = BaseParameters::structural(&model, &[false]);
+    let base = structural(&model);
     // Fc, Fv and offset of seven joints; the rotors of joints 1 and 2 are the same torque as link
     // inertias about parallel axes (Gautier 1990), those of joints 3 to 7 are their own.
     assert_eq!(base.base.len(), 43 + 3 * 7 + 5);
@@ -173,7 +178,7 @@ fn invariant_friction_and_rotors_add_what_they_should() {
 #[test]
 fn invariant_signal_is_that_of_the_base_parameters_alone() {
     let model = Model::new(plain(panda(), &[])).unwrap();
-    let base = BaseParameters::structural(&model, &[false]);
+    let base = structural(&model);
     let mut full = model.values();
     for (p, value) in model.tree().parameters().into_iter().enumerate() {
         full[p] = value;
@@ -211,8 +216,8 @@ fn a_locked_joint_leaves_the_wrist_with_fewer_base_parameters() {
     let mut locked = plain(panda(), &[]);
     locked.locked = vec![true, true, true, true, false, false, false];
     let model = Model::new(locked).unwrap();
-    let all = BaseParameters::structural(&Model::new(plain(panda(), &[])).unwrap(), &[false]);
-    let wrist = BaseParameters::structural(&model, &[false]);
+    let all = structural(&Model::new(plain(panda(), &[])).unwrap());
+    let wrist = structural(&model);
     assert!(wrist.base.len() < all.base.len());
     assert!(wrist.base.iter().all(|b| {
         matches!(model.parameters()[b.parameter].role, Role::Inertial { link, .. } if link >= 4)

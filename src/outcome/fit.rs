@@ -21,6 +21,9 @@ pub struct Fit {
     #[serde(with = "number::optional")]
     pub min_pseudo_inertia_eigenvalue: Option<f64>,
     pub comparison: Vec<Comparison>,
+    /// What a later fit can start from.
+    #[serde(default)]
+    pub posterior: Posterior,
     /// A physically feasible member of the equivalence class, complete, for export.
     #[serde(default)]
     pub realization: Vec<Realized>,
@@ -30,6 +33,31 @@ pub struct Fit {
     /// Anything a reader should know, one sentence each.
     #[serde(default)]
     pub notes: Vec<String>,
+}
+
+/// What the fit knows, as the prior of a later one: combinations of parameters, their values and covariance.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Posterior {
+    pub combinations: Vec<Combination>,
+    /// Covariance of the combinations, in their order.
+    #[serde(with = "number::matrix")]
+    pub covariance: Vec<Vec<f64>>,
+}
+
+/// A linear combination of parameters (of the model's raw ones: first moments, inertia about the origin).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Combination {
+    pub terms: Vec<Term>,
+    #[serde(with = "number::nullable")]
+    pub value: f64,
+}
+
+/// One term of a combination.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Term {
+    pub parameter: String,
+    #[serde(with = "number::nullable")]
+    pub coefficient: f64,
 }
 
 /// A combination of parameters that the motion determines.

@@ -1,0 +1,34 @@
+//! Why an estimate cannot be made.
+
+use crate::chain::error::ModelError;
+use crate::problem::error::ProblemError;
+use crate::solve::error::SolveError;
+use thiserror::Error;
+
+/// A fit that cannot start or finish.
+#[derive(Debug, Error)]
+pub enum EstimateError {
+    #[error("there is no training recording; name at least one under `recordings.train`")]
+    NoTraining,
+    #[error(
+        "{rows} samples for {unknowns} unknown parameters; record more, or fix parameters under `drive.values`"
+    )]
+    TooFewRows { rows: usize, unknowns: usize },
+    #[error(
+        "nothing is unknown: every parameter of the model is given; free some, or use `exid simulate`"
+    )]
+    NothingUnknown,
+    #[error(
+        "`{name}` cannot be bounded by itself: the data determine it only within {expression}; \
+         use `estimator = \"feasible\"`, or bound what is determined"
+    )]
+    BoundOnCombination { name: String, expression: String },
+    #[error("the covariance of the residuals cannot be factorised; a channel is constant or two are the same")]
+    SingularResiduals,
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+}

@@ -1,0 +1,226 @@
+//! From the raw parameters of the estimate to the quantities that engineers read: mass, centre of mass,
+//! inertia about the centre of mass, constants of effects, each with what the data say of it.
+//!
+//! `c = h/m`, `I_c = I − m (cᵀc·1 − c cᵀ)`; standard deviations by first-order propagation.
+
+use crate::chain::model::Model;
+use crate::chain::parameter::{Parameter, Role};
+use crate::estimate::unknowns::Unknowns;
+use crate::outcome::estimate::Covariance;
+use crate::outcome::parameter::{Parameter as Reported, Source};
+use crate::robot::inertia::PER_LINK;
+use crate::stats::distribution::Distribution;
+use nalgebra::{DMatrix, DVector, RowDVector};
+
+/// Coverage of the intervals that are reported.
+const COVERAGE: f64 = 0.95;
+
+/// An estimate before it is reported.
+#[derive(Debug, Clone, Copy)]
+pub struct Estimated<'a> {
+    pub model: &'a Model,
+    pub unknowns: &'a Unknowns,
+    /// Values of all parameters.
+    pub values: &'a DVector<f64>,
+    /// Covariance of the unknowns in their order.
+    pub covariance: &'a DMatrix<f64>,
+    /// Unknowns that only a prior determines.
+    pub from_prior: &'a [usize],
+    /// Unknowns that lie at a bound, as variables of the estimate.
+    pub at_bound: &'a [usize],
+}
+
+/// Names of the reported quantities of a body, with their units.
+const BODY: [(&str, &str); PER_LINK] = [
+    ("mass", "kg"),
+    ("com_x", "m"),
+    ("com_y", "m"),
+    ("com_z", "m"),
+    ("inertia_xx", "kg·m²"),
+    ("inertia_xy", "kg·m²"),
+    ("inertia_xz", "kg·m²"),
+    ("inertia_yy", "kg·m²"),
+    ("inertia_yz", "kg·m²"),
+    ("inertia_zz", "kg·m²"),
+];
+
+/// Axes of the inertia entries in the order of [`BODY`], and their positions among the raw parameters.
+const INERTIA: [(usize, usize, usize); 6] = [
+    (0, 0, 4),
+    (0, 1, 5),
+    (0, 2, 7),
+    (1, 1, 6),
+    (1, 2, 8),
+    (2, 2, 9),
+];
+
+struct Quantity {
+    name: String,
+    unit: String,
+    description: String,
+    /// `None`: the data do not determine it.
+    value: Option<f64>,
+    /// Derivatives with respect to raw parameters.
+    gradient: Vec<(usize, f64)>,
+}
+
+/// Every quantity with value, standard deviation, interval and source, and their covariance.
+pub fn report(estimated: &Estimated<'_>) -> (Vec<Reported>, Covariance) {
+    let quantities = quantities(estimated);
+    let positions = estimated.unknowns.positions();
+    let mut reported = Vec::with_capacity(quantities.len());
+    let mut names = Vec::new();
+    let mut gradients: Vec<RowDVector<f64>> = Vec::new();
+    for quantity in quantities {
+        let mut row = RowDVector::zeros(positions.len());
+        let mut from: Vec<usize> = Vec::new();
+        for &(parameter, slope) in &quantity.gradient {
+            if let Some(k) = positions.iter().position(|&p| p == parameter) {
+                row[k] += slope;
+                from.push(k);
+            }
+        }
+        let (parameter, uncertain) = one(&quantity, &row, (&from, estimated));
+        if uncertain {
+            names.push(parameter.name.clone());
+            gradients.push(row);
+        }
+        reported.push(parameter);
+    }
+    let jacobian = if gradients.is_empty() {
+        DMatrix::zeros(0, positions.len())
+    } else {
+        DMatrix::from_rows(&gradients)
+    };
+    let matrix = &jacobian * estimated.covariance * jacobian.transpose();
+    let rows = matrix.row_iter().map(|row| row.iter().copied().collect());
+    let covariance = Covariance {
+        parameters: names,
+        matrix: rows.collect(),
+    };
+    (reported, covariance)
+}
+
+/// One reported parameter, and whether it has a standard deviation.
+fn one(
+    quantity: &Quantity,
+    row: &RowDVector<f64>,
+    (from, estimated): (&[usize], &Estimated<'_>),
+) -> (Reported, bool) {
+    let Some(value) = quantity.value else {
+        let none = Reported::undetermined(&quantity.name, &quantity.unit);
+        return (none.described(&quantity.description), false);
+    };
+    let known = Reported::known(&quantity.name, &quantity.unit, value)
+        .described(&quantity.description);
+    if from.is_empty() {
+        return (known, false);
+    }
+    let at_bound = from.iter().any(|k| estimated.at_bound.contains(k));
+    if at_bound {
+        let bound = Reported {
+            source: Source::Bound,
+            ..known
+        };
+        return (bound, false);
+    }
+    let variance = (row * estimated.covariance * row.transpose())[(0, 0)];
+    let std_dev = variance.max(0.0).sqrt();
+    let half = Distribution::Normal.two_sided(COVERAGE) * std_dev;
+    let prior = from.iter().any(|k| estimated.from_prior.contains(k));
+    let parameter = Reported {
+        std_dev: Some(std_dev),
+        ci95: Some([value - half, value + half]),
+        source: if prior { Source::Prior } else { Source::Data },
+        ..known
+    };
+    (parameter, true)
+}
+
+fn quantities(estimated: &Estimated<'_>) -> Vec<Quantity> {
+    let model = estimated.model;
+    let mut out = Vec::new();
+    for (link, joint) in model.tree().joints().iter().enumerate() {
+        body(estimated, &joint.link, PER_LINK * link, &mut out);
+    }
+    if let Some((_, first)) = model.payload() {
+        body(estimated, "payload", first, &mut out);
+    }
+    for (p, parameter) in model.parameters().iter().enumerate() {
+        if matches!(parameter.role, Role::Effect { .. } | Role::Coupling { .. }) {
+            out.push(Quantity {
+                name: parameter.name.clone(),
+                unit: parameter.unit.clone(),
+                description: meaning(model, parameter),
+                value: determined(estimated, p).then_some(estimated.values[p]),
+                gradient: vec![(p, 1.0)],
+            });
+        }
+    }
+    out
+}
+
+fn meaning(model: &Model, parameter: &Parameter) -> String {
+    match parameter.role {
+        Role::Effect {
+            joint,
+            effect,
+            parameter,
+        } => {
+            let (effect, _) = model.joints()[joint].effects[effect];
+            effect.parameters[parameter].meaning.to_string()
+        }
+        _ => "speed of this joint per speed of the other joint's motor".to_string(),
+    }
+}
+
+/// Known, or determined by data or prior by itself.
+fn determined(estimated: &Estimated<'_>, parameter: usize) -> bool {
+    let entry = &estimated.model.parameters()[parameter];
+    !entry.is_free()
+        || estimated.unknowns.nonlinear.contains(&parameter)
+        || estimated.unknowns.base.determines(parameter)
+}
+
+/// The ten quantities of a body whose raw parameters start at `first`.
+fn body(estimated: &Estimated<'_>, name: &str, first: usize, out: &mut Vec<Quantity>) {
+    let raw: [f64; PER_LINK] = std::array::from_fn(|k| estimated.values[first + k]);
+    let has = |entries: &[usize]| entries.iter().all(|&k| determined(estimated, first + k));
+    let m = raw[0];
+    let mut push = |index: usize, needs: &[usize], value: f64, gradient: Vec<(usize, f64)>| {
+        let (quantity, unit) = BODY[index];
+        out.push(Quantity {
+            name: format!("{name}.{quantity}"),
+            unit: unit.to_string(),
+            description: String::new(),
+            value: (has(needs) && value.is_finite()).then_some(value),
+            gradient: gradient.into_iter().map(|(k, d)| (first + k, d)).collect(),
+        });
+    };
+    push(0, &[0], m, vec![(0, 1.0)]);
+    for axis in 0..3 {
+        let h = raw[1 + axis];
+        let gradient = vec![(1 + axis, 1.0 / m), (0, -h / (m * m))];
+        push(1 + axis, &[0, 1 + axis], h / m, gradient);
+    }
+    for (index, (a, b, entry)) in INERTIA.into_iter().enumerate() {
+        let (value, mut gradient) = (raw[entry], vec![(entry, 1.0)]);
+        let mut needs = vec![entry, 0];
+        // Products h_i h_j / m that Steiner's theorem takes away, with their signs.
+        let products: Vec<(usize, usize, f64)> = if a == b {
+            (0..3).filter(|&k| k != a).map(|k| (k, k, -1.0)).collect()
+        } else {
+            vec![(a, b, 1.0)]
+        };
+        let mut central = value;
+        for (i, j, sign) in products {
+            let (hi, hj) = (raw[1 + i], raw[1 + j]);
+            central += sign * hi * hj / m;
+            gradient.push((1 + i, sign * hj / m));
+            gradient.push((1 + j, sign * hi / m));
+            gradient.push((0, -sign * hi * hj / (m * m)));
+            needs.extend([1 + i, 1 + j]);
+        }
+        push(4 + index, &needs, central, gradient);
+    }
+}

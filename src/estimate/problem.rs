@@ -1,0 +1,156 @@
+//! The fit as a problem: `½ ‖W (ŝ(x) − s)‖² + ½ ‖prior(x)‖²` over the unknowns x, which every solver takes.
+
+use crate::chain::model::Model;
+use crate::estimate::compress::{Request, factor, sum_of_squares};
+use crate::estimate::data::Prepared;
+use crate::estimate::prior::Prior;
+use crate::estimate::unknowns::Unknowns;
+use crate::estimate::weights::{RowFactors, Weights};
+use crate::linalg::triangular::Triangular;
+use crate::problem::form::{Form, Objective, Structure, Variable};
+use crate::problem::{Linearization, OutsideDomain, Problem, SquareRoot, Values};
+use nalgebra::{DMatrix, DVector};
+
+/// A weighted fit of a model to recordings.
+#[derive(Debug)]
+pub struct FitProblem<'a> {
+    pub model: &'a Model,
+    pub unknowns: &'a Unknowns,
+    pub recordings: &'a [&'a Prepared],
+    pub prior: &'a Prior,
+    pub weights: Weights,
+    pub factors: Option<RowFactors>,
+    form: Form,
+    columns: Vec<usize>,
+}
+
+impl<'a> FitProblem<'a> {
+    pub fn new(
+        model: &'a Model,
+        unknowns: &'a Unknowns,
+        (recordings, prior): (&'a [&'a Prepared], &'a Prior),
+        weights: Weights,
+    ) -> Self {
+        let columns = unknowns.positions();
+        let active = model.channels().iter().filter(|c| c.active).count();
+        let rows: usize = recordings.iter().map(|r| r.rows() * active).sum();
+        let linear = unknowns.base.base.len();
+        let variables = columns.iter().enumerate().map(|(k, &p)| {
+            let parameter = &model.parameters()[p];
+            let variable = Variable::free(&parameter.name, &parameter.unit).scale(parameter.scale);
+            // A bound on one parameter says nothing about a combination that it leads.
+            if k >= linear || unknowns.base.base[k].others.is_empty() {
+                variable.within(parameter.lower, parameter.upper)
+            } else {
+                variable
+            }
+        });
+        Self {
+            form: Form {
+                variables: variables.collect(),
+                objective: Objective::SumOfSquares {
+                    rows: rows + prior.len(),
+                },
+                constraints: Vec::new(),
+                structure: if unknowns.nonlinear.is_empty() {
+                    Structure::Affine
+                } else {
+                    Structure::Smooth
+                },
+            },
+            model,
+            unknowns,
+            recordings,
+            prior,
+            weights,
+            factors: None,
+            columns,
+        }
+    }
+
+    /// The same fit with the residuals of single rows weighted.
+    pub fn with_factors(mut self, factors: RowFactors) -> Self {
+        self.factors = Some(factors);
+        self
+    }
+
+    /// Values of all parameters of the model at the unknowns x; parameters that base parameters stand for
+    /// are zero.
+    pub fn parameters(&self, x: &DVector<f64>) -> DVector<f64> {
+        let mut values = self.model.values();
+        for base in &self.unknowns.base.base {
+            for (dependent, _) in &base.others {
+                values[*dependent] = 0.0;
+            }
+        }
+        for &parameter in &self.unknowns.base.without_effect {
+            values[parameter] = 0.0;
+        }
+        for (k, &parameter) in self.columns.iter().enumerate() {
+            values[parameter] = x[k];
+        }
+        values
+    }
+
+    /// The unknowns at the model's starting values.
+    pub fn start(&self) -> DVector<f64> {
+        let values = self.model.values();
+        let start = self.columns.iter().map(|&p| values[p]);
+        DVector::from_iterator(self.columns.len(), start)
+    }
+
+    /// Triangular factor of the derivatives at x, weighted, prior included, and of the residual.
+    pub fn factor(&self, x: &DVector<f64>) -> Triangular {
+        let values = self.parameters(x);
+        let mut whole = factor(&self.request(&values), self.recordings);
+        if !self.prior.is_empty() {
+            let mut rows = DMatrix::zeros(self.prior.len(), self.columns.len() + 1);
+            for (k, &p) in self.columns.iter().enumerate() {
+                rows.set_column(k, &self.prior.rows().column(p));
+            }
+            rows.set_column(self.columns.len(), &self.prior.residual(&values));
+            whole.absorb(rows.as_slice());
+        }
+        whole
+    }
+
+    fn request<'b>(&'b self, values: &'b DVector<f64>) -> Request<'b> {
+        Request {
+            model: self.model,
+            values,
+            columns: &self.columns,
+            weights: &self.weights,
+            factors: self.factors.as_ref(),
+        }
+    }
+}
+
+impl Problem for FitProblem<'_> {
+    fn form(&self) -> &Form {
+        &self.form
+    }
+
+    fn values(&self, x: &DVector<f64>) -> Result<Values, OutsideDomain> {
+        let values = self.parameters(x);
+        let squares = sum_of_squares(&self.request(&values), self.recordings);
+        let prior = self.prior.residual(&values).norm_squared();
+        Ok(Values {
+            cost: 0.5 * (squares + prior),
+            constraints: DVector::zeros(0),
+        })
+    }
+
+    fn linearize(&self, x: &DVector<f64>) -> Result<Linearization, OutsideDomain> {
+        let count = self.columns.len();
+        let whole = self.factor(x).matrix();
+        let matrix = whole.columns(0, count).into_owned();
+        let residual = whole.column(count).into_owned();
+        Ok(Linearization {
+            cost: 0.5 * residual.norm_squared(),
+            gradient: matrix.tr_mul(&residual),
+            square_root: Some(SquareRoot { matrix, residual }),
+            constraints: DVector::zeros(0),
+            jacobian: DMatrix::zeros(0, count),
+        })
+    }
+}

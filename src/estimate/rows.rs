@@ -1,0 +1,165 @@
+//! Rows of a recording, block by block: predicted and recorded signal and the derivatives, after the
+//! filter that runs over signal and model alike, if the recording has one.
+
+use crate::chain::evaluate::{BLOCK, Block, Evaluator};
+use crate::chain::model::Model;
+use crate::estimate::data::Prepared;
+use nalgebra::DVector;
+use std::ops::Range;
+
+/// Rows of a task: many blocks, few enough that every thread has several tasks.
+const TASK_ROWS: usize = 64 * BLOCK;
+
+/// A part of a recording that one task works on.
+#[derive(Debug, Clone)]
+pub(crate) struct Task<'a> {
+    pub recording: &'a Prepared,
+    pub range: Range<usize>,
+}
+
+/// Splits recordings into tasks; the split depends on nothing but the recordings.
+pub(crate) fn tasks<'a>(recordings: impl Iterator<Item = &'a Prepared>) -> Vec<Task<'a>> {
+    let mut tasks = Vec::new();
+    for recording in recordings {
+        let rows = recording.rows();
+        // A filter needs the whole series.
+        let size = match recording.experiment.parallel {
+            Some(_) => rows.max(1),
+            None => TASK_ROWS,
+        };
+        for start in (0..rows).step_by(size) {
+            tasks.push(Task {
+                recording,
+                range: start..rows.min(start + size),
+            });
+        }
+    }
+    tasks
+}
+
+/// Rows that a visitor is shown together.
+pub(crate) struct RowBlock<'a> {
+    recording: &'a Prepared,
+    /// Rows of the recording.
+    pub range: Range<usize>,
+    source: Source<'a>,
+}
+
+enum Source<'a> {
+    Block(&'a Block),
+    Stored(&'a Stored),
+}
+
+impl RowBlock<'_> {
+    pub fn predicted(&self, channel: usize) -> &[f64] {
+        match self.source {
+            Source::Block(block) => block.value(channel),
+            Source::Stored(stored) => &stored.values[channel][self.range.clone()],
+        }
+    }
+
+    pub fn recorded(&self, channel: usize) -> &[f64] {
+        &self.recording.signal(channel)[self.range.clone()]
+    }
+
+    pub fn derivative(&self, channel: usize, column: usize) -> Option<&[f64]> {
+        match self.source {
+            Source::Block(block) => block.derivative(channel, column),
+            Source::Stored(stored) => {
+                let series = &stored.columns[channel * stored.count + column];
+                series.get(self.range.clone())
+            }
+        }
+    }
+
+    /// Position of the first row among the recording's rows.
+    pub fn start(&self) -> usize {
+        self.range.start
+    }
+
+    /// Which of the rows count; `None` where all do.
+    pub fn counting(&self) -> Option<Vec<bool>> {
+        let rows = self.range.clone();
+        let counts: Vec<bool> = rows.map(|row| self.recording.counts(row)).collect();
+        counts.contains(&false).then_some(counts)
+    }
+}
+
+/// Shows every row of a task to a visitor, in order.
+pub(crate) fn visit(
+    model: &Model,
+    values: &DVector<f64>,
+    columns: &[usize],
+    task: &Task<'_>,
+    mut visitor: impl FnMut(&RowBlock<'_>),
+) {
+    let recording = task.recording;
+    let stored = recording
+        .experiment
+        .parallel
+        .is_some()
+        .then(|| Stored::filtered(model, values, columns, recording));
+    let mut evaluator = Evaluator::new(model, values, columns);
+    for start in task.range.clone().step_by(BLOCK) {
+        let range = start..task.range.end.min(start + BLOCK);
+        let source = match &stored {
+            Some(stored) => Source::Stored(stored),
+            None => Source::Block(evaluator.evaluate(recording.segment(), range.clone())),
+        };
+        visitor(&RowBlock {
+            recording,
+            range,
+            source,
+        });
+    }
+}
+
+/// Filtered series of a whole recording at its used rows.
+struct Stored {
+    values: Vec<Vec<f64>>,
+    count: usize,
+    columns: Vec<Vec<f64>>,
+}
+
+impl Stored {
+    fn filtered(
+        model: &Model,
+        values: &DVector<f64>,
+        columns: &[usize],
+        recording: &Prepared,
+    ) -> Self {
+        let (channels, count) = (model.channels().len(), columns.len());
+        let rows = recording.experiment.rows();
+        let mut out = Self {
+            values: vec![Vec::with_capacity(rows); channels],
+            count,
+            columns: vec![Vec::new(); channels * count],
+        };
+        let mut evaluator = Evaluator::new(model, values, columns);
+        for start in (0..rows).step_by(BLOCK) {
+            let range = start..rows.min(start + BLOCK);
+            let block = evaluator.evaluate(recording.whole(), range);
+            for channel in 0..channels {
+                out.values[channel].extend_from_slice(block.value(channel));
+                for column in 0..count {
+                    if let Some(series) = block.derivative(channel, column) {
+                        let to = &mut out.columns[channel * count + column];
+                        // A column can appear late; what came before is zero.
+                        to.resize(start, 0.0);
+                        to.extend_from_slice(series);
+                    }
+                }
+            }
+        }
+        let finish = |series: &mut Vec<f64>| {
+            if !series.is_empty() {
+                series.resize(rows, 0.0);
+                recording.experiment.apply_parallel(series);
+                *series = series.iter().step_by(recording.stride).copied().collect();
+            }
+        };
+        out.values.iter_mut().for_each(finish);
+        out.columns.iter_mut().for_each(finish);
+        out
+    }
+}

@@ -1,0 +1,47 @@
+//! Weights of the residuals: `W` with `‖W e‖²` minimised, constant over the rows, and factors per row.
+
+use crate::estimate::error::EstimateError;
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+/// How the channels of one row are weighted against each other.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Weights {
+    /// W diagonal: one factor per channel.
+    PerChannel(DVector<f64>),
+    /// W lower triangular: `WᵀW = Σ⁻¹` for the covariance Σ of a row.
+    Full(DMatrix<f64>),
+}
+
+impl Weights {
+    /// Every channel by the inverse of its standard deviation.
+    pub fn by_deviation(deviations: &[f64]) -> Self {
+        let inverse = |s: &f64| if *s > 0.0 { 1.0 / s } else { 1.0 };
+        Self::PerChannel(DVector::from_iterator(
+            deviations.len(),
+            deviations.iter().map(inverse),
+        ))
+    }
+
+    /// `W = L⁻¹` with `Σ = L Lᵀ`. Channels that are not active have unit variance in Σ.
+    pub fn by_covariance(covariance: &DMatrix<f64>) -> Result<Self, EstimateError> {
+        let factor =
+            Cholesky::new(covariance.clone()).ok_or(EstimateError::SingularResiduals)?;
+        let n = covariance.nrows();
+        let inverse = factor
+            .l()
+            .solve_lower_triangular(&DMatrix::identity(n, n))
+            .ok_or(EstimateError::SingularResiduals)?;
+        Ok(Self::Full(inverse))
+    }
+
+    /// W as a matrix.
+    pub fn matrix(&self) -> DMatrix<f64> {
+        match self {
+            Self::PerChannel(factors) => DMatrix::from_diagonal(factors),
+            Self::Full(matrix) => matrix.clone(),
+        }
+    }
+}
+
+/// Factors of the residuals of single rows: `[recording][channel][row]`, empty where all are 1.
+pub type RowFactors = Vec<Vec<Vec<f64>>>;
