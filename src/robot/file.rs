@@ -11,10 +11,7 @@ const SIZE_LIMIT: u64 = 64 << 20;
 
 /// The whole text of a robot file.
 pub(crate) fn text(path: &Path) -> Result<String, RobotError> {
-    let fail = |kind| RobotError {
-        place: Place::file(path),
-        kind,
-    };
+    let fail = |kind| RobotError::new(Place::file(path), kind);
     let unreadable = |e: std::io::Error| match e.kind() {
         ErrorKind::NotFound => fail(RobotErrorKind::NotFound),
         ErrorKind::InvalidData => fail(RobotErrorKind::NotText),
