@@ -180,7 +180,7 @@ fn of_file(kind: &RobotErrorKind) -> Description {
         ),
         K::TooLarge { bytes, limit } => Description::new(
             "robot-file-too-large",
-            format!("the robot file has {bytes} bytes, more than {limit}"),
+            format!("the robot file has {bytes} bytes or more, above the limit of {limit}"),
             "check that this is a robot description and not a recording or mesh",
         ),
         K::NotText => Description::new(

@@ -14,8 +14,9 @@ pub fn skip(why: &str) {
         .name()
         .unwrap_or("unnamed test")
         .to_owned();
+    let message = format!("skipped: {test}: {why}\n");
     // Not eprintln!: the test runner keeps that to itself while a test passes.
-    writeln!(std::io::stderr(), "skipped: {test}: {why}").unwrap();
+    std::io::stderr().write_all(message.as_bytes()).unwrap();
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap();
     let mut record = OpenOptions::new()
         .create(true)
