@@ -103,6 +103,8 @@ pub enum NumberFault {
 pub enum OverrideFault {
     /// It is not `key=value`.
     Form { found: String },
+    /// The key has more parts between dots than any key of the file.
+    TooDeep { parts: usize, limit: usize },
     /// What follows the equals sign begins like a TOML value and is none.
     Value { found: String, reason: String },
     /// The key lies below a value that is not a table.
@@ -367,6 +369,11 @@ impl OverrideFault {
                 "override-form",
                 format!("\"{found}\" is not of the form key=value"),
                 "write it such as fit.estimator=wls",
+            ),
+            Self::TooDeep { parts, limit } => Description::new(
+                "override-too-deep",
+                format!("the key of --set has {parts} parts between dots, more than {limit}"),
+                "name a key of the problem file, such as fit.estimator",
             ),
             Self::Value { found, reason } => Description::new(
                 "override-value",

@@ -18,6 +18,10 @@ const TABLES_OF_NAMES: &[&str] = &[
     "simulate.values",
 ];
 
+/// Most parts of a key: the deepest of the problem file has four, and tables are nested as deeply as
+/// the key says.
+const MOST_PARTS: usize = 16;
+
 /// Applies the overrides in their order to the root table of a file.
 pub(super) fn apply(root: &mut Node, overrides: &[String]) -> Result<(), ProblemFileError> {
     let file = root.place.clone();
@@ -31,6 +35,13 @@ pub(super) fn apply(root: &mut Node, overrides: &[String]) -> Result<(), Problem
                 },
             )
         })?;
+        if segments.len() > MOST_PARTS {
+            let (parts, limit) = (segments.len(), MOST_PARTS);
+            return Err(ProblemFileError::new(
+                &file,
+                OverrideFault::TooDeep { parts, limit },
+            ));
+        }
         let node = parse_value(value, &place)?;
         insert(root, &segments, node)?;
     }
@@ -66,7 +77,7 @@ fn split(text: &str) -> Option<(Vec<String>, &str)> {
 
 /// Makes one name of what follows a table of names.
 fn join_names(segments: &[String]) -> Vec<String> {
-    for length in 1..segments.len() {
+    for length in 1..segments.len().min(MOST_PARTS) {
         let (table, name) = segments.split_at(length);
         if TABLES_OF_NAMES.contains(&table.join(".").as_str()) {
             let mut joined = table.to_vec();

@@ -8,11 +8,15 @@ use nalgebra::{Isometry3, Vector3};
 use std::collections::HashMap;
 use std::path::Path;
 
+/// Most moving joints of a robot: memory grows with the square, and robots have a tenth of it.
+pub(crate) const MOST_JOINTS: usize = 1000;
+
 /// A link as its file describes it; the inertia is about the link's own frame.
 #[derive(Debug, Clone)]
 pub(crate) struct RawLink {
     pub name: String,
-    pub place: Place,
+    /// Offset of the element in the file, bytes.
+    pub at: usize,
     pub inertia: Inertia,
 }
 
@@ -20,7 +24,8 @@ pub(crate) struct RawLink {
 #[derive(Debug, Clone)]
 pub(crate) struct RawJoint {
     pub name: String,
-    pub place: Place,
+    /// Offset of the element in the file, bytes.
+    pub at: usize,
     pub kind: Option<JointKind>,
     pub parent: String,
     pub child: String,
@@ -31,7 +36,8 @@ pub(crate) struct RawJoint {
 
 /// A robot as its file describes it.
 #[derive(Debug, Clone)]
-pub(crate) struct RawRobot {
+pub(crate) struct RawRobot<'a> {
+    pub path: &'a Path,
     pub name: String,
     pub links: Vec<RawLink>,
     pub joints: Vec<RawJoint>,
@@ -48,26 +54,63 @@ pub(crate) fn nearest<'a>(found: &str, known: impl Iterator<Item = &'a str>) -> 
         .map(|(_, name)| name.to_string())
 }
 
-/// Builds the tree, joints in the order in which a walk from the base meets them.
-pub(crate) fn assemble(robot: RawRobot, path: &Path) -> Result<Tree, RobotError> {
-    let fail = |kind| RobotError {
-        place: Place::file(path),
-        kind,
-    };
+/// Builds the tree, joints in the order in which a walk from the base meets them. `locate` gives the
+/// place of an element by its offset: a search through the file, made for faults only.
+pub(crate) fn assemble(
+    robot: &RawRobot<'_>,
+    locate: impl Fn(usize) -> Place,
+) -> Result<Tree, RobotError> {
+    let fail = |kind| RobotError::new(Place::file(robot.path), kind);
     if robot.links.is_empty() {
         return Err(fail(RobotErrorKind::NoLinks));
     }
-    let index = link_index(&robot.links)?;
-    let mut joint_names: HashMap<&str, &Place> = HashMap::new();
-    let mut parent_joint: Vec<Option<usize>> = vec![None; robot.links.len()];
+    let moving = robot.joints.iter().filter(|j| j.kind.is_some()).count();
+    if moving > MOST_JOINTS {
+        return Err(fail(RobotErrorKind::TooManyJoints {
+            found: moving,
+            limit: MOST_JOINTS,
+        }));
+    }
+    let index = link_index(&robot.links, &locate)?;
+    let parent_joint = parent_joints(robot, &index, &locate)?;
+    let root = single_root(robot, &parent_joint).map_err(fail)?;
     let mut children: Vec<Vec<usize>> = vec![Vec::new(); robot.links.len()];
     for (k, joint) in robot.joints.iter().enumerate() {
-        let at = |kind| RobotError {
-            place: joint.place.clone(),
-            kind,
-        };
-        if let Some(first) = joint_names.insert(&joint.name, &joint.place) {
-            let first_line = first.line.unwrap_or(0);
+        children[index[joint.parent.as_str()]].push(k);
+    }
+    let mut walk = Walk {
+        robot,
+        index: &index,
+        children: &children,
+        joints: Vec::new(),
+        frames: Vec::new(),
+        visited: vec![false; robot.links.len()],
+    };
+    walk.visit(root, None, Isometry3::identity());
+    let (joints, frames, visited) = (walk.joints, walk.frames, walk.visited);
+    if let Some(stray) = visited.iter().position(|seen| !seen) {
+        let links = circle(robot, &index, &parent_joint, stray);
+        return Err(fail(RobotErrorKind::Cycle { links }));
+    }
+    if joints.is_empty() {
+        return Err(fail(RobotErrorKind::NoMovingJoint));
+    }
+    let base = robot.links[root].name.clone();
+    Ok(Tree::new(robot.name.clone(), base, joints).with_frames(frames))
+}
+
+/// The joint that carries each link; `None` for a link without parent.
+fn parent_joints(
+    robot: &RawRobot<'_>,
+    index: &HashMap<&str, usize>,
+    locate: &impl Fn(usize) -> Place,
+) -> Result<Vec<Option<usize>>, RobotError> {
+    let mut joint_names: HashMap<&str, usize> = HashMap::new();
+    let mut parent_joint: Vec<Option<usize>> = vec![None; robot.links.len()];
+    for (k, joint) in robot.joints.iter().enumerate() {
+        let at = |kind| RobotError::new(locate(joint.at).key(&joint.name), kind);
+        if let Some(first) = joint_names.insert(&joint.name, joint.at) {
+            let first_line = locate(first).line;
             return Err(at(RobotErrorKind::DuplicateJoint { first_line }));
         }
         let find = |name: &str| {
@@ -78,53 +121,39 @@ pub(crate) fn assemble(robot: RawRobot, path: &Path) -> Result<Tree, RobotError>
                 })
             })
         };
-        let (parent, child) = (find(&joint.parent)?, find(&joint.child)?);
+        find(&joint.parent)?;
+        let child = find(&joint.child)?;
         if let Some(other) = parent_joint[child].replace(k) {
             return Err(at(RobotErrorKind::TwoParents {
                 link: joint.child.clone(),
                 other: robot.joints[other].name.clone(),
             }));
         }
-        children[parent].push(k);
     }
-    let root = single_root(&robot, &parent_joint).map_err(fail)?;
-    let mut walk = Walk {
-        robot: &robot,
-        index: &index,
-        children: &children,
-        joints: Vec::new(),
-        frames: Vec::new(),
-        visited: vec![false; robot.links.len()],
-    };
-    walk.visit(root, None, Isometry3::identity());
-    let (joints, frames, visited) = (walk.joints, walk.frames, walk.visited);
-    if let Some(stray) = visited.iter().position(|seen| !seen) {
-        let links = circle(&robot, &index, &parent_joint, stray);
-        return Err(fail(RobotErrorKind::Cycle { links }));
-    }
-    if joints.is_empty() {
-        return Err(fail(RobotErrorKind::NoMovingJoint));
-    }
-    let base = robot.links[root].name.clone();
-    Ok(Tree::new(robot.name.clone(), base, joints).with_frames(frames))
+    Ok(parent_joint)
 }
 
-fn link_index(links: &[RawLink]) -> Result<HashMap<&str, usize>, RobotError> {
+fn link_index<'a>(
+    links: &'a [RawLink],
+    locate: &impl Fn(usize) -> Place,
+) -> Result<HashMap<&'a str, usize>, RobotError> {
     let mut index: HashMap<&str, usize> = HashMap::new();
     for (k, link) in links.iter().enumerate() {
         if let Some(first) = index.insert(&link.name, k) {
-            return Err(RobotError {
-                place: link.place.clone(),
-                kind: RobotErrorKind::DuplicateLink {
-                    first_line: links[first].place.line.unwrap_or(0),
-                },
-            });
+            let first_line = locate(links[first].at).line;
+            return Err(RobotError::new(
+                locate(link.at).key(&link.name),
+                RobotErrorKind::DuplicateLink { first_line },
+            ));
         }
     }
     Ok(index)
 }
 
-fn single_root(robot: &RawRobot, parent_joint: &[Option<usize>]) -> Result<usize, RobotErrorKind> {
+fn single_root(
+    robot: &RawRobot<'_>,
+    parent_joint: &[Option<usize>],
+) -> Result<usize, RobotErrorKind> {
     let names = |k: usize| robot.links[k].name.clone();
     let roots: Vec<usize> = (0..robot.links.len())
         .filter(|&k| parent_joint[k].is_none())
@@ -142,7 +171,7 @@ fn single_root(robot: &RawRobot, parent_joint: &[Option<usize>]) -> Result<usize
 
 /// The links of the circle that a link without way to the base hangs on.
 fn circle(
-    robot: &RawRobot,
+    robot: &RawRobot<'_>,
     index: &HashMap<&str, usize>,
     parent_joint: &[Option<usize>],
     start: usize,
@@ -164,7 +193,7 @@ fn circle(
 }
 
 struct Walk<'a> {
-    robot: &'a RawRobot,
+    robot: &'a RawRobot<'a>,
     index: &'a HashMap<&'a str, usize>,
     children: &'a [Vec<usize>],
     joints: Vec<Joint>,

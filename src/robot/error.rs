@@ -7,8 +7,22 @@ use std::fmt;
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobotError {
     pub place: Place,
-    pub kind: RobotErrorKind,
+    // Boxed, so that every result of the readers stays small.
+    pub kind: Box<RobotErrorKind>,
 }
+
+impl RobotError {
+    pub fn new(place: Place, kind: RobotErrorKind) -> Self {
+        Self {
+            place,
+            kind: Box::new(kind),
+        }
+    }
+}
+
+/// Largest magnitude of a length (m), angle (rad), mass (kg) or moment of inertia (kg·m²): far beyond
+/// any robot, and products of several such numbers stay finite.
+pub(crate) const LARGEST_NUMBER: f64 = 1e20;
 
 /// Kinds of faults of a robot description.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,6 +58,10 @@ pub enum RobotErrorKind {
     NotFinite {
         found: String,
     },
+    TooLargeNumber {
+        found: String,
+        limit: f64,
+    },
     WrongCount {
         found: usize,
         expected: usize,
@@ -59,10 +77,10 @@ pub enum RobotErrorKind {
         of: String,
     },
     DuplicateJoint {
-        first_line: usize,
+        first_line: Option<usize>,
     },
     DuplicateLink {
-        first_line: usize,
+        first_line: Option<usize>,
     },
     DuplicateInertial,
     UnknownLink {
@@ -81,6 +99,10 @@ pub enum RobotErrorKind {
     },
     NoLinks,
     NoMovingJoint,
+    TooManyJoints {
+        found: usize,
+        limit: usize,
+    },
     ZeroAxis,
     NegativeMass {
         found: f64,
@@ -100,7 +122,7 @@ impl Fault for RobotError {
     }
 
     fn describe(&self) -> Description {
-        match &self.kind {
+        match &*self.kind {
             kind @ (RobotErrorKind::NotFound
             | RobotErrorKind::IsDirectory
             | RobotErrorKind::NotReadable { .. }
@@ -114,11 +136,12 @@ impl Fault for RobotError {
             | RobotErrorKind::MissingElement { .. }
             | RobotErrorKind::NotNumber { .. }
             | RobotErrorKind::NotFinite { .. }
+            | RobotErrorKind::TooLargeNumber { .. }
             | RobotErrorKind::WrongCount { .. }
             | RobotErrorKind::ZeroAxis
             | RobotErrorKind::NegativeMass { .. }
             | RobotErrorKind::LimitsReversed { .. }) => of_value(kind),
-            kind => of_structure(kind),
+            kind => of_joint(kind),
         }
     }
 }
@@ -127,6 +150,13 @@ fn suggestion(nearest: &Option<String>, otherwise: &str) -> String {
     match nearest {
         Some(name) => format!("did you mean `{name}`?"),
         None => otherwise.to_string(),
+    }
+}
+
+fn already(element: &str, first_line: &Option<usize>) -> String {
+    match first_line {
+        Some(line) => format!("a {element} of this name stands at line {line} already"),
+        None => format!("there is a {element} of this name already"),
     }
 }
 
@@ -150,7 +180,7 @@ fn of_file(kind: &RobotErrorKind) -> Description {
         ),
         K::TooLarge { bytes, limit } => Description::new(
             "robot-file-too-large",
-            format!("the robot file has {bytes} bytes, more than {limit}"),
+            format!("the robot file has {bytes} bytes or more, above the limit of {limit}"),
             "check that this is a robot description and not a recording or mesh",
         ),
         K::NotText => Description::new(
@@ -178,7 +208,7 @@ fn of_file(kind: &RobotErrorKind) -> Description {
             format!("the root element is <{root}>, not <robot>"),
             "give a URDF file; SDF and MJCF are other formats",
         ),
-        other => of_structure(other),
+        other => of_joint(other),
     }
 }
 
@@ -205,6 +235,11 @@ fn of_value(kind: &RobotErrorKind) -> Description {
             format!("`{found}` is not a finite number"),
             "write a finite number",
         ),
+        K::TooLargeNumber { found, limit } => Description::new(
+            "robot-number-too-large",
+            format!("the magnitude of `{found}` is above {limit:e}"),
+            "write lengths in m, masses in kg and angles in rad",
+        ),
         K::WrongCount { found, expected } => Description::new(
             "robot-wrong-count",
             format!("{found} numbers where {expected} are needed"),
@@ -225,11 +260,11 @@ fn of_value(kind: &RobotErrorKind) -> Description {
             format!("the lower limit {lower} is above the upper limit {upper}"),
             "exchange them",
         ),
-        other => of_structure(other),
+        other => of_joint(other),
     }
 }
 
-fn of_structure(kind: &RobotErrorKind) -> Description {
+fn of_joint(kind: &RobotErrorKind) -> Description {
     use RobotErrorKind as K;
     match kind {
         K::UnknownJointType { found, nearest } => Description::new(
@@ -247,14 +282,21 @@ fn of_structure(kind: &RobotErrorKind) -> Description {
             format!("the joint mimics `{of}`; a mimicking joint has no motor of its own"),
             "make it fixed, or leave it out with what hangs on it",
         ),
+        other => of_structure(other),
+    }
+}
+
+fn of_structure(kind: &RobotErrorKind) -> Description {
+    use RobotErrorKind as K;
+    match kind {
         K::DuplicateJoint { first_line } => Description::new(
             "robot-duplicate-joint",
-            format!("a joint of this name stands at line {first_line} already"),
+            already("joint", first_line),
             "give every joint its own name",
         ),
         K::DuplicateLink { first_line } => Description::new(
             "robot-duplicate-link",
-            format!("a link of this name stands at line {first_line} already"),
+            already("link", first_line),
             "give every link its own name",
         ),
         K::DuplicateInertial => Description::new(
@@ -284,6 +326,11 @@ fn of_structure(kind: &RobotErrorKind) -> Description {
             "urdf-several-roots",
             format!("the links {} all have no parent", roots.join(", ")),
             "connect them to one base link by fixed joints",
+        ),
+        K::TooManyJoints { found, limit } => Description::new(
+            "robot-too-many-joints",
+            format!("the robot has {found} moving joints, more than {limit}"),
+            "make the joints fixed that are not to be identified",
         ),
         K::NoLinks => Description::new(
             "urdf-no-links",

@@ -151,12 +151,8 @@ mod tests {
         assert!((back.tensor - body().tensor).norm() < 1e-14);
         assert!((back.centre - body().centre).norm() < 1e-15);
         let again = Inertia::from_pseudo_inertia(&origin.pseudo_inertia());
-        for k in 0..PER_LINK {
-            assert!(
-                (again.0[k] - origin.0[k]).abs() < 1e-14,
-                "{}",
-                QUANTITIES[k]
-            );
+        for (k, quantity) in QUANTITIES.iter().enumerate() {
+            assert!((again.0[k] - origin.0[k]).abs() < 1e-14, "{quantity}");
         }
     }
 

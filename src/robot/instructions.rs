@@ -38,13 +38,13 @@ impl InstructionSet {
 }
 
 /// A computation that is written once for any lanes. `run` must be `#[inline(always)]`.
-pub trait Kernel {
+pub(crate) trait Kernel {
     type Output;
     fn run<L: Lanes>(self) -> Self::Output;
 }
 
 /// Runs a kernel with the lanes of `set`, or of the widest set below it that the processor has.
-pub fn run<K: Kernel>(kernel: K, set: InstructionSet) -> K::Output {
+pub(crate) fn run<K: Kernel>(kernel: K, set: InstructionSet) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     match set.min(InstructionSet::detect()) {
         // SAFETY: at most the set that was detected.

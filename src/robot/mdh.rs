@@ -17,8 +17,8 @@
 //! ```
 
 use crate::fault::Place;
-use crate::robot::assemble::nearest;
-use crate::robot::error::{RobotError, RobotErrorKind};
+use crate::robot::assemble::{MOST_JOINTS, nearest};
+use crate::robot::error::{LARGEST_NUMBER, RobotError, RobotErrorKind};
 use crate::robot::file;
 use crate::robot::inertia::{CentralInertia, Inertia};
 use crate::robot::tree::{Joint, JointKind, Limits, Tree};
@@ -80,19 +80,23 @@ pub fn read(path: &Path) -> Result<Tree, RobotError> {
 /// Reads the text of a table; `path` is named in errors.
 pub fn parse(text: &str, path: &Path) -> Result<Tree, RobotError> {
     let table: Table = toml::from_str(text).map_err(|e| unreadable(&e, text, path))?;
+    let fail = |kind| RobotError::new(Place::file(path), kind);
+    if table.joint.is_empty() {
+        return Err(fail(RobotErrorKind::NoMovingJoint));
+    }
+    if table.joint.len() > MOST_JOINTS {
+        return Err(fail(RobotErrorKind::TooManyJoints {
+            found: table.joint.len(),
+            limit: MOST_JOINTS,
+        }));
+    }
     let mut joints: Vec<Joint> = Vec::with_capacity(table.joint.len());
     for (k, row) in table.joint.iter().enumerate() {
-        let joint = row.joint(k, &joints).map_err(|kind| RobotError {
-            place: Place::file(path).key(format!("joint {}", row.name)),
-            kind,
-        })?;
+        let place = || Place::file(path).key(format!("joint {}", row.name));
+        let joint = row
+            .joint(k, &joints)
+            .map_err(|kind| RobotError::new(place(), kind))?;
         joints.push(joint);
-    }
-    if joints.is_empty() {
-        return Err(RobotError {
-            place: Place::file(path),
-            kind: RobotErrorKind::NoMovingJoint,
-        });
     }
     Ok(Tree::new(
         table.name.unwrap_or_else(|| "robot".to_string()),
@@ -108,41 +112,31 @@ fn unreadable(e: &toml::de::Error, text: &str, path: &Path) -> RobotError {
         let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
         place = place.line(before.matches('\n').count() + 1).column(column);
     }
-    RobotError {
-        place,
-        kind: RobotErrorKind::NotMdh {
-            reason: e.message().to_string(),
-        },
-    }
+    let reason = e.message().to_string();
+    RobotError::new(place, RobotErrorKind::NotMdh { reason })
 }
 
 impl Row {
     fn joint(&self, k: usize, before: &[Joint]) -> Result<Joint, RobotErrorKind> {
+        let first_line = None;
         if before.iter().any(|j| j.name == self.name) {
-            return Err(RobotErrorKind::DuplicateJoint { first_line: 0 });
+            return Err(RobotErrorKind::DuplicateJoint { first_line });
         }
-        let numbers = [self.alpha, self.a, self.d, self.theta, self.mass];
-        let all = numbers.iter().chain(&self.com).chain(&self.inertia);
-        if let Some(bad) = all.into_iter().find(|x| !x.is_finite()) {
-            return Err(RobotErrorKind::NotFinite {
-                found: bad.to_string(),
-            });
+        let link = match &self.link {
+            Some(name) => name.clone(),
+            None => format!("link{}", k + 1),
+        };
+        if link == BASE || before.iter().any(|j| j.link == link) {
+            return Err(RobotErrorKind::DuplicateLink { first_line });
         }
-        if self.mass < 0.0 {
-            return Err(RobotErrorKind::NegativeMass { found: self.mass });
-        }
-        if let (Some(lower), Some(upper)) = (self.lower, self.upper)
-            && lower > upper
-        {
-            return Err(RobotErrorKind::LimitsReversed { lower, upper });
-        }
+        self.check_numbers()?;
         let tilt = Rotation3::from_axis_angle(&Vector3::x_axis(), self.alpha);
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), self.theta);
         let rotation = tilt * turn;
         let [xx, xy, xz, yy, yz, zz] = self.inertia;
         Ok(Joint {
             name: self.name.clone(),
-            link: self.link.clone().unwrap_or(format!("link{}", k + 1)),
+            link,
             parent: self.parent_index(before)?,
             kind: match self.kind.unwrap_or(Kind::Revolute) {
                 Kind::Revolute => JointKind::Revolute,
@@ -163,6 +157,33 @@ impl Row {
                 tensor: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
             }),
         })
+    }
+
+    fn check_numbers(&self) -> Result<(), RobotErrorKind> {
+        let geometry = [self.alpha, self.a, self.d, self.theta, self.mass];
+        let limits = [self.lower, self.upper, self.velocity, self.effort];
+        let bounded = geometry.into_iter().chain(self.com).chain(self.inertia);
+        let mut all = bounded.clone().chain(limits.into_iter().flatten());
+        if let Some(bad) = all.find(|x| !x.is_finite()) {
+            return Err(RobotErrorKind::NotFinite {
+                found: bad.to_string(),
+            });
+        }
+        if let Some(bad) = bounded.into_iter().find(|x| x.abs() > LARGEST_NUMBER) {
+            return Err(RobotErrorKind::TooLargeNumber {
+                found: bad.to_string(),
+                limit: LARGEST_NUMBER,
+            });
+        }
+        if self.mass < 0.0 {
+            return Err(RobotErrorKind::NegativeMass { found: self.mass });
+        }
+        match (self.lower, self.upper) {
+            (Some(lower), Some(upper)) if lower > upper => {
+                Err(RobotErrorKind::LimitsReversed { lower, upper })
+            }
+            _ => Ok(()),
+        }
     }
 
     fn parent_index(&self, before: &[Joint]) -> Result<Option<usize>, RobotErrorKind> {

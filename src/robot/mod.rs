@@ -8,7 +8,8 @@ mod file;
 pub mod forward_dynamics;
 pub mod inertia;
 pub mod instructions;
-pub mod lanes;
+// Visible to the library alone: the lanes of an instruction set are sound only where it was detected.
+pub(crate) mod lanes;
 pub mod mdh;
 mod motion;
 pub mod newton_euler;

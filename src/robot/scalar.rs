@@ -1,5 +1,5 @@
 //! Numbers that the recursions run on: one sample (`f64`) or eight samples at once
-//! ([`crate::robot::lanes`]).
+//! (`lanes`).
 
 use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 

@@ -110,6 +110,8 @@ impl Tree {
     /// When a joint's parent does not come before it; readers of robot files make sure of that.
     pub fn new(name: impl Into<String>, base: impl Into<String>, mut joints: Vec<Joint>) -> Self {
         for joint in &mut joints {
+            // First by the largest entry: squares of very small ones are zero.
+            joint.axis /= joint.axis.amax();
             joint.axis.normalize_mut();
         }
         let links = pack(&joints);

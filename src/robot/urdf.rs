@@ -4,7 +4,7 @@
 
 use crate::fault::Place;
 use crate::robot::assemble::{RawJoint, RawLink, RawRobot, assemble};
-use crate::robot::error::{RobotError, RobotErrorKind};
+use crate::robot::error::{LARGEST_NUMBER, RobotError, RobotErrorKind};
 use crate::robot::file;
 use crate::robot::inertia::{CentralInertia, Inertia};
 use crate::robot::tree::{JointKind, Limits, Tree};
@@ -21,14 +21,11 @@ pub fn read(path: &Path) -> Result<Tree, RobotError> {
 pub fn parse(text: &str, path: &Path) -> Result<Tree, RobotError> {
     let document = Document::parse(text).map_err(|e| {
         let at = e.pos();
-        RobotError {
-            place: Place::file(path)
-                .line(at.row as usize)
-                .column(at.col as usize),
-            kind: RobotErrorKind::NotXml {
-                reason: e.to_string(),
-            },
-        }
+        let place = Place::file(path)
+            .line(at.row as usize)
+            .column(at.col as usize);
+        let reason = e.to_string();
+        RobotError::new(place, RobotErrorKind::NotXml { reason })
     })?;
     let reader = Reader { path };
     let root = document.root_element();
@@ -42,6 +39,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Tree, RobotError> {
     }
     let elements = |name: &'static str| root.children().filter(move |node| node.has_tag_name(name));
     let robot = RawRobot {
+        path,
         name: root.attribute("name").unwrap_or("robot").to_string(),
         links: elements("link")
             .map(|node| reader.link(node))
@@ -50,7 +48,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Tree, RobotError> {
             .map(|node| reader.joint(node))
             .collect::<Result<_, _>>()?,
     };
-    assemble(robot, path)
+    assemble(&robot, |at| reader.locate(&document, at))
 }
 
 struct Reader<'a> {
@@ -58,11 +56,15 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn place(&self, node: Node<'_, '_>) -> Place {
-        let at = node.document().text_pos_at(node.range().start);
-        let place = Place::file(self.path)
+    fn locate(&self, document: &Document<'_>, offset: usize) -> Place {
+        let at = document.text_pos_at(offset);
+        Place::file(self.path)
             .line(at.row as usize)
-            .column(at.col as usize);
+            .column(at.col as usize)
+    }
+
+    fn place(&self, node: Node<'_, '_>) -> Place {
+        let place = self.locate(node.document(), node.range().start);
         let mut named = node.ancestors().filter(|n| n.is_element());
         match named.find_map(|n| n.attribute("name").filter(|_| !n.has_tag_name("robot"))) {
             Some(name) => place.key(name),
@@ -71,10 +73,7 @@ impl Reader<'_> {
     }
 
     fn fault(&self, node: Node<'_, '_>, kind: RobotErrorKind) -> RobotError {
-        RobotError {
-            place: self.place(node),
-            kind,
-        }
+        RobotError::new(self.place(node), kind)
     }
 
     fn attribute<'a>(
@@ -130,6 +129,16 @@ impl Reader<'_> {
         }
     }
 
+    fn bounded(&self, node: Node<'_, '_>, text: &str) -> Result<f64, RobotError> {
+        let value = self.number(node, text)?;
+        if value.abs() <= LARGEST_NUMBER {
+            return Ok(value);
+        }
+        let found = text.to_string();
+        let limit = LARGEST_NUMBER;
+        Err(self.fault(node, RobotErrorKind::TooLargeNumber { found, limit }))
+    }
+
     fn optional(
         &self,
         node: Option<Node<'_, '_>>,
@@ -142,7 +151,7 @@ impl Reader<'_> {
     fn triple(&self, node: Node<'_, '_>, text: &str) -> Result<Vector3<f64>, RobotError> {
         let values = text
             .split_whitespace()
-            .map(|word| self.number(node, word))
+            .map(|word| self.bounded(node, word))
             .collect::<Result<Vec<f64>, _>>()?;
         match values[..] {
             [x, y, z] => Ok(Vector3::new(x, y, z)),
@@ -184,21 +193,21 @@ impl Reader<'_> {
         }
         Ok(RawLink {
             name,
-            place: self.place(node),
+            at: node.range().start,
             inertia,
         })
     }
 
     fn inertial(&self, node: Node<'_, '_>) -> Result<Inertia, RobotError> {
         let mass_node = self.child(node, "mass")?;
-        let mass = self.number(mass_node, self.attribute(mass_node, "value")?)?;
+        let mass = self.bounded(mass_node, self.attribute(mass_node, "value")?)?;
         if mass < 0.0 {
             return Err(self.fault(mass_node, RobotErrorKind::NegativeMass { found: mass }));
         }
         let tensor_node = self.child(node, "inertia")?;
         let entry = |name| {
             self.attribute(tensor_node, name)
-                .and_then(|text| self.number(tensor_node, text))
+                .and_then(|text| self.bounded(tensor_node, text))
         };
         let (xx, xy, xz) = (entry("ixx")?, entry("ixy")?, entry("ixz")?);
         let (yy, yz, zz) = (entry("iyy")?, entry("iyz")?, entry("izz")?);
@@ -234,13 +243,13 @@ impl Reader<'_> {
             Some(axis) => self.triple(axis, self.attribute(axis, "xyz")?)?,
             None => Vector3::x(),
         };
-        if kind.is_some() && axis.norm() == 0.0 {
+        if kind.is_some() && axis.amax() == 0.0 {
             return Err(self.fault(node, RobotErrorKind::ZeroAxis));
         }
         let (parent, child) = (self.child(node, "parent")?, self.child(node, "child")?);
         Ok(RawJoint {
             name: self.attribute(node, "name")?.to_string(),
-            place: self.place(node),
+            at: node.range().start,
             kind,
             parent: self.attribute(parent, "link")?.to_string(),
             child: self.attribute(child, "link")?.to_string(),

@@ -79,6 +79,14 @@ const FAULTS: &[(&str, &str, &str, &str)] = &[
 ];
 
 #[test]
+fn a_key_as_long_as_a_command_line_is_refused_at_once() {
+    let text = format!("{}a=1", "a.".repeat(60_000));
+    let error = parse(ROBOT, &[&text]).unwrap_err();
+    assert_eq!(error.describe().code, "override-too-deep");
+    assert!(error.to_string().len() < 200, "{error}");
+}
+
+#[test]
 fn faults_of_overrides_name_the_override() {
     for (text, code, key, says) in FAULTS {
         let error = parse(FULL, &[text]).expect_err(text);
