@@ -252,7 +252,8 @@ mod tests {
 
     #[test]
     fn finds_a_wrong_entry_of_each_kind() {
-        let spoil: [(&str, fn(&mut Linearization)); 4] = [
+        type Spoil = fn(&mut Linearization);
+        let spoil: [(&str, Spoil); 4] = [
             ("cost", |m| m.gradient[1] *= 1.001),
             ("matrix[2]", |m| m.jacobian[(2, 1)] += 1e-3),
             ("square root", |m| {

@@ -92,10 +92,8 @@ impl Variable {
     fn validate(&self) -> Result<(), ProblemError> {
         let fault = |kind| Err(ProblemError::at(&self.name, kind));
         // A comparison with NaN is false, so NaN bounds fail here as well.
-        if !(self.lower <= self.upper)
-            || self.lower == f64::INFINITY
-            || self.upper == f64::NEG_INFINITY
-        {
+        let ordered = self.lower <= self.upper;
+        if !ordered || self.lower == f64::INFINITY || self.upper == f64::NEG_INFINITY {
             return fault(ProblemErrorKind::BoundsCross {
                 lower: self.lower,
                 upper: self.upper,

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::fault::{Description, Fault, Place, write_fault};
+use crate::problem::OutsideDomain;
 use crate::problem::error::ProblemError;
 
 /// The `file` of a fault that lies in what a solver was given in memory.
@@ -58,6 +59,15 @@ impl From<ProblemError> for SolveError {
             place: error.place.clone(),
             kind: SolveErrorKind::Problem(Box::new(error)),
         }
+    }
+}
+
+impl From<OutsideDomain> for SolveError {
+    /// Of the starting point: at a trial step the error is not a fault.
+    fn from(error: OutsideDomain) -> Self {
+        Self::whole(SolveErrorKind::StartOutsideDomain {
+            reason: error.reason,
+        })
     }
 }
 

@@ -5,12 +5,12 @@
 
 use nalgebra::DVector;
 
-use crate::linalg::triangular::{IndependentColumns, Triangular};
-use crate::problem::bounds;
+use crate::linalg::triangular::{IndependentColumns, System, Triangular};
 use crate::problem::error::{ProblemError, ProblemErrorKind};
 use crate::problem::form::{Form, Structure};
 use crate::problem::solution::{Solution, Stop, Trace};
 use crate::problem::view::LeastSquares;
+use crate::problem::{SquareRoot, bounds};
 use crate::solve::admissible_start;
 use crate::solve::bounded::{self, Bounds};
 use crate::solve::error::{SolveError, SolveErrorKind};
@@ -31,6 +31,20 @@ impl Default for Settings {
     }
 }
 
+impl Settings {
+    fn validate(&self) -> Result<(), SolveError> {
+        let value = self.rank_tolerance;
+        if (0.0..1.0).contains(&value) {
+            return Ok(());
+        }
+        let range = "0 <= value < 1";
+        Err(SolveError::at(
+            "rank_tolerance",
+            SolveErrorKind::Setting { value, range },
+        ))
+    }
+}
+
 /// The solution, and what it rests on.
 #[derive(Debug, Clone)]
 pub struct LinearSolution {
@@ -47,14 +61,7 @@ pub fn solve(
     start: &DVector<f64>,
     settings: &Settings,
 ) -> Result<LinearSolution, SolveError> {
-    let value = settings.rank_tolerance;
-    if !(0.0..1.0).contains(&value) {
-        let range = "0 <= value < 1";
-        return Err(SolveError::at(
-            "rank_tolerance",
-            SolveErrorKind::Setting { value, range },
-        ));
-    }
+    settings.validate()?;
     let problem = view.problem();
     let form = problem.form();
     if form.structure != Structure::Affine {
@@ -62,33 +69,18 @@ pub fn solve(
         return Err(ProblemError::whole(ProblemErrorKind::NotAffine { view }).into());
     }
     let start = admissible_start(form, start)?;
-    let outside = |e: crate::problem::OutsideDomain| {
-        SolveError::whole(SolveErrorKind::StartOutsideDomain { reason: e.reason })
-    };
-    let model = problem.linearize(&start).map_err(outside)?;
-    let not_finite = || SolveError::whole(SolveErrorKind::ModelNotFinite);
-    let root = model.square_root.ok_or_else(not_finite)?;
-    if !root
-        .matrix
-        .iter()
-        .chain(root.residual.iter())
-        .all(|v| v.is_finite())
-    {
-        return Err(not_finite());
-    }
-    let columns = Triangular::of(&root.matrix).independent_columns(settings.rank_tolerance);
-    let kept = root.matrix.select_columns(&columns.kept);
-    let system = Triangular::of_system(&kept, &(-&root.residual))
-        .system()
-        .ok_or_else(not_finite)?;
+    let root = problem.linearize(&start)?.square_root;
+    let (columns, system) = root
+        .and_then(|root| reduce(&root, settings.rank_tolerance))
+        .ok_or_else(|| SolveError::whole(SolveErrorKind::ModelNotFinite))?;
     let limits = step_bounds(form, &start, &columns.kept);
     let step = bounded::minimize(&system.matrix, &system.right, &limits);
-    let mut x = start.clone();
+    let mut x = start;
     for (j, value) in columns.kept.iter().zip(step.iter()) {
         x[*j] += value;
     }
     let x = bounds::project(form, &x);
-    let cost = problem.values(&x).map_err(outside)?.cost;
+    let cost = problem.values(&x)?.cost;
     Ok(LinearSolution {
         solution: Solution {
             active_bounds: bounds::active(form, &x),
@@ -102,6 +94,19 @@ pub fn solve(
         factor: Triangular::of(&system.matrix),
         columns,
     })
+}
+
+/// The independent columns and the least squares problem in them; `None` where a number is not finite.
+fn reduce(root: &SquareRoot, tolerance: f64) -> Option<(IndependentColumns, System)> {
+    let mut numbers = root.matrix.iter().chain(root.residual.iter());
+    if !numbers.all(|v| v.is_finite()) {
+        return None;
+    }
+    let whole = Triangular::of_system(&root.matrix, &(-&root.residual)).system()?;
+    let columns = Triangular::of(&whole.matrix).independent_columns(tolerance);
+    let kept = whole.matrix.select_columns(&columns.kept);
+    let system = Triangular::of_system(&kept, &whole.right).system()?;
+    Some((columns, system))
 }
 
 /// The bounds as limits of the step of some variables.

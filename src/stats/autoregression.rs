@@ -70,7 +70,7 @@ impl Autoregression {
     /// `None` if they are not those of a stationary series with r_0 > 0.
     pub fn from_autocovariance(covariance: &[f64]) -> Option<Self> {
         let (first, rest) = covariance.split_first()?;
-        if !(*first > 0.0) {
+        if *first <= 0.0 || !first.is_finite() {
             return None;
         }
         let mut model = Self::white(*first);
@@ -79,7 +79,7 @@ impl Autoregression {
                 .map(|k| model.coefficients[k] * rest[m - 1 - k])
                 .sum();
             let reflection = (next - predicted) / model.innovation_variance;
-            if !(reflection.abs() < 1.0) {
+            if reflection.abs() >= 1.0 || reflection.is_nan() {
                 return None;
             }
             model.step_up(reflection);

@@ -21,7 +21,7 @@ pub fn ljung_box(series: &[f64], lags: usize, fitted: usize) -> Option<LjungBox>
         return None;
     }
     let power: f64 = series.iter().map(|v| v * v).sum();
-    if !(power > 0.0) {
+    if power <= 0.0 || !power.is_finite() {
         return None;
     }
     let n = count as f64;

@@ -18,8 +18,7 @@ pub(super) fn cholesky<T: RealField + Copy>(mut a: DMatrix<T>) -> Result<DMatrix
         for k in 0..j {
             pivot -= a[(j, k)] * a[(j, k)];
         }
-        // A pivot that is not a number fails as well.
-        if !(pivot > T::zero()) {
+        if !pivot.is_finite() || pivot <= T::zero() {
             return Err(j + 1);
         }
         let diagonal = pivot.sqrt();
@@ -104,7 +103,8 @@ fn rotate_all<T: RealField + Copy>(u: &mut DMatrix<T>, v: &mut DMatrix<T>) -> bo
         for q in p + 1..n {
             let (pp, qq) = (u.column(p).norm_squared(), u.column(q).norm_squared());
             let pq = u.column(p).dot(&u.column(q));
-            if !(pq.abs() > T::default_epsilon() * pp.sqrt() * qq.sqrt()) {
+            let coupled = pq.abs() > T::default_epsilon() * pp.sqrt() * qq.sqrt();
+            if !coupled {
                 continue;
             }
             rotated = true;

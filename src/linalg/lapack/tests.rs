@@ -278,8 +278,12 @@ fn invariant_products_of_every_shape_and_flag() {
     }
 }
 
+fn in_triangle(uplo: u8, i: usize, j: usize) -> bool {
+    if uplo == b'U' { i <= j } else { i >= j }
+}
+
 #[test]
-fn invariant_symmetric_products_touch_one_triangle() {
+fn invariant_rank_updates_touch_one_triangle() {
     let (n, k, alpha, beta) = (4, 3, 0.7, 2.0);
     for (uplo, trans) in [(b'U', b'N'), (b'L', b'N'), (b'U', b'T'), (b'L', b'T')] {
         let (a, b, c) = (
@@ -296,67 +300,65 @@ fn invariant_symmetric_products_touch_one_triangle() {
         };
         let ((sa, lda), (sb, ldb), (mut one, ldc)) = (stored(&a), stored(&b), padded(&c));
         let mut two = one.clone();
-        let x = dense_matrix(n, 1, 6);
-        let mut y = dense_matrix(n, 1, 7);
-        let (sc, _) = padded(&c);
-        let (order, depth) = (n as i32, k as i32);
+        let (pa, pb, order, depth) = (sa.as_ptr(), sb.as_ptr(), n as i32, k as i32);
+        let (u, t) = (&flag(uplo), &flag(trans));
+        let (p1, p2) = (one.as_mut_ptr(), two.as_mut_ptr());
         // SAFETY: the sizes are those of the arrays.
         unsafe {
-            let (uplo, trans) = (&flag(uplo), &flag(trans));
-            fortran::dsyrk_(
-                uplo,
-                trans,
-                &order,
-                &depth,
-                &alpha,
-                sa.as_ptr(),
-                &lda,
-                &beta,
-                one.as_mut_ptr(),
-                &ldc,
-            );
+            fortran::dsyrk_(u, t, &order, &depth, &alpha, pa, &lda, &beta, p1, &ldc);
             fortran::dsyr2k_(
-                uplo,
-                trans,
-                &order,
-                &depth,
-                &alpha,
-                sa.as_ptr(),
-                &lda,
-                sb.as_ptr(),
-                &ldb,
-                &beta,
-                two.as_mut_ptr(),
-                &ldc,
+                u, t, &order, &depth, &alpha, pa, &lda, pb, &ldb, &beta, p2, &ldc,
             );
+        }
+        let first = alpha * &a * a.transpose() + beta * &c;
+        let second = alpha * (&a * b.transpose() + &b * a.transpose()) + beta * &c;
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            let source = |m: &DMatrix<f64>| {
+                if in_triangle(uplo, i, j) {
+                    m[(i, j)]
+                } else {
+                    c[(i, j)]
+                }
+            };
+            assert!((one[(i, j)] - source(&first)).abs() <= rounding(n));
+            assert!((two[(i, j)] - source(&second)).abs() <= rounding(n));
+        }
+    }
+}
+
+#[test]
+fn invariant_a_symmetric_product_reads_one_triangle() {
+    let (n, alpha) = (4, 0.7);
+    for uplo in [b'U', b'L'] {
+        let (c, x, mut y) = (
+            dense_matrix(n, n, 3),
+            dense_matrix(n, 1, 6),
+            dense_matrix(n, 1, 7),
+        );
+        let (stored, ldc) = padded(&c);
+        let (pc, px, py) = (stored.as_ptr(), x.as_ptr(), y.as_mut_ptr());
+        // SAFETY: the sizes are those of the arrays.
+        unsafe {
             fortran::dsymv_(
-                uplo,
-                &order,
+                &flag(uplo),
+                &(n as i32),
                 &alpha,
-                sc.as_ptr(),
+                pc,
                 &ldc,
-                x.as_ptr(),
+                px,
                 &1,
                 &0.0,
-                y.as_mut_ptr(),
+                py,
                 &1,
-            );
-        }
-        let rank_one = alpha * &a * a.transpose() + beta * &c;
-        let rank_two = alpha * (&a * b.transpose() + &b * a.transpose()) + beta * &c;
-        let chosen = |i: usize, j: usize| if uplo == b'U' { i <= j } else { i >= j };
-        let symmetric = DMatrix::from_fn(
-            n,
-            n,
-            |i, j| if chosen(i, j) { c[(i, j)] } else { c[(j, i)] },
-        );
-        for i in 0..n {
-            for j in 0..n {
-                let expected = |m: &DMatrix<f64>| if chosen(i, j) { m[(i, j)] } else { c[(i, j)] };
-                assert!((one[(i, j)] - expected(&rank_one)).abs() <= rounding(n));
-                assert!((two[(i, j)] - expected(&rank_two)).abs() <= rounding(n));
+            )
+        };
+        let symmetric = DMatrix::from_fn(n, n, |i, j| {
+            if in_triangle(uplo, i, j) {
+                c[(i, j)]
+            } else {
+                c[(j, i)]
             }
-        }
+        });
         assert!((y - alpha * symmetric * x).amax() <= rounding(n));
     }
 }

@@ -68,17 +68,15 @@ impl Coordinates {
         let root = model.square_root.as_ref()?;
         let count = form.variables.len();
         let scales = DVector::from_iterator(count, form.variables.iter().map(|v| v.scale));
-        let matrix = &root.matrix * DMatrix::from_diagonal(&scales);
-        if !matrix
-            .iter()
-            .chain(root.residual.iter())
-            .all(|v| v.is_finite())
-        {
+        let mut numbers = root.matrix.iter().chain(root.residual.iter());
+        if !numbers.all(|v| v.is_finite()) {
             return None;
         }
+        let whole = Triangular::of_system(&root.matrix, &(-&root.residual)).system()?;
+        let matrix = &whole.matrix * DMatrix::from_diagonal(&scales);
         let columns = Triangular::of(&matrix).independent_columns(tolerance);
         let kept = matrix.select_columns(&columns.kept);
-        let system = Triangular::of_system(&kept, &(-&root.residual)).system()?;
+        let system = Triangular::of_system(&kept, &whole.right).system()?;
         let rank = columns.kept.len();
         let null = null_space(
             count,

@@ -11,16 +11,19 @@ use clarabel::solver::{
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use crate::linalg::{lapack, svec};
+use crate::problem::Linearization;
 use crate::problem::bounds;
 use crate::problem::form::{Form, Set};
 use crate::problem::solution::{Control, Solution, Stop, Trace};
 use crate::problem::view::ConeProgram;
-use crate::problem::{Linearization, OutsideDomain};
 use crate::solve::admissible_start;
 use crate::solve::conic::coordinates::Coordinates;
 use crate::solve::error::{SolveError, SolveErrorKind};
 
 mod coordinates;
+
+/// Iterations for the eigenvalues of a block; a few per row are usual, and only NaN needs more.
+const EIGEN_ITERATIONS: usize = 10_000;
 
 /// Accuracy and limits.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,7 +52,8 @@ impl Default for Settings {
 #[derive(Debug, Clone)]
 pub struct ConicSolution {
     pub solution: Solution,
-    /// Upper bound on cost - optimal cost, from the dual problem, in units of the cost.
+    /// |primal - dual cost|, which bounds cost - optimal cost, in units of the cost. Infinity or NaN where
+    /// the run found that there is no optimum.
     pub gap: f64,
     /// Smallest eigenvalue of a semidefinite constraint, smallest row of a nonnegative one, minus the size of
     /// an equality: negative by what the constraints are missed. Infinity without constraints.
@@ -91,7 +95,7 @@ pub fn solve(
     let problem = view.problem();
     let form = problem.form();
     let start = admissible_start(form, start)?;
-    let model = problem.linearize(&start).map_err(outside)?;
+    let model = problem.linearize(&start)?;
     let numbers = model.gradient.iter().chain(model.constraints.iter());
     if !numbers.chain(model.jacobian.iter()).all(|v| v.is_finite()) {
         return Err(SolveError::whole(SolveErrorKind::ModelNotFinite));
@@ -105,9 +109,13 @@ pub fn solve(
     } else {
         interior_point(&coordinates, &rows, settings, control)?
     };
-    let step = coordinates.step(&run.point);
+    let step = if run.is_a_point() {
+        coordinates.step(&run.point)
+    } else {
+        coordinates.origin.clone()
+    };
     let x = bounds::project(form, &(&start + step));
-    let values = problem.values(&x).map_err(outside)?;
+    let values = problem.values(&x)?;
     Ok(ConicSolution {
         gap: run.gap,
         margin: margin(form, &values.constraints),
@@ -120,12 +128,6 @@ pub fn solve(
             evaluations: 2,
             trace: Trace::default(),
         },
-    })
-}
-
-fn outside(error: OutsideDomain) -> SolveError {
-    SolveError::whole(SolveErrorKind::StartOutsideDomain {
-        reason: error.reason,
     })
 }
 
@@ -208,7 +210,10 @@ fn cone_rows(cone: &Cone<f64>) -> usize {
 fn least(cone: &Cone<f64>, rows: &[f64]) -> f64 {
     match cone {
         Cone::ZeroConeT(_) => -rows.iter().fold(0.0, |m: f64, r| m.max(r.abs())),
-        Cone::PSDTriangleConeT(_) => SymmetricEigen::new(svec::smat(rows)).eigenvalues.min(),
+        Cone::PSDTriangleConeT(_) => {
+            SymmetricEigen::try_new(svec::smat(rows), f64::EPSILON, EIGEN_ITERATIONS)
+                .map_or(f64::NEG_INFINITY, |eigen| eigen.eigenvalues.min())
+        }
         _ => rows.iter().fold(f64::INFINITY, |m, r| m.min(*r)),
     }
 }
@@ -243,6 +248,12 @@ impl Run {
             stop: Stop::Optimal,
             iterations: 0,
         }
+    }
+
+    /// Whether the end is a point, not a certificate that there is none.
+    fn is_a_point(&self) -> bool {
+        !matches!(self.stop, Stop::Infeasible | Stop::Unbounded)
+            && self.point.iter().all(|v| v.is_finite())
     }
 }
 

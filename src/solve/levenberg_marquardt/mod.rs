@@ -83,8 +83,7 @@ pub fn minimize(
 ) -> Result<Solution, SolveError> {
     settings.validate()?;
     let x = admissible_start(view.problem().form(), start)?;
-    let model = Model::at(view.problem(), &x)
-        .map_err(|e| SolveError::whole(SolveErrorKind::StartOutsideDomain { reason: e.reason }))?
+    let model = Model::at(view.problem(), &x)?
         .ok_or_else(|| SolveError::whole(SolveErrorKind::ModelNotFinite))?;
     let iteration = Iteration::new(settings, control, model);
     let mut executor = Executor::new(view, iteration)
