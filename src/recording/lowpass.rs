@@ -1,40 +1,20 @@
 //! Motion and signal of a recording without a period: a zero-phase low-pass of everything, then
 //! central differences of what was not measured.
-//!
-//! With d differentiations to the acceleration, white noise of variance σ² per sample has there the
-//! spectrum σ² g(f), g = (2 sin(π f h))^{2d}. The cut-off minimises the estimated squared error
-//! Σ_f (1 - G)² (S(f) - σ² g(f)) + G² σ² g(f), with S the spectrum of the d-th differences and G the
-//! gain of the filter: what the filter takes from the motion, and what it leaves of the noise.
 
-use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 use std::path::Path;
 
 use crate::fault::Place;
 use crate::recording::columns::Recording;
+use crate::recording::cutoff::choose_cutoff;
 use crate::recording::differences::{first, second};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::experiment::{Bandwidth, Chosen, Experiment, Motion, Raw, RowMap};
 use crate::recording::fill::{Ends, fill};
 use crate::recording::settings::Preparation;
-use crate::recording::spectrum::{coefficients, noise_power};
 use crate::recording::table::LEAST_ROWS;
 use crate::recording::timing::{Grid, Timing, resample, take_stamps};
-use crate::recording::zero_phase::{ZeroPhase, edge_s, gain};
-
-/// Candidates for the cut-off; over three decades each is 8 % above the one before, and the error
-/// near its least changes far less than that.
-const CANDIDATES: usize = 90;
-
-/// Lowest cut-off that the data may choose, in cycles per recording: keeps the edges of a joint at
-/// rest to a twentieth of the recording each.
-const LEAST_CYCLES: f64 = 40.0;
-
-/// Highest cut-off that the data may choose, in units of the rate: just below half of it.
-const HIGHEST_CUTOFF: f64 = 0.45;
-
-/// From this fraction of half the rate on, the spectrum is taken for noise.
-const FLOOR_FROM: f64 = 0.75;
+use crate::recording::zero_phase::{ZeroPhase, edge_s};
 
 pub(super) fn prepare(
     mut recording: Recording,
@@ -164,61 +144,6 @@ fn bandwidths(recording: &Recording, preparation: &Preparation, rate_hz: f64) ->
         .collect()
 }
 
-/// The cut-off with the least estimated error of the acceleration, which is the derivative of the
-/// given order of the series.
-fn choose_cutoff(series: &[f64], order: usize, rate_hz: f64) -> f64 {
-    let highest = HIGHEST_CUTOFF * rate_hz;
-    let lowest = (LEAST_CYCLES * rate_hz / series.len() as f64).min(0.5 * highest);
-    let (power, gain_of_noise) = spectra(series, order);
-    let from = (FLOOR_FROM * power.len() as f64) as usize;
-    let mut top: Vec<f64> = (from..power.len())
-        .map(|f| power[f] / gain_of_noise[f])
-        .collect();
-    let level = noise_power(&mut top, 1.0);
-    let frequency = |f: usize| f as f64 * 0.5 * rate_hz / power.len() as f64;
-    let error = |cutoff: f64| -> f64 {
-        (1..power.len())
-            .map(|f| {
-                let passed = gain(frequency(f), cutoff, rate_hz);
-                let noise = level * gain_of_noise[f];
-                (1.0 - passed).powi(2) * (power[f] - noise) + passed.powi(2) * noise
-            })
-            .sum()
-    };
-    let ratio = (highest / lowest).powf(1.0 / (CANDIDATES - 1) as f64);
-    let candidates = (0..CANDIDATES).map(|i| lowest * ratio.powi(i as i32));
-    candidates
-        .map(|cutoff| (error(cutoff), cutoff))
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map_or(highest, |(_, cutoff)| cutoff)
-}
-
-/// Power of the windowed d-th differences below half the rate, and the gain of white noise there.
-fn spectra(series: &[f64], order: usize) -> (Vec<f64>, Vec<f64>) {
-    let mut differences = series.to_vec();
-    for _ in 0..order {
-        differences = differences
-            .windows(2)
-            .map(|pair| pair[1] - pair[0])
-            .collect();
-    }
-    let n = differences.len();
-    let mean = differences.iter().sum::<f64>() / n as f64;
-    for (k, value) in differences.iter_mut().enumerate() {
-        // Hann squared, whose leakage falls with the fifth power of the distance: neither what the two
-        // ends differ by nor the strong low frequencies may pass for high ones.
-        let hann = 0.5 * (1.0 - (TAU * (k as f64 + 0.5) / n as f64).cos());
-        *value = (*value - mean) * hann * hann;
-    }
-    let power: Vec<f64> = coefficients(&differences)[..n / 2]
-        .iter()
-        .map(|c| c.norm_sqr())
-        .collect();
-    let noise = |f: usize| (2.0 * (PI * f as f64 / n as f64).sin()).powi(2 * order as i32);
-    let noise = (0..power.len()).map(noise).collect();
-    (power, noise)
-}
-
 /// The low-pass of every joint, and that of the signal.
 struct Filters {
     joints: Vec<ZeroPhase>,
@@ -336,6 +261,7 @@ mod tests {
     use super::*;
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
+    use std::f64::consts::TAU;
 
     const RATE: f64 = 500.0;
 

@@ -2,6 +2,7 @@
 
 pub mod columns;
 pub mod csv;
+mod cutoff;
 mod differences;
 pub mod error;
 pub mod experiment;
@@ -9,6 +10,7 @@ mod fill;
 mod fourier;
 mod layout;
 pub mod lowpass;
+pub mod period;
 pub mod periodic;
 pub mod settings;
 mod spectrum;
