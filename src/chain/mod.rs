@@ -11,11 +11,13 @@
 //! signal and its derivatives with respect to any of them; [`effect`] is the table of the physics.
 
 pub mod base_parameters;
+pub mod dataset;
 pub mod effect;
 pub mod error;
 pub mod evaluate;
 pub mod model;
 pub mod parameter;
+pub mod prior;
 
 #[cfg(test)]
 mod tests;

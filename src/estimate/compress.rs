@@ -6,7 +6,7 @@
 //! run in parallel and are merged in their order, so the result is the same for any number of threads.
 
 use crate::chain::model::Model;
-use crate::estimate::data::Prepared;
+use crate::chain::dataset::Prepared;
 use crate::estimate::rows::{RowBlock, Task, tasks, visit};
 use crate::estimate::weights::{RowFactors, Weights};
 use crate::linalg::triangular::Triangular;
@@ -166,7 +166,7 @@ fn mixed(
             for &c in active.iter().filter(|&&c| weights[(row, c)] != 0.0) {
                 let weight = weights[(row, c)];
                 let factors = factors_of(request, recording, c, block);
-                let mut add = |to: &mut Vec<f64>, from: &[f64]| {
+                let add = |to: &mut Vec<f64>, from: &[f64]| {
                     for (k, (to, x)) in to.iter_mut().zip(from).enumerate() {
                         *to += weight * factors.map_or(1.0, |f| f[k]) * x;
                     }

@@ -2,7 +2,7 @@
 
 use crate::chain::evaluate::{BLOCK, Evaluator, bodies};
 use crate::chain::model::{Model, Signal};
-use crate::estimate::data::{Dataset, Prepared, Split};
+use crate::chain::dataset::{Dataset, Prepared, Split};
 use crate::estimate::noise::predict;
 use crate::outcome::joint::JointFigures;
 use crate::robot::derivatives::Derivatives;

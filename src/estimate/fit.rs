@@ -10,12 +10,12 @@
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
 use crate::estimate::covariance::of_unknowns;
-use crate::estimate::data::{Dataset, Prepared, Split};
+use crate::chain::dataset::{Dataset, Prepared, Split};
 use crate::estimate::error::EstimateError;
 use crate::estimate::figures::{Predictions, figures, predictions};
 use crate::estimate::noise::{ResidualSeries, counting_rows, residuals, row_covariance};
 use crate::estimate::physical::{Estimated, report};
-use crate::estimate::prior::Prior;
+use crate::chain::prior::Prior;
 use crate::estimate::problem::FitProblem;
 use crate::estimate::realization;
 use crate::estimate::unknowns::Unknowns;

@@ -2,13 +2,11 @@
 
 pub mod compress;
 pub mod covariance;
-pub mod data;
 pub mod error;
 pub mod figures;
 pub mod fit;
 pub mod noise;
 pub mod physical;
-pub mod prior;
 pub mod problem;
 pub mod realization;
 mod rows;

@@ -1,7 +1,7 @@
 //! The residuals of a fit over time: covariance of a row, and how far they are from white.
 
 use crate::chain::model::Model;
-use crate::estimate::data::Prepared;
+use crate::chain::dataset::Prepared;
 use crate::estimate::rows::{tasks, visit};
 use crate::stats::autoregression::{Autoregression, OrderCriterion};
 use nalgebra::{DMatrix, DVector};

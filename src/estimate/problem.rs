@@ -2,8 +2,8 @@
 
 use crate::chain::model::Model;
 use crate::estimate::compress::{Request, factor, sum_of_squares};
-use crate::estimate::data::Prepared;
-use crate::estimate::prior::Prior;
+use crate::chain::dataset::Prepared;
+use crate::chain::prior::Prior;
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::{RowFactors, Weights};
 use crate::linalg::triangular::Triangular;

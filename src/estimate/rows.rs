@@ -3,7 +3,7 @@
 
 use crate::chain::evaluate::{BLOCK, Block, Evaluator};
 use crate::chain::model::Model;
-use crate::estimate::data::Prepared;
+use crate::chain::dataset::Prepared;
 use nalgebra::DVector;
 use std::ops::Range;
 

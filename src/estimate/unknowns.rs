@@ -4,8 +4,8 @@
 use crate::chain::base_parameters::{BaseParameter, BaseParameters, scan_order};
 use crate::chain::model::Model;
 use crate::estimate::compress::{Request, factor};
-use crate::estimate::data::{Dataset, Prepared, Split};
-use crate::estimate::prior::Prior;
+use crate::chain::dataset::{Dataset, Prepared, Split};
+use crate::chain::prior::Prior;
 use crate::estimate::weights::Weights;
 use crate::linalg::triangular::Triangular;
 use nalgebra::{DMatrix, DVector};

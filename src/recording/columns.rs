@@ -133,6 +133,24 @@ const TEMPERATURE: &[&str] = &[
 ];
 const WRENCH: [&str; 6] = ["fx", "fy", "fz", "mx", "my", "mz"];
 
+/// A joint whose channels are read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RecordedJoint {
+    pub name: String,
+    /// Number from 1 in the order of the problem's joints, for columns that are named by number.
+    pub number: usize,
+}
+
+impl RecordedJoint {
+    /// Joints numbered in the order of their names.
+    pub fn all(names: &[String]) -> Vec<Self> {
+        let numbered = names.iter().cloned().zip(1..);
+        numbered
+            .map(|(name, number)| Self { name, number })
+            .collect()
+    }
+}
+
 /// Reads a recording of the joints, in their order.
 ///
 /// Errors: those of the file and its table, a column that is missing (naming the nearest one), and
@@ -140,7 +158,7 @@ const WRENCH: [&str; 6] = ["fx", "fy", "fz", "mx", "my", "mz"];
 pub fn read(
     path: &Path,
     map: &ColumnMap,
-    joints: &[String],
+    joints: &[RecordedJoint],
     kind: SignalKind,
 ) -> Result<Recording, RecordingError> {
     let format = format_of(path)?;
@@ -211,7 +229,7 @@ impl Names {
 /// Finds the columns of one file.
 struct Finder<'a> {
     path: &'a Path,
-    joints: &'a [String],
+    joints: &'a [RecordedJoint],
     present: &'a [String],
     /// The map is empty: optional channels are looked for under their usual names.
     conventional: bool,
@@ -369,7 +387,7 @@ impl Finder<'_> {
 
     fn purpose(&self, what: &str, joint: usize) -> String {
         match self.joints.get(joint) {
-            Some(name) => format!("{what} of joint {name}"),
+            Some(joint) => format!("{what} of joint {}", joint.name),
             None => what.into(),
         }
     }
@@ -381,10 +399,10 @@ impl Finder<'_> {
     }
 
     fn expand_one(&self, pattern: &str, joint: usize) -> String {
-        let name = self.joints.get(joint).map_or("", String::as_str);
+        let RecordedJoint { name, number } = &self.joints[joint];
         // The number first: a joint's name may hold braces, a number cannot.
         pattern
-            .replace("{n}", &(joint + 1).to_string())
+            .replace("{n}", &number.to_string())
             .replace("{joint}", name)
     }
 

@@ -18,6 +18,8 @@ pub struct Robot {
     pub position: Vec<usize>,
     /// Position at which a joint is locked, in the order of the tree.
     pub locked: Vec<Option<f64>>,
+    /// Motor turns per joint turn, in the order of the tree.
+    pub ratio: Option<Vec<f64>>,
 }
 
 /// Reads the robot of a problem file.
@@ -56,13 +58,16 @@ pub fn open(problem: &ProblemFile) -> Result<Robot, SetupError> {
     if let (true, Some(entry)) = (locked.iter().all(Option::is_some), table.locked.first()) {
         return Err(SetupError::mismatch(&entry.value.place, Mismatch::AllLocked));
     }
-    Ok(Robot {
+    let mut robot = Robot {
         tree,
         file,
         order,
         position,
         locked,
-    })
+        ratio: None,
+    };
+    robot.ratio = robot.per_joint(&problem.drive.ratio)?;
+    Ok(robot)
 }
 
 pub(crate) fn unknown(place: &crate::fault::Place, found: &str, known: &[String]) -> SetupError {

@@ -1,0 +1,323 @@
+//! The recordings of a problem file: read, made ready, and brought to motor coordinates at joint scale.
+//!
+//! ```text
+//! position_side = "joint"   m = q_enc                    signal "motor_torque"   τ = ratio · τ_rec
+//! position_side = "motor"   m = q_enc / ratio
+//! position_side = "link"    m = V⁻¹ (q_enc − offset)
+//! ```
+
+use crate::chain::dataset::{Dataset, Prepared, Split};
+use crate::chain::model::Model;
+use crate::problem_file::choices::{DifferentiationMethod, PositionSide, Signal};
+use crate::problem_file::{FilePath, Located, ProblemFile, RecordingsTable};
+use crate::recording::columns::{ColumnMap, RecordedJoint, Recording, SignalKind, read};
+use crate::recording::experiment::{Bandwidth, Experiment, Noise, prepare};
+use crate::recording::settings::{Differentiation, Method, Preparation};
+use crate::setup::error::{Mismatch, SetupError};
+use crate::setup::robot::Robot;
+use nalgebra::{DMatrix, DVector};
+
+/// A recording that the problem file names.
+#[derive(Debug, Clone)]
+pub struct Named<'a> {
+    pub path: &'a FilePath,
+    pub split: Split,
+    pub loaded: bool,
+}
+
+/// Reads and prepares every recording of a problem file.
+pub fn open(
+    problem: &ProblemFile,
+    robot: &Robot,
+    model: &Model,
+) -> Result<Dataset, SetupError> {
+    let table = problem.recordings()?;
+    let mut dataset = Dataset::default();
+    for named in list(table, problem.robot.payload.is_some()) {
+        let recording = read_one(table, robot, named.path)?;
+        let experiment = prepare(recording, &preparation(table))?;
+        let experiment = to_motors(experiment, (table, robot, model))?;
+        dataset.recordings.push(Prepared::new(
+            named.path.written.clone(),
+            named.split,
+            named.loaded,
+            experiment,
+        ));
+    }
+    Ok(dataset)
+}
+
+/// The recordings in the order of the problem file; one that is listed twice counts once.
+pub fn list(table: &RecordingsTable, payload: bool) -> Vec<Named<'_>> {
+    let loaded = |path: &FilePath| {
+        payload
+            && (table.loaded.is_empty()
+                || table.loaded.iter().any(|l| l.value.resolved == path.resolved))
+    };
+    let mut named: Vec<Named<'_>> = Vec::new();
+    let groups: [(&Vec<Located<FilePath>>, Split); 3] = [
+        (&table.train, Split::Train),
+        (&table.loaded, Split::Train),
+        (&table.validation, Split::Validation),
+    ];
+    for (paths, split) in groups {
+        for path in paths {
+            let known = named
+                .iter()
+                .any(|n| n.path.resolved == path.resolved && n.split == split);
+            let held_out = table.validation.iter().any(|v| v.value.resolved == path.resolved);
+            // A recording with the load on may be held out: then it is not trained on.
+            let skipped = split == Split::Train
+                && held_out
+                && table.train.iter().all(|t| t.value.resolved != path.resolved);
+            if !known && !skipped {
+                named.push(Named {
+                    path: &path.value,
+                    split,
+                    loaded: loaded(path),
+                });
+            }
+        }
+    }
+    named
+}
+
+/// The joints whose channels a recording holds: those that are not locked.
+pub fn recorded_joints(robot: &Robot) -> Vec<RecordedJoint> {
+    let all = RecordedJoint::all(&robot.order);
+    let mut moving: Vec<(usize, RecordedJoint)> = robot.position.iter().copied().zip(all).collect();
+    moving.sort_by_key(|(k, _)| *k);
+    moving.retain(|(k, _)| robot.locked[*k].is_none());
+    moving.into_iter().map(|(_, joint)| joint).collect()
+}
+
+/// Reads one recording, joints that move in the order of the tree.
+pub fn read_one(
+    table: &RecordingsTable,
+    robot: &Robot,
+    path: &FilePath,
+) -> Result<Recording, SetupError> {
+    let kind = match table.signal.value {
+        Signal::Current => SignalKind::Current,
+        Signal::Torque => SignalKind::Torque,
+        Signal::MotorTorque => SignalKind::MotorTorque,
+        Signal::LinkTorque => SignalKind::LinkTorque,
+        Signal::BaseWrench => SignalKind::BaseWrench,
+        Signal::Both => SignalKind::Both,
+    };
+    let joints = recorded_joints(robot);
+    Ok(read(&path.resolved, &column_map(table), &joints, kind)?)
+}
+
+fn column_map(table: &RecordingsTable) -> ColumnMap {
+    let text = |entry: &Option<Located<String>>| entry.as_ref().map(|e| e.value.clone());
+    let columns = &table.columns;
+    ColumnMap {
+        time: text(&columns.time),
+        position: text(&columns.position),
+        velocity: text(&columns.velocity),
+        acceleration: text(&columns.acceleration),
+        current: text(&columns.current),
+        torque: text(&columns.torque),
+        wrench: columns.wrench.as_ref().map(|e| e.value.clone()),
+        temperature: text(&columns.temperature),
+        mask: text(&columns.mask),
+    }
+}
+
+/// How the problem file wants its recordings made ready.
+pub fn preparation(table: &RecordingsTable) -> Preparation {
+    let number = |entry: &Option<Located<f64>>| entry.as_ref().map(|e| e.value);
+    let differentiation = &table.differentiation;
+    Preparation {
+        rate: number(&table.rate),
+        period: number(&table.period),
+        differentiation: Differentiation {
+            method: differentiation.method.as_ref().map(|m| match m.value {
+                DifferentiationMethod::Fourier => Method::Fourier,
+                DifferentiationMethod::Lowpass => Method::Lowpass,
+            }),
+            cutoff_hz: number(&differentiation.cutoff_hz),
+            parallel_hz: number(&differentiation.parallel_hz),
+        },
+    }
+}
+
+/// Factors from recorded positions and signals to joint scale.
+struct Scale {
+    position: Vec<f64>,
+    signal: Vec<f64>,
+}
+
+fn scale(table: &RecordingsTable, ratio: Option<Vec<f64>>, n: usize) -> Result<Scale, SetupError> {
+    let needs = |place| SetupError::mismatch(place, Mismatch::NeedsRatio);
+    let motor = table.position_side.value == PositionSide::Motor;
+    let torque = table.signal.value == Signal::MotorTorque;
+    if ratio.is_none() && motor {
+        return Err(needs(&table.position_side.place));
+    }
+    if ratio.is_none() && torque {
+        return Err(needs(&table.signal.place));
+    }
+    let ratio = ratio.unwrap_or_else(|| vec![1.0; n]);
+    let one = vec![1.0; n];
+    Ok(Scale {
+        position: if motor { ratio.iter().map(|r| 1.0 / r).collect() } else { one.clone() },
+        signal: if torque { ratio } else { one },
+    })
+}
+
+/// Brings an experiment of the moving joints to all motors at joint scale; locked ones stand at zero.
+fn to_motors(
+    mut experiment: Experiment,
+    (table, robot, model): (&RecordingsTable, &Robot, &Model),
+) -> Result<Experiment, SetupError> {
+    let n = robot.tree.len();
+    let scale = scale(table, robot.ratio.clone(), n)?;
+    let moving: Vec<usize> = (0..n).filter(|&k| robot.locked[k].is_none()).collect();
+    spread(&mut experiment, &moving, n);
+    for k in 0..n {
+        let motion = &mut experiment.motion;
+        for series in [&mut motion.position, &mut motion.velocity, &mut motion.acceleration] {
+            multiply(&mut series[k], scale.position[k]);
+        }
+        if table.signal.value != Signal::BaseWrench {
+            multiply(&mut experiment.signal[k], scale.signal[k]);
+            multiply(&mut experiment.raw.signal[k], scale.signal[k]);
+        }
+    }
+    if let Some(noise) = &mut experiment.noise {
+        for k in 0..n {
+            let size = scale.position[k].abs();
+            for deviations in [
+                &mut noise.recorded_position_sd,
+                &mut noise.position_sd,
+                &mut noise.velocity_sd,
+                &mut noise.acceleration_sd,
+            ] {
+                deviations[k] *= size;
+            }
+            if table.signal.value != Signal::BaseWrench {
+                scale_channel(noise, k, scale.signal[k]);
+            }
+        }
+    }
+    if table.position_side.value == PositionSide::Link {
+        from_links(&mut experiment, model);
+    }
+    Ok(experiment)
+}
+
+fn multiply(series: &mut [f64], factor: f64) {
+    if factor != 1.0 {
+        series.iter_mut().for_each(|x| *x *= factor);
+    }
+}
+
+fn scale_channel(
+    noise: &mut Noise,
+    channel: usize,
+    factor: f64,
+) {
+    for k in 0..noise.signal_covariance.nrows() {
+        noise.signal_covariance[(channel, k)] *= factor;
+        noise.signal_covariance[(k, channel)] *= factor;
+    }
+    multiply(&mut noise.autocovariance[channel], factor * factor);
+}
+
+/// Puts the series of the moving joints at their places among all joints, zeros at the others.
+fn spread(experiment: &mut Experiment, moving: &[usize], n: usize) {
+    if moving.len() == n {
+        return;
+    }
+    let rows = experiment.rows();
+    let samples = experiment.raw.t.len();
+    let place = |series: &mut Vec<Vec<f64>>, length: usize| {
+        let extra = series.split_off(series.len().min(moving.len()));
+        let mut all = vec![vec![0.0; length]; n];
+        for (from, &k) in std::mem::take(series).into_iter().zip(moving) {
+            all[k] = from;
+        }
+        all.extend(extra);
+        *series = all;
+    };
+    let torques = experiment.signal.len() != 6 || moving.len() == 6;
+    place(&mut experiment.motion.position, rows);
+    place(&mut experiment.motion.velocity, rows);
+    place(&mut experiment.motion.acceleration, rows);
+    if torques {
+        place(&mut experiment.signal, rows);
+        place(&mut experiment.raw.signal, samples);
+    }
+    let mut bandwidth: Vec<Bandwidth> = Vec::with_capacity(n);
+    for k in 0..n {
+        let at = moving.iter().position(|&m| m == k).unwrap_or(0);
+        bandwidth.push(experiment.bandwidth[at]);
+    }
+    experiment.bandwidth = bandwidth;
+    if let Some(noise) = &mut experiment.noise {
+        for deviations in [
+            &mut noise.recorded_position_sd,
+            &mut noise.position_sd,
+            &mut noise.velocity_sd,
+            &mut noise.acceleration_sd,
+        ] {
+            let mut all = vec![0.0; n];
+            for (from, &k) in deviations.iter().zip(moving) {
+                all[k] = *from;
+            }
+            *deviations = all;
+        }
+        if torques {
+            spread_covariance(noise, moving, n);
+        }
+    }
+}
+
+fn spread_covariance(
+    noise: &mut Noise,
+    moving: &[usize],
+    n: usize,
+) {
+    let old = &noise.signal_covariance;
+    let extra = old.nrows() - moving.len();
+    let places: Vec<usize> = moving.iter().copied().chain(n..n + extra).collect();
+    let mut all = DMatrix::zeros(n + extra, n + extra);
+    for (i, &to_i) in places.iter().enumerate() {
+        for (j, &to_j) in places.iter().enumerate() {
+            all[(to_i, to_j)] = old[(i, j)];
+        }
+    }
+    let mut autocovariance = vec![Vec::new(); n + extra];
+    for (from, &to) in std::mem::take(&mut noise.autocovariance).into_iter().zip(&places) {
+        autocovariance[to] = from;
+    }
+    noise.signal_covariance = all;
+    noise.autocovariance = autocovariance;
+}
+
+/// `m = V⁻¹ (q − offset)` for encoders behind the gears.
+fn from_links(experiment: &mut Experiment, model: &Model) {
+    let n = model.tree().len();
+    let coupling = model.coupling(&model.values());
+    let identity = DMatrix::<f64>::identity(n, n);
+    if coupling == identity && model.offset().iter().all(|o| *o == 0.0) {
+        return;
+    }
+    // The model refuses a coupling that cannot be inverted.
+    let inverse = coupling.try_inverse().unwrap_or(identity);
+    let motion = &mut experiment.motion;
+    let shift = model.offset().clone();
+    let none = DVector::zeros(n);
+    let series = [&mut motion.position, &mut motion.velocity, &mut motion.acceleration];
+    for (series, shift) in series.into_iter().zip([&shift, &none, &none]) {
+        for row in 0..series.first().map_or(0, Vec::len) {
+            let joints = DVector::from_fn(n, |j, _| series[j][row]) - shift;
+            let motors = &inverse * joints;
+            for j in 0..n {
+                series[j][row] = motors[j];
+            }
+        }
+    }
+}
