@@ -372,7 +372,7 @@ impl Finder<'_> {
         let nearest = self
             .present
             .iter()
-            .map(|name| (strsim::jaro_winkler(name, &first), name))
+            .map(|name| (strsim::normalized_damerau_levenshtein(name, &first), name))
             .filter(|(similarity, _)| *similarity >= NEAREST_SIMILARITY)
             .max_by(|a, b| a.0.total_cmp(&b.0))
             .map(|(_, name)| name.clone());
@@ -411,6 +411,5 @@ impl Finder<'_> {
     }
 }
 
-/// Least Jaro-Winkler similarity of a name worth proposing: one or two wrong letters in a short
-/// name.
-const NEAREST_SIMILARITY: f64 = 0.7;
+/// Least similarity of a name worth proposing: half of its letters are in place.
+const NEAREST_SIMILARITY: f64 = 0.5;

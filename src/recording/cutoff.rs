@@ -25,13 +25,28 @@ const LEAST_CYCLES: f64 = 40.0;
 /// Highest cut-off that the data may choose, in units of the rate: just below half of it.
 const HIGHEST_CUTOFF: f64 = 0.45;
 
-/// The lowest cut-off whose squared error is within this factor of the least is taken. N is a lower
-/// bound of the noise, so where two cut-offs seem equally good the lower one is better.
-const AS_GOOD: f64 = 1.15;
+/// Cells of the spectrum to an e-fold of frequency: over one of them the gain, which falls with the
+/// eighth power, changes by 2 %.
+const CELLS_PER_EFOLD: usize = 400;
 
-/// From this fraction of half the rate on everything counts as noise: there the filters of sensors
-/// and the interpolation of uneven samples make noise weak, and disturbances fold back as lines.
-const NOISE_FROM: f64 = 0.75;
+/// How the samples came to be even.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Sampling {
+    Recorded,
+    Interpolated,
+}
+
+impl Sampling {
+    /// The fraction of half the rate from which on everything counts as noise. At the top the
+    /// filters of sensors make noise weak, and disturbances fold back as lines; linear
+    /// interpolation damps noise by up to a half from the middle on.
+    fn noise_from(self) -> f64 {
+        match self {
+            Self::Recorded => 0.75,
+            Self::Interpolated => 0.5,
+        }
+    }
+}
 
 /// Frequencies in the narrowest band whose median is a level of the noise: its relative error is 0.25.
 const BAND_LEAST: usize = 32;
@@ -41,30 +56,50 @@ const BAND_RATIO: f64 = 1.25;
 
 /// The cut-off (Hz) with the least estimated error of the acceleration, which is the derivative of
 /// the given order of the series.
-pub(super) fn choose_cutoff(series: &[f64], order: usize, rate_hz: f64) -> f64 {
+pub(super) fn choose_cutoff(series: &[f64], order: usize, rate_hz: f64, sampling: Sampling) -> f64 {
     let highest = HIGHEST_CUTOFF * rate_hz;
     let lowest = (LEAST_CYCLES * rate_hz / series.len() as f64).min(0.5 * highest);
     let power = acceleration_spectrum(series, order);
-    let noise = rising_envelope(&power);
-    let frequency = |f: usize| f as f64 * 0.5 * rate_hz / power.len() as f64;
+    let noise = rising_envelope(&power, sampling.noise_from());
+    let step = 0.5 * rate_hz / power.len() as f64;
+    let cells = cells(&power, &noise);
     let error = |cutoff: f64| -> f64 {
-        (1..power.len())
-            .map(|f| {
-                let passed = gain(frequency(f), cutoff, rate_hz);
-                (1.0 - passed).powi(2) * (power[f] - noise[f]) + passed.powi(2) * noise[f]
-            })
-            .sum()
+        let of = |cell: &Cell| {
+            let passed = gain(cell.index * step, cutoff, rate_hz);
+            (1.0 - passed).powi(2) * (cell.power - cell.noise) + passed.powi(2) * cell.noise
+        };
+        cells.iter().map(of).sum()
     };
     let ratio = (highest / lowest).powf(1.0 / (CANDIDATES - 1) as f64);
-    let errors: Vec<(f64, f64)> = (0..CANDIDATES)
-        .map(|i| lowest * ratio.powi(i as i32))
+    let candidates = (0..CANDIDATES).map(|i| lowest * ratio.powi(i as i32));
+    candidates
         .map(|cutoff| (error(cutoff), cutoff))
-        .collect();
-    let least = errors.iter().map(|e| e.0).fold(f64::INFINITY, f64::min);
-    // A negative error is a sum in which noise happens to lie below its level; then the least counts.
-    let as_good = least + (AS_GOOD - 1.0) * least.abs();
-    let first = errors.iter().find(|e| e.0 <= as_good);
-    first.map_or(highest, |e| e.1)
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or(highest, |(_, cutoff)| cutoff)
+}
+
+/// Sums of the spectrum and its noise over frequencies between which the gain hardly changes.
+struct Cell {
+    /// Mean index of its frequencies.
+    index: f64,
+    power: f64,
+    noise: f64,
+}
+
+/// Cells without the constant: single frequencies first, then four hundred to an e-fold.
+fn cells(power: &[f64], noise: &[f64]) -> Vec<Cell> {
+    let mut cells = Vec::new();
+    let mut low = 1;
+    while low < power.len() {
+        let high = (low + 1 + low / CELLS_PER_EFOLD).min(power.len());
+        cells.push(Cell {
+            index: 0.5 * (low + high - 1) as f64,
+            power: power[low..high].iter().sum(),
+            noise: noise[low..high].iter().sum(),
+        });
+        low = high;
+    }
+    cells
 }
 
 /// Power of the windowed d-th differences below half the rate, to a common factor.
@@ -87,9 +122,9 @@ fn acceleration_spectrum(series: &[f64], order: usize) -> Vec<f64> {
 }
 
 /// N(f) = min_{f' >= f} S(f'), with S smoothed over bands; S itself where everything is noise.
-fn rising_envelope(power: &[f64]) -> Vec<f64> {
+fn rising_envelope(power: &[f64], noise_from: f64) -> Vec<f64> {
     let mut envelope = power.to_vec();
-    let mut high = (NOISE_FROM * power.len() as f64) as usize;
+    let mut high = (noise_from * power.len() as f64) as usize;
     let mut least = f64::INFINITY;
     while high > 0 {
         let width = ((high as f64 * (1.0 - 1.0 / BAND_RATIO)) as usize).max(BAND_LEAST);
@@ -112,7 +147,7 @@ mod tests {
     #[test]
     fn the_noise_of_a_falling_spectrum_is_its_level_at_three_quarters() {
         let falling: Vec<f64> = (0..1000).map(|f| 1.0 / (1.0 + f as f64)).collect();
-        let envelope = rising_envelope(&falling);
+        let envelope = rising_envelope(&falling, 0.75);
         assert!(envelope[..750].iter().all(|n| *n == envelope[0]));
         assert_eq!(envelope[750..], falling[750..]);
     }
@@ -120,7 +155,7 @@ mod tests {
     #[test]
     fn the_noise_of_a_rising_spectrum_is_the_spectrum() {
         let rising: Vec<f64> = (0..1000).map(|f| (1.0 + f as f64).powi(4)).collect();
-        let envelope = rising_envelope(&rising);
+        let envelope = rising_envelope(&rising, 0.75);
         assert!(envelope[..750].is_sorted());
         // The median of a band of ratio 1.25, by the factor that makes a median of powers a mean.
         for f in 200..750 {

@@ -38,6 +38,7 @@ pub enum RecordingErrorKind {
     PatternNotPerJoint { pattern: String, joints: usize },
     UnknownPlaceholder { found: String },
     TimeNotIncreasing { before: f64, found: f64 },
+    GapTooLong { seconds: f64 },
     NoTimeBase,
     RateContradictsTime { given: f64, found: f64 },
     InvalidSetting { value: f64, requirement: String },
@@ -109,6 +110,7 @@ impl Fault for RecordingError {
     fn describe(&self) -> Description {
         describe_file(&self.kind)
             .or_else(|| describe_table(&self.kind))
+            .or_else(|| describe_time(&self.kind))
             .unwrap_or_else(|| describe_use(&self.kind))
     }
 }
@@ -235,6 +237,36 @@ fn describe_missing(missing: &MissingColumn) -> Description {
     )
 }
 
+fn describe_time(kind: &RecordingErrorKind) -> Option<Description> {
+    use RecordingErrorKind as Kind;
+    let words = match kind {
+        Kind::TimeNotIncreasing { before, found } => Description::new(
+            "time-not-increasing",
+            format!("the time stamp {found} s does not come after {before} s"),
+            "sort or remove the rows, or leave the time column out and give a rate",
+        ),
+        Kind::GapTooLong { seconds } => Description::new(
+            "gap-too-long",
+            format!(
+                "before this sample {seconds} s are missing, and more samples in all than there are"
+            ),
+            "split the recording at its gaps, or check the time column",
+        ),
+        Kind::NoTimeBase => Description::new(
+            "no-time-base",
+            "there is neither a time column nor a rate",
+            "give recordings.rate in Hz, or name the time column",
+        ),
+        Kind::RateContradictsTime { given, found } => Description::new(
+            "rate-contradicts-time",
+            format!("the time stamps give {found:.6} Hz and the rate given is {given} Hz"),
+            "remove the rate, or check that time is in seconds",
+        ),
+        _ => return None,
+    };
+    Some(words)
+}
+
 fn describe_use(kind: &RecordingErrorKind) -> Description {
     use RecordingErrorKind as Kind;
     match kind {
@@ -252,21 +284,6 @@ fn describe_use(kind: &RecordingErrorKind) -> Description {
             "unknown-placeholder",
             format!("the pattern has the placeholder {found}"),
             "use {joint} (the joint's name) or {n} (its number from 1)",
-        ),
-        Kind::TimeNotIncreasing { before, found } => Description::new(
-            "time-not-increasing",
-            format!("the time stamp {found} s does not come after {before} s"),
-            "sort or remove the rows, or leave the time column out and give a rate",
-        ),
-        Kind::NoTimeBase => Description::new(
-            "no-time-base",
-            "there is neither a time column nor a rate",
-            "give recordings.rate in Hz, or name the time column",
-        ),
-        Kind::RateContradictsTime { given, found } => Description::new(
-            "rate-contradicts-time",
-            format!("the time stamps give {found:.6} Hz and the rate given is {given} Hz"),
-            "remove the rate, or check that time is in seconds",
         ),
         Kind::InvalidSetting { value, requirement } => Description::new(
             "invalid-setting",

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::fault::Place;
 use crate::recording::columns::Recording;
-use crate::recording::cutoff::choose_cutoff;
+use crate::recording::cutoff::{Sampling, choose_cutoff};
 use crate::recording::differences::{first, second};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::experiment::{Bandwidth, Chosen, Experiment, Motion, Raw, RowMap};
@@ -36,7 +36,7 @@ pub(super) fn prepare(
         recording = resample(recording, Grid::spanning(&raw.t, rate_hz));
     }
     fill_masked(&mut recording)?;
-    let bandwidth = bandwidths(&recording, preparation, rate_hz);
+    let bandwidth = bandwidths(&recording, preparation, &timing);
     let filters = Filters::new(&recording.file, &bandwidth, rate_hz)?;
     let parallel = parallel(&recording.file, preparation, rate_hz)?;
     let edge = (filters.edge_s() * rate_hz).ceil() as usize;
@@ -122,7 +122,11 @@ fn fill_masked(recording: &mut Recording) -> Result<(), RecordingError> {
 }
 
 /// Bandwidth of every joint: given, or from the channel that the acceleration comes from.
-fn bandwidths(recording: &Recording, preparation: &Preparation, rate_hz: f64) -> Vec<Bandwidth> {
+fn bandwidths(recording: &Recording, preparation: &Preparation, timing: &Timing) -> Vec<Bandwidth> {
+    let sampling = match timing.uniform {
+        true => Sampling::Recorded,
+        false => Sampling::Interpolated,
+    };
     let of = |joint: usize| match preparation.differentiation.cutoff_hz {
         Some(cutoff_hz) => (cutoff_hz, Chosen::Given),
         None => {
@@ -131,7 +135,10 @@ fn bandwidths(recording: &Recording, preparation: &Preparation, rate_hz: f64) ->
                 (None, Some(velocity)) => (&velocity[joint], 1),
                 (None, None) => (&recording.position[joint], 2),
             };
-            (choose_cutoff(series, order, rate_hz), Chosen::Data)
+            (
+                choose_cutoff(series, order, timing.rate_hz, sampling),
+                Chosen::Data,
+            )
         }
     };
     (0..recording.position.len())
@@ -213,7 +220,8 @@ fn kept_rows(
     inner: usize,
 ) -> Result<Range<usize>, RecordingError> {
     let samples = recording.position.first().map_or(0, Vec::len);
-    let least = 2 * (edge + inner) + LEAST_ROWS;
+    let edges = edge.saturating_add(inner).saturating_mul(2);
+    let least = edges.saturating_add(LEAST_ROWS);
     if samples < least {
         let kind = RecordingErrorKind::TooShortForFilter { samples, least };
         return Err(RecordingError::new(Place::file(&recording.file), kind));

@@ -17,3 +17,6 @@ mod spectrum;
 pub mod table;
 pub mod timing;
 pub mod zero_phase;
+
+#[cfg(test)]
+mod tests;

@@ -6,8 +6,9 @@
 use nalgebra::DMatrix;
 use realfft::num_complex::Complex;
 
+use crate::fault::Place;
 use crate::recording::columns::Recording;
-use crate::recording::error::RecordingError;
+use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::experiment::{
     Bandwidth, Chosen, Experiment, Motion, Noise, Periods, Raw, RowMap,
 };
@@ -33,7 +34,7 @@ pub(super) fn prepare(
     timing: Timing,
     period: f64,
 ) -> Result<Experiment, RecordingError> {
-    let samples = ((timing.rate_hz * period).round() as usize).max(LEAST_ROWS);
+    let samples = rows_of(&recording, &timing, period)?;
     let rate_hz = samples as f64 / period;
     let t = take_stamps(&mut recording, timing.rate_hz);
     let temperature = recording.temperature.take();
@@ -99,6 +100,33 @@ pub(super) fn prepare(
         edge_s: 0.0,
         parallel,
     })
+}
+
+/// Rows of one period: the recorded samples it holds, to the nearest whole number.
+fn rows_of(recording: &Recording, timing: &Timing, period: f64) -> Result<usize, RecordingError> {
+    let fault = |kind| RecordingError::new(Place::file(&recording.file).key("period"), kind);
+    let exact = timing.rate_hz * period;
+    if exact < LEAST_ROWS as f64 {
+        let least = LEAST_ROWS as f64 / timing.rate_hz;
+        let requirement = format!("at least {least:.6} s, which are {LEAST_ROWS} samples");
+        let value = period;
+        return Err(fault(RecordingErrorKind::InvalidSetting {
+            value,
+            requirement,
+        }));
+    }
+    let duration = match &recording.time {
+        Some(time) => time[time.len() - 1] - time[0] + 1.0 / timing.rate_hz,
+        None => recording.position[0].len() as f64 / timing.rate_hz,
+    };
+    // Half a step: the last sample of a period may be stamped a little early.
+    if duration + 0.5 / timing.rate_hz < period {
+        return Err(fault(RecordingErrorKind::ShorterThanPeriod {
+            duration,
+            period,
+        }));
+    }
+    Ok(exact.round() as usize)
 }
 
 /// Motion, bandwidth and noise of all joints.

@@ -4,6 +4,7 @@
 use crate::fault::Place;
 use crate::recording::columns::Recording;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
+use crate::recording::table::require_rows;
 
 /// How the samples lie in time.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,11 +29,20 @@ const UNIFORM_STEPS: f64 = 0.05;
 /// Given and found rate may differ by this fraction; more is a wrong unit or a wrong rate.
 const RATE_AGREEMENT: f64 = 0.05;
 
+/// An even grid may have this many times the recorded samples: beyond that most of it would be
+/// invented, and one wrong stamp could take all memory.
+const MOST_STRETCH: f64 = 2.0;
+
 /// Examines the time base of a recording; `rate` in Hz is needed where there are no stamps.
 ///
-/// Errors: no stamps and no rate, stamps that do not increase, stamps that contradict the rate.
+/// Errors: too few samples, no stamps and no rate, stamps that do not increase, that contradict the
+/// rate, or that leave out more than they hold.
 pub fn examine(recording: &Recording, rate: Option<f64>) -> Result<Timing, RecordingError> {
     let place = || Place::file(&recording.file);
+    require_rows(
+        &recording.file,
+        recording.position.first().map_or(0, Vec::len),
+    )?;
     if let Some(value) = rate.filter(|rate| !(rate.is_finite() && *rate > 0.0)) {
         let requirement = "positive and finite, in Hz".into();
         let kind = RecordingErrorKind::InvalidSetting { value, requirement };
@@ -57,6 +67,13 @@ pub fn examine(recording: &Recording, rate: Option<f64>) -> Result<Timing, Recor
         return Err(RecordingError::new(place, kind));
     }
     let timing = of_stamps(time, recording.first_line);
+    let expected = (time[time.len() - 1] - time[0]) * timing.rate_hz;
+    let longest = timing.gaps.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    if let Some(&(line, seconds)) = longest.filter(|_| expected > MOST_STRETCH * time.len() as f64)
+    {
+        let kind = RecordingErrorKind::GapTooLong { seconds };
+        return Err(RecordingError::new(place().line(line).key("time"), kind));
+    }
     match rate {
         Some(given) if (timing.rate_hz / given - 1.0).abs() > RATE_AGREEMENT => {
             let found = timing.rate_hz;
