@@ -3,14 +3,8 @@
 
 use crate::chain::evaluate::Segment;
 use crate::recording::experiment::Experiment;
+use crate::recording::split::Split;
 use crate::robot::batch::Trajectory;
-
-/// What a recording is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Split {
-    Train,
-    Validation,
-}
 
 /// A low-passed signal holds nothing above its cut-off: rows closer than this many to a period of the
 /// cut-off only repeat each other. Eight leave the fastest term within 1 % of its peak.
@@ -121,6 +115,10 @@ fn stride(experiment: &Experiment) -> usize {
         .iter()
         .map(|b| b.cutoff_hz)
         .fold(0.0, f64::max);
+    let widest = match &experiment.parallel {
+        Some(filter) => widest.min(filter.cutoff_hz()),
+        None => widest,
+    };
     let needed = ROWS_PER_CUTOFF_PERIOD * widest;
     if needed > 0.0 {
         ((experiment.rate_hz / needed) as usize).max(1)

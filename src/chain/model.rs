@@ -248,6 +248,7 @@ impl Model {
     pub fn bound(&mut self, index: usize, lower: f64, upper: f64) {
         let parameter = &mut self.parameters[index];
         (parameter.lower, parameter.upper) = (lower, upper);
+        parameter.bounded = true;
         parameter.value = parameter.value.clamp(lower, upper);
     }
 
@@ -282,6 +283,7 @@ fn inertial(name: String, unit: &str, role: Role) -> Parameter {
         value: 0.0,
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,
+        bounded: false,
         scale: 1.0,
         linearity: Linearity::Linear,
     }
@@ -348,6 +350,7 @@ fn joint_model(settings: &ModelSettings, j: usize, parameters: &mut Vec<Paramete
                 },
                 lower: info.lower,
                 upper: info.upper,
+                bounded: false,
                 scale: info.typical,
                 linearity: info.linearity,
             });
@@ -399,6 +402,7 @@ fn coupling_parameters(
                 value: coupling[(row, column)],
                 lower: info.lower,
                 upper: info.upper,
+                bounded: false,
                 scale: info.typical,
                 linearity: info.linearity,
             });

@@ -36,8 +36,13 @@ pub struct Parameter {
     pub state: State,
     /// The known value, or the one from which an estimate starts.
     pub value: f64,
+    /// Natural limits, or narrower ones that were asked for.
     pub lower: f64,
     pub upper: f64,
+    /// Limits were asked for: every estimate keeps them. Natural limits of linear parameters (friction is
+    /// not negative) are those of feasible estimates; least squares without them shows when a model is
+    /// wrong.
+    pub bounded: bool,
     /// A change that matters, in the parameter's unit.
     pub scale: f64,
     pub linearity: Linearity,
@@ -46,6 +51,11 @@ pub struct Parameter {
 impl Parameter {
     pub fn is_free(&self) -> bool {
         self.state == State::Free
+    }
+
+    /// Whether an estimate without physical constraints keeps the limits.
+    pub fn keeps_limits(&self) -> bool {
+        self.bounded || self.linearity == Linearity::Nonlinear
     }
 
     /// Free, and the signal is affine in it.

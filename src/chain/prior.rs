@@ -108,10 +108,13 @@ mod tests {
     fn invariant_whitened_rows_carry_the_information_of_the_covariance() {
         let covariance = DMatrix::from_row_slice(2, 2, &[4.0, 1.0, 1.0, 9.0]);
         let combinations = DMatrix::from_row_slice(2, 3, &[1.0, 0.0, 2.0, 0.0, 1.0, 0.0]);
-        let prior = Prior::new(&combinations, &DVector::from_vec(vec![1.0, 2.0]), &covariance);
+        let prior = Prior::new(
+            &combinations,
+            &DVector::from_vec(vec![1.0, 2.0]),
+            &covariance,
+        );
         let information = prior.rows().transpose() * prior.rows();
-        let expected =
-            combinations.transpose() * covariance.try_inverse().unwrap() * &combinations;
+        let expected = combinations.transpose() * covariance.try_inverse().unwrap() * &combinations;
         assert!((information - expected).amax() < 1e-14);
         let at_mean = prior.residual(&DVector::from_vec(vec![1.0, 2.0, 0.0]));
         assert!(at_mean.amax() < 1e-14);

@@ -1,1 +1,75 @@
-//! cli
+//! The command line: one file per verb, from flags to task to results folder.
+
+mod args;
+mod effects;
+mod error;
+mod fit;
+mod interrupt;
+mod output;
+mod progress;
+mod render;
+
+use crate::cli::args::{Arguments, Verb};
+use crate::cli::error::CliError;
+use clap::Parser;
+use std::ffi::OsString;
+use std::io::Write;
+use std::process::ExitCode;
+
+/// Exit code of a defect of the tool.
+const DEFECT: u8 = 70;
+
+/// Parses the command line, runs the verb, prints the error; gives the exit code.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let parsed = match Arguments::try_parse_from(arguments) {
+        Ok(parsed) => parsed,
+        Err(error) => return answer_without_run(&error),
+    };
+    std::panic::set_hook(Box::new(|_| {}));
+    let done = std::panic::catch_unwind(|| dispatch(&parsed.verb));
+    match done {
+        Ok(Ok(code)) => ExitCode::from(code),
+        Ok(Err(error)) => {
+            complain(&format!("error: {error}"));
+            ExitCode::from(error.exit_code())
+        }
+        Err(panic) => {
+            complain(&format!(
+                "error: a defect of exid: {}; please report it with the command that you ran",
+                words_of(panic.as_ref())
+            ));
+            ExitCode::from(DEFECT)
+        }
+    }
+}
+
+fn dispatch(verb: &Verb) -> Result<u8, CliError> {
+    match verb {
+        Verb::Fit(run) => fit::run(run),
+        Verb::Effects(query) => effects::run(query),
+        Verb::Report(query) => render::run(query),
+    }
+}
+
+/// Help and version go to standard output and are no error; the rest is a wrong command line.
+fn answer_without_run(error: &clap::Error) -> ExitCode {
+    // A closed pipe is no reason to fail.
+    let _ = error.print();
+    if error.use_stderr() {
+        ExitCode::from(CliError::WRONG_USE)
+    } else {
+        ExitCode::SUCCESS
+    }
+}
+
+fn complain(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
+fn words_of(panic: &(dyn std::any::Any + Send)) -> String {
+    let text = panic
+        .downcast_ref::<&str>()
+        .map(|text| text.to_string())
+        .or_else(|| panic.downcast_ref::<String>().cloned());
+    text.unwrap_or_else(|| "no message".to_string())
+}

@@ -5,8 +5,8 @@
 //! which for a serial arm saves half of the work; a full weight mixes the channels of a row first. Tasks
 //! run in parallel and are merged in their order, so the result is the same for any number of threads.
 
-use crate::chain::model::Model;
 use crate::chain::dataset::Prepared;
+use crate::chain::model::Model;
 use crate::estimate::rows::{RowBlock, Task, tasks, visit};
 use crate::estimate::weights::{RowFactors, Weights};
 use crate::linalg::triangular::Triangular;
@@ -37,7 +37,10 @@ pub fn factor(request: &Request<'_>, recordings: &[&Prepared]) -> Triangular {
     let mut whole = Triangular::new(order);
     let mut merged: Vec<Part> = Vec::new();
     for part in parts.into_iter().flatten() {
-        match merged.iter_mut().find(|m| m.columns == part.columns && m.channel == part.channel) {
+        match merged
+            .iter_mut()
+            .find(|m| m.columns == part.columns && m.channel == part.channel)
+        {
             Some(same) => same.factor.merge(&part.factor),
             None => merged.push(part),
         }
@@ -107,85 +110,96 @@ fn spread(part: &Part, order: usize) -> DMatrix<f64> {
 fn by_channel(request: &Request<'_>, recording: usize, task: &Task<'_>) -> Vec<Part> {
     let mut parts: Vec<Option<Part>> = Vec::new();
     parts.resize_with(request.model.channels().len(), || None);
-    visit(request.model, request.values, request.columns, task, |block| {
-        for (c, channel) in request.model.channels().iter().enumerate() {
-            if !channel.active {
-                continue;
-            }
-            let part = parts[c].get_or_insert_with(|| {
-                let depends = |k: &usize| block.derivative(c, *k).is_some();
-                let columns: Vec<usize> = (0..request.columns.len()).filter(depends).collect();
-                Part {
-                    channel: c,
-                    factor: Triangular::new(columns.len() + 1),
-                    columns,
+    visit(
+        request.model,
+        request.values,
+        request.columns,
+        task,
+        |block| {
+            for (c, channel) in request.model.channels().iter().enumerate() {
+                if !channel.active {
+                    continue;
                 }
-            });
-            let residual = difference(block, c);
-            let zero = vec![0.0; block.range.len()];
-            let series = part.columns.iter().map(|&k| block.derivative(c, k).unwrap_or(&zero));
-            let slices: Vec<&[f64]> = series.chain([residual.as_slice()]).collect();
-            let keep = block.counting();
-            let row_factors = factors_of(request, recording, c, block);
-            if keep.is_none() && row_factors.is_none() {
+                let part = parts[c].get_or_insert_with(|| {
+                    let depends = |k: &usize| block.derivative(c, *k).is_some();
+                    let columns: Vec<usize> = (0..request.columns.len()).filter(depends).collect();
+                    Part {
+                        channel: c,
+                        factor: Triangular::new(columns.len() + 1),
+                        columns,
+                    }
+                });
+                let residual = difference(block, c);
+                let zero = vec![0.0; block.range.len()];
+                let series = part
+                    .columns
+                    .iter()
+                    .map(|&k| block.derivative(c, k).unwrap_or(&zero));
+                let slices: Vec<&[f64]> = series.chain([residual.as_slice()]).collect();
+                let keep = block.counting();
+                let row_factors = factors_of(request, recording, c, block);
+                if keep.is_none() && row_factors.is_none() {
+                    part.factor.absorb_columns(&slices);
+                    continue;
+                }
+                let weighted: Vec<Vec<f64>> = slices
+                    .iter()
+                    .map(|series| weigh(series, row_factors, keep.as_deref()))
+                    .collect();
+                let slices: Vec<&[f64]> = weighted.iter().map(Vec::as_slice).collect();
                 part.factor.absorb_columns(&slices);
-                continue;
             }
-            let weighted: Vec<Vec<f64>> = slices
-                .iter()
-                .map(|series| weigh(series, row_factors, keep.as_deref()))
-                .collect();
-            let slices: Vec<&[f64]> = weighted.iter().map(Vec::as_slice).collect();
-            part.factor.absorb_columns(&slices);
-        }
-    });
+        },
+    );
     parts.into_iter().flatten().collect()
 }
 
-fn mixed(
-    request: &Request<'_>,
-    weights: &DMatrix<f64>,
-    recording: usize,
-    task: &Task<'_>,
-) -> Part {
+fn mixed(request: &Request<'_>, weights: &DMatrix<f64>, recording: usize, task: &Task<'_>) -> Part {
     let order = request.columns.len() + 1;
     let mut part = Part {
         channel: 0,
         columns: (0..request.columns.len()).collect(),
         factor: Triangular::new(order),
     };
-    visit(request.model, request.values, request.columns, task, |block| {
-        let rows = block.range.len();
-        let keep = block.counting();
-        let active: Vec<usize> = (0..weights.nrows())
-            .filter(|&c| request.model.channels()[c].active)
-            .collect();
-        let residuals: Vec<Vec<f64>> = (0..weights.nrows()).map(|c| difference(block, c)).collect();
-        for &row in &active {
-            let mut columns = vec![vec![0.0; rows]; order];
-            for &c in active.iter().filter(|&&c| weights[(row, c)] != 0.0) {
-                let weight = weights[(row, c)];
-                let factors = factors_of(request, recording, c, block);
-                let add = |to: &mut Vec<f64>, from: &[f64]| {
-                    for (k, (to, x)) in to.iter_mut().zip(from).enumerate() {
-                        *to += weight * factors.map_or(1.0, |f| f[k]) * x;
+    visit(
+        request.model,
+        request.values,
+        request.columns,
+        task,
+        |block| {
+            let rows = block.range.len();
+            let keep = block.counting();
+            let active: Vec<usize> = (0..weights.nrows())
+                .filter(|&c| request.model.channels()[c].active)
+                .collect();
+            let residuals: Vec<Vec<f64>> =
+                (0..weights.nrows()).map(|c| difference(block, c)).collect();
+            for &row in &active {
+                let mut columns = vec![vec![0.0; rows]; order];
+                for &c in active.iter().filter(|&&c| weights[(row, c)] != 0.0) {
+                    let weight = weights[(row, c)];
+                    let factors = factors_of(request, recording, c, block);
+                    let add = |to: &mut Vec<f64>, from: &[f64]| {
+                        for (k, (to, x)) in to.iter_mut().zip(from).enumerate() {
+                            *to += weight * factors.map_or(1.0, |f| f[k]) * x;
+                        }
+                    };
+                    for k in 0..request.columns.len() {
+                        if let Some(series) = block.derivative(c, k) {
+                            add(&mut columns[k], series);
+                        }
                     }
-                };
-                for k in 0..request.columns.len() {
-                    if let Some(series) = block.derivative(c, k) {
-                        add(&mut columns[k], series);
-                    }
+                    add(&mut columns[order - 1], &residuals[c]);
                 }
-                add(&mut columns[order - 1], &residuals[c]);
+                let kept: Vec<Vec<f64>> = match &keep {
+                    None => columns,
+                    Some(keep) => columns.iter().map(|s| weigh(s, None, Some(keep))).collect(),
+                };
+                let slices: Vec<&[f64]> = kept.iter().map(Vec::as_slice).collect();
+                part.factor.absorb_columns(&slices);
             }
-            let kept: Vec<Vec<f64>> = match &keep {
-                None => columns,
-                Some(keep) => columns.iter().map(|s| weigh(s, None, Some(keep))).collect(),
-            };
-            let slices: Vec<&[f64]> = kept.iter().map(Vec::as_slice).collect();
-            part.factor.absorb_columns(&slices);
-        }
-    });
+        },
+    );
     part
 }
 
@@ -205,11 +219,7 @@ fn factors_of<'a>(
 }
 
 /// The rows that count, each times its factor.
-fn weigh(
-    series: &[f64],
-    factors: Option<&[f64]>,
-    keep: Option<&[bool]>,
-) -> Vec<f64> {
+fn weigh(series: &[f64], factors: Option<&[f64]>, keep: Option<&[bool]>) -> Vec<f64> {
     let kept = (0..series.len()).filter(|&k| keep.is_none_or(|keep| keep[k]));
     kept.map(|k| factors.map_or(1.0, |f| f[k]) * series[k])
         .collect()

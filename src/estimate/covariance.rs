@@ -1,49 +1,48 @@
 //! Covariance of the estimate when the residuals are coloured and correlated across channels:
 //!
-//! `C = A⁻¹ (Σ_kl X_kᵀ Γ_{k−l} X_l + PᵀP) A⁻¹`,   `A = XᵀX + PᵀP`
+//! `C = A⁻¹ (M + PᵀP) A⁻¹`,   `A = XᵀX + PᵀP`,   `M = Σ_f X(f)ᴴ S(f) X(f)`
 //!
-//! with the weighted derivatives X, the prior's rows P and the autocovariance Γ of the weighted residuals.
-//! Γ is that of an autoregression per channel whose innovations are correlated across channels, so the
-//! middle is `Σ_k X̃_kᵀ S X̃_k` with X̃ the columns filtered by 1/A(z) and S the covariance of the
-//! innovations (the sandwich of Newey and West 1987 with a parametric spectrum, as den Haan and Levin 1997).
+//! with the weighted derivatives X, the prior's rows P and the spectral matrix S(f) of the weighted
+//! residuals: the sandwich of Newey and West (1987) with a smoothed spectrum in place of a truncated
+//! autocovariance (Robinson 1983). Residuals are smaller than noise where the fit follows it; their power
+//! is divided by 1 − h(f), h the leverage `diag(X(f) A⁻¹ X(f)ᴴ)`, smoothed alike.
 
-use crate::estimate::noise::{ResidualSeries, colour};
+use crate::chain::dataset::Prepared;
+use crate::estimate::noise::ResidualSeries;
 use crate::estimate::problem::FitProblem;
 use crate::estimate::rows::{Task, visit};
-use crate::stats::autoregression::Autoregression;
-use nalgebra::{Cholesky, DMatrix, DVector};
+use crate::estimate::spectrum::{SEGMENT, Spectrum, Transform};
+use nalgebra::{Complex, DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Covariance of the unknowns at the optimum x, from the residuals there.
+/// Covariance of the unknowns at the optimum x.
 ///
 /// `None` where the derivatives do not determine all unknowns.
-pub fn of_unknowns(
-    problem: &FitProblem<'_>,
-    x: &DVector<f64>,
-    residuals: &ResidualSeries,
-) -> Option<DMatrix<f64>> {
+pub fn of_unknowns(problem: &FitProblem<'_>, x: &DVector<f64>) -> Option<DMatrix<f64>> {
     let count = x.len();
     let whole = problem.factor(x).matrix();
     let triangular = whole.view((0, 0), (count, count)).into_owned();
     let inverse = triangular.solve_upper_triangular(&DMatrix::identity(count, count))?;
     let bread = &inverse * inverse.transpose();
-    let weighted = weigh(problem, residuals);
-    let channels = weighted.first().map_or(0, Vec::len);
-    let colours = colour(&weighted, channels);
-    let innovations = innovation_covariance(&colours, &weighted, count);
+    let residuals = problem.counted_residuals(x);
+    let weighted = weigh(problem, &residuals);
     let values = problem.parameters(x);
-    let middles: Vec<DMatrix<f64>> = (0..problem.recordings.len())
-        .into_par_iter()
-        .map(|recording| middle(problem, &values, (recording, &colours, &innovations)))
-        .collect();
     let mut meat = DMatrix::zeros(count, count);
-    for part in middles {
-        meat += part;
+    for (index, recording) in problem.recordings.iter().enumerate() {
+        let part = Part {
+            problem,
+            values: &values,
+            recording,
+            index,
+            residuals: &weighted[index],
+        };
+        meat += part.middle(&inverse);
     }
-    for i in 0..count {
-        for j in 0..count {
-            let (p, q) = (problem.unknowns.positions()[i], problem.unknowns.positions()[j]);
-            meat[(i, j)] += problem.prior.rows().column(p).dot(&problem.prior.rows().column(q));
+    let positions = problem.unknowns.positions();
+    for (i, &p) in positions.iter().enumerate() {
+        for (j, &q) in positions.iter().enumerate() {
+            let rows = problem.prior.rows();
+            meat[(i, j)] += rows.column(p).dot(&rows.column(q));
         }
     }
     let covariance = &bread * meat * &bread;
@@ -71,115 +70,163 @@ fn weigh(problem: &FitProblem<'_>, residuals: &ResidualSeries) -> ResidualSeries
     residuals.iter().enumerate().map(of).collect()
 }
 
-/// Covariance of the innovations across channels, corrected for the unknowns that the fit has spent.
-fn innovation_covariance(
-    colours: &[Autoregression],
-    residuals: &ResidualSeries,
-    unknowns: usize,
-) -> DMatrix<f64> {
-    let channels = colours.len();
-    let mut sum = DMatrix::zeros(channels, channels);
-    let mut rows = 0;
-    for series in residuals {
-        let white: Vec<Vec<f64>> = (0..channels).map(|c| colours[c].whiten(&series[c])).collect();
-        rows += series.first().map_or(0, Vec::len);
-        for i in 0..channels {
-            for j in 0..channels {
-                let products = white[i].iter().zip(&white[j]).map(|(a, b)| a * b);
-                sum[(i, j)] += products.sum::<f64>();
-            }
-        }
-    }
-    let total = (rows * channels) as f64;
-    let spent = total / (total - unknowns as f64).max(1.0);
-    sum * (spent / (rows as f64).max(1.0))
+/// One recording of the fit.
+struct Part<'a> {
+    problem: &'a FitProblem<'a>,
+    values: &'a DVector<f64>,
+    recording: &'a Prepared,
+    index: usize,
+    residuals: &'a [Vec<f64>],
 }
 
-/// `Σ_k X̃_kᵀ S X̃_k` of one recording.
-fn middle(
-    problem: &FitProblem<'_>,
-    values: &DVector<f64>,
-    (index, colours, innovations): (usize, &[Autoregression], &DMatrix<f64>),
-) -> DMatrix<f64> {
-    let recording = problem.recordings[index];
-    let columns = problem.unknowns.positions();
-    let (count, channels) = (columns.len(), colours.len());
-    let weights = problem.weights.matrix();
-    let task = Task {
-        recording,
-        range: 0..recording.rows(),
-    };
-    let mut filters: Vec<Shaping> = (0..channels * count)
-        .map(|k| Shaping::new(&colours[k / count]))
-        .collect();
-    // X̃ᵀ S X̃ = ‖root ᵀ X̃‖²; the root of a covariance that is not definite is that of its diagonal.
-    let root = match Cholesky::new(innovations.clone()) {
-        Some(factor) => factor.l(),
-        None => DMatrix::from_diagonal(&innovations.diagonal().map(f64::sqrt)),
-    };
-    let mut sum = DMatrix::zeros(count, count);
-    visit(problem.model, values, &columns, &task, |block| {
-        let rows = block.range.len();
-        let counts = block.counting();
-        let mut shaped = DMatrix::zeros(rows * channels, count);
-        for i in 0..channels {
-            for j in (0..channels).filter(|&j| weights[(i, j)] != 0.0) {
-                if !problem.model.channels()[j].active {
+impl Part<'_> {
+    /// `Σ_f X(f)ᴴ S(f) X(f)`; `inverse` is R⁻¹ with `A = RᵀR`.
+    fn middle(&self, inverse: &DMatrix<f64>) -> DMatrix<f64> {
+        let rows = self.recording.rows();
+        let length = rows.min(SEGMENT);
+        let transform = Transform::new(length);
+        let starts: Vec<usize> = (0..rows).step_by(length).collect();
+        let channels = self.residuals.len();
+        let frequencies = transform.frequencies() * starts.len();
+        let mut spectrum = Spectrum::new(frequencies, channels);
+        let leverages: Vec<Vec<Vec<f64>>> = starts
+            .par_iter()
+            .map(|&start| self.leverage(&transform, start, inverse))
+            .collect();
+        for (&start, leverage) in starts.iter().zip(&leverages) {
+            let end = rows.min(start + length);
+            let transformed: Vec<Vec<Complex<f64>>> = self
+                .residuals
+                .iter()
+                .map(|e| transform.of(&e[start..end]))
+                .collect();
+            for f in 0..transform.frequencies() {
+                let e: Vec<Complex<f64>> = transformed.iter().map(|series| series[f]).collect();
+                let cell = spectrum.cell(f as f64 / transform.frequencies() as f64);
+                spectrum.add(cell, transform.multiplicity(f), (&e, &leverage[f]));
+            }
+        }
+        let cells = (0..transform.frequencies())
+            .map(|f| spectrum.cell(f as f64 / transform.frequencies() as f64))
+            .collect::<Vec<_>>();
+        let roots = spectrum.roots();
+        let parts: Vec<DMatrix<f64>> = starts
+            .par_iter()
+            .map(|&start| self.shaped_gram(&transform, start, (&cells, &roots)))
+            .collect();
+        let count = inverse.nrows();
+        parts
+            .iter()
+            .fold(DMatrix::zeros(count, count), |sum, part| sum + part)
+    }
+
+    /// Weighted columns of a segment, transformed: `[channel][column][frequency]`, empty where absent.
+    fn columns(&self, transform: &Transform, start: usize) -> Vec<Vec<Vec<Complex<f64>>>> {
+        let problem = self.problem;
+        let positions = problem.unknowns.positions();
+        let weights = problem.weights.matrix();
+        let channels = weights.nrows();
+        let end = self.recording.rows().min(start + SEGMENT);
+        let mut series = vec![vec![Vec::new(); positions.len()]; channels];
+        let task = Task {
+            recording: self.recording,
+            range: start..end,
+        };
+        visit(problem.model, self.values, &positions, &task, |block| {
+            let counts = block.counting();
+            let at = block.start() - start;
+            for i in 0..channels {
+                for j in (0..channels).filter(|&j| weights[(i, j)] != 0.0) {
+                    if !problem.model.channels()[j].active {
+                        continue;
+                    }
+                    let factors = problem.factors.as_ref().map(|f| &f[self.index][j]);
+                    for (k, column) in series[i].iter_mut().enumerate() {
+                        let Some(derivative) = block.derivative(j, k) else {
+                            continue;
+                        };
+                        column.resize(end - start, 0.0);
+                        for (row, x) in derivative.iter().enumerate() {
+                            let counted = counts.as_ref().is_none_or(|c| c[row]);
+                            let factor = factors.map_or(1.0, |f| f[block.start() + row]);
+                            if counted {
+                                column[at + row] += weights[(i, j)] * factor * x;
+                            }
+                        }
+                    }
+                }
+            }
+        });
+        let transformed = |columns: Vec<Vec<f64>>| {
+            let one = |column: Vec<f64>| {
+                if column.is_empty() {
+                    Vec::new()
+                } else {
+                    transform.of(&column)
+                }
+            };
+            columns.into_iter().map(one).collect()
+        };
+        series.into_iter().map(transformed).collect()
+    }
+
+    /// `diag(X(f) A⁻¹ X(f)ᴴ)` per frequency and channel.
+    fn leverage(
+        &self,
+        transform: &Transform,
+        start: usize,
+        inverse: &DMatrix<f64>,
+    ) -> Vec<Vec<f64>> {
+        let columns = self.columns(transform, start);
+        let (frequencies, count) = (transform.frequencies(), inverse.nrows());
+        let mut leverage = vec![vec![0.0; columns.len()]; frequencies];
+        for (c, channel) in columns.iter().enumerate() {
+            let present: Vec<usize> = (0..count).filter(|&k| !channel[k].is_empty()).collect();
+            // Rows: real and imaginary part of every frequency; X R⁻¹ row by row.
+            let mut rows = DMatrix::zeros(2 * frequencies, count);
+            for &k in &present {
+                for (f, z) in channel[k].iter().enumerate() {
+                    rows[(2 * f, k)] = z.re;
+                    rows[(2 * f + 1, k)] = z.im;
+                }
+            }
+            let projected = rows * inverse;
+            for (f, row) in leverage.iter_mut().enumerate() {
+                row[c] = projected.rows(2 * f, 2).norm_squared();
+            }
+        }
+        leverage
+    }
+
+    /// `Σ_f ‖L(f)ᴴ X(f)‖²` of one segment.
+    fn shaped_gram(
+        &self,
+        transform: &Transform,
+        start: usize,
+        (cells, roots): (&[usize], &[DMatrix<Complex<f64>>]),
+    ) -> DMatrix<f64> {
+        let columns = self.columns(transform, start);
+        let (channels, count) = (columns.len(), columns.first().map_or(0, Vec::len));
+        let frequencies = transform.frequencies();
+        let mut rows = DMatrix::zeros(2 * frequencies * channels, count);
+        for k in 0..count {
+            for (j, channel) in columns.iter().enumerate() {
+                if channel[k].is_empty() {
                     continue;
                 }
-                let factors = problem.factors.as_ref().map(|f| &f[index][j]);
-                for k in 0..count {
-                    let Some(series) = block.derivative(j, k) else { continue };
-                    for row in 0..rows {
-                        let factor = factors.map_or(1.0, |f| f[block.start() + row]);
-                        shaped[(row * channels + i, k)] += weights[(i, j)] * factor * series[row];
+                for (f, x) in channel[k].iter().enumerate() {
+                    let root = &roots[cells[f]];
+                    let weight = transform.multiplicity(f).sqrt();
+                    // L is lower triangular: row j of X meets columns i <= j of conj(L).
+                    for i in 0..=j {
+                        let shaped = root[(j, i)].conj() * x * Complex::new(weight, 0.0);
+                        let at = 2 * (f * channels + i);
+                        rows[(at, k)] += shaped.re;
+                        rows[(at + 1, k)] += shaped.im;
                     }
                 }
             }
         }
-        for k in 0..count {
-            for i in 0..channels {
-                for row in 0..rows {
-                    let value = &mut shaped[(row * channels + i, k)];
-                    if counts.as_ref().is_some_and(|c| !c[row]) {
-                        *value = 0.0;
-                    }
-                    *value = filters[i * count + k].next(*value);
-                }
-            }
-        }
-        for row in 0..rows {
-            let mut sample = shaped.rows_mut(row * channels, channels);
-            let mixed = root.tr_mul(&sample);
-            sample.copy_from(&mixed);
-        }
-        sum += shaped.tr_mul(&shaped);
-    });
-    sum
-}
-
-/// The filter 1/A(z), sample by sample.
-struct Shaping<'a> {
-    coefficients: &'a [f64],
-    /// The last outputs, newest first.
-    past: Vec<f64>,
-}
-
-impl<'a> Shaping<'a> {
-    fn new(colour: &'a Autoregression) -> Self {
-        Self {
-            coefficients: &colour.coefficients,
-            past: vec![0.0; colour.coefficients.len()],
-        }
-    }
-
-    fn next(&mut self, input: f64) -> f64 {
-        let fed_back: f64 = self.coefficients.iter().zip(&self.past).map(|(a, y)| a * y).sum();
-        let output = input + fed_back;
-        if let Some(last) = self.past.last_mut() {
-            *last = output;
-            self.past.rotate_right(1);
-        }
-        output
+        rows.tr_mul(&rows)
     }
 }

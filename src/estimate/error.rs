@@ -23,7 +23,9 @@ pub enum EstimateError {
          use `estimator = \"feasible\"`, or bound what is determined"
     )]
     BoundOnCombination { name: String, expression: String },
-    #[error("the covariance of the residuals cannot be factorised; a channel is constant or two are the same")]
+    #[error(
+        "the covariance of the residuals cannot be factorised; a channel is constant or two are the same"
+    )]
     SingularResiduals,
     #[error(transparent)]
     Model(#[from] ModelError),

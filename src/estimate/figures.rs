@@ -1,10 +1,11 @@
 //! How well a model predicts recordings, channel by channel, and how much of the error is noise.
 
+use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::evaluate::{BLOCK, Evaluator, bodies};
 use crate::chain::model::{Model, Signal};
-use crate::chain::dataset::{Dataset, Prepared, Split};
 use crate::estimate::noise::predict;
 use crate::outcome::joint::JointFigures;
+use crate::recording::split::Split;
 use crate::robot::derivatives::Derivatives;
 use nalgebra::DVector;
 
@@ -171,9 +172,21 @@ fn motion_variance(model: &Model, values: &DVector<f64>, recording: &Prepared) -
         let state = [q.as_slice(), dq.as_slice(), ddq.as_slice()];
         derivatives.evaluate(model.tree(), &parameters, state);
         let parts = [
-            (&derivatives.position, &noise.position_sd, &derivatives.base[0]),
-            (&derivatives.velocity, &noise.velocity_sd, &derivatives.base[1]),
-            (&derivatives.mass, &noise.acceleration_sd, &derivatives.base[2]),
+            (
+                &derivatives.position,
+                &noise.position_sd,
+                &derivatives.base[0],
+            ),
+            (
+                &derivatives.velocity,
+                &noise.velocity_sd,
+                &derivatives.base[1],
+            ),
+            (
+                &derivatives.mass,
+                &noise.acceleration_sd,
+                &derivatives.base[2],
+            ),
         ];
         for (torque, deviation, base) in parts {
             let at_motors = coupling.tr_mul(&(torque * &coupling));

@@ -3,19 +3,19 @@
 //! | estimator | weights | transition speeds w |
 //! |---|---|---|
 //! | ordinary | torque at joint scale counts the same on every channel | given, else 0 |
-//! | weighted | every channel by the deviation of its ordinary residual | given, else 0 |
+//! | weighted | every channel by the deviation of its residual, iterated | given, else 0 |
 //! | robust | as weighted, and every residual by Tukey's biweight | given, else 0 |
 //! | maximum likelihood | the inverse covariance of the residuals across channels, iterated | estimated |
 
-use crate::chain::model::Model;
+use crate::chain::dataset::{Dataset, Prepared};
+use crate::chain::model::{Channel, Model};
 use crate::chain::parameter::Role;
+use crate::chain::prior::Prior;
 use crate::estimate::covariance::of_unknowns;
-use crate::chain::dataset::{Dataset, Prepared, Split};
 use crate::estimate::error::EstimateError;
 use crate::estimate::figures::{Predictions, figures, predictions};
-use crate::estimate::noise::{ResidualSeries, counting_rows, residuals, row_covariance};
+use crate::estimate::noise::{ResidualSeries, counting_rows, row_covariance};
 use crate::estimate::physical::{Estimated, report};
-use crate::chain::prior::Prior;
 use crate::estimate::problem::FitProblem;
 use crate::estimate::realization;
 use crate::estimate::unknowns::Unknowns;
@@ -27,6 +27,7 @@ use crate::problem::form::{Form, Structure};
 use crate::problem::solution::{Control, Solution};
 use crate::problem::view::LeastSquares;
 use crate::problem::{Problem, bounds};
+use crate::recording::split::Split;
 use crate::solve::{levenberg_marquardt, linear};
 use crate::stats::distribution::Distribution;
 use crate::stats::robust::{TUKEY_THRESHOLD, mad_scale, tukey_weight};
@@ -57,7 +58,17 @@ pub struct Fitted {
 const MAX_ROUNDS: usize = 20;
 
 /// Reweighting ends when no unknown moves by more than this share of its standard deviation.
-const ROUND_TOLERANCE: f64 = 1e-3;
+const ROUND_TOLERANCE: f64 = 1e-2;
+
+/// Share of the cost that a search may leave. The cost is half the number of residuals, and half a unit of
+/// it is a standard deviation: for 1e6 residuals the search ends within 0.03 of one.
+const COST_TOLERANCE: f64 = 1e-9;
+
+/// Iterations after which a search has failed.
+const ITERATION_LIMIT: usize = 200;
+
+/// Iterations between two estimates of the covariance: both converge together.
+const ITERATIONS_PER_ROUND: usize = 5;
 
 /// Fits a model to the training recordings of a dataset.
 pub fn fit(
@@ -73,8 +84,12 @@ pub fn fit(
     }
     let unknowns = Unknowns::find(&model, data, prior);
     check_counts(&model, &unknowns, &recordings)?;
-    let (solution, problem) =
-        minimise(&model, &unknowns, (&recordings, prior), (estimator, control))?;
+    let (solution, problem) = minimise(
+        &model,
+        &unknowns,
+        (&recordings, prior),
+        (estimator, control),
+    )?;
     Ok(outcome(&problem, &solution, data))
 }
 
@@ -121,32 +136,49 @@ fn minimise<'a>(
     (estimator, control): (Estimator, &Control<'_>),
 ) -> Result<(Solution, FitProblem<'a>), EstimateError> {
     let ordinary = FitProblem::new(model, unknowns, training, ordinary_weights(model));
-    let first = solve(&ordinary, &ordinary.start(), control)?;
+    let first = solve(&ordinary, &ordinary.start(), (ITERATION_LIMIT, control))?;
     if estimator == Estimator::Ordinary {
         let scale = residual_deviation(&ordinary, &first);
-        let weights = ordinary.weights.matrix().diagonal() / scale;
-        let scaled = FitProblem::new(model, unknowns, training, Weights::PerChannel(weights));
-        return Ok((first, scaled));
+        let scaled = ordinary.weights.scaled(1.0 / scale);
+        let problem = FitProblem::new(model, unknowns, training, scaled);
+        return Ok((first, problem));
     }
     let covariance = covariance_at(&ordinary, &first.x);
     let deviations: Vec<f64> = covariance.diagonal().iter().map(|v| v.sqrt()).collect();
-    let weighted = FitProblem::new(model, unknowns, training, Weights::by_deviation(&deviations));
-    let second = solve(&weighted, &first.x, control)?;
+    let weighted = FitProblem::new(
+        model,
+        unknowns,
+        training,
+        Weights::by_deviation(&deviations),
+    );
+    let second = solve(&weighted, &first.x, (ITERATIONS_PER_ROUND, control))?;
     match estimator {
         Estimator::Robust => robust(weighted, second, control),
-        Estimator::MaximumLikelihood => likelihood(weighted, second, control),
-        _ => Ok((second, weighted)),
+        _ => reweighted(weighted, second, (estimator, control)),
     }
 }
 
-/// One weight for torque on all joints: currents count by their torque constants.
+/// One weight for the torque of every joint: currents count by their torque constants, and torques of
+/// coupled motors as those of the joints that they move, `τ = V⁻ᵀ τ_M`.
 fn ordinary_weights(model: &Model) -> Weights {
-    let of = |c: &crate::chain::model::Channel| match c.joint {
+    let of = |c: &Channel| match c.joint {
         Some(j) if c.active => model.joints()[j].torque_constant.abs(),
         _ => 1.0,
     };
-    let factors = model.channels().iter().map(of);
-    Weights::PerChannel(DVector::from_iterator(model.channels().len(), factors))
+    let channels = model.channels();
+    let factors = DVector::from_iterator(channels.len(), channels.iter().map(of));
+    let torques = channels.iter().filter(|c| c.joint.is_some()).count();
+    let coupling = model.coupling(&model.values());
+    match coupling.transpose().try_inverse() {
+        Some(to_joints) if !model.is_uncoupled() && torques > 0 => {
+            let mut whole = DMatrix::identity(channels.len(), channels.len());
+            whole
+                .view_mut((0, 0), (torques, torques))
+                .copy_from(&to_joints);
+            Weights::Full(whole * DMatrix::from_diagonal(&factors))
+        }
+        _ => Weights::PerChannel(factors),
+    }
 }
 
 /// Standard deviation of the weighted residual over all channels.
@@ -161,22 +193,27 @@ fn residual_deviation(problem: &FitProblem<'_>, solution: &Solution) -> f64 {
 }
 
 fn covariance_at(problem: &FitProblem<'_>, x: &DVector<f64>) -> DMatrix<f64> {
-    let series = residuals(problem.model, &problem.parameters(x), problem.recordings);
-    row_covariance(problem.model, &series, (problem.recordings, x.len()))
+    row_covariance(problem.model, &problem.counted_residuals(x), x.len())
 }
 
 fn solve(
     problem: &FitProblem<'_>,
     start: &DVector<f64>,
-    control: &Control<'_>,
+    (max_iterations, control): (usize, &Control<'_>),
 ) -> Result<Solution, EstimateError> {
     let view = LeastSquares::try_from(problem as &dyn Problem)?;
     if problem.form().structure == Structure::Affine {
         let solved = linear::solve(view, start, &linear::Settings::default())?;
         return Ok(solved.solution);
     }
-    let settings = levenberg_marquardt::Settings::default();
-    Ok(levenberg_marquardt::minimize(view, start, &settings, control)?)
+    let settings = levenberg_marquardt::Settings {
+        cost_tolerance: COST_TOLERANCE,
+        max_iterations,
+        ..levenberg_marquardt::Settings::default()
+    };
+    Ok(levenberg_marquardt::minimize(
+        view, start, &settings, control,
+    )?)
 }
 
 /// Iteratively reweighted least squares: Tukey's biweight of every residual over its channel's robust scale.
@@ -186,10 +223,9 @@ fn robust<'a>(
     control: &Control<'_>,
 ) -> Result<(Solution, FitProblem<'a>), EstimateError> {
     for _ in 0..MAX_ROUNDS {
-        let values = problem.parameters(&solution.x);
-        let series = residuals(problem.model, &values, problem.recordings);
+        let series = problem.counted_residuals(&solution.x);
         problem = problem.with_factors(biweights(&series));
-        let next = solve(&problem, &solution.x, control)?;
+        let next = solve(&problem, &solution.x, (ITERATION_LIMIT, control))?;
         let settled = settled(&problem, &solution.x, &next.x);
         solution = accumulate(solution, next);
         if settled {
@@ -204,7 +240,8 @@ fn biweights(series: &ResidualSeries) -> RowFactors {
     let channels = series.first().map_or(0, Vec::len);
     let scales: Vec<f64> = (0..channels)
         .map(|c| {
-            let all: Vec<f64> = series.iter().flat_map(|r| r[c].iter().copied()).collect();
+            let moving = series.iter().flat_map(|r| r[c].iter().copied());
+            let all: Vec<f64> = moving.filter(|e| *e != 0.0).collect();
             mad_scale(&all).filter(|s| *s > 0.0).unwrap_or(1.0)
         })
         .collect();
@@ -218,23 +255,28 @@ fn biweights(series: &ResidualSeries) -> RowFactors {
     series.iter().map(of).collect()
 }
 
-/// Maximum likelihood with an unknown covariance: the covariance of the residuals and the optimum under
-/// it, in turn, until neither changes.
-fn likelihood<'a>(
+/// Weights and optimum in turn until neither changes: the deviations of the residuals, or for maximum
+/// likelihood with an unknown covariance all of it.
+fn reweighted<'a>(
     mut problem: FitProblem<'a>,
     mut solution: Solution,
-    control: &Control<'_>,
+    (estimator, control): (Estimator, &Control<'_>),
 ) -> Result<(Solution, FitProblem<'a>), EstimateError> {
     for _ in 0..MAX_ROUNDS {
-        problem.weights = Weights::by_covariance(&covariance_at(&problem, &solution.x))?;
-        let next = solve(&problem, &solution.x, control)?;
+        let covariance = covariance_at(&problem, &solution.x);
+        problem.weights = match estimator {
+            Estimator::MaximumLikelihood => Weights::by_covariance(&covariance)?,
+            _ => Weights::by_deviation(covariance.diagonal().map(f64::sqrt).as_slice()),
+        };
+        let next = solve(&problem, &solution.x, (ITERATIONS_PER_ROUND, control))?;
         let settled = settled(&problem, &solution.x, &next.x);
         solution = accumulate(solution, next);
         if settled || control.is_interrupted() {
             break;
         }
     }
-    Ok((solution, problem))
+    let last = solve(&problem, &solution.x, (ITERATION_LIMIT, control))?;
+    Ok((accumulate(solution, last), problem))
 }
 
 fn settled(problem: &FitProblem<'_>, before: &DVector<f64>, after: &DVector<f64>) -> bool {
@@ -256,9 +298,8 @@ fn accumulate(before: Solution, after: Solution) -> Solution {
 fn outcome(problem: &FitProblem<'_>, solution: &Solution, data: &Dataset) -> Fitted {
     let (model, unknowns) = (problem.model, problem.unknowns);
     let values = problem.parameters(&solution.x);
-    let series = residuals(model, &values, problem.recordings);
     let count = solution.x.len();
-    let covariance = of_unknowns(problem, &solution.x, &series)
+    let covariance = of_unknowns(problem, &solution.x)
         .unwrap_or_else(|| DMatrix::from_diagonal_element(count, count, f64::INFINITY));
     let from_prior = determined_by_prior(problem, data);
     let at_bound: Vec<usize> = (0..count)
@@ -276,7 +317,11 @@ fn outcome(problem: &FitProblem<'_>, solution: &Solution, data: &Dataset) -> Fit
     let predicted = predictions(model, &values, data);
     let member = realization::find(model, unknowns, &values);
     let factor = Triangular::of(
-        &problem.factor(&solution.x).matrix().columns(0, count).into_owned(),
+        &problem
+            .factor(&solution.x)
+            .matrix()
+            .columns(0, count)
+            .into_owned(),
     );
     let fit = Fit {
         base_parameters: base_parameters(problem, &solution.x, &covariance),
@@ -330,9 +375,7 @@ fn determined_by_prior(problem: &FitProblem<'_>, data: &Dataset) -> Vec<usize> {
         .filter(|&k| {
             let same = alone.base.base.iter().find(|b| b.parameter == positions[k]);
             !kept.contains(&positions[k])
-                || same.is_some_and(|b| {
-                    b.others.len() > problem.unknowns.base.base[k].others.len()
-                })
+                || same.is_some_and(|b| b.others.len() > problem.unknowns.base.base[k].others.len())
         })
         .collect()
 }
@@ -394,9 +437,11 @@ fn posterior(problem: &FitProblem<'_>, x: &DVector<f64>, covariance: &DMatrix<f6
 
 /// Inertial parameters of a member of the class, by their raw names.
 fn named(model: &Model, values: &DVector<f64>) -> Vec<Realized> {
-    let inertial = model.parameters().iter().enumerate().filter(|(_, p)| {
-        matches!(p.role, Role::Inertial { .. } | Role::Payload { .. })
-    });
+    let inertial = model
+        .parameters()
+        .iter()
+        .enumerate()
+        .filter(|(_, p)| matches!(p.role, Role::Inertial { .. } | Role::Payload { .. }));
     inertial
         .map(|(k, p)| Realized {
             name: p.name.clone(),

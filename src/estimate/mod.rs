@@ -10,5 +10,8 @@ pub mod physical;
 pub mod problem;
 pub mod realization;
 mod rows;
+mod spectrum;
+pub mod standstill;
+pub mod task;
 pub mod unknowns;
 pub mod weights;

@@ -111,8 +111,8 @@ fn one(
         let none = Reported::undetermined(&quantity.name, &quantity.unit);
         return (none.described(&quantity.description), false);
     };
-    let known = Reported::known(&quantity.name, &quantity.unit, value)
-        .described(&quantity.description);
+    let known =
+        Reported::known(&quantity.name, &quantity.unit, value).described(&quantity.description);
     if from.is_empty() {
         return (known, false);
     }

@@ -1,9 +1,11 @@
 //! The fit as a problem: `½ ‖W (ŝ(x) − s)‖² + ½ ‖prior(x)‖²` over the unknowns x, which every solver takes.
 
-use crate::chain::model::Model;
-use crate::estimate::compress::{Request, factor, sum_of_squares};
 use crate::chain::dataset::Prepared;
+use crate::chain::model::Model;
 use crate::chain::prior::Prior;
+use crate::estimate::compress::{Request, factor, sum_of_squares};
+use crate::estimate::noise::{ResidualSeries, residuals};
+use crate::estimate::standstill;
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::{RowFactors, Weights};
 use crate::linalg::triangular::Triangular;
@@ -20,6 +22,8 @@ pub struct FitProblem<'a> {
     pub prior: &'a Prior,
     pub weights: Weights,
     pub factors: Option<RowFactors>,
+    /// 0 where a joint stands still.
+    moving: Option<RowFactors>,
     form: Form,
     columns: Vec<usize>,
 }
@@ -32,6 +36,7 @@ impl<'a> FitProblem<'a> {
         weights: Weights,
     ) -> Self {
         let columns = unknowns.positions();
+        let moving = standstill::factors(model, recordings);
         let active = model.channels().iter().filter(|c| c.active).count();
         let rows: usize = recordings.iter().map(|r| r.rows() * active).sum();
         let linear = unknowns.base.base.len();
@@ -39,7 +44,8 @@ impl<'a> FitProblem<'a> {
             let parameter = &model.parameters()[p];
             let variable = Variable::free(&parameter.name, &parameter.unit).scale(parameter.scale);
             // A bound on one parameter says nothing about a combination that it leads.
-            if k >= linear || unknowns.base.base[k].others.is_empty() {
+            let alone = k >= linear || unknowns.base.base[k].others.is_empty();
+            if alone && parameter.keeps_limits() {
                 variable.within(parameter.lower, parameter.upper)
             } else {
                 variable
@@ -63,15 +69,32 @@ impl<'a> FitProblem<'a> {
             recordings,
             prior,
             weights,
-            factors: None,
+            factors: moving.clone(),
+            moving,
             columns,
         }
     }
 
-    /// The same fit with the residuals of single rows weighted.
-    pub fn with_factors(mut self, factors: RowFactors) -> Self {
+    /// The same fit with the residuals of single rows weighted, beside leaving out standstill.
+    pub fn with_factors(mut self, mut factors: RowFactors) -> Self {
+        if let Some(moving) = &self.moving {
+            for (series, moving) in factors.iter_mut().flatten().zip(moving.iter().flatten()) {
+                series.iter_mut().zip(moving).for_each(|(f, m)| *f *= m);
+            }
+        }
         self.factors = Some(factors);
         self
+    }
+
+    /// Residuals `ŝ − s` at x, zero where rows are left out.
+    pub fn counted_residuals(&self, x: &DVector<f64>) -> ResidualSeries {
+        let mut series = residuals(self.model, &self.parameters(x), self.recordings);
+        if let Some(moving) = &self.moving {
+            for (series, moving) in series.iter_mut().flatten().zip(moving.iter().flatten()) {
+                series.iter_mut().zip(moving).for_each(|(e, m)| *e *= m);
+            }
+        }
+        series
     }
 
     /// Values of all parameters of the model at the unknowns x; parameters that base parameters stand for

@@ -15,11 +15,11 @@ use crate::chain::parameter::Role;
 use crate::estimate::unknowns::Unknowns;
 use crate::linalg::svec::svec;
 use crate::problem::form::{Constraint, Form, Objective, Set, Structure, Variable};
+use crate::problem::solution::Control;
 use crate::problem::view::ConeProgram;
 use crate::problem::{Linearization, OutsideDomain, Problem, SquareRoot, Values};
 use crate::robot::inertia::{Inertia, PER_LINK};
 use crate::solve::conic::{self, Settings};
-use crate::problem::solution::Control;
 use nalgebra::{DMatrix, DVector, Matrix4, SymmetricEigen};
 
 /// Length unit of the scaled pseudo-inertias, m: a typical radius of gyration of robot links.
@@ -55,11 +55,7 @@ fn bodies(model: &Model) -> Vec<usize> {
 
 /// Finds the member that is possible and closest to the reference (the robot file's bodies); `None`
 /// where no body is unknown or the solver fails.
-pub fn find(
-    model: &Model,
-    unknowns: &Unknowns,
-    values: &DVector<f64>,
-) -> Option<Realization> {
+pub fn find(model: &Model, unknowns: &Unknowns, values: &DVector<f64>) -> Option<Realization> {
     let bodies = bodies(model);
     if bodies.is_empty() {
         return None;
@@ -67,7 +63,9 @@ pub fn find(
     let class = Class::new(model, unknowns, values, &bodies);
     let margin = class.largest_margin()?;
     let chosen = if margin > 0.0 {
-        class.closest(0.5 * margin).or_else(|| class.most_interior())?
+        class
+            .closest(0.5 * margin)
+            .or_else(|| class.most_interior())?
     } else {
         class.most_interior()?
     };
@@ -211,7 +209,10 @@ impl<'a> Class<'a> {
             }
         }
         // Distance in the scaled pseudo-inertias, so that masses and inertias count alike.
-        let stacked = self.bodies.iter().flat_map(|&first| scaled_rows(&self.reference, first));
+        let stacked = self
+            .bodies
+            .iter()
+            .flat_map(|&first| scaled_rows(&self.reference, first));
         let target = DVector::from_iterator(self.constant.len(), stacked);
         let program = Bodies {
             form: self.form(

@@ -1,9 +1,9 @@
 //! Rows of a recording, block by block: predicted and recorded signal and the derivatives, after the
 //! filter that runs over signal and model alike, if the recording has one.
 
+use crate::chain::dataset::Prepared;
 use crate::chain::evaluate::{BLOCK, Block, Evaluator};
 use crate::chain::model::Model;
-use crate::chain::dataset::Prepared;
 use nalgebra::DVector;
 use std::ops::Range;
 

@@ -2,12 +2,13 @@
 //! nonlinear parameters.
 
 use crate::chain::base_parameters::{BaseParameter, BaseParameters, scan_order};
+use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
-use crate::estimate::compress::{Request, factor};
-use crate::chain::dataset::{Dataset, Prepared, Split};
 use crate::chain::prior::Prior;
+use crate::estimate::compress::{Request, factor};
 use crate::estimate::weights::Weights;
 use crate::linalg::triangular::Triangular;
+use crate::recording::split::Split;
 use nalgebra::{DMatrix, DVector};
 
 /// Unknowns in the order of the estimate's variables.
@@ -68,7 +69,9 @@ impl Unknowns {
     /// Linear unknowns that enter no base parameter by themselves.
     pub fn undetermined(&self, model: &Model) -> Vec<usize> {
         let all = scan_order(model);
-        all.into_iter().filter(|&p| !self.base.determines(p)).collect()
+        all.into_iter()
+            .filter(|&p| !self.base.determines(p))
+            .collect()
     }
 }
 
@@ -83,7 +86,8 @@ fn of_motion(recorded: &Triangular, columns: &[usize], prior: &Prior) -> BasePar
     }
     for (j, &parameter) in columns.iter().enumerate() {
         let column = prior.rows().column(parameter);
-        both.view_mut((count, j), (prior.len(), 1)).copy_from(&column);
+        both.view_mut((count, j), (prior.len(), 1))
+            .copy_from(&column);
     }
     BaseParameters::scan(&Triangular::of(&both), columns)
 }
@@ -93,11 +97,12 @@ fn compose(structural: &BaseParameters, moved: &BaseParameters) -> BaseParameter
     let of = |parameter: usize| structural.base.iter().find(|b| b.parameter == parameter);
     let base = moved.base.iter().map(|outer| {
         let mut others: Vec<(usize, f64)> = Vec::new();
-        let mut add = |parameter: usize, coefficient: f64| {
-            match others.iter_mut().find(|(p, _)| *p == parameter) {
-                Some((_, sum)) => *sum += coefficient,
-                None => others.push((parameter, coefficient)),
-            }
+        let mut add = |parameter: usize, coefficient: f64| match others
+            .iter_mut()
+            .find(|(p, _)| *p == parameter)
+        {
+            Some((_, sum)) => *sum += coefficient,
+            None => others.push((parameter, coefficient)),
         };
         if let Some(inner) = of(outer.parameter) {
             inner.others.iter().for_each(|&(p, c)| add(p, c));
@@ -105,7 +110,10 @@ fn compose(structural: &BaseParameters, moved: &BaseParameters) -> BaseParameter
         for &(parameter, coefficient) in &outer.others {
             add(parameter, coefficient);
             if let Some(inner) = of(parameter) {
-                inner.others.iter().for_each(|&(p, c)| add(p, coefficient * c));
+                inner
+                    .others
+                    .iter()
+                    .for_each(|&(p, c)| add(p, coefficient * c));
             }
         }
         BaseParameter {
@@ -119,9 +127,10 @@ fn compose(structural: &BaseParameters, moved: &BaseParameters) -> BaseParameter
         if let Some(inner) = of(parameter) {
             // What entered only together with it has no effect either, unless another base holds it.
             let held = |p: usize| {
-                moved.base.iter().any(|b| {
-                    of(b.parameter).is_some_and(|s| s.others.iter().any(|(q, _)| *q == p))
-                })
+                moved
+                    .base
+                    .iter()
+                    .any(|b| of(b.parameter).is_some_and(|s| s.others.iter().any(|(q, _)| *q == p)))
             };
             without_effect.extend(inner.others.iter().map(|(p, _)| *p).filter(|&p| !held(p)));
         }

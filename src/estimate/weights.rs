@@ -8,7 +8,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 pub enum Weights {
     /// W diagonal: one factor per channel.
     PerChannel(DVector<f64>),
-    /// W lower triangular: `WᵀW = Σ⁻¹` for the covariance Σ of a row.
+    /// W any matrix, such as `WᵀW = Σ⁻¹` for the covariance Σ of a row.
     Full(DMatrix<f64>),
 }
 
@@ -24,14 +24,21 @@ impl Weights {
 
     /// `W = L⁻¹` with `Σ = L Lᵀ`. Channels that are not active have unit variance in Σ.
     pub fn by_covariance(covariance: &DMatrix<f64>) -> Result<Self, EstimateError> {
-        let factor =
-            Cholesky::new(covariance.clone()).ok_or(EstimateError::SingularResiduals)?;
+        let factor = Cholesky::new(covariance.clone()).ok_or(EstimateError::SingularResiduals)?;
         let n = covariance.nrows();
         let inverse = factor
             .l()
             .solve_lower_triangular(&DMatrix::identity(n, n))
             .ok_or(EstimateError::SingularResiduals)?;
         Ok(Self::Full(inverse))
+    }
+
+    /// The same weights times a factor.
+    pub fn scaled(&self, factor: f64) -> Self {
+        match self {
+            Self::PerChannel(factors) => Self::PerChannel(factors * factor),
+            Self::Full(matrix) => Self::Full(matrix * factor),
+        }
     }
 
     /// W as a matrix.

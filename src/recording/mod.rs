@@ -14,6 +14,7 @@ pub mod period;
 pub mod periodic;
 pub mod settings;
 mod spectrum;
+pub mod split;
 pub mod table;
 pub mod timing;
 pub mod zero_phase;

@@ -1,6 +1,7 @@
 //! What the plots show: signals and residuals by recording and joint, thinned to what a page holds.
 
-use crate::outcome::predictions::{Predictions, Quantity, RecordingPredictions, Split};
+use crate::outcome::predictions::{Predictions, Quantity, RecordingPredictions};
+use crate::recording::split::Split;
 
 /// Most points of one line: about two for each pixel column of a plot.
 pub const LINE_POINTS: usize = 1200;

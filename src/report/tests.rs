@@ -12,10 +12,11 @@ use crate::outcome::folder::ResultFolder;
 use crate::outcome::input::Input;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::parameter::{Parameter, Source};
-use crate::outcome::predictions::{Block, PredictionsWriter, Quantity, Split};
+use crate::outcome::predictions::{Block, PredictionsWriter, Quantity};
 use crate::outcome::run::{Run, VERSION};
 use crate::outcome::simulation::{RealisedNoise, Simulation};
 use crate::outcome::{Outcome, PREDICTIONS_FILE, Part, RESULT_FILE};
+use crate::recording::split::Split;
 use crate::report::series::Series;
 use crate::report::{html, render, text};
 

@@ -16,29 +16,64 @@ pub enum SetupError {
     /// An earlier result that the problem file starts from.
     Earlier(OutcomeError),
     /// The problem file and the robot or the recordings do not fit together.
-    Mismatch { place: Place, kind: Mismatch },
+    Mismatch {
+        place: Place,
+        kind: Mismatch,
+    },
 }
 
 /// How the problem file and what it names do not fit together.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mismatch {
-    UnknownJoint { found: String, known: Vec<String> },
-    UnknownFrame { found: String, known: Vec<String> },
-    JointTwice { found: String },
-    JointMissing { missing: Vec<String> },
+    UnknownJoint {
+        found: String,
+        known: Vec<String>,
+    },
+    UnknownFrame {
+        found: String,
+        known: Vec<String>,
+    },
+    JointTwice {
+        found: String,
+    },
+    JointMissing {
+        missing: Vec<String>,
+    },
     AllLocked,
-    UnknownParameter { found: String, nearest: Option<String> },
-    OutOfBounds { found: f64, lower: f64, upper: f64 },
-    NeedsMass { found: String },
+    UnknownParameter {
+        found: String,
+        nearest: Option<String>,
+    },
+    OutOfBounds {
+        found: f64,
+        lower: f64,
+        upper: f64,
+    },
+    NeedsMass {
+        found: String,
+    },
     SingularCoupling,
-    CouplingSize { found: usize, expected: usize },
-    LockedCoupled { joint: String },
+    CouplingSize {
+        found: usize,
+        expected: usize,
+    },
+    LockedCoupled {
+        joint: String,
+    },
     NeedsTorqueConstant,
     NeedsRatio,
-    NotYet { what: String, instead: String },
+    NotYet {
+        what: String,
+        instead: String,
+    },
     NotAFit,
-    Impossible { link: String, eigenvalue: f64 },
-    Unreachable { what: String },
+    Impossible {
+        link: String,
+        eigenvalue: f64,
+    },
+    Unreachable {
+        what: String,
+    },
 }
 
 impl SetupError {
@@ -150,7 +185,9 @@ fn of_values(kind: &Mismatch) -> Description {
         ),
         Mismatch::NeedsMass { found } => Description::new(
             "parameter-needs-mass",
-            format!("`{found}` cannot be given alone: torques are linear in mass times centre of mass and in inertia about the link's origin"),
+            format!(
+                "`{found}` cannot be given alone: torques are linear in mass times centre of mass and in inertia about the link's origin"
+            ),
             "give the link's mass too (and for an inertia its centre of mass)",
         ),
         Mismatch::SingularCoupling => Description::new(
@@ -173,9 +210,11 @@ fn of_values(kind: &Mismatch) -> Description {
             "the recordings are of the motor's side, and no ratio leads to the joint's",
             "set `drive.ratio`, motor turns per joint turn",
         ),
-        Mismatch::NotYet { what, instead } => {
-            Description::new("not-available", format!("{what} is not available here"), instead)
-        }
+        Mismatch::NotYet { what, instead } => Description::new(
+            "not-available",
+            format!("{what} is not available here"),
+            instead,
+        ),
         Mismatch::NotAFit => Description::new(
             "not-a-fit",
             "the earlier result is not that of a fit",
@@ -183,7 +222,9 @@ fn of_values(kind: &Mismatch) -> Description {
         ),
         Mismatch::Impossible { link, eigenvalue } => Description::new(
             "impossible-inertia",
-            format!("no body has the inertial parameters of link `{link}`: its pseudo-inertia has the eigenvalue {eigenvalue:.3e}"),
+            format!(
+                "no body has the inertial parameters of link `{link}`: its pseudo-inertia has the eigenvalue {eigenvalue:.3e}"
+            ),
             "correct mass and inertia in the robot file (principal moments obey the triangle inequality), or use `inertials = \"estimate\"`",
         ),
         Mismatch::Unreachable { what } => Description::new(

@@ -96,7 +96,10 @@ fn at(place: &Place, error: ModelError) -> SetupError {
 }
 
 fn to_effects(listed: &[Located<String>]) -> Vec<&'static Effect> {
-    listed.iter().filter_map(|id| effect::find(&id.value)).collect()
+    listed
+        .iter()
+        .filter_map(|id| effect::find(&id.value))
+        .collect()
 }
 
 fn effects_of_joints(
@@ -321,11 +324,7 @@ pub fn fix_all(model: &mut Model, given: &[Named<f64>]) -> Result<(), SetupError
 }
 
 /// Fixes the raw parameters that the given quantities determine; the error is the quantity that needs more.
-fn fix_body(
-    model: &mut Model,
-    first: usize,
-    given: &[(BodyQuantity, f64)],
-) -> Result<(), String> {
+fn fix_body(model: &mut Model, first: usize, given: &[(BodyQuantity, f64)]) -> Result<(), String> {
     let current = Inertia(std::array::from_fn(|k| model.parameters()[first + k].value));
     let body = names::with_quantities(&current, given);
     let known = |model: &Model, k: usize| !model.parameters()[first + k].is_free();
@@ -337,11 +336,9 @@ fn fix_body(
     for &(quantity, _) in given {
         let (raw, determined, name) = match quantity {
             BodyQuantity::Mass => (0, true, "mass".to_string()),
-            BodyQuantity::Centre(axis) => (
-                1 + axis,
-                mass,
-                format!("com_{}", ["x", "y", "z"][axis]),
-            ),
+            BodyQuantity::Centre(axis) => {
+                (1 + axis, mass, format!("com_{}", ["x", "y", "z"][axis]))
+            }
             BodyQuantity::Inertia(a, b) => {
                 let axes: Vec<usize> = if a == b {
                     (0..3).filter(|&k| k != a).collect()

@@ -34,7 +34,10 @@ pub fn body_quantity(name: &str) -> Option<BodyQuantity> {
     if let Some(letter) = name.strip_prefix("com_") {
         let mut letters = letter.chars();
         let found = axis(letters.next()?)?;
-        return letters.next().is_none().then_some(BodyQuantity::Centre(found));
+        return letters
+            .next()
+            .is_none()
+            .then_some(BodyQuantity::Centre(found));
     }
     let mut letters = name.strip_prefix("inertia_")?.chars();
     let (a, b) = (axis(letters.next()?)?, axis(letters.next()?)?);
@@ -78,8 +81,16 @@ pub fn nearest(model: &Model, name: &str) -> Option<String> {
     let bodies = model.tree().joints().iter().map(|j| j.link.clone());
     let payload = model.payload().map(|_| "payload".to_string());
     let quantities = bodies.chain(payload).flat_map(|body| {
-        ["mass", "com_x", "com_y", "com_z", "inertia_xx", "inertia_yy", "inertia_zz"]
-            .map(|quantity| format!("{body}.{quantity}"))
+        [
+            "mass",
+            "com_x",
+            "com_y",
+            "com_z",
+            "inertia_xx",
+            "inertia_yy",
+            "inertia_zz",
+        ]
+        .map(|quantity| format!("{body}.{quantity}"))
     });
     effects
         .chain(quantities)
@@ -122,7 +133,10 @@ mod tests {
     fn quantities_of_bodies_are_read_as_they_are_reported() {
         assert_eq!(body_quantity("mass"), Some(BodyQuantity::Mass));
         assert_eq!(body_quantity("com_y"), Some(BodyQuantity::Centre(1)));
-        assert_eq!(body_quantity("inertia_xz"), Some(BodyQuantity::Inertia(0, 2)));
+        assert_eq!(
+            body_quantity("inertia_xz"),
+            Some(BodyQuantity::Inertia(0, 2))
+        );
         for wrong in ["inertia_zx", "com_w", "com_xx", "inertia_x", "weight"] {
             assert_eq!(body_quantity(wrong), None, "{wrong}");
         }
@@ -135,7 +149,9 @@ mod tests {
             centre: Vector3::new(0.1, 0.2, 0.3),
             tensor: Matrix3::from_diagonal(&Vector3::new(0.1, 0.2, 0.25)),
         });
-        let heavier = with_quantities(&body, &[(BodyQuantity::Mass, 3.0)]).central().unwrap();
+        let heavier = with_quantities(&body, &[(BodyQuantity::Mass, 3.0)])
+            .central()
+            .unwrap();
         assert!((heavier.mass - 3.0).abs() < 1e-15);
         assert!((heavier.centre - Vector3::new(0.1, 0.2, 0.3)).norm() < 1e-15);
         assert!((heavier.tensor[(1, 1)] - 0.2).abs() < 1e-15);

@@ -21,7 +21,11 @@ pub fn build(problem: &ProblemFile, model: &mut Model) -> Result<Prior, SetupErr
         let Part::Fit(fit) = &earlier.part else {
             return Err(SetupError::mismatch(&path.place, Mismatch::NotAFit));
         };
-        take_values(model, &fit.posterior, problem.robot.inertials.value == Inertials::Known);
+        take_values(
+            model,
+            &fit.posterior,
+            problem.robot.inertials.value == Inertials::Known,
+        );
         prior = prior.and(from_posterior(model, &fit.posterior));
     }
     let single = single_values(problem, model)?;
@@ -33,7 +37,11 @@ fn take_values(model: &mut Model, posterior: &Posterior, known: bool) {
     for combination in &posterior.combinations {
         for (position, term) in combination.terms.iter().enumerate() {
             // The first term of a combination carries its value; what it stands for is zero.
-            let value = if position == 0 { combination.value } else { 0.0 };
+            let value = if position == 0 {
+                combination.value
+            } else {
+                0.0
+            };
             let Ok(parameter) = model.find(&term.parameter) else {
                 continue;
             };

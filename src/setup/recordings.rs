@@ -6,13 +6,14 @@
 //! position_side = "link"    m = V⁻¹ (q_enc − offset)
 //! ```
 
-use crate::chain::dataset::{Dataset, Prepared, Split};
+use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
 use crate::problem_file::choices::{DifferentiationMethod, PositionSide, Signal};
 use crate::problem_file::{FilePath, Located, ProblemFile, RecordingsTable};
 use crate::recording::columns::{ColumnMap, RecordedJoint, Recording, SignalKind, read};
 use crate::recording::experiment::{Bandwidth, Experiment, Noise, prepare};
 use crate::recording::settings::{Differentiation, Method, Preparation};
+use crate::recording::split::Split;
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::robot::Robot;
 use nalgebra::{DMatrix, DVector};
@@ -26,11 +27,7 @@ pub struct Named<'a> {
 }
 
 /// Reads and prepares every recording of a problem file.
-pub fn open(
-    problem: &ProblemFile,
-    robot: &Robot,
-    model: &Model,
-) -> Result<Dataset, SetupError> {
+pub fn open(problem: &ProblemFile, robot: &Robot, model: &Model) -> Result<Dataset, SetupError> {
     let table = problem.recordings()?;
     let mut dataset = Dataset::default();
     for named in list(table, problem.robot.payload.is_some()) {
@@ -52,7 +49,10 @@ pub fn list(table: &RecordingsTable, payload: bool) -> Vec<Named<'_>> {
     let loaded = |path: &FilePath| {
         payload
             && (table.loaded.is_empty()
-                || table.loaded.iter().any(|l| l.value.resolved == path.resolved))
+                || table
+                    .loaded
+                    .iter()
+                    .any(|l| l.value.resolved == path.resolved))
     };
     let mut named: Vec<Named<'_>> = Vec::new();
     let groups: [(&Vec<Located<FilePath>>, Split); 3] = [
@@ -65,11 +65,17 @@ pub fn list(table: &RecordingsTable, payload: bool) -> Vec<Named<'_>> {
             let known = named
                 .iter()
                 .any(|n| n.path.resolved == path.resolved && n.split == split);
-            let held_out = table.validation.iter().any(|v| v.value.resolved == path.resolved);
+            let held_out = table
+                .validation
+                .iter()
+                .any(|v| v.value.resolved == path.resolved);
             // A recording with the load on may be held out: then it is not trained on.
             let skipped = split == Split::Train
                 && held_out
-                && table.train.iter().all(|t| t.value.resolved != path.resolved);
+                && table
+                    .train
+                    .iter()
+                    .all(|t| t.value.resolved != path.resolved);
             if !known && !skipped {
                 named.push(Named {
                     path: &path.value,
@@ -162,7 +168,11 @@ fn scale(table: &RecordingsTable, ratio: Option<Vec<f64>>, n: usize) -> Result<S
     let ratio = ratio.unwrap_or_else(|| vec![1.0; n]);
     let one = vec![1.0; n];
     Ok(Scale {
-        position: if motor { ratio.iter().map(|r| 1.0 / r).collect() } else { one.clone() },
+        position: if motor {
+            ratio.iter().map(|r| 1.0 / r).collect()
+        } else {
+            one.clone()
+        },
         signal: if torque { ratio } else { one },
     })
 }
@@ -178,7 +188,11 @@ fn to_motors(
     spread(&mut experiment, &moving, n);
     for k in 0..n {
         let motion = &mut experiment.motion;
-        for series in [&mut motion.position, &mut motion.velocity, &mut motion.acceleration] {
+        for series in [
+            &mut motion.position,
+            &mut motion.velocity,
+            &mut motion.acceleration,
+        ] {
             multiply(&mut series[k], scale.position[k]);
         }
         if table.signal.value != Signal::BaseWrench {
@@ -214,11 +228,7 @@ fn multiply(series: &mut [f64], factor: f64) {
     }
 }
 
-fn scale_channel(
-    noise: &mut Noise,
-    channel: usize,
-    factor: f64,
-) {
+fn scale_channel(noise: &mut Noise, channel: usize, factor: f64) {
     for k in 0..noise.signal_covariance.nrows() {
         noise.signal_covariance[(channel, k)] *= factor;
         noise.signal_covariance[(k, channel)] *= factor;
@@ -275,11 +285,7 @@ fn spread(experiment: &mut Experiment, moving: &[usize], n: usize) {
     }
 }
 
-fn spread_covariance(
-    noise: &mut Noise,
-    moving: &[usize],
-    n: usize,
-) {
+fn spread_covariance(noise: &mut Noise, moving: &[usize], n: usize) {
     let old = &noise.signal_covariance;
     let extra = old.nrows() - moving.len();
     let places: Vec<usize> = moving.iter().copied().chain(n..n + extra).collect();
@@ -290,7 +296,10 @@ fn spread_covariance(
         }
     }
     let mut autocovariance = vec![Vec::new(); n + extra];
-    for (from, &to) in std::mem::take(&mut noise.autocovariance).into_iter().zip(&places) {
+    for (from, &to) in std::mem::take(&mut noise.autocovariance)
+        .into_iter()
+        .zip(&places)
+    {
         autocovariance[to] = from;
     }
     noise.signal_covariance = all;
@@ -310,7 +319,11 @@ fn from_links(experiment: &mut Experiment, model: &Model) {
     let motion = &mut experiment.motion;
     let shift = model.offset().clone();
     let none = DVector::zeros(n);
-    let series = [&mut motion.position, &mut motion.velocity, &mut motion.acceleration];
+    let series = [
+        &mut motion.position,
+        &mut motion.velocity,
+        &mut motion.acceleration,
+    ];
     for (series, shift) in series.into_iter().zip([&shift, &none, &none]) {
         for row in 0..series.first().map_or(0, Vec::len) {
             let joints = DVector::from_fn(n, |j, _| series[j][row]) - shift;

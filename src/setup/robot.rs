@@ -56,7 +56,10 @@ pub fn open(problem: &ProblemFile) -> Result<Robot, SetupError> {
         locked[k] = Some(entry.value.value);
     }
     if let (true, Some(entry)) = (locked.iter().all(Option::is_some), table.locked.first()) {
-        return Err(SetupError::mismatch(&entry.value.place, Mismatch::AllLocked));
+        return Err(SetupError::mismatch(
+            &entry.value.place,
+            Mismatch::AllLocked,
+        ));
     }
     let mut robot = Robot {
         tree,
@@ -99,7 +102,11 @@ fn checked_order(
         }
         order.push(name.value.clone());
     }
-    let missing: Vec<String> = names.iter().filter(|n| !order.contains(n)).cloned().collect();
+    let missing: Vec<String> = names
+        .iter()
+        .filter(|n| !order.contains(n))
+        .cloned()
+        .collect();
     if missing.is_empty() {
         Ok(order)
     } else {
@@ -125,8 +132,12 @@ impl Robot {
 
     /// Reorders a list from the problem file's order to the tree's.
     pub fn to_tree<T: Clone>(&self, listed: &[T]) -> Vec<T> {
-        let mut out: Vec<(usize, T)> =
-            self.position.iter().copied().zip(listed.iter().cloned()).collect();
+        let mut out: Vec<(usize, T)> = self
+            .position
+            .iter()
+            .copied()
+            .zip(listed.iter().cloned())
+            .collect();
         out.sort_by_key(|(k, _)| *k);
         out.into_iter().map(|(_, value)| value).collect()
     }

@@ -12,25 +12,6 @@ pub use crate::outcome::predictions::write::{Block, PredictionsWriter};
 /// The columns before those of the joints.
 const LEADING: [&str; 3] = ["recording", "split", "t"];
 
-/// Whether a recording was fitted or held out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Split {
-    Train,
-    Validation,
-}
-
-impl Split {
-    pub const ALL: [Split; 2] = [Split::Train, Split::Validation];
-
-    /// The word in the table.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Split::Train => "train",
-            Split::Validation => "validation",
-        }
-    }
-}
-
 /// What a column of a joint holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {

@@ -6,7 +6,8 @@ use std::path::Path;
 use csv::{ByteRecord, ReaderBuilder, StringRecord};
 
 use crate::outcome::error::{Action, OutcomeError, OutcomeErrorKind};
-use crate::outcome::predictions::{LEADING, Quantity, Split};
+use crate::outcome::predictions::{LEADING, Quantity};
+use crate::recording::split::Split;
 
 /// The table, by recordings in the order of the file.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::PathBuf;
 
-use crate::outcome::predictions::{Block, Predictions, PredictionsWriter, Quantity, Split};
+use crate::outcome::predictions::{Block, Predictions, PredictionsWriter, Quantity};
+use crate::recording::split::Split;
 
 const QUANTITIES: [Quantity; 2] = [Quantity::Recorded, Quantity::Predicted];
 

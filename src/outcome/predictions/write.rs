@@ -2,7 +2,8 @@
 
 use std::io::{self, Write};
 
-use crate::outcome::predictions::{LEADING, Quantity, Split};
+use crate::outcome::predictions::{LEADING, Quantity};
+use crate::recording::split::Split;
 
 /// Rows of one recording.
 #[derive(Debug, Clone, Copy)]

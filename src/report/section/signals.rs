@@ -1,6 +1,6 @@
 //! Recorded and predicted signals: held-out recordings first, the first one unfolded.
 
-use crate::outcome::predictions::Split;
+use crate::recording::split::Split;
 use crate::report::facts::count;
 use crate::report::html::escape;
 use crate::report::plots::scatter::scatter;

@@ -1,0 +1,67 @@
+//! The flags of every verb.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Excite, identify, diagnose: robot models that are right.
+#[derive(Parser, Debug)]
+#[command(name = "exid", version, about, max_term_width = 100)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub verb: Verb,
+}
+
+#[derive(Subcommand, Debug)]
+pub enum Verb {
+    /// Parameters from recordings
+    Fit(Run),
+    /// The physics that the tool knows
+    Effects(Query),
+    /// Render the HTML report of a result again
+    Report(Rendering),
+}
+
+/// A problem file and the options that all runs share.
+#[derive(Args, Debug)]
+pub struct Run {
+    /// The problem file (TOML)
+    pub problem: PathBuf,
+    /// Results folder [default: results/<name>/<verb>]
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Override a key of the problem file, for example --set fit.estimator=wls
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Number of threads [default: all processors]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Seed of everything random
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub seed: u64,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print the result as JSON, and nothing else, on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What to print of the vocabulary.
+#[derive(Args, Debug)]
+pub struct Query {
+    /// One effect; all of them if absent
+    pub id: Option<String>,
+    /// Print as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A result to render.
+#[derive(Args, Debug)]
+pub struct Rendering {
+    /// The results folder
+    pub result: PathBuf,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+}

@@ -1,0 +1,1 @@
+//! `exid check`: reads everything, runs nothing.

@@ -1,0 +1,118 @@
+//! `exid effects`: the vocabulary of physics.
+
+use crate::chain::effect::{self, EFFECTS, Effect};
+use crate::cli::args::Query;
+use crate::cli::error::CliError;
+use crate::cli::output::print;
+use crate::robot::tree::JointKind;
+use serde_json::{Value, json};
+
+pub fn run(query: &Query) -> Result<u8, CliError> {
+    let effects: Vec<&Effect> = match &query.id {
+        None => EFFECTS.to_vec(),
+        Some(id) => vec![effect::find(id).ok_or_else(|| unknown(id))?],
+    };
+    if query.json {
+        let all: Vec<Value> = effects.iter().map(|e| as_json(e)).collect();
+        print(&format!("{:#}", Value::Array(all)));
+    } else {
+        let long = query.id.is_some();
+        let texts: Vec<String> = effects
+            .iter()
+            .map(|e| if long { in_full(e) } else { in_short(e) })
+            .collect();
+        print(&texts.join("\n"));
+    }
+    Ok(0)
+}
+
+fn unknown(id: &str) -> CliError {
+    let ids = effect::ids();
+    let nearest = ids
+        .iter()
+        .max_by_key(|known| (1e6 * strsim::jaro_winkler(known, id)) as u64);
+    let hint = nearest.map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+    CliError::WrongUse(format!(
+        "there is no effect `{id}`{hint} The effects are {}",
+        ids.join(", ")
+    ))
+}
+
+fn in_short(effect: &Effect) -> String {
+    let names: Vec<&str> = effect.parameters.iter().map(|p| p.name).collect();
+    format!(
+        "{:<22} {}\n{:<22} {}   [{}]",
+        effect.id,
+        effect.sentence,
+        "",
+        effect.equation,
+        names.join(", ")
+    )
+}
+
+fn in_full(effect: &Effect) -> String {
+    let mut text = format!(
+        "{}\n\n  {}\n\n  law          {}\n  source       {}\n",
+        effect.id, effect.sentence, effect.equation, effect.source
+    );
+    let depends: Vec<&str> = effect.depends_on.iter().map(|d| d.word()).collect();
+    text.push_str(&format!(
+        "  depends on   {}\n\n  parameters\n",
+        depends.join(", ")
+    ));
+    for info in effect.parameters {
+        let turning = info.unit.of(JointKind::Revolute);
+        let sliding = info.unit.of(JointKind::Prismatic);
+        let unit = if turning == sliding {
+            turning.to_string()
+        } else {
+            format!("{turning} ({sliding})")
+        };
+        text.push_str(&format!(
+            "    {:<14} {unit:<20} {}\n",
+            info.name, info.meaning
+        ));
+    }
+    text.push_str("\n  can be mistaken for\n");
+    for confounder in effect.confounded_with {
+        text.push_str(&format!(
+            "    {}\n      told apart by {}\n",
+            confounder.with, confounder.separated_by
+        ));
+    }
+    text
+}
+
+fn as_json(effect: &Effect) -> Value {
+    let finite = |x: f64| if x.is_finite() { json!(x) } else { Value::Null };
+    let parameters: Vec<Value> = effect
+        .parameters
+        .iter()
+        .map(|p| {
+            json!({
+                "name": p.name,
+                "unit": p.unit.of(JointKind::Revolute),
+                "unit_sliding": p.unit.of(JointKind::Prismatic),
+                "meaning": p.meaning,
+                "lower": finite(p.lower),
+                "upper": finite(p.upper),
+                "typical": p.typical,
+            })
+        })
+        .collect();
+    let confounded: Vec<Value> = effect
+        .confounded_with
+        .iter()
+        .map(|c| json!({ "with": c.with, "separated_by": c.separated_by }))
+        .collect();
+    let depends: Vec<&str> = effect.depends_on.iter().map(|d| d.word()).collect();
+    json!({
+        "id": effect.id,
+        "sentence": effect.sentence,
+        "law": effect.equation,
+        "source": effect.source,
+        "parameters": parameters,
+        "depends_on": depends,
+        "confounded_with": confounded,
+    })
+}

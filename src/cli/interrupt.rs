@@ -1,0 +1,17 @@
+//! Ctrl-C as a flag that long work looks at.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A flag that the first interrupt sets; the second ends the process at once.
+pub fn flag() -> Arc<AtomicBool> {
+    let flag = Arc::new(AtomicBool::new(false));
+    let seen = Arc::clone(&flag);
+    // Without a handler, as where one exists already, an interrupt ends the process as usual.
+    let _ = ctrlc::set_handler(move || {
+        if seen.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(crate::cli::error::CliError::INTERRUPTED));
+        }
+    });
+    flag
+}

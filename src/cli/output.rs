@@ -1,0 +1,80 @@
+//! What runs share: reading the problem, the results folder, printing.
+
+use crate::chain::effect;
+use crate::cli::args::Run;
+use crate::cli::error::CliError;
+use crate::outcome::folder::ResultFolder;
+use crate::outcome::input::Input;
+use crate::outcome::run::{Run as Record, VERSION};
+use crate::outcome::{Outcome, REPORT_FILE, RESULT_FILE};
+use crate::problem_file::ProblemFile;
+use crate::report;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Reads the problem file with its overrides and sets the number of threads.
+pub fn open(run: &Run) -> Result<ProblemFile, CliError> {
+    if let Some(threads) = run.threads {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(usize::from(threads))
+            .build_global()
+            .map_err(|e| CliError::WrongUse(format!("--threads {threads}: {e}")))?;
+    }
+    Ok(ProblemFile::read(&run.problem, &run.set, &effect::ids())?)
+}
+
+/// The results folder of a run.
+pub fn folder(run: &Run, problem: &ProblemFile, verb: &str) -> PathBuf {
+    match &run.out {
+        Some(folder) => folder.clone(),
+        None => Path::new("results").join(&problem.name.value).join(verb),
+    }
+}
+
+/// The common head of a result; files that cannot be read any more are left out.
+pub fn record(run: &Run, problem: &ProblemFile, files: &[PathBuf], started: Instant) -> Record {
+    let all = std::iter::once(&problem.path).chain(files);
+    Record {
+        version: VERSION.to_string(),
+        seed: run.seed,
+        problem: problem.json.clone(),
+        inputs: all.filter_map(|file| Input::of(file).ok()).collect(),
+        wall_s: started.elapsed().as_secs_f64(),
+    }
+}
+
+/// Writes result and report beside what `fill` writes, replaces the folder, and prints.
+pub fn finish(
+    run: &Run,
+    target: &Path,
+    outcome: &Outcome,
+    fill: impl FnOnce(&ResultFolder) -> Result<(), CliError>,
+) -> Result<(), CliError> {
+    let folder = ResultFolder::prepare(target)?;
+    let json = outcome.to_json()?;
+    folder.write(RESULT_FILE, |out| out.write_all(json.as_bytes()))?;
+    fill(&folder)?;
+    let html = report::render(folder.path())?;
+    folder.write(REPORT_FILE, |out| out.write_all(html.as_bytes()))?;
+    folder.commit()?;
+    if run.json {
+        print(&json);
+    } else if !run.quiet {
+        print(&report::text::summary(
+            outcome,
+            Some(&target.join(REPORT_FILE)),
+        ));
+    }
+    Ok(())
+}
+
+/// Prints to standard output; a reader that went away is no error.
+pub fn print(text: &str) {
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(text.as_bytes());
+    if !text.ends_with('\n') {
+        let _ = out.write_all(b"\n");
+    }
+    let _ = out.flush();
+}

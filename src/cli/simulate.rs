@@ -1,0 +1,1 @@
+//! `exid simulate`: recordings from a model.
