@@ -10,7 +10,7 @@ pub const SEGMENT: usize = 4096;
 
 /// Frequencies of a segment that one cell averages at least, so that a spectral matrix of as many
 /// channels as robots have is regular and its variances have tens of degrees of freedom.
-const LEAST_PER_CELL: usize = 12;
+const LEAST_PER_CELL: usize = 24;
 
 /// Most cells: finer structure than this share of the band is not resolved.
 const MOST_CELLS: usize = 128;

@@ -98,12 +98,16 @@ pub(super) fn svd<T: RealField + Copy>(
 /// One sweep of rotations that make pairs of columns orthogonal; whether one was needed.
 fn rotate_all<T: RealField + Copy>(u: &mut DMatrix<T>, v: &mut DMatrix<T>) -> bool {
     let n = u.ncols();
+    // A product of columns carries the rounding of as many terms as they have rows: asking for less
+    // turns the same pair for ever.
+    let terms = T::from_usize(u.nrows().max(1)).unwrap_or_else(T::one);
+    let rounding = T::default_epsilon() * terms;
     let mut rotated = false;
     for p in 0..n {
         for q in p + 1..n {
             let (pp, qq) = (u.column(p).norm_squared(), u.column(q).norm_squared());
             let pq = u.column(p).dot(&u.column(q));
-            let coupled = pq.abs() > T::default_epsilon() * pp.sqrt() * qq.sqrt();
+            let coupled = pq.abs() > rounding * pp.sqrt() * qq.sqrt();
             if !coupled {
                 continue;
             }

@@ -4,6 +4,8 @@
 //! turns it into 1/2 |w|². Passing AᵀA to the method instead loses half of the digits. Directions that the
 //! residual does not see are completed by an orthonormal basis, so that the constraints decide there.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT as Cone,
@@ -250,6 +252,15 @@ impl Run {
         }
     }
 
+    /// The start, where the method broke down.
+    fn failed(coordinates: &Coordinates) -> Self {
+        Self {
+            gap: f64::INFINITY,
+            stop: Stop::Stalled,
+            ..Self::at_origin(coordinates)
+        }
+    }
+
     /// Whether the end is a point, not a certificate that there is none.
     fn is_a_point(&self) -> bool {
         !matches!(self.stop, Stop::Infeasible | Stop::Unbounded)
@@ -280,7 +291,11 @@ fn interior_point(
                 flag.load(std::sync::atomic::Ordering::Relaxed)
             });
         }
-        solver.solve();
+        // The solver unwraps factorisations that fail on numbers at the edge of the range: that is no
+        // solution, and no reason to end the caller's process.
+        if catch_unwind(AssertUnwindSafe(|| solver.solve())).is_err() {
+            return Ok(Run::failed(coordinates));
+        }
         let found = &solver.solution;
         Ok(Run {
             point: DVector::from_column_slice(&found.x),
