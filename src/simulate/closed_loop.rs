@@ -15,6 +15,7 @@ use crate::problem::solution::Control;
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
 use crate::simulate::path::{Motion, Path};
 use crate::simulate::plant::{Linearised, Plant, SingularMass, State};
+use crate::simulate::truth::DEFAULT_WIDTH;
 
 /// Lowest rate of the controller, Hz: that of usual position loops.
 pub const CONTROL_RATE: f64 = 1000.0;
@@ -22,13 +23,14 @@ pub const CONTROL_RATE: f64 = 1000.0;
 /// Bandwidth of the controller, rad/s: critically damped, 16 Hz, as stiff position loops have it.
 const BANDWIDTH: f64 = 100.0;
 
-/// A reversal sweeps the friction's band of speeds, w to either side of standstill, within 2 w/|m̈|.
-/// Steps of half of w/|m̈| put four into it, so that friction turns over gradually for the integrator.
-const STEPS_PER_WIDTH: f64 = 2.0;
+/// Local error of a speed over one step, as a share of the narrowest w. A reversal passes the band of
+/// speeds in which friction turns over within fractions of a millisecond; steps that err by a twentieth
+/// of its width resolve the passage, and the smooth motion between reversals takes one step per tick.
+const SHARE_OF_WIDTH: f64 = 0.05;
 
-/// Most steps between two ticks. A narrower w passes as a jump within one step, which an L-stable method
-/// survives without oscillation.
-const MOST_STEPS: usize = 64;
+/// Halvings of a tick. A narrower passage is a jump within one step of a quarter of a microsecond, which
+/// an L-stable method survives without oscillation.
+const MOST_HALVINGS: u32 = 12;
 
 /// Distance from the trajectory that no controller comes back from, rad or m.
 const LOST: f64 = 3.0;
@@ -73,12 +75,12 @@ impl Loop<'_> {
     pub fn run(&self, schedule: Schedule, control: &Control<'_>) -> Result<Motion, SimulateError> {
         let every = schedule.ticks_per_sample();
         let rate = schedule.rate * every as f64;
-        let steps = self.steps_per_tick(rate)?;
+        let tolerance = self.tolerance()?;
         let before = (schedule.warmup * rate).round() as usize;
         let ticks = before + (schedule.samples.max(1) - 1) * every + 1;
         let n = self.plant.joints().len();
         let mut motion: Motion = std::array::from_fn(|_| vec![Vec::new(); n]);
-        let mut runner = Runner::new(self, [rate, steps as f64])?;
+        let mut runner = Runner::new(self, [1.0 / rate, tolerance])?;
         for start in (0..ticks).step_by(CHUNK) {
             if control.is_interrupted() {
                 return Err(self.fault(SimulateErrorKind::Interrupted));
@@ -95,9 +97,7 @@ impl Loop<'_> {
                         velocity: goal[1].clone(),
                     };
                 }
-                let acceleration = runner
-                    .tick(&goal)
-                    .map_err(|e| self.singular(e))?;
+                let acceleration = runner.tick(&goal).map_err(|e| self.singular(e))?;
                 self.check(&runner, (&goal[0], tick as f64 / rate))?;
                 if tick >= before && (tick - before).is_multiple_of(every) {
                     runner.record(&acceleration, &mut motion);
@@ -139,24 +139,19 @@ impl Loop<'_> {
         }
     }
 
-    /// Steps of the integrator between two ticks: `h <= w / (2 max|m̈|)` for every joint with friction.
-    fn steps_per_tick(&self, rate: f64) -> Result<usize, SimulateError> {
-        let count = (CONTROL_RATE * self.path.duration()).ceil().max(1.0) as usize;
-        let motion = self.path.sample((0.0, CONTROL_RATE), count);
-        let mut most = 1.0_f64;
-        for (j, joint) in self.plant.joints().iter().enumerate() {
-            let Some(width) = joint.width.filter(|_| !joint.locked) else {
-                continue;
-            };
+    /// Largest local error of a speed, rad/s or m/s: 5 % of the narrowest w.
+    fn tolerance(&self) -> Result<f64, SimulateError> {
+        let mut narrowest = DEFAULT_WIDTH;
+        for joint in self.plant.joints().iter().filter(|joint| !joint.locked) {
+            let Some(width) = joint.width else { continue };
             let width = self.plant.parameters()[width].value;
             if width == 0.0 {
                 let joint = joint.name.clone();
                 return Err(self.fault(SimulateErrorKind::SharpFriction { joint }));
             }
-            let peak = motion[2][j].iter().fold(0.0_f64, |m, a| m.max(a.abs()));
-            most = most.max(STEPS_PER_WIDTH * peak / (width * rate));
+            narrowest = narrowest.min(width);
         }
-        Ok((most.ceil() as usize).min(MOST_STEPS))
+        Ok(SHARE_OF_WIDTH * narrowest)
     }
 }
 
@@ -169,12 +164,13 @@ struct Runner<'m> {
     command: Vec<f64>,
     /// Command of the tick before.
     held: Option<Vec<f64>>,
-    step: f64,
-    steps: usize,
+    /// Between two ticks, s.
+    interval: f64,
+    tolerance: f64,
 }
 
 impl<'m> Runner<'m> {
-    fn new(of: &Loop<'m>, [rate, steps]: [f64; 2]) -> Result<Self, SimulateError> {
+    fn new(of: &Loop<'m>, [interval, tolerance]: [f64; 2]) -> Result<Self, SimulateError> {
         let plant = Plant::new(of.plant, of.loaded);
         let nominal = Plant::new(of.nominal, of.loaded);
         let (Some(plant), Some(nominal)) = (plant, nominal) else {
@@ -193,8 +189,8 @@ impl<'m> Runner<'m> {
             },
             chain: None,
             held: None,
-            step: 1.0 / (rate * steps),
-            steps: steps as usize,
+            interval,
+            tolerance,
         })
     }
 
@@ -202,12 +198,18 @@ impl<'m> Runner<'m> {
     fn tick(&mut self, [q, dq, ddq]: &[Vec<f64>; 3]) -> Result<Vec<f64>, SingularMass> {
         let mut wanted = ddq.clone();
         for &j in self.plant.moving() {
-            let (lag, slip) = (q[j] - self.state.position[j], dq[j] - self.state.velocity[j]);
+            let (lag, slip) = (
+                q[j] - self.state.position[j],
+                dq[j] - self.state.velocity[j],
+            );
             wanted[j] += 2.0 * BANDWIDTH * slip + BANDWIDTH * BANDWIDTH * lag;
         }
         let mut command = vec![0.0; self.command.len()];
         self.nominal.torque([q, dq, &wanted], &mut command);
-        let before = self.held.replace(command.clone()).unwrap_or(command.clone());
+        let before = self
+            .held
+            .replace(command.clone())
+            .unwrap_or(command.clone());
         self.command = command;
         let chain = self.plant.linearise(&self.state);
         let mean: Vec<f64> = before
@@ -220,16 +222,30 @@ impl<'m> Runner<'m> {
         Ok(acceleration)
     }
 
-    /// Integrates to the next tick.
+    /// Integrates to the next tick. Steps are the interval halved as often as the error wants it.
     fn advance(&mut self) -> Result<(), SingularMass> {
-        for _ in 0..self.steps {
+        let (mut halvings, mut done) = (0, 0);
+        let whole = 1_u32 << MOST_HALVINGS;
+        while done < whole {
             let chain = match self.chain.take() {
                 Some(chain) => chain,
                 None => self.plant.linearise(&self.state),
             };
-            self.state = self
-                .plant
-                .step((&self.state, &chain), &self.command, self.step)?;
+            let share = whole >> halvings;
+            let h = self.interval * f64::from(share) / f64::from(whole);
+            let (next, error) = self.plant.step((&self.state, &chain), &self.command, h)?;
+            if error > self.tolerance && halvings < MOST_HALVINGS {
+                halvings += 1;
+                self.chain = Some(chain);
+                continue;
+            }
+            self.state = next;
+            done += share;
+            // A step of twice the length has four times the error, and must end on a tick.
+            let fits = halvings > 0 && done.is_multiple_of(2 * share);
+            if fits && 4.0 * error <= self.tolerance {
+                halvings -= 1;
+            }
         }
         Ok(())
     }

@@ -102,14 +102,10 @@ impl Acting {
                 .map(|i| (0..names.len()).map(|j| f64::from(i == j)).collect())
                 .collect()
         };
-        let coupling = self
-            .problem
-            .drive
-            .coupling
-            .get_or_insert_with(|| Located {
-                value: identity(),
-                place,
-            });
+        let coupling = self.problem.drive.coupling.get_or_insert_with(|| Located {
+            value: identity(),
+            place,
+        });
         if let Some(slot) = coupling.value.get_mut(row).and_then(|r| r.get_mut(column)) {
             *slot = value;
         }

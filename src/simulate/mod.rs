@@ -101,7 +101,10 @@ pub fn run(
         );
     }
     let realised_noise = realised(&task.sensors, &made);
-    let (recordings, trajectories) = made.into_iter().map(|m| (m.recording, m.trajectory)).unzip();
+    let (recordings, trajectories) = made
+        .into_iter()
+        .map(|m| (m.recording, m.trajectory))
+        .unzip();
     Ok(Simulated {
         recordings,
         trajectories,
@@ -217,9 +220,9 @@ impl Task<'_> {
         let motion = self.motion(&path, plan.loaded, control)?;
         let model = &self.truth.recorded;
         let streams = |channel: usize| self.generator(number, 1 + channel as u64);
-        let (table, noise) =
-            self.sensors
-                .record((model, plan.loaded), &motion, self.rate, streams);
+        let (table, noise) = self
+            .sensors
+            .record((model, plan.loaded), &motion, self.rate, streams);
         Ok(Made {
             recording: SimulatedRecording {
                 name: plan.name.clone(),

@@ -173,8 +173,7 @@ impl Spline {
             for j in 0..n {
                 let (x, c) = (&self.position[j], &self.curvature[j]);
                 let bend = ((a.powi(3) - a) * c[i] + (b.powi(3) - b) * c[i + 1]) * step * step;
-                let slope =
-                    (3.0 * b * b - 1.0) * c[i + 1] - (3.0 * a * a - 1.0) * c[i];
+                let slope = (3.0 * b * b - 1.0) * c[i + 1] - (3.0 * a * a - 1.0) * c[i];
                 motion[0][j].push(a * x[i] + b * x[i + 1] + bend / 6.0);
                 motion[1][j].push((x[i + 1] - x[i]) / step + slope * step / 6.0);
                 motion[2][j].push(a * c[i] + b * c[i + 1]);

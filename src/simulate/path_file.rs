@@ -130,9 +130,9 @@ fn to_path(
 }
 
 fn closes(x: &[f64]) -> bool {
-    let largest = x
-        .windows(2)
-        .fold(0.0_f64, |largest, pair| largest.max((pair[1] - pair[0]).abs()));
+    let largest = x.windows(2).fold(0.0_f64, |largest, pair| {
+        largest.max((pair[1] - pair[0]).abs())
+    });
     (x[0] - x[x.len() - 1]).abs() <= CLOSED_STEPS * largest
 }
 
@@ -155,9 +155,7 @@ fn series(position: &[Vec<f64>], period: f64) -> Fourier {
     let needed = position
         .iter()
         .zip(&spectra)
-        .map(|(x, spectrum)| {
-            needed_harmonics(spectrum, LEFT_OUT * range(x) + ROUNDING)
-        })
+        .map(|(x, spectrum)| needed_harmonics(spectrum, LEFT_OUT * range(x) + ROUNDING))
         .max()
         .unwrap_or(1);
     // The harmonic at half the rate has no derivative.
@@ -231,7 +229,10 @@ mod tests {
             q[0].iter_mut().for_each(|x| *x = (*x * 1e7).round() / 1e7);
             let path = to_path(&time, q, (&place(), period)).unwrap();
             assert!((path.duration() - 8.0).abs() < 1e-12);
-            let (a, b) = (truth.sample((0.0, 33.0), 300), path.sample((0.0, 33.0), 300));
+            let (a, b) = (
+                truth.sample((0.0, 33.0), 300),
+                path.sample((0.0, 33.0), 300),
+            );
             let omega = std::f64::consts::TAU / 8.0;
             for k in 0..300 {
                 // Rounding of 5e-8 in three harmonics, the third one twice differentiated.

@@ -82,9 +82,8 @@ impl Frame<'_> {
     fn joints(&self, rng: &mut ChaCha8Rng) -> Fourier {
         let n = self.limits.len();
         let mut normal = || -> f64 { StandardNormal.sample(rng) };
-        let mut draw = || -> Vec<f64> {
-            (1..=self.harmonics).map(|h| normal() / h as f64).collect()
-        };
+        let mut draw =
+            || -> Vec<f64> { (1..=self.harmonics).map(|h| normal() / h as f64).collect() };
         let mut series = Fourier {
             period: self.period,
             centre: vec![0.0; n],
@@ -145,7 +144,10 @@ impl Frame<'_> {
         }
         let count = self.instants();
         let motion = path.sample((0.0, count as f64 / self.period), count);
-        for (j, torque) in joints.iter().zip(torques(self.plant, &motion, loaded, &joints)) {
+        for (j, torque) in joints
+            .iter()
+            .zip(torques(self.plant, &motion, loaded, &joints))
+        {
             let limit = self.limits[*j].torque.unwrap_or(f64::INFINITY);
             let peak = torque.iter().fold(0.0_f64, |peak, x| peak.max(x.abs()));
             if peak / limit > worst.1 {

@@ -71,11 +71,7 @@ pub struct Sensors {
 impl Sensors {
     /// # Errors
     /// A side or signal of the motor without `drive.ratio`; lists of the wrong length.
-    pub fn new(
-        problem: &ProblemFile,
-        robot: &Robot,
-        model: &Model,
-    ) -> Result<Self, SimulateError> {
+    pub fn new(problem: &ProblemFile, robot: &Robot, model: &Model) -> Result<Self, SimulateError> {
         let table = problem.recordings.as_ref();
         let side = table.map_or(PositionSide::Joint, |t| t.position_side.value);
         let n = robot.tree.len();
@@ -139,7 +135,11 @@ impl Sensors {
                 column: expand(&pattern, joint),
                 unit: all[channel].unit.to_string(),
                 index: channel,
-                scale: if at_motor { 1.0 / self.ratio[joint.index] } else { 1.0 },
+                scale: if at_motor {
+                    1.0 / self.ratio[joint.index]
+                } else {
+                    1.0
+                },
                 noise: noise.joints[joint.index],
             });
         }
@@ -220,7 +220,9 @@ impl Sensors {
         }
         if let Some(steps) = &self.step {
             for (series, step) in out.iter_mut().zip(steps) {
-                series.iter_mut().for_each(|x| *x = (*x / step).round() * step);
+                series
+                    .iter_mut()
+                    .for_each(|x| *x = (*x / step).round() * step);
             }
         }
         out
@@ -303,7 +305,11 @@ impl Noise {
         }
         let rest = values[values.len() - 6.min(values.len())..].iter();
         if matches!(model.signal(), Kind::BaseWrench | Kind::Both) {
-            noise.wrench.iter_mut().zip(rest).for_each(|(to, x)| *to = *x);
+            noise
+                .wrench
+                .iter_mut()
+                .zip(rest)
+                .for_each(|(to, x)| *to = *x);
         }
         Ok(noise)
     }

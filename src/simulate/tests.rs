@@ -11,6 +11,7 @@ use crate::setup::robot::Robot;
 use crate::simulate::error::SimulateError;
 use crate::simulate::limits::of_joints;
 use crate::simulate::path::Motion;
+use crate::simulate::plant::{Plant, State};
 use crate::simulate::random_path::torques;
 use crate::simulate::truth::{DEFAULT_WIDTH, Truth, build};
 use crate::simulate::{Simulated, run, write_csv};
@@ -167,24 +168,29 @@ fn invariant_the_commanded_torque_of_a_closed_loop_is_that_of_the_chain_at_the_t
 
 #[test]
 fn invariant_recorded_accelerations_of_a_closed_loop_are_the_derivatives_of_its_motion() {
-    let rest = format!(
-        "{ALL_MOTION}[simulate]\nmode = \"closed_loop\"\nperiods = 1\nwarmup_periods = 0"
-    )
-    .replace("period = 5.0", "period = 5.0\nrate = 1000.0");
-    let problem = panda(FRICTION, &rest);
+    let rest =
+        format!("{ALL_MOTION}[simulate]\nmode = \"closed_loop\"\nperiods = 1\nwarmup_periods = 0")
+            .replace("period = 5.0", "period = 5.0\nrate = 1000.0");
+    // Rotors that leave reversals a few milliseconds, so that differences over two of them see them.
+    let drive = FRICTION.replace("[drive]", "[drive]\nrotor_inertia = 1.0");
+    let problem = panda(&drive, &rest);
     let [q, dq, ddq] = motion_of(&simulated(&problem, 5), 0);
     let dt = 1e-3;
     for j in 0..7 {
-        let (mut error, mut size) = (0.0_f64, 0.0_f64);
-        for k in 200..q[j].len() - 1 {
-            let speed = (q[j][k + 1] - q[j][k - 1]) / (2.0 * dt);
-            assert!((speed - dq[j][k]).abs() <= 2e-4, "{j} {k}");
-            let rate = (dq[j][k + 1] - dq[j][k - 1]) / (2.0 * dt);
-            error += (rate - ddq[j][k]).powi(2);
-            size += ddq[j][k].powi(2);
+        for (x, derivative) in [(&q[j], &dq[j]), (&dq[j], &ddq[j])] {
+            let (mut error, mut size) = (0.0_f64, 0.0_f64);
+            for k in 1..x.len() - 1 {
+                let slope = (x[k + 1] - x[k - 1]) / (2.0 * dt);
+                error += (slope - derivative[k]).powi(2);
+                size += derivative[k].powi(2);
+            }
+            // Root mean square: the difference itself is blind to the milliseconds of a reversal.
+            assert!(
+                (error / size).sqrt() <= 0.01,
+                "{j} {}",
+                (error / size).sqrt()
+            );
         }
-        // Root mean square: the difference itself is blind to the millisecond of a reversal.
-        assert!((error / size).sqrt() <= 0.01, "{j} {}", (error / size).sqrt());
     }
 }
 
@@ -194,7 +200,10 @@ fn a_closed_loop_with_all_effects_declared_follows_the_trajectory_and_the_invers
         let rest = format!("{ALL_MOTION}[simulate]\nmode = \"{mode}\"\nperiods = 1");
         panda(FRICTION, &rest)
     };
-    let (inverse, closed) = (simulated(&text("inverse"), 11), simulated(&text("closed_loop"), 11));
+    let (inverse, closed) = (
+        simulated(&text("inverse"), 11),
+        simulated(&text("closed_loop"), 11),
+    );
     let (a, b) = (motion_of(&inverse, 0), motion_of(&closed, 0));
     let (tau_a, tau_b) = (columns(&inverse, 0, "tau"), columns(&closed, 0, "tau"));
     for j in 0..7 {
@@ -240,13 +249,21 @@ fn invariant_power_of_the_motors_over_whole_periods_is_what_friction_takes() {
 fn recovers_known_noise_and_steps_of_the_encoder() {
     let rest = format!(
         "{}[simulate]\nperiods = 4\nnoise = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]\nencoder_counts = 4096",
-        ALL_MOTION.replace("signal = \"torque\"", "signal = \"torque\"\nposition_side = \"motor\"")
+        ALL_MOTION.replace(
+            "signal = \"torque\"",
+            "signal = \"torque\"\nposition_side = \"motor\""
+        )
     );
     let drive = FRICTION.replace("[drive]", "[drive]\nratio = -50.0");
     let problem = panda(&drive, &rest);
     let result = simulated(&problem, 7);
     let (_, truth) = truth_of(&problem);
-    let clean = panda(&drive, &rest.replace("encoder_counts = 4096", "").replace("noise", "#"));
+    let clean = panda(
+        &drive,
+        &rest
+            .replace("encoder_counts = 4096", "")
+            .replace("noise", "#"),
+    );
     let exact = simulated(&clean, 7);
     assert_eq!(truth.plant.joints().len(), 7);
     for j in 0..7 {
@@ -330,7 +347,10 @@ fn recovers_the_motion_and_the_truth_through_files_and_the_recordings_of_a_probl
 fn a_trajectory_that_was_written_is_read_back_as_the_same_motion() {
     let folder = tempfile::tempdir().unwrap();
     let text = |rest: &str| {
-        let problem = panda(FRICTION, &format!("{ALL_MOTION}[simulate]\nperiods = 1\n{rest}"));
+        let problem = panda(
+            FRICTION,
+            &format!("{ALL_MOTION}[simulate]\nperiods = 1\n{rest}"),
+        );
         ProblemFile {
             path: folder.path().join("p.toml"),
             ..problem
@@ -338,7 +358,11 @@ fn a_trajectory_that_was_written_is_read_back_as_the_same_motion() {
     };
     let first = simulated(&text(""), 4);
     let path = folder.path().join("motion.csv");
-    write_csv(std::fs::File::create(&path).unwrap(), &first.trajectories[0]).unwrap();
+    write_csv(
+        std::fs::File::create(&path).unwrap(),
+        &first.trajectories[0],
+    )
+    .unwrap();
     let again = simulated(&text(&format!("trajectory = {:?}", path.display())), 5);
     let (a, b) = (motion_of(&first, 0), motion_of(&again, 1));
     for j in 0..7 {
@@ -362,7 +386,8 @@ fn a_coupled_motor_moves_both_joints_and_link_encoders_see_it() {
             "signal = \"torque\"",
             &format!("signal = \"torque\"\nposition_side = \"{side}\""),
         );
-        let rest = format!("{columns}[simulate]\nperiods = 1\nwarmup_periods = 0\nmode = \"{mode}\"");
+        let rest =
+            format!("{columns}[simulate]\nperiods = 1\nwarmup_periods = 0\nmode = \"{mode}\"");
         panda(&drive, &rest)
     };
     for mode in ["inverse", "closed_loop"] {
@@ -410,7 +435,11 @@ fn concealed_effects_are_in_the_truth_and_not_in_the_declared_model() {
         ("joint5.coulomb_friction.w", 0.01),
         ("joint4.coulomb_friction.w", DEFAULT_WIDTH),
     ] {
-        assert!((value(name) - expected).abs() < 1e-14, "{name} {}", value(name));
+        assert!(
+            (value(name) - expected).abs() < 1e-14,
+            "{name} {}",
+            value(name)
+        );
     }
     assert!(truth.nominal.payload().is_none() && truth.nominal.is_uncoupled());
     assert!(truth.nominal.find("joint2.rotor_inertia.Jm").is_err());
@@ -424,12 +453,27 @@ fn incomplete_and_unknown_truths_are_refused() {
     for (problem, expected) in [
         (panda(listed, ""), "needs-value"),
         (values("\"joint9.Fc\" = 1.0"), "unknown-parameter"),
-        (values("\"joint3.coulomb_friction.Fx\" = 1.0"), "unknown-parameter"),
+        (
+            values("\"joint3.coulomb_friction.Fx\" = 1.0"),
+            "unknown-parameter",
+        ),
         (values("\"joint3.Fc\" = -1.0"), "parameter-out-of-bounds"),
-        (values("\"joint3.asymmetric_friction.dFv\" = 1.0"), "needs-value"),
+        (
+            values("\"joint3.asymmetric_friction.dFv\" = 1.0"),
+            "needs-value",
+        ),
         (values("\"payload.com_x\" = 1.0"), "body-needs-mass"),
-        (panda("", "[simulate]\nrate = 10.0\nperiods = 1\n[design]\nperiod = 1.0"), "simulation-too-short"),
-        (panda("", "[design.limits]\ntorque = 0.1"), "torque-limit-unreachable"),
+        (
+            panda(
+                "",
+                "[simulate]\nrate = 10.0\nperiods = 1\n[design]\nperiod = 1.0",
+            ),
+            "simulation-too-short",
+        ),
+        (
+            panda("", "[design.limits]\ntorque = 0.1"),
+            "torque-limit-unreachable",
+        ),
         (
             panda(
                 FRICTION,
@@ -447,7 +491,10 @@ fn recordings_with_and_without_the_load_differ_by_the_load() {
     let head = "[robot]\npayload = \"last\"\n";
     let rest = "[recordings]\ntrain = [\"../a.csv\"]\nloaded = [\"b.csv\"]\nsignal = \"base_wrench\"\n\
                 [simulate]\nperiods = 1\n[simulate.values]\n\"payload.mass\" = 3.0";
-    let problem = parse(Path::new("p.toml"), &format!("{head}mdh = {:?}\n{FRICTION}{rest}", arm()));
+    let problem = parse(
+        Path::new("p.toml"),
+        &format!("{head}mdh = {:?}\n{FRICTION}{rest}", arm()),
+    );
     let result = simulated(&problem, 1);
     let names: Vec<&str> = result.recordings.iter().map(|r| r.name.as_str()).collect();
     assert_eq!(names, ["a.csv", "b.csv"]);
@@ -458,4 +505,44 @@ fn recordings_with_and_without_the_load_differ_by_the_load() {
     };
     // Over whole periods the base carries the weight alone.
     assert!((mean_force(1) - mean_force(0) - 3.0 * 9.81).abs() < 1e-6);
+}
+
+#[test]
+fn matches_closed_form_of_a_rotor_in_stiff_viscous_friction() {
+    // H v̇ = u − Fv v:  v = u/Fv (1 − exp(−Fv t/H)), stiff where Fv h/H is large.
+    let locked = "locked = { joint2 = 0.3, joint3 = 0.0, joint4 = -1.0, joint5 = 0.0, joint6 = 1.0, joint7 = 0.0 }";
+    let text = format!(
+        "[robot]\nmdh = {:?}\n{locked}\n[drive]\neffects = [\"viscous_friction\"]\n\
+         [drive.values]\n\"joint1.Fv\" = 500.0",
+        arm()
+    );
+    let (_, truth) = truth_of(&parse(Path::new("p.toml"), &text));
+    let mut plant = Plant::new(&truth.plant, false).unwrap();
+    let rest = State {
+        position: vec![0.0; 7],
+        velocity: vec![0.0; 7],
+    };
+    let chain = plant.linearise(&rest);
+    // The axis is vertical: without speed the torque is that of the inertia alone.
+    let inertia = 1.0 / plant.acceleration(&chain, &[1.0]).unwrap()[0];
+    let mut errors = Vec::new();
+    for steps in [8, 16, 32] {
+        let h = 2.0 * inertia / 500.0 / f64::from(steps);
+        let mut state = rest.clone();
+        for _ in 0..steps {
+            let chain = plant.linearise(&state);
+            state = plant.step((&state, &chain), &[10.0], h).unwrap().0;
+        }
+        errors.push((state.velocity[0] - 10.0 / 500.0 * (1.0 - (-2.0_f64).exp())).abs());
+    }
+    // Order two: a quarter of the error with half of the step, to the next order.
+    for pair in errors.windows(2) {
+        assert!((pair[1] / pair[0] - 0.25).abs() < 0.06, "{errors:?}");
+    }
+    // L-stable: one step over many time constants ends at the equilibrium.
+    let chain = plant.linearise(&rest);
+    let (after, _) = plant
+        .step((&rest, &chain), &[10.0], 1e4 * inertia / 500.0)
+        .unwrap();
+    assert!((after.velocity[0] / 0.02 - 1.0).abs() < 1e-3);
 }

@@ -130,7 +130,9 @@ impl Earlier {
         };
         let realized = fit.realization.iter().map(|r| (r.name.clone(), r.value));
         let parameters = &outcome.estimate.parameters;
-        let estimated = parameters.iter().filter_map(|p| Some((p.name.clone(), p.value?)));
+        let estimated = parameters
+            .iter()
+            .filter_map(|p| Some((p.name.clone(), p.value?)));
         Ok(Self {
             bodies: realized.collect(),
             effects: estimated.collect(),
