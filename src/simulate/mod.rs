@@ -1,1 +1,336 @@
-//! simulate
+//! Recordings from a model: motion, signal along it, sensors with noise and quantisation.
+//!
+//! The motion is a trajectory itself (`mode = "inverse"`) or what a controlled robot makes of it
+//! (`mode = "closed_loop"`); the signal is in both cases what the [chain](crate::chain) gives along the
+//! true motion, so that a fit of the same problem file can recover the [truth](truth::Truth).
+
+mod closed_loop;
+mod concealed;
+pub mod error;
+pub mod limits;
+pub mod path;
+mod path_file;
+mod plant;
+mod random_path;
+pub mod sensors;
+pub mod truth;
+mod write;
+
+#[cfg(test)]
+mod tests;
+
+use crate::fault::Place;
+use crate::outcome::parameter::Parameter;
+use crate::outcome::simulation::RealisedNoise;
+use crate::problem::solution::Control;
+use crate::problem_file::choices::SimulationMode;
+use crate::problem_file::simulate::Trajectory;
+use crate::problem_file::{Located, ProblemFile};
+use crate::recording::table::LEAST_ROWS;
+use crate::robot::random::generator;
+use crate::setup::robot;
+use crate::simulate::closed_loop::{Loop, Schedule};
+use crate::simulate::error::{SimulateError, SimulateErrorKind};
+use crate::simulate::limits::JointLimits;
+use crate::simulate::path::{Motion, Path};
+use crate::simulate::random_path::Frame;
+use crate::simulate::sensors::{Sensors, Table, joints_of};
+use crate::simulate::truth::Truth;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use std::path::{Component, Path as FilePath, PathBuf};
+
+pub use crate::simulate::write::write_csv;
+
+/// Rate of a recording where none is stated, Hz.
+pub const DEFAULT_RATE: f64 = 200.0;
+
+/// One recording, or one trajectory.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulatedRecording {
+    /// File in the results folder, relative to it.
+    pub name: String,
+    pub table: Table,
+}
+
+/// What a simulation gives.
+#[derive(Debug, Clone)]
+pub struct Simulated {
+    pub recordings: Vec<SimulatedRecording>,
+    /// One pass of each trajectory that was commanded, of the joints, as `simulate.trajectory` reads it.
+    pub trajectories: Vec<SimulatedRecording>,
+    /// Noise of each channel over all recordings.
+    pub realised_noise: Vec<RealisedNoise>,
+    /// Every value behind the recordings.
+    pub truth: Vec<Parameter>,
+    /// Anything a reader should know, one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Simulates the recordings of a problem file: those listed under `[recordings]`, or else `train.csv` and
+/// `validation.csv`. The same problem and seed give the same bits.
+///
+/// # Errors
+/// Faults of the problem file and of the files it names; a truth that is not complete; a motion that the
+/// limits or the dynamics do not allow; an interrupt.
+pub fn run(
+    problem: &ProblemFile,
+    seed: u64,
+    control: &Control<'_>,
+) -> Result<Simulated, SimulateError> {
+    let robot = robot::open(problem)?;
+    let truth = truth::build(problem, &robot)?;
+    let task = Task {
+        limits: limits::of_joints(problem, &robot)?,
+        sensors: Sensors::new(problem, &robot, &truth.recorded)?,
+        rate: rate(problem)?,
+        problem,
+        truth: &truth,
+        seed,
+    };
+    let planned = planned(problem, &truth)?;
+    let made: Vec<Made> = planned
+        .par_iter()
+        .enumerate()
+        .map(|(number, plan)| task.make(number, plan, control))
+        .collect::<Result<_, _>>()?;
+    let mut notes = truth.notes.clone();
+    if made.iter().any(|m| !m.repeats) {
+        notes.push(
+            "the trajectory does not lead back to its start: each recording is one pass".into(),
+        );
+    }
+    let realised_noise = realised(&task.sensors, &made);
+    let (recordings, trajectories) = made
+        .into_iter()
+        .map(|m| (m.recording, m.trajectory))
+        .unzip();
+    Ok(Simulated {
+        recordings,
+        trajectories,
+        realised_noise,
+        truth: truth.parameters,
+        notes,
+    })
+}
+
+/// A recording that is to be made.
+#[derive(Debug, Clone)]
+struct Plan {
+    name: String,
+    loaded: bool,
+}
+
+/// A recording with what belongs to it.
+struct Made {
+    recording: SimulatedRecording,
+    trajectory: SimulatedRecording,
+    noise: Vec<Vec<f64>>,
+    repeats: bool,
+}
+
+/// What all recordings share.
+struct Task<'a> {
+    problem: &'a ProblemFile,
+    truth: &'a Truth,
+    limits: Vec<JointLimits>,
+    sensors: Sensors,
+    rate: f64,
+    seed: u64,
+}
+
+/// `simulate.rate`, else `recordings.rate`, else the default.
+fn rate(problem: &ProblemFile) -> Result<f64, SimulateError> {
+    let recorded = problem.recordings.as_ref().and_then(|r| r.rate.as_ref());
+    match (&problem.simulate.rate, recorded) {
+        (Some(own), Some(recorded)) if own.value != recorded.value => {
+            let kind = SimulateErrorKind::RateConflict {
+                simulate: own.value,
+                recordings: recorded.value,
+            };
+            Err(SimulateError::new(&own.place, kind))
+        }
+        (own, recorded) => Ok(own.as_ref().or(recorded).map_or(DEFAULT_RATE, |r| r.value)),
+    }
+}
+
+/// The recordings to make, under names that stay inside the results folder.
+fn planned(problem: &ProblemFile, truth: &Truth) -> Result<Vec<Plan>, SimulateError> {
+    let has_load = truth.plant.payload().is_some();
+    let Some(table) = &problem.recordings else {
+        let plan = |name: &str| Plan {
+            name: name.to_string(),
+            loaded: has_load,
+        };
+        return Ok(vec![plan("train.csv"), plan("validation.csv")]);
+    };
+    let listed = crate::setup::recordings::list(table, problem.robot.payload.is_some());
+    let place = Place::file(&problem.path).key("recordings");
+    let mut plans: Vec<Plan> = Vec::new();
+    let mut sources: Vec<&FilePath> = Vec::new();
+    for named in &listed {
+        // A file that trains and validates is one recording.
+        if sources.contains(&named.path.resolved.as_path()) {
+            continue;
+        }
+        sources.push(&named.path.resolved);
+        let name = inside(&named.path.written);
+        let fault = |kind| Err(SimulateError::new(&place, kind));
+        if !name.ends_with(".csv") && !name.ends_with(".csv.gz") {
+            return fault(SimulateErrorKind::FormatNotWritten { found: name });
+        }
+        if plans.iter().any(|p| p.name == name) {
+            return fault(SimulateErrorKind::SameName { found: name });
+        }
+        plans.push(Plan {
+            name,
+            loaded: has_load && (named.loaded || truth.hidden_load),
+        });
+    }
+    Ok(plans)
+}
+
+/// A path as written, without what leads out of a folder.
+fn inside(written: &str) -> String {
+    let kept = FilePath::new(written).components().filter_map(|c| match c {
+        Component::Normal(part) => Some(part),
+        _ => None,
+    });
+    kept.collect::<PathBuf>().to_string_lossy().into_owned()
+}
+
+/// Streams of random numbers of one recording: this many, the first one for the trajectory.
+const STREAMS: u64 = 1 << 16;
+
+impl Task<'_> {
+    /// The generator of one purpose of one recording.
+    fn generator(&self, number: usize, purpose: u64) -> ChaCha8Rng {
+        let mut rng = generator(self.seed);
+        rng.set_stream(STREAMS * (number as u64 + 1) + purpose);
+        rng
+    }
+
+    fn make(
+        &self,
+        number: usize,
+        plan: &Plan,
+        control: &Control<'_>,
+    ) -> Result<Made, SimulateError> {
+        let path = self.path(number, plan.loaded)?;
+        let motion = self.motion(&path, plan.loaded, control)?;
+        let model = &self.truth.recorded;
+        let streams = |channel: usize| self.generator(number, 1 + channel as u64);
+        let (table, noise) = self
+            .sensors
+            .record((model, plan.loaded), &motion, self.rate, streams);
+        Ok(Made {
+            recording: SimulatedRecording {
+                name: plan.name.clone(),
+                table,
+            },
+            trajectory: self.trajectory(&path, &plan.name),
+            noise,
+            repeats: path.repeats(),
+        })
+    }
+
+    /// The path of the motors that is commanded.
+    fn path(&self, number: usize, loaded: bool) -> Result<Path, SimulateError> {
+        let (problem, truth) = (self.problem, self.truth);
+        let stated = problem.recordings.as_ref().and_then(|r| r.period.as_ref());
+        match &problem.simulate.trajectory.value {
+            Trajectory::Random => {
+                let frame = Frame {
+                    plant: &truth.plant,
+                    nominal: &truth.nominal,
+                    limits: &self.limits,
+                    harmonics: problem.design.harmonics.value,
+                    period: stated.unwrap_or(&problem.design.period).value,
+                };
+                let place = &problem.simulate.trajectory.place;
+                frame.draw(&mut self.generator(number, 0), loaded, place)
+            }
+            Trajectory::File(file) => {
+                let joints = path_file::read(problem, file, &truth.nominal)?;
+                Ok(random_path::to_motors(&joints, &truth.nominal))
+            }
+        }
+    }
+
+    /// The motion of the motors at the samples of a recording.
+    fn motion(
+        &self,
+        path: &Path,
+        loaded: bool,
+        control: &Control<'_>,
+    ) -> Result<Motion, SimulateError> {
+        let table = &self.problem.simulate;
+        let passes = |of: &Located<usize>| if path.repeats() { of.value as f64 } else { 1.0 };
+        let samples = (passes(&table.periods) * path.duration() * self.rate).round() as usize;
+        if samples < LEAST_ROWS {
+            let least = LEAST_ROWS;
+            let kind = SimulateErrorKind::TooShort { samples, least };
+            return Err(SimulateError::new(&table.periods.place, kind));
+        }
+        if table.mode.value == SimulationMode::Inverse {
+            return Ok(path.sample((0.0, self.rate), samples));
+        }
+        let warmup = match path.repeats() {
+            true => table.warmup_periods.value as f64 * path.duration(),
+            false => 0.0,
+        };
+        let closed = Loop {
+            plant: &self.truth.plant,
+            nominal: &self.truth.nominal,
+            path,
+            loaded,
+            place: &table.mode.place,
+        };
+        let schedule = Schedule {
+            rate: self.rate,
+            samples,
+            warmup,
+        };
+        closed.run(schedule, control)
+    }
+
+    /// One pass of the joints: t, q_<joint>, then dq_<joint>, then ddq_<joint>.
+    fn trajectory(&self, path: &Path, recording: &str) -> SimulatedRecording {
+        let model = &self.truth.nominal;
+        let count = (path.duration() * self.rate).round().max(1.0) as usize;
+        let rate = count as f64 / path.duration();
+        let motion = path.sample((0.0, rate), count);
+        let mut table = Table::default();
+        table.push("t".into(), (0..count).map(|k| k as f64 / rate).collect());
+        for (order, prefix) in ["q", "dq", "ddq"].into_iter().enumerate() {
+            let joints = joints_of(model, &motion[order]);
+            for (j, mut series) in joints.into_iter().enumerate() {
+                if order == 0 {
+                    series.iter_mut().for_each(|x| *x += model.offset()[j]);
+                }
+                table.push(format!("{prefix}_{}", model.joints()[j].name), series);
+            }
+        }
+        let stem = recording.trim_end_matches(".gz").trim_end_matches(".csv");
+        SimulatedRecording {
+            name: format!("{stem}.trajectory.csv"),
+            table,
+        }
+    }
+}
+
+/// Root mean square of the noise of each channel over all recordings.
+fn realised(sensors: &Sensors, made: &[Made]) -> Vec<RealisedNoise> {
+    let channels = sensors.channels.iter().enumerate();
+    channels
+        .map(|(number, channel)| {
+            let all = made.iter().flat_map(|m| &m.noise[number]);
+            let (count, squares) = all.fold((0.0, 0.0), |(n, s), x| (n + 1.0, s + x * x));
+            RealisedNoise {
+                channel: channel.column.clone(),
+                unit: channel.unit.clone(),
+                std_dev: f64::sqrt(squares / count),
+            }
+        })
+        .collect()
+}

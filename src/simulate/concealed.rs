@@ -1,0 +1,182 @@
+//! Effects that only the truth has: names in `[simulate.values]` that the declared model does not know
+//! add their effect to the joint that they name.
+
+use crate::chain::effect::{EFFECTS, kinematic_coupling, unmodelled_payload};
+use crate::chain::model::Model;
+use crate::chain::parameter::Role;
+use crate::problem_file::{Located, Named, ProblemFile};
+use crate::robot::inertia::PER_LINK;
+use crate::setup::error::SetupError;
+use crate::setup::model::{self, resolve};
+use crate::setup::names::Reference;
+use crate::setup::robot::Robot;
+use crate::simulate::error::{SimulateError, SimulateErrorKind};
+use crate::simulate::truth::commanded;
+
+/// The problem with every effect that acts, and its values under the names of its model.
+pub(super) struct Acting {
+    pub problem: ProblemFile,
+    pub values: Vec<Named<f64>>,
+    /// Names of the parameters of effects that the problem file does not declare.
+    pub concealed: Vec<String>,
+}
+
+/// Adds the effects that `[simulate.values]` names to a problem.
+///
+/// # Errors
+/// A name that no effect and no body has; a second load.
+pub(super) fn add(declared: &ProblemFile, robot: &Robot) -> Result<Acting, SimulateError> {
+    let mut acting = Acting {
+        problem: declared.clone(),
+        values: declared.simulate.values.clone(),
+        concealed: Vec::new(),
+    };
+    let known = model::build(&commanded(declared), robot)?;
+    for index in 0..acting.values.len() {
+        acting.name_load(index, robot)?;
+        acting.name_coupling(index, robot);
+    }
+    let everything = with_all_effects(&commanded(&acting.problem), robot)?;
+    for index in 0..acting.values.len() {
+        let entry = acting.values[index].clone();
+        let reference = resolve(&everything, &entry.name, &entry.value.place)?;
+        if let Some((joint, effect)) = owner(&everything, reference) {
+            let name = match reference {
+                Reference::Parameter(p) => &everything.parameters()[p].name,
+                Reference::Body(..) => &entry.name,
+            };
+            let is_load = effect == unmodelled_payload::EFFECT.id;
+            let declared = match is_load {
+                true => known.payload().is_some(),
+                false => known.find(name).is_ok(),
+            };
+            if !declared {
+                acting.concealed.push(name.clone());
+            }
+            let carried = is_load && (declared || lists(&acting.problem, robot, effect));
+            if !carried {
+                acting.list(&robot.tree.joints()[joint].name, effect);
+            }
+        }
+    }
+    Ok(acting)
+}
+
+impl Acting {
+    /// `<joint>.unmodelled_payload.mass` is `payload.mass`, with the load on that joint's link.
+    fn name_load(&mut self, index: usize, robot: &Robot) -> Result<(), SimulateError> {
+        let entry = &self.values[index];
+        let id = unmodelled_payload::EFFECT.id;
+        let found = robot.tree.joints().iter().find_map(|joint| {
+            let quantity = entry.name.strip_prefix(&format!("{}.{id}.", joint.name))?;
+            Some((joint.name.clone(), format!("payload.{quantity}")))
+        });
+        let Some((joint, name)) = found else {
+            return Ok(());
+        };
+        if self.problem.robot.payload.is_some() {
+            let kind = SimulateErrorKind::TwoLoads {
+                found: entry.name.clone(),
+            };
+            return Err(SimulateError::new(&entry.value.place, kind));
+        }
+        self.values[index].name = name;
+        self.list(&joint, id);
+        Ok(())
+    }
+
+    /// `<joint>.kinematic_coupling.<other>` is an entry of V, which may be one that is not declared.
+    fn name_coupling(&mut self, index: usize, robot: &Robot) {
+        let entry = &self.values[index];
+        let id = kinematic_coupling::EFFECT.id;
+        let names = &robot.order;
+        let pairs = (0..names.len()).flat_map(|i| (0..names.len()).map(move |j| (i, j)));
+        let found = pairs
+            .filter(|(i, j)| i != j)
+            .find(|&(i, j)| entry.name == format!("{}.{id}.{}", names[i], names[j]));
+        let Some((row, column)) = found else { return };
+        let (value, place) = (entry.value.value, entry.value.place.clone());
+        let joint = names[row].clone();
+        let identity = || {
+            (0..names.len())
+                .map(|i| (0..names.len()).map(|j| f64::from(i == j)).collect())
+                .collect()
+        };
+        let coupling = self.problem.drive.coupling.get_or_insert_with(|| Located {
+            value: identity(),
+            place,
+        });
+        if let Some(slot) = coupling.value.get_mut(row).and_then(|r| r.get_mut(column)) {
+            *slot = value;
+        }
+        self.list(&joint, id);
+    }
+
+    /// Lists an effect for a joint.
+    fn list(&mut self, joint: &str, effect: &str) {
+        let drive = &mut self.problem.drive;
+        let place = drive.effects.first().map(|e| e.place.clone());
+        let entry = Located {
+            value: effect.to_string(),
+            place: place.unwrap_or_default(),
+        };
+        let own = match drive.effects_of.iter_mut().position(|e| e.name == joint) {
+            Some(at) => &mut drive.effects_of[at],
+            None => {
+                drive.effects_of.push(Named {
+                    name: joint.to_string(),
+                    value: Located {
+                        value: drive.effects.clone(),
+                        place: entry.place.clone(),
+                    },
+                });
+                let last = drive.effects_of.len() - 1;
+                &mut drive.effects_of[last]
+            }
+        };
+        if own.value.value.iter().all(|e| e.value != effect) {
+            own.value.value.push(entry);
+        }
+    }
+}
+
+/// Whether any joint has an effect.
+fn lists(problem: &ProblemFile, robot: &Robot, effect: &str) -> bool {
+    robot.order.iter().any(|joint| {
+        let own = problem.drive.effects_of.iter().find(|e| e.name == *joint);
+        let list = own.map_or(&problem.drive.effects, |e| &e.value.value);
+        list.iter().any(|e| e.value == effect)
+    })
+}
+
+/// The model with every effect of the vocabulary on every joint: it knows every name there is.
+fn with_all_effects(problem: &ProblemFile, robot: &Robot) -> Result<Model, SetupError> {
+    let mut all = problem.clone();
+    all.drive.effects_of.clear();
+    all.drive.effects = EFFECTS
+        .iter()
+        .map(|effect| Located {
+            value: effect.id.to_string(),
+            place: Default::default(),
+        })
+        .collect();
+    model::build(&all, robot)
+}
+
+/// Joint and effect that a name belongs to; `None` for quantities of links.
+fn owner(model: &Model, reference: Reference) -> Option<(usize, &'static str)> {
+    let last = model.tree().len() - 1;
+    let load = Some((last, unmodelled_payload::EFFECT.id));
+    match reference {
+        Reference::Body(first, _) if first < PER_LINK * model.tree().len() => None,
+        Reference::Body(..) => load,
+        Reference::Parameter(p) => match model.parameters()[p].role {
+            Role::Inertial { .. } => None,
+            Role::Payload { .. } => load,
+            Role::Effect { joint, effect, .. } => {
+                Some((joint, model.joints()[joint].effects[effect].0.id))
+            }
+            Role::Coupling { row, .. } => Some((row, kinematic_coupling::EFFECT.id)),
+        },
+    }
+}

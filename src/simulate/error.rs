@@ -1,0 +1,272 @@
+//! Why a problem file cannot be simulated.
+
+use crate::fault::{Description, Fault, Place, write_fault};
+use crate::problem_file::ProblemFileError;
+use crate::recording::error::RecordingError;
+use crate::setup::error::SetupError;
+use std::fmt;
+
+/// A fault of what the problem file names, or of the simulation that it asks for.
+#[derive(Debug)]
+pub enum SimulateError {
+    Setup(Box<SetupError>),
+    Simulation {
+        place: Place,
+        kind: SimulateErrorKind,
+    },
+}
+
+/// The kinds of fault, each with what was found.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SimulateErrorKind {
+    NoValue {
+        effect: String,
+        missing: Vec<String>,
+    },
+    NeedsMass {
+        body: String,
+    },
+    TwoLoads {
+        found: String,
+    },
+    RateConflict {
+        simulate: f64,
+        recordings: f64,
+    },
+    TooShort {
+        samples: usize,
+        least: usize,
+    },
+    FormatNotWritten {
+        found: String,
+    },
+    SameName {
+        found: String,
+    },
+    Unreachable {
+        joint: String,
+        found: f64,
+        limit: f64,
+    },
+    NoRange {
+        joint: String,
+    },
+    PeriodConflict {
+        file: f64,
+        recordings: f64,
+    },
+    UnevenTime {
+        step: f64,
+        mean: f64,
+    },
+    SharpFriction {
+        joint: String,
+    },
+    SingularMass {
+        joint: String,
+        pivot: f64,
+    },
+    Diverged {
+        joint: String,
+        time: f64,
+    },
+    TooManyJoints {
+        found: usize,
+    },
+    Interrupted,
+}
+
+impl SimulateError {
+    pub(super) fn new(place: &Place, kind: SimulateErrorKind) -> Self {
+        Self::Simulation {
+            place: place.clone(),
+            kind,
+        }
+    }
+
+    /// Whether a recording or robot file is at fault, and not the problem file.
+    pub fn concerns_data(&self) -> bool {
+        match self {
+            Self::Setup(e) => e.concerns_data(),
+            Self::Simulation { .. } => false,
+        }
+    }
+
+    /// Whether the caller ended the run.
+    pub fn is_interrupt(&self) -> bool {
+        matches!(
+            self,
+            Self::Simulation {
+                kind: SimulateErrorKind::Interrupted,
+                ..
+            }
+        )
+    }
+}
+
+impl Fault for SimulateError {
+    fn place(&self) -> &Place {
+        match self {
+            Self::Setup(e) => e.place(),
+            Self::Simulation { place, .. } => place,
+        }
+    }
+
+    fn describe(&self) -> Description {
+        match self {
+            Self::Setup(e) => e.describe(),
+            Self::Simulation { kind, .. } => of_truth(kind)
+                .or_else(|| of_motion(kind))
+                .unwrap_or_else(|| of_dynamics(kind)),
+        }
+    }
+}
+
+fn of_truth(kind: &SimulateErrorKind) -> Option<Description> {
+    use SimulateErrorKind as Kind;
+    let words = match kind {
+        Kind::NoValue { effect, missing } => Description::new(
+            "needs-value",
+            format!("{effect} acts in the model, and its truth has no value"),
+            format!(
+                "add {} to [simulate.values]",
+                missing
+                    .iter()
+                    .map(|name| format!("\"{name}\""))
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            ),
+        ),
+        Kind::NeedsMass { body } => Description::new(
+            "body-needs-mass",
+            format!("`{body}` has no mass, and a centre of mass or an inertia is given for it"),
+            format!("give \"{body}.mass\" too"),
+        ),
+        Kind::TwoLoads { found } => Description::new(
+            "two-loads",
+            format!("`{found}` hangs a load on the robot that `robot.payload` already has"),
+            "give the values of the one load as payload.mass, payload.com_x and so on",
+        ),
+        _ => return None,
+    };
+    Some(words)
+}
+
+fn of_motion(kind: &SimulateErrorKind) -> Option<Description> {
+    use SimulateErrorKind as Kind;
+    let words = match kind {
+        Kind::RateConflict {
+            simulate,
+            recordings,
+        } => Description::new(
+            "rate-conflict",
+            format!("the rate is {simulate} Hz here and {recordings} Hz under recordings.rate"),
+            "remove one of the two",
+        ),
+        Kind::TooShort { samples, least } => Description::new(
+            "simulation-too-short",
+            format!("the recording would have {samples} samples"),
+            format!("raise simulate.periods or simulate.rate: {least} samples are the least"),
+        ),
+        Kind::FormatNotWritten { found } => Description::new(
+            "format-not-written",
+            format!("recordings are written as .csv or .csv.gz, not as `{found}`"),
+            "list a file with one of these ends for the simulation",
+        ),
+        Kind::SameName { found } => Description::new(
+            "same-recording-name",
+            format!("two recordings would be written as `{found}` in the results folder"),
+            "give the recordings different file names",
+        ),
+        Kind::Unreachable {
+            joint,
+            found,
+            limit,
+        } => Description::new(
+            "torque-limit-unreachable",
+            format!(
+                "joint `{joint}` needs {found:.4} near its middle position, more than 80 % of its \
+                 torque limit {limit:.4}"
+            ),
+            "raise design.limits.torque, or shift the middle by design.limits.position_lower and \
+             position_upper",
+        ),
+        Kind::NoRange { joint } => Description::new(
+            "no-range",
+            format!("joint `{joint}` has no room to move between its position limits"),
+            "correct the limits, or hold the joint under robot.locked",
+        ),
+        Kind::PeriodConflict { file, recordings } => Description::new(
+            "period-conflict",
+            format!("the trajectory lasts {file:.6} s and recordings.period is {recordings} s"),
+            "give one period of the motion in the file, or correct recordings.period",
+        ),
+        Kind::UnevenTime { step, mean } => Description::new(
+            "uneven-time",
+            format!("a step of the time column is {step:.6} s where the mean step is {mean:.6} s"),
+            "give a periodic trajectory at even steps",
+        ),
+        _ => return None,
+    };
+    Some(words)
+}
+
+fn of_dynamics(kind: &SimulateErrorKind) -> Description {
+    use SimulateErrorKind as Kind;
+    match kind {
+        Kind::SharpFriction { joint } => Description::new(
+            "friction-without-width",
+            format!(
+                "the Coulomb friction of joint `{joint}` jumps at standstill (w = 0), where \
+                 forward dynamics has no solution"
+            ),
+            format!("set \"{joint}.coulomb_friction.w\" to 0.004, or use mode = \"inverse\""),
+        ),
+        Kind::SingularMass { joint, pivot } => Description::new(
+            "singular-mass",
+            format!("the mass matrix is not positive definite at joint `{joint}` ({pivot:.3e})"),
+            "correct the inertial parameters of its links, or give drive.rotor_inertia",
+        ),
+        Kind::Diverged { joint, time } => Description::new(
+            "simulation-diverged",
+            format!("joint `{joint}` leaves its trajectory at t = {time:.3} s"),
+            "reduce the concealed effects or the motion, or use mode = \"inverse\"",
+        ),
+        Kind::TooManyJoints { found } => Description::new(
+            "too-many-joints",
+            format!("forward dynamics of {found} joints is not available"),
+            "use mode = \"inverse\"",
+        ),
+        _ => Description::new(
+            "interrupted",
+            "the simulation was interrupted",
+            "run it again; nothing was written",
+        ),
+    }
+}
+
+impl fmt::Display for SimulateError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write_fault(f, self)
+    }
+}
+
+impl std::error::Error for SimulateError {}
+
+impl From<SetupError> for SimulateError {
+    fn from(e: SetupError) -> Self {
+        Self::Setup(Box::new(e))
+    }
+}
+
+impl From<ProblemFileError> for SimulateError {
+    fn from(e: ProblemFileError) -> Self {
+        SetupError::from(e).into()
+    }
+}
+
+impl From<RecordingError> for SimulateError {
+    fn from(e: RecordingError) -> Self {
+        SetupError::from(e).into()
+    }
+}

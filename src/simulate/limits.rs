@@ -1,0 +1,96 @@
+//! What random trajectories keep to: `[design.limits]`, else the robot file, else usual figures.
+
+use crate::fault::Place;
+use crate::problem_file::ProblemFile;
+use crate::robot::tree::JointKind;
+use crate::setup::robot::Robot;
+use crate::simulate::error::{SimulateError, SimulateErrorKind};
+use std::f64::consts::FRAC_PI_2;
+
+/// Limits of one joint, rad or m and seconds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointLimits {
+    pub lower: f64,
+    pub upper: f64,
+    pub velocity: f64,
+    pub acceleration: f64,
+    pub jerk: Option<f64>,
+    /// Of the motor torque at joint scale, N·m or N.
+    pub torque: Option<f64>,
+}
+
+/// Figures for joints of which nothing is known.
+struct Usual {
+    /// Half of the range of positions.
+    half_range: f64,
+    velocity: f64,
+    acceleration: f64,
+}
+
+/// rad, rad/s, rad/s²: what an industrial arm reaches without effort.
+const TURNING: Usual = Usual {
+    half_range: FRAC_PI_2,
+    velocity: 2.0,
+    acceleration: 10.0,
+};
+
+/// m, m/s, m/s².
+const SLIDING: Usual = Usual {
+    half_range: 0.25,
+    velocity: 0.3,
+    acceleration: 3.0,
+};
+
+/// The limits of every joint in the order of the tree.
+///
+/// # Errors
+/// A list of the wrong length; a range without width.
+pub fn of_joints(problem: &ProblemFile, robot: &Robot) -> Result<Vec<JointLimits>, SimulateError> {
+    let given = &problem.design.limits;
+    let lower = robot.per_joint(&given.position_lower)?;
+    let upper = robot.per_joint(&given.position_upper)?;
+    let velocity = robot.per_joint(&given.velocity)?;
+    let acceleration = robot.per_joint(&given.acceleration)?;
+    let jerk = robot.per_joint(&given.jerk)?;
+    let torque = robot.per_joint(&given.torque)?;
+    let of = |values: &Option<Vec<f64>>, k: usize| values.as_ref().map(|v| v[k]);
+    let mut limits = Vec::with_capacity(robot.tree.len());
+    for (k, joint) in robot.tree.joints().iter().enumerate() {
+        let usual = match joint.kind {
+            JointKind::Revolute => TURNING,
+            JointKind::Prismatic => SLIDING,
+        };
+        let stated = joint.limits;
+        let range = 2.0 * usual.half_range;
+        let (lower, upper) = match (
+            of(&lower, k).or(stated.lower),
+            of(&upper, k).or(stated.upper),
+        ) {
+            (Some(lower), Some(upper)) => (lower, upper),
+            (Some(lower), None) => (lower, lower + range),
+            (None, Some(upper)) => (upper - range, upper),
+            (None, None) => (-usual.half_range, usual.half_range),
+        };
+        if lower >= upper && robot.locked[k].is_none() {
+            return Err(SimulateError::new(
+                &Place::file(&problem.path).key("design.limits"),
+                SimulateErrorKind::NoRange {
+                    joint: joint.name.clone(),
+                },
+            ));
+        }
+        // A robot file without a figure often states zero.
+        let positive = |value: Option<f64>| value.filter(|v| *v > 0.0);
+        limits.push(JointLimits {
+            lower,
+            upper,
+            velocity: of(&velocity, k)
+                .or(positive(stated.velocity))
+                .unwrap_or(usual.velocity),
+            acceleration: of(&acceleration, k).unwrap_or(usual.acceleration),
+            jerk: of(&jerk, k),
+            torque: of(&torque, k).or(positive(stated.effort)),
+        });
+    }
+    Ok(limits)
+}

@@ -1,0 +1,199 @@
+//! Random excitation: a Fourier series of the joints, scaled to 80 % of the tightest limit.
+//!
+//! Coefficients of harmonic h are normal with standard deviation 1/h, so that all harmonics move the
+//! joint at the same speed. Each joint moves about the middle of its range; all amplitudes then shrink
+//! together until the torques keep to their limits.
+
+use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
+use crate::chain::model::Model;
+use crate::fault::Place;
+use crate::robot::batch::Trajectory;
+use crate::simulate::error::{SimulateError, SimulateErrorKind};
+use crate::simulate::limits::JointLimits;
+use crate::simulate::path::{Fourier, Motion, Path};
+use nalgebra::{DMatrix, DVector};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::TAU;
+
+/// Share of every limit that a random trajectory uses: room for the tracking error and for the peaks
+/// between the instants that are looked at.
+pub const SHARE: f64 = 0.8;
+
+/// Instants per cycle of the highest harmonic at which limits are looked at: the peak of a sine between
+/// two of them is less than 1 % higher.
+const PER_CYCLE: usize = 24;
+
+/// One step of shrinking all amplitudes, and the most steps: down to 1 %, which is standstill.
+const SHRINK: f64 = 0.9;
+const MOST_STEPS: usize = 44;
+
+/// What a random path is drawn from.
+pub struct Frame<'a> {
+    /// The commanded torque of everything that acts.
+    pub plant: &'a Model,
+    /// What the planner takes for the way from motors to joints.
+    pub nominal: &'a Model,
+    pub limits: &'a [JointLimits],
+    pub harmonics: usize,
+    /// s.
+    pub period: f64,
+}
+
+impl Frame<'_> {
+    /// A feasible path of the motors at joint scale.
+    ///
+    /// # Errors
+    /// The middle position alone takes more than 80 % of a torque limit.
+    pub fn draw(
+        &self,
+        rng: &mut ChaCha8Rng,
+        loaded: bool,
+        place: &Place,
+    ) -> Result<Path, SimulateError> {
+        let joints = self.joints(rng);
+        let mut factor = 1.0;
+        let mut worst = (0, 0.0);
+        for _ in 0..MOST_STEPS {
+            let path = to_motors(&Path::Fourier(joints.scaled(factor)), self.nominal);
+            worst = self.worst_torque(&path, loaded);
+            if worst.1 <= SHARE {
+                return Ok(path);
+            }
+            factor *= SHRINK;
+        }
+        let (joint, ratio) = worst;
+        let limit = self.limits[joint].torque.unwrap_or(f64::INFINITY);
+        Err(SimulateError::new(
+            place,
+            SimulateErrorKind::Unreachable {
+                joint: self.plant.joints()[joint].name.clone(),
+                found: ratio * limit,
+                limit,
+            },
+        ))
+    }
+
+    fn instants(&self) -> usize {
+        PER_CYCLE * self.harmonics
+    }
+
+    /// A series of the joints within the limits of their motion.
+    fn joints(&self, rng: &mut ChaCha8Rng) -> Fourier {
+        let n = self.limits.len();
+        let mut normal = || -> f64 { StandardNormal.sample(rng) };
+        let mut draw =
+            || -> Vec<f64> { (1..=self.harmonics).map(|h| normal() / h as f64).collect() };
+        let mut series = Fourier {
+            period: self.period,
+            centre: vec![0.0; n],
+            cosine: (0..n).map(|_| draw()).collect(),
+            sine: (0..n).map(|_| draw()).collect(),
+        };
+        for j in 0..n {
+            let amplitude = if self.plant.joints()[j].locked {
+                series.centre[j] = self.plant.offset()[j];
+                0.0
+            } else {
+                series.centre[j] = 0.5 * (self.limits[j].lower + self.limits[j].upper);
+                self.amplitude(&series.cosine[j], &series.sine[j], &self.limits[j])
+            };
+            let scaled = series.cosine[j].iter_mut().chain(&mut series.sine[j]);
+            scaled.for_each(|x| *x *= amplitude);
+        }
+        series
+    }
+
+    /// The factor with which one joint's series reaches 80 % of its tightest limit.
+    fn amplitude(&self, cosine: &[f64], sine: &[f64], limits: &JointLimits) -> f64 {
+        let count = self.instants();
+        let mut peaks = [0.0_f64; 4];
+        for k in 0..count {
+            let phase = TAU * k as f64 / count as f64;
+            let mut at = [0.0; 4];
+            for (h, (a, b)) in cosine.iter().zip(sine).enumerate() {
+                let (s, c) = ((h + 1) as f64 * phase).sin_cos();
+                let w = (h + 1) as f64 * TAU / self.period;
+                at[0] += a * c + b * s;
+                at[1] += w * (b * c - a * s);
+                at[2] += w * w * (a * c + b * s);
+                at[3] += w.powi(3) * (b * c - a * s);
+            }
+            for (peak, value) in peaks.iter_mut().zip(at) {
+                *peak = peak.max(value.abs());
+            }
+        }
+        let half_range = 0.5 * (limits.upper - limits.lower);
+        let bounds = [
+            half_range,
+            limits.velocity,
+            limits.acceleration,
+            limits.jerk.unwrap_or(f64::INFINITY),
+        ];
+        let ratios = bounds.iter().zip(peaks).map(|(bound, peak)| bound / peak);
+        SHARE * ratios.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The joint with the largest torque over its limit, and that ratio.
+    fn worst_torque(&self, path: &Path, loaded: bool) -> (usize, f64) {
+        let limited = |j: &usize| self.limits[*j].torque.is_some();
+        let joints: Vec<usize> = (0..self.limits.len()).filter(limited).collect();
+        let mut worst = (0, 0.0);
+        if joints.is_empty() {
+            return worst;
+        }
+        let count = self.instants();
+        let motion = path.sample((0.0, count as f64 / self.period), count);
+        for (j, torque) in joints
+            .iter()
+            .zip(torques(self.plant, &motion, loaded, &joints))
+        {
+            let limit = self.limits[*j].torque.unwrap_or(f64::INFINITY);
+            let peak = torque.iter().fold(0.0_f64, |peak, x| peak.max(x.abs()));
+            if peak / limit > worst.1 {
+                worst = (*j, peak / limit);
+            }
+        }
+        worst
+    }
+}
+
+/// Signals of some channels of a model along a motion of the motors.
+pub(super) fn torques(
+    model: &Model,
+    motion: &Motion,
+    loaded: bool,
+    channels: &[usize],
+) -> Vec<Vec<f64>> {
+    let [q, dq, ddq] = motion;
+    let segment = Segment {
+        motors: Trajectory { q, dq, ddq },
+        loaded,
+    };
+    let count = segment.motors.len();
+    let mut evaluator = Evaluator::new(model, &model.values(), &[]);
+    let mut out = vec![Vec::with_capacity(count); channels.len()];
+    for start in (0..count).step_by(BLOCK) {
+        let block = evaluator.evaluate(segment, start..(start + BLOCK).min(count));
+        for (series, &channel) in out.iter_mut().zip(channels) {
+            series.extend_from_slice(block.value(channel));
+        }
+    }
+    out
+}
+
+/// `m = V⁻¹ (q − offset)`.
+pub(super) fn to_motors(joints: &Path, model: &Model) -> Path {
+    let (inverse, shift) = from_joints(model);
+    joints.mapped(&inverse, &shift)
+}
+
+/// A and b of `m = A q + b`.
+pub(super) fn from_joints(model: &Model) -> (DMatrix<f64>, DVector<f64>) {
+    let n = model.tree().len();
+    let coupling = model.coupling(&model.values());
+    // The setup refuses a coupling that cannot be inverted.
+    let inverse = coupling.try_inverse().unwrap_or(DMatrix::identity(n, n));
+    let shift = -(&inverse * model.offset());
+    (inverse, shift)
+}

@@ -1,0 +1,331 @@
+//! What the sensors write down: positions on the side where the encoder sits, signals with noise, under
+//! the column names that a fit of the same problem file reads.
+//!
+//! ```text
+//! position_side = "joint"   q_rec = m                     step 2π / counts (1 / counts of a metre)
+//! position_side = "motor"   q_rec = ratio · m
+//! position_side = "link"    q_rec = V m + offset
+//! signal = "motor_torque"   τ_rec = τ / ratio
+//! ```
+
+use crate::chain::model::Model;
+use crate::problem_file::choices::{PositionSide, Signal};
+use crate::problem_file::recordings::ColumnsTable;
+use crate::problem_file::{Located, PerJoint, ProblemFile};
+use crate::robot::tree::JointKind;
+use crate::setup::error::{Mismatch, SetupError};
+use crate::setup::robot::Robot;
+use crate::simulate::error::SimulateError;
+use crate::simulate::path::Motion;
+use crate::simulate::random_path::torques;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::TAU;
+
+/// Columns of numbers with their names.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Table {
+    pub header: Vec<String>,
+    /// `[column][row]`.
+    pub data: Vec<Vec<f64>>,
+}
+
+/// Temperature in recordings of a model that does not heat up, °C.
+const ROOM_TEMPERATURE: f64 = 25.0;
+
+/// Names of the components of a wrench.
+const WRENCH: [&str; 6] = ["fx", "fy", "fz", "mx", "my", "mz"];
+
+/// A joint that is recorded: its index in the tree, its name and its number from 1 in the problem's order.
+#[derive(Debug, Clone)]
+struct Recorded {
+    index: usize,
+    name: String,
+    number: usize,
+}
+
+/// A channel of the signal.
+#[derive(Debug, Clone)]
+pub struct Channel {
+    pub column: String,
+    pub unit: String,
+    /// Index in the model.
+    index: usize,
+    scale: f64,
+    noise: f64,
+}
+
+/// The sensors of a problem file.
+#[derive(Debug, Clone)]
+pub struct Sensors {
+    pub channels: Vec<Channel>,
+    joints: Vec<Recorded>,
+    side: PositionSide,
+    /// Recorded units per joint unit, in the order of the tree.
+    ratio: Vec<f64>,
+    /// Least step of an encoder, in recorded units, in the order of the tree.
+    step: Option<Vec<f64>>,
+    columns: Option<ColumnsTable>,
+}
+
+impl Sensors {
+    /// # Errors
+    /// A side or signal of the motor without `drive.ratio`; lists of the wrong length.
+    pub fn new(problem: &ProblemFile, robot: &Robot, model: &Model) -> Result<Self, SimulateError> {
+        let table = problem.recordings.as_ref();
+        let side = table.map_or(PositionSide::Joint, |t| t.position_side.value);
+        let n = robot.tree.len();
+        let needs = |place| SetupError::mismatch(place, Mismatch::NeedsRatio);
+        if let (Some(table), None) = (table, &robot.ratio) {
+            if side == PositionSide::Motor {
+                return Err(needs(&table.position_side.place).into());
+            }
+            if table.signal.value == Signal::MotorTorque {
+                return Err(needs(&table.signal.place).into());
+            }
+        }
+        let numbered = robot.position.iter().zip(&robot.order).zip(1..);
+        let joints: Vec<Recorded> = numbered
+            .filter(|((index, _), _)| robot.locked[**index].is_none())
+            .map(|((&index, name), number)| Recorded {
+                index,
+                name: name.clone(),
+                number,
+            })
+            .collect();
+        let step = robot.per_joint(&problem.simulate.encoder_counts)?;
+        let of_turn = |k: usize, counts: &f64| match robot.tree.joints()[k].kind {
+            JointKind::Revolute => TAU / counts,
+            JointKind::Prismatic => 1.0 / counts,
+        };
+        let mut sensors = Self {
+            channels: Vec::new(),
+            joints,
+            side,
+            ratio: robot.ratio.clone().unwrap_or_else(|| vec![1.0; n]),
+            step: step.map(|all| all.iter().enumerate().map(|(k, c)| of_turn(k, c)).collect()),
+            columns: table.map(|t| t.columns.clone()),
+        };
+        sensors.channels = sensors.signal_channels(problem, robot, model)?;
+        Ok(sensors)
+    }
+
+    fn signal_channels(
+        &self,
+        problem: &ProblemFile,
+        robot: &Robot,
+        model: &Model,
+    ) -> Result<Vec<Channel>, SimulateError> {
+        let is_current = model.signal() == crate::chain::model::Signal::Current;
+        let table = problem.recordings.as_ref();
+        let at_motor = table.is_some_and(|t| t.signal.value == Signal::MotorTorque);
+        let noise = Noise::read(problem, robot, model)?;
+        let columns = self.columns.as_ref();
+        let pattern = match is_current {
+            true => pattern(columns.and_then(|c| c.current.as_ref()), "i{n}"),
+            false => pattern(columns.and_then(|c| c.torque.as_ref()), "tau{n}"),
+        };
+        let all = model.channels();
+        let mut channels = Vec::new();
+        for joint in &self.joints {
+            let Some(channel) = all.iter().position(|c| c.joint == Some(joint.index)) else {
+                continue;
+            };
+            channels.push(Channel {
+                column: expand(&pattern, joint),
+                unit: all[channel].unit.to_string(),
+                index: channel,
+                scale: if at_motor {
+                    1.0 / self.ratio[joint.index]
+                } else {
+                    1.0
+                },
+                noise: noise.joints[joint.index],
+            });
+        }
+        let wrench = columns.and_then(|c| c.wrench.as_ref()).map(|w| &w.value);
+        let of_base = all.iter().enumerate().filter(|(_, c)| c.joint.is_none());
+        for (component, (index, channel)) in of_base.enumerate() {
+            channels.push(Channel {
+                column: wrench.map_or(WRENCH[component].to_string(), |w| w[component].clone()),
+                unit: channel.unit.to_string(),
+                index,
+                scale: 1.0,
+                noise: noise.wrench[component],
+            });
+        }
+        Ok(channels)
+    }
+
+    /// Records a motion of the motors: the table, and the noise that was added, per channel.
+    ///
+    /// `noise` gives the generator of each channel.
+    pub fn record(
+        &self,
+        (model, loaded): (&Model, bool),
+        motion: &Motion,
+        rate: f64,
+        noise: impl Fn(usize) -> ChaCha8Rng,
+    ) -> (Table, Vec<Vec<f64>>) {
+        let rows = motion[0].first().map_or(0, Vec::len);
+        let columns = self.columns.as_ref();
+        let mut table = Table::default();
+        let time = pattern(columns.and_then(|c| c.time.as_ref()), "t");
+        table.push(time, (0..rows).map(|k| k as f64 / rate).collect());
+        let named = |of: fn(&ColumnsTable) -> &Option<Located<String>>| {
+            columns.and_then(|c| of(c).as_ref())
+        };
+        let position = pattern(named(|c| &c.position), "q{n}");
+        self.push_motion(&mut table, &position, self.position(model, &motion[0]));
+        let rates = [named(|c| &c.velocity), named(|c| &c.acceleration)];
+        for (asked, series) in rates.into_iter().zip(&motion[1..]) {
+            if let Some(column) = asked {
+                self.push_motion(&mut table, &column.value, self.on_side(model, series));
+            }
+        }
+        let indices: Vec<usize> = self.channels.iter().map(|c| c.index).collect();
+        let signals = torques(model, motion, loaded, &indices);
+        let mut added = Vec::with_capacity(signals.len());
+        for (number, (channel, mut series)) in self.channels.iter().zip(signals).enumerate() {
+            let errors = normal(noise(number), channel.noise, rows);
+            let pairs = series.iter_mut().zip(&errors);
+            pairs.for_each(|(x, e)| *x = channel.scale * *x + e);
+            table.push(channel.column.clone(), series);
+            added.push(errors);
+        }
+        if let Some(column) = named(|c| &c.temperature) {
+            let warm = vec![vec![ROOM_TEMPERATURE; rows]; model.tree().len()];
+            self.push_motion(&mut table, &column.value, warm);
+        }
+        if let Some(column) = named(|c| &c.mask) {
+            table.push(column.value.clone(), vec![1.0; rows]);
+        }
+        (table, added)
+    }
+
+    fn push_motion(&self, table: &mut Table, pattern: &str, mut series: Vec<Vec<f64>>) {
+        for joint in &self.joints {
+            let column = std::mem::take(&mut series[joint.index]);
+            table.push(expand(pattern, joint), column);
+        }
+    }
+
+    /// Positions as the encoders give them.
+    fn position(&self, model: &Model, motors: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let mut out = self.on_side(model, motors);
+        if self.side == PositionSide::Link {
+            for (series, offset) in out.iter_mut().zip(model.offset().iter()) {
+                series.iter_mut().for_each(|x| *x += offset);
+            }
+        }
+        if let Some(steps) = &self.step {
+            for (series, step) in out.iter_mut().zip(steps) {
+                series
+                    .iter_mut()
+                    .for_each(|x| *x = (*x / step).round() * step);
+            }
+        }
+        out
+    }
+
+    /// Motions of the motors on the side of the encoders, without offset.
+    fn on_side(&self, model: &Model, motors: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        match self.side {
+            PositionSide::Joint => motors.to_vec(),
+            PositionSide::Motor => {
+                let pairs = motors.iter().zip(&self.ratio);
+                pairs
+                    .map(|(series, ratio)| series.iter().map(|x| ratio * x).collect())
+                    .collect()
+            }
+            PositionSide::Link => joints_of(model, motors),
+        }
+    }
+}
+
+/// `V m`.
+pub(super) fn joints_of(model: &Model, motors: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let coupling = model.coupling(&model.values());
+    let rows = motors.first().map_or(0, Vec::len);
+    (0..motors.len())
+        .map(|i| {
+            let mut out = vec![0.0; rows];
+            for (j, series) in motors.iter().enumerate() {
+                let weight = coupling[(i, j)];
+                if weight != 0.0 {
+                    let pairs = out.iter_mut().zip(series);
+                    pairs.for_each(|(to, x)| *to += weight * x);
+                }
+            }
+            out
+        })
+        .collect()
+}
+
+impl Table {
+    pub(super) fn push(&mut self, name: String, column: Vec<f64>) {
+        self.header.push(name);
+        self.data.push(column);
+    }
+}
+
+/// Standard deviations of the channels, joints in the order of the tree.
+struct Noise {
+    joints: Vec<f64>,
+    wrench: [f64; 6],
+}
+
+impl Noise {
+    /// One number holds for every channel; a list has one per joint, or one per component of a wrench, or
+    /// both where both are recorded.
+    fn read(problem: &ProblemFile, robot: &Robot, model: &Model) -> Result<Self, SimulateError> {
+        use crate::chain::model::Signal as Kind;
+        let n = robot.tree.len();
+        let mut noise = Self {
+            joints: vec![0.0; n],
+            wrench: [0.0; 6],
+        };
+        let Some(given) = &problem.simulate.noise else {
+            return Ok(noise);
+        };
+        if let PerJoint::All(value) = given.value {
+            noise.joints.fill(value);
+            noise.wrench.fill(value);
+            return Ok(noise);
+        }
+        let components = WRENCH.iter().map(|name| (*name).to_string());
+        let names: Vec<String> = match model.signal() {
+            Kind::BaseWrench => components.collect(),
+            Kind::Both => robot.order.iter().cloned().chain(components).collect(),
+            _ => robot.order.clone(),
+        };
+        let values = given.expand(&names)?;
+        if model.signal() != Kind::BaseWrench {
+            noise.joints = robot.to_tree(&values[..n]);
+        }
+        let rest = values[values.len() - 6.min(values.len())..].iter();
+        if matches!(model.signal(), Kind::BaseWrench | Kind::Both) {
+            noise
+                .wrench
+                .iter_mut()
+                .zip(rest)
+                .for_each(|(to, x)| *to = *x);
+        }
+        Ok(noise)
+    }
+}
+
+fn pattern(given: Option<&Located<String>>, usual: &str) -> String {
+    given.map_or_else(|| usual.to_string(), |name| name.value.clone())
+}
+
+fn expand(pattern: &str, joint: &Recorded) -> String {
+    pattern
+        .replace("{n}", &joint.number.to_string())
+        .replace("{joint}", &joint.name)
+}
+
+fn normal(mut rng: ChaCha8Rng, std_dev: f64, count: usize) -> Vec<f64> {
+    let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
+    (0..count).map(|_| std_dev * draw()).collect()
+}

@@ -1,0 +1,548 @@
+//! Whole simulations: limits, agreement of the two modes, sensors, concealed effects, the way back
+//! through files.
+
+use crate::chain::effect;
+use crate::fault::Fault;
+use crate::problem::solution::Control;
+use crate::problem_file::ProblemFile;
+use crate::recording::experiment::prepare;
+use crate::setup::robot;
+use crate::setup::robot::Robot;
+use crate::simulate::error::SimulateError;
+use crate::simulate::limits::of_joints;
+use crate::simulate::path::Motion;
+use crate::simulate::plant::{Plant, State};
+use crate::simulate::random_path::torques;
+use crate::simulate::truth::{DEFAULT_WIDTH, Truth, build};
+use crate::simulate::{Simulated, run, write_csv};
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+const FRICTION: &str = r#"
+[drive]
+effects = ["coulomb_friction", "viscous_friction"]
+[drive.values]
+"joint1.Fc" = 4.0
+"joint1.Fv" = 6.0
+"joint2.Fc" = 4.0
+"joint2.Fv" = 6.0
+"joint3.Fc" = 3.0
+"joint3.Fv" = 4.0
+"joint4.Fc" = 3.0
+"joint4.Fv" = 4.0
+"joint5.Fc" = 1.0
+"joint5.Fv" = 1.0
+"joint6.Fc" = 1.0
+"joint6.Fv" = 1.0
+"joint7.Fc" = 0.5
+"joint7.Fv" = 0.5
+"#;
+
+/// A robot file of the seven-joint arm of which every link is a body that can exist.
+fn arm() -> PathBuf {
+    static FOLDER: OnceLock<tempfile::TempDir> = OnceLock::new();
+    let folder = FOLDER.get_or_init(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let text = include_str!("../../problems/panda_like/panda_like.mdh.toml");
+        let possible = text.replace("[0.0380, -0.0020", "[0.0370, -0.0020");
+        std::fs::write(folder.path().join("arm.mdh.toml"), possible).unwrap();
+        folder
+    });
+    folder.path().join("arm.mdh.toml")
+}
+
+/// A problem about the seven-joint arm; `drive` is its table, `rest` what comes behind it.
+fn panda(drive: &str, rest: &str) -> ProblemFile {
+    let head = format!("[robot]\nmdh = {:?}\n", arm());
+    parse(Path::new("p.toml"), &format!("{head}{drive}\n{rest}"))
+}
+
+fn parse(path: &Path, text: &str) -> ProblemFile {
+    ProblemFile::parse(path, text, &[], &effect::ids()).unwrap()
+}
+
+fn simulated(problem: &ProblemFile, seed: u64) -> Simulated {
+    run(problem, seed, &Control::default()).unwrap()
+}
+
+fn truth_of(problem: &ProblemFile) -> (Robot, Truth) {
+    let robot = robot::open(problem).unwrap();
+    let truth = build(problem, &robot).unwrap();
+    (robot, truth)
+}
+
+fn code(problem: &ProblemFile) -> &'static str {
+    let error: SimulateError = run(problem, 1, &Control::default()).unwrap_err();
+    error.describe().code
+}
+
+/// Columns of a recording by the start of their names, in order.
+fn columns<'a>(simulated: &'a Simulated, recording: usize, prefix: &str) -> Vec<&'a [f64]> {
+    let table = &simulated.recordings[recording].table;
+    let named = table.header.iter().zip(&table.data);
+    named
+        .filter(|(name, _)| {
+            let number = name.strip_prefix(prefix);
+            number.is_some_and(|rest| rest.parse::<usize>().is_ok())
+        })
+        .map(|(_, column)| column.as_slice())
+        .collect()
+}
+
+const ALL_MOTION: &str = r#"
+[recordings]
+train = ["train.csv"]
+validation = ["validation.csv"]
+signal = "torque"
+period = 5.0
+[recordings.columns]
+position = "q{n}"
+velocity = "dq{n}"
+acceleration = "ddq{n}"
+torque = "tau{n}"
+"#;
+
+fn motion_of(simulated: &Simulated, recording: usize) -> Motion {
+    ["q", "dq", "ddq"].map(|prefix| {
+        let found = columns(simulated, recording, prefix);
+        found.into_iter().map(<[f64]>::to_vec).collect()
+    })
+}
+
+#[test]
+fn invariant_random_trajectories_stay_within_four_fifths_of_every_limit() {
+    for seed in 0..8 {
+        let problem = panda(
+            FRICTION,
+            &format!("{ALL_MOTION}[design.limits]\nacceleration = 5.0\n[simulate]\nperiods = 1"),
+        );
+        let simulated = simulated(&problem, seed);
+        let robot = robot::open(&problem).unwrap();
+        let limits = of_joints(&problem, &robot).unwrap();
+        for recording in 0..2 {
+            let [q, dq, ddq] = motion_of(&simulated, recording);
+            let tau = columns(&simulated, recording, "tau");
+            for (j, limit) in limits.iter().enumerate() {
+                // Peaks between the instants that are looked at: 1 - cos(π/24) is 0.86 %.
+                let share = 0.8 * 1.01;
+                let middle = 0.5 * (limit.lower + limit.upper);
+                let peak = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+                let away: Vec<f64> = q[j].iter().map(|x| x - middle).collect();
+                assert!(peak(&away) <= share * 0.5 * (limit.upper - limit.lower));
+                assert!(peak(&dq[j]) <= share * limit.velocity);
+                assert!(peak(&ddq[j]) <= share * 5.0);
+                assert!(peak(tau[j]) <= share * limit.torque.unwrap());
+            }
+        }
+    }
+}
+
+#[test]
+fn invariant_the_commanded_torque_of_a_closed_loop_is_that_of_the_chain_at_the_true_motion() {
+    let rest = format!(
+        "{ALL_MOTION}[simulate]\nmode = \"closed_loop\"\nperiods = 1\nwarmup_periods = 0\n\
+         [simulate.values]\n\"joint4.torque_offset.offset\" = 2.0\n\"joint2.rotor_inertia.Jm\" = 0.3"
+    );
+    let problem = panda(FRICTION, &rest);
+    let result = simulated(&problem, 3);
+    let (_, truth) = truth_of(&problem);
+    let motion = motion_of(&result, 0);
+    let all: Vec<usize> = (0..7).collect();
+    let chain = torques(&truth.plant, &motion, false, &all);
+    let nominal = torques(&truth.nominal, &motion, false, &all);
+    let tau = columns(&result, 0, "tau");
+    for j in 0..7 {
+        for k in 0..tau[j].len() {
+            assert!((chain[j][k] - tau[j][k]).abs() <= 1e-9);
+            // What is concealed is all that the declared model lacks.
+            let concealed = match j {
+                1 => 0.3 * motion[2][1][k],
+                3 => 2.0,
+                _ => 0.0,
+            };
+            assert!((tau[j][k] - nominal[j][k] - concealed).abs() <= 1e-9);
+        }
+    }
+}
+
+#[test]
+fn invariant_recorded_accelerations_of_a_closed_loop_are_the_derivatives_of_its_motion() {
+    let rest =
+        format!("{ALL_MOTION}[simulate]\nmode = \"closed_loop\"\nperiods = 1\nwarmup_periods = 0")
+            .replace("period = 5.0", "period = 5.0\nrate = 1000.0");
+    // Rotors that leave reversals a few milliseconds, so that differences over two of them see them.
+    let drive = FRICTION.replace("[drive]", "[drive]\nrotor_inertia = 1.0");
+    let problem = panda(&drive, &rest);
+    let [q, dq, ddq] = motion_of(&simulated(&problem, 5), 0);
+    let dt = 1e-3;
+    for j in 0..7 {
+        for (x, derivative) in [(&q[j], &dq[j]), (&dq[j], &ddq[j])] {
+            let (mut error, mut size) = (0.0_f64, 0.0_f64);
+            for k in 1..x.len() - 1 {
+                let slope = (x[k + 1] - x[k - 1]) / (2.0 * dt);
+                error += (slope - derivative[k]).powi(2);
+                size += derivative[k].powi(2);
+            }
+            // Root mean square: the difference itself is blind to the milliseconds of a reversal.
+            assert!(
+                (error / size).sqrt() <= 0.01,
+                "{j} {}",
+                (error / size).sqrt()
+            );
+        }
+    }
+}
+
+#[test]
+fn a_closed_loop_with_all_effects_declared_follows_the_trajectory_and_the_inverse_mode() {
+    let text = |mode: &str| {
+        let rest = format!("{ALL_MOTION}[simulate]\nmode = \"{mode}\"\nperiods = 1");
+        panda(FRICTION, &rest)
+    };
+    let (inverse, closed) = (
+        simulated(&text("inverse"), 11),
+        simulated(&text("closed_loop"), 11),
+    );
+    let (a, b) = (motion_of(&inverse, 0), motion_of(&closed, 0));
+    let (tau_a, tau_b) = (columns(&inverse, 0, "tau"), columns(&closed, 0, "tau"));
+    for j in 0..7 {
+        let rms = |x: &[f64], y: &[f64]| {
+            let sum: f64 = x.iter().zip(y).map(|(x, y)| (x - y).powi(2)).sum();
+            (sum / x.len() as f64).sqrt()
+        };
+        // A torque held for a millisecond is half a millisecond late: 0.5 ms times the speed bounds the lag.
+        assert!(rms(&a[0][j], &b[0][j]) <= 0.5e-3 * 2.6, "{j}");
+        let size = rms(tau_a[j], &vec![0.0; tau_a[j].len()]);
+        assert!(rms(tau_a[j], tau_b[j]) <= 0.02 * size, "{j}");
+    }
+}
+
+#[test]
+fn invariant_power_of_the_motors_over_whole_periods_is_what_friction_takes() {
+    let rest = format!("{ALL_MOTION}[simulate]\nperiods = 1");
+    let problem = panda(FRICTION, &rest);
+    let result = simulated(&problem, 2);
+    let [_, dq, _] = motion_of(&result, 0);
+    let (_, truth) = truth_of(&problem);
+    let tau = columns(&result, 0, "tau");
+    let value = |name: &str| {
+        let p = truth.plant.find(name).unwrap();
+        truth.plant.parameters()[p].value
+    };
+    let (mut work, mut lost) = (0.0, 0.0);
+    for j in 0..7 {
+        let fc = value(&format!("joint{}.coulomb_friction.Fc", j + 1));
+        let fv = value(&format!("joint{}.viscous_friction.Fv", j + 1));
+        for (v, t) in dq[j].iter().zip(tau[j]) {
+            work += v * t;
+            lost += fc * v * v / (v.abs() + DEFAULT_WIDTH) + fv * v * v;
+        }
+    }
+    // Energy comes back to its start; sums of a band-limited periodic motion are exact, but for the
+    // narrow band of friction, which is on both sides.
+    assert!(lost > 0.0);
+    assert!((work / lost - 1.0).abs() <= 1e-10, "{}", work / lost - 1.0);
+}
+
+#[test]
+fn recovers_known_noise_and_steps_of_the_encoder() {
+    let rest = format!(
+        "{}[simulate]\nperiods = 4\nnoise = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]\nencoder_counts = 4096",
+        ALL_MOTION.replace(
+            "signal = \"torque\"",
+            "signal = \"torque\"\nposition_side = \"motor\""
+        )
+    );
+    let drive = FRICTION.replace("[drive]", "[drive]\nratio = -50.0");
+    let problem = panda(&drive, &rest);
+    let result = simulated(&problem, 7);
+    let (_, truth) = truth_of(&problem);
+    let clean = panda(
+        &drive,
+        &rest
+            .replace("encoder_counts = 4096", "")
+            .replace("noise", "#"),
+    );
+    let exact = simulated(&clean, 7);
+    assert_eq!(truth.plant.joints().len(), 7);
+    for j in 0..7 {
+        let (q, reference) = (columns(&result, 0, "q")[j], columns(&exact, 0, "q")[j]);
+        let step = TAU / 4096.0;
+        for (a, b) in q.iter().zip(reference) {
+            assert!((a / step - (a / step).round()).abs() < 1e-9);
+            assert!((a - b).abs() <= 0.5 * step * (1.0 + 1e-9));
+        }
+        let (a, b) = (columns(&result, 0, "tau")[j], columns(&exact, 0, "tau")[j]);
+        let count = a.len() as f64;
+        let squares: f64 = a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum();
+        let given = 0.1 * (j + 1) as f64;
+        // Standard error of a standard deviation: 1/√(2n).
+        let bound = 5.0 / (2.0 * count).sqrt();
+        assert!(((squares / count).sqrt() / given - 1.0).abs() <= bound);
+        let realised = &result.realised_noise[j];
+        assert_eq!(realised.channel, format!("tau{}", j + 1));
+        assert!((realised.std_dev / given - 1.0).abs() <= bound);
+    }
+}
+
+#[test]
+fn invariant_same_seed_same_bits_for_any_number_of_threads_and_other_seeds_differ() {
+    let rest = format!(
+        "{ALL_MOTION}[simulate]\nmode = \"closed_loop\"\nperiods = 1\nwarmup_periods = 0\nnoise = 0.1"
+    )
+    .replace("period = 5.0", "period = 1.0");
+    let problem = panda(FRICTION, &rest);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.unwrap().install(|| simulated(&problem, 9))
+    };
+    let (one, three) = (with(1), with(3));
+    assert_eq!(one.recordings, three.recordings);
+    assert_ne!(one.recordings[0].table, one.recordings[1].table);
+    assert_ne!(one.recordings, simulated(&problem, 10).recordings);
+}
+
+#[test]
+fn recovers_the_motion_and_the_truth_through_files_and_the_recordings_of_a_problem() {
+    let folder = tempfile::tempdir().unwrap();
+    let drive = FRICTION.replace("[drive]", "[drive]\ntorque_constant = 10.0\nratio = 40.0");
+    let rest = "[recordings]\ntrain = [\"a/train.csv.gz\"]\nvalidation = [\"validation.csv\"]\n\
+                position_side = \"motor\"\nperiod = 5.0\n[simulate]\nperiods = 2";
+    let text = format!(
+        "[robot]\nmdh = {:?}\nlocked = {{ joint7 = 0.4 }}\n{drive}\n{rest}",
+        arm()
+    );
+    let problem = parse(&folder.path().join("p.toml"), &text);
+    let result = simulated(&problem, 21);
+    for recording in &result.recordings {
+        let path = folder.path().join(&recording.name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        write_csv(std::fs::File::create(&path).unwrap(), recording).unwrap();
+    }
+    let (robot, truth) = truth_of(&problem);
+    let table = problem.recordings().unwrap();
+    let read = crate::setup::recordings::read_one(table, &robot, &table.train[0].value).unwrap();
+    assert_eq!(read.position[3], columns(&result, 0, "q")[3]);
+    prepare(read, &crate::setup::recordings::preparation(table)).unwrap();
+    let data = crate::setup::recordings::open(&problem, &robot, &truth.recorded).unwrap();
+    for prepared in &data.recordings {
+        let motion = &prepared.experiment.motion;
+        let motion: Motion = [
+            motion.position.clone(),
+            motion.velocity.clone(),
+            motion.acceleration.clone(),
+        ];
+        let predicted = torques(&truth.recorded, &motion, false, &[0, 1, 2, 3, 4, 5]);
+        for (j, predicted) in predicted.iter().enumerate() {
+            for (a, b) in predicted.iter().zip(prepared.signal(j)) {
+                // Without noise only the accelerations' rounding and reversals remain.
+                assert!((a - b).abs() <= 1e-6, "{j} {a} {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_trajectory_that_was_written_is_read_back_as_the_same_motion() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = |rest: &str| {
+        let problem = panda(
+            FRICTION,
+            &format!("{ALL_MOTION}[simulate]\nperiods = 1\n{rest}"),
+        );
+        ProblemFile {
+            path: folder.path().join("p.toml"),
+            ..problem
+        }
+    };
+    let first = simulated(&text(""), 4);
+    let path = folder.path().join("motion.csv");
+    write_csv(
+        std::fs::File::create(&path).unwrap(),
+        &first.trajectories[0],
+    )
+    .unwrap();
+    let again = simulated(&text(&format!("trajectory = {:?}", path.display())), 5);
+    let (a, b) = (motion_of(&first, 0), motion_of(&again, 1));
+    for j in 0..7 {
+        for k in 0..a[0][j].len() {
+            // Fifteen digits of positions, harmonics differentiated twice.
+            assert!((a[2][j][k] - b[2][j][k]).abs() <= 1e-9);
+        }
+    }
+}
+
+#[test]
+fn a_coupled_motor_moves_both_joints_and_link_encoders_see_it() {
+    let drive = FRICTION.replace(
+        "[drive]",
+        "[drive]\ncoupling = [[1.0,0.0,0.0,0.0,0.0,0.0,0.0],[0.0,1.0,0.0,0.0,0.0,0.0,0.0],\
+         [0.0,0.0,1.0,0.0,0.0,0.0,0.0],[0.0,0.0,0.0,1.0,0.0,0.0,0.0],[0.0,0.0,0.0,0.0,1.0,0.0,0.0],\
+         [0.0,0.0,0.0,0.0,0.3,1.0,0.0],[0.0,0.0,0.0,0.0,0.0,0.0,1.0]]",
+    );
+    let side = |side: &str, mode: &str| {
+        let columns = ALL_MOTION.replace(
+            "signal = \"torque\"",
+            &format!("signal = \"torque\"\nposition_side = \"{side}\""),
+        );
+        let rest =
+            format!("{columns}[simulate]\nperiods = 1\nwarmup_periods = 0\nmode = \"{mode}\"");
+        panda(&drive, &rest)
+    };
+    for mode in ["inverse", "closed_loop"] {
+        let motors = motion_of(&simulated(&side("joint", mode), 6), 0);
+        let links = motion_of(&simulated(&side("link", mode), 6), 0);
+        for k in 0..links[0][5].len() {
+            let expected = motors[0][5][k] + 0.3 * motors[0][4][k];
+            assert!((links[0][5][k] - expected).abs() <= 1e-12);
+        }
+    }
+    let problem = side("joint", "closed_loop");
+    let (_, truth) = truth_of(&problem);
+    let result = simulated(&problem, 6);
+    let chain = torques(&truth.plant, &motion_of(&result, 0), false, &[4, 5]);
+    let tau = columns(&result, 0, "tau");
+    for k in 0..tau[4].len() {
+        assert!((chain[0][k] - tau[4][k]).abs() <= 1e-9);
+    }
+}
+
+#[test]
+fn concealed_effects_are_in_the_truth_and_not_in_the_declared_model() {
+    let values = |names: &str| panda(FRICTION, &format!("[simulate]\n[simulate.values]\n{names}"));
+    let names = "\"joint3.asymmetric_friction.dFc\" = 0.4\n\"joint3.asymmetric_friction.dFv\" = 0.1\n\
+                 \"joint6.kinematic_coupling.joint4\" = 0.05\n\"joint2.armature\" = 0.2\n\
+                 \"joint7.unmodelled_payload.mass\" = 2.0\n\"payload.com_z\" = 0.1\n\"link3.mass\" = 4.0\n\
+                 \"joint1.drive_gain.gain\" = 0.9\n\"joint5.coulomb_friction.w\" = 0.01";
+    let (_, truth) = truth_of(&values(names));
+    assert!(truth.hidden_load);
+    let value = |name: &str| {
+        let found = truth.parameters.iter().find(|p| p.name == name);
+        found.and_then(|p| p.value).unwrap_or(f64::NAN)
+    };
+    for (name, expected) in [
+        ("joint3.asymmetric_friction.dFc", 0.4),
+        ("joint6.kinematic_coupling.joint4", 0.05),
+        ("joint2.rotor_inertia.Jm", 0.2),
+        ("payload.mass", 2.0),
+        ("payload.com_z", 0.1),
+        ("payload.inertia_xx", 0.0),
+        ("link3.mass", 4.0),
+        ("link3.com_y", 0.039),
+        ("link3.inertia_zz", 0.013),
+        ("joint1.drive_gain.gain", 0.9),
+        ("joint5.coulomb_friction.w", 0.01),
+        ("joint4.coulomb_friction.w", DEFAULT_WIDTH),
+    ] {
+        assert!(
+            (value(name) - expected).abs() < 1e-14,
+            "{name} {}",
+            value(name)
+        );
+    }
+    assert!(truth.nominal.payload().is_none() && truth.nominal.is_uncoupled());
+    assert!(truth.nominal.find("joint2.rotor_inertia.Jm").is_err());
+    assert_eq!(truth.plant.coupling(&truth.plant.values())[(5, 3)], 0.05);
+}
+
+#[test]
+fn incomplete_and_unknown_truths_are_refused() {
+    let values = |names: &str| panda(FRICTION, &format!("[simulate]\n[simulate.values]\n{names}"));
+    let listed = "[drive]\neffects = [\"viscous_friction\"]";
+    for (problem, expected) in [
+        (panda(listed, ""), "needs-value"),
+        (values("\"joint9.Fc\" = 1.0"), "unknown-parameter"),
+        (
+            values("\"joint3.coulomb_friction.Fx\" = 1.0"),
+            "unknown-parameter",
+        ),
+        (values("\"joint3.Fc\" = -1.0"), "parameter-out-of-bounds"),
+        (
+            values("\"joint3.asymmetric_friction.dFv\" = 1.0"),
+            "needs-value",
+        ),
+        (values("\"payload.com_x\" = 1.0"), "body-needs-mass"),
+        (
+            panda(
+                "",
+                "[simulate]\nrate = 10.0\nperiods = 1\n[design]\nperiod = 1.0",
+            ),
+            "simulation-too-short",
+        ),
+        (
+            panda("", "[design.limits]\ntorque = 0.1"),
+            "torque-limit-unreachable",
+        ),
+        (
+            panda(
+                FRICTION,
+                "[simulate]\nmode = \"closed_loop\"\n[simulate.values]\n\"joint2.coulomb_friction.w\" = 0.0",
+            ),
+            "friction-without-width",
+        ),
+    ] {
+        assert_eq!(code(&problem), expected);
+    }
+}
+
+#[test]
+fn recordings_with_and_without_the_load_differ_by_the_load() {
+    let head = "[robot]\npayload = \"last\"\n";
+    let rest = "[recordings]\ntrain = [\"../a.csv\"]\nloaded = [\"b.csv\"]\nsignal = \"base_wrench\"\n\
+                [simulate]\nperiods = 1\n[simulate.values]\n\"payload.mass\" = 3.0";
+    let problem = parse(
+        Path::new("p.toml"),
+        &format!("{head}mdh = {:?}\n{FRICTION}{rest}", arm()),
+    );
+    let result = simulated(&problem, 1);
+    let names: Vec<&str> = result.recordings.iter().map(|r| r.name.as_str()).collect();
+    assert_eq!(names, ["a.csv", "b.csv"]);
+    let mean_force = |recording: usize| {
+        let table = &result.recordings[recording].table;
+        let at = table.header.iter().position(|h| h == "fz").unwrap();
+        table.data[at].iter().sum::<f64>() / table.data[at].len() as f64
+    };
+    // Over whole periods the base carries the weight alone.
+    assert!((mean_force(1) - mean_force(0) - 3.0 * 9.81).abs() < 1e-6);
+}
+
+#[test]
+fn matches_closed_form_of_a_rotor_in_stiff_viscous_friction() {
+    // H v̇ = u − Fv v:  v = u/Fv (1 − exp(−Fv t/H)), stiff where Fv h/H is large.
+    let locked = "locked = { joint2 = 0.3, joint3 = 0.0, joint4 = -1.0, joint5 = 0.0, joint6 = 1.0, joint7 = 0.0 }";
+    let text = format!(
+        "[robot]\nmdh = {:?}\n{locked}\n[drive]\neffects = [\"viscous_friction\"]\n\
+         [drive.values]\n\"joint1.Fv\" = 500.0",
+        arm()
+    );
+    let (_, truth) = truth_of(&parse(Path::new("p.toml"), &text));
+    let mut plant = Plant::new(&truth.plant, false).unwrap();
+    let rest = State {
+        position: vec![0.0; 7],
+        velocity: vec![0.0; 7],
+    };
+    let chain = plant.linearise(&rest);
+    // The axis is vertical: without speed the torque is that of the inertia alone.
+    let inertia = 1.0 / plant.acceleration(&chain, &[1.0]).unwrap()[0];
+    let mut errors = Vec::new();
+    for steps in [8, 16, 32] {
+        let h = 2.0 * inertia / 500.0 / f64::from(steps);
+        let mut state = rest.clone();
+        for _ in 0..steps {
+            let chain = plant.linearise(&state);
+            state = plant.step((&state, &chain), &[10.0], h).unwrap().0;
+        }
+        errors.push((state.velocity[0] - 10.0 / 500.0 * (1.0 - (-2.0_f64).exp())).abs());
+    }
+    // Order two: a quarter of the error with half of the step, to the next order.
+    for pair in errors.windows(2) {
+        assert!((pair[1] / pair[0] - 0.25).abs() < 0.06, "{errors:?}");
+    }
+    // L-stable: one step over many time constants ends at the equilibrium.
+    let chain = plant.linearise(&rest);
+    let (after, _) = plant
+        .step((&rest, &chain), &[10.0], 1e4 * inertia / 500.0)
+        .unwrap();
+    assert!((after.velocity[0] / 0.02 - 1.0).abs() < 1e-3);
+}

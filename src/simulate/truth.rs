@@ -1,0 +1,368 @@
+//! The truth of a simulation: models of which every parameter is known.
+//!
+//! Values come, later ones before earlier ones, from the robot file, an earlier result under
+//! `robot.parameters`, `robot.zero`, `drive` and `[simulate.values]`.
+
+use crate::chain::effect::{Linearity, coulomb_friction};
+use crate::chain::model::Model;
+use crate::chain::parameter::Role;
+use crate::fault::Place;
+use crate::outcome::parameter::Parameter;
+use crate::outcome::{Outcome, Part};
+use crate::problem_file::choices::{Inertials, Signal};
+use crate::problem_file::{Located, Named, ProblemFile};
+use crate::robot::inertia::{Inertia, PER_LINK};
+use crate::robot::tree::Tree;
+use crate::setup::error::{Mismatch, SetupError};
+use crate::setup::model::{self, resolve};
+use crate::setup::names::{BodyQuantity, Reference, with_quantities};
+use crate::setup::robot::Robot;
+use crate::simulate::concealed;
+use crate::simulate::error::{SimulateError, SimulateErrorKind};
+
+/// Transition speed w of Coulomb friction where none is given, rad/s (m/s): reversals of usual
+/// excitations pass it within a few milliseconds.
+pub const DEFAULT_WIDTH: f64 = 0.004;
+
+/// What is simulated.
+#[derive(Debug, Clone)]
+pub struct Truth {
+    /// Everything that acts. Its signal is the torque that the controller commands, joint scale.
+    pub plant: Model,
+    /// The same with the signal that is recorded.
+    pub recorded: Model,
+    /// What the controller knows: the declared effects, at their true values, and no concealed ones.
+    pub nominal: Model,
+    /// The truth by the names under which results report it.
+    pub parameters: Vec<Parameter>,
+    /// The load is not declared, so that every recording carries it.
+    pub hidden_load: bool,
+    pub notes: Vec<String>,
+}
+
+/// Builds the truth of a problem file.
+///
+/// # Errors
+/// Those of robot and model; names that do not exist; a listed effect without a value.
+pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateError> {
+    let earlier = Earlier::read(problem)?;
+    let mut robot = robot.clone();
+    robot.tree = earlier.with_links(&robot.tree);
+    let declared = all_known(problem);
+    let acting = concealed::add(&declared, &robot)?;
+    let mut plant = model::build(&commanded(&acting.problem), &robot)?;
+    let mut assigned = initially_assigned(&plant, &acting.problem);
+    earlier.assign(&mut plant, &mut assigned);
+    let given: Vec<Named<f64>> = zeros(problem)
+        .chain(problem.drive.values.iter().cloned())
+        .chain(acting.values.iter().cloned())
+        .collect();
+    assign(&mut plant, &given, &mut assigned)?;
+    let place = Place::file(&problem.path).key("simulate.values");
+    let mut notes = complete(&mut plant, &assigned, &place)?;
+    if !acting.concealed.is_empty() {
+        notes.push(format!(
+            "the truth has what the declared model lacks: {}",
+            acting.concealed.join(", ")
+        ));
+    }
+    let mut recorded = model::build(&acting.problem, &robot)?;
+    let mut nominal = model::build(&commanded(&declared), &robot)?;
+    copy_values(&plant, &mut recorded)?;
+    copy_values(&plant, &mut nominal)?;
+    Ok(Truth {
+        parameters: named(&plant),
+        hidden_load: problem.robot.payload.is_none(),
+        plant,
+        recorded,
+        nominal,
+        notes,
+    })
+}
+
+/// The problem with bodies known and without what only a fit needs.
+fn all_known(problem: &ProblemFile) -> ProblemFile {
+    let mut known = problem.clone();
+    known.robot.inertials.value = Inertials::Known;
+    known.robot.zero.clear();
+    known.drive.values.clear();
+    known.fit.bounds.clear();
+    known
+}
+
+/// The problem with the commanded torque as its signal.
+pub(super) fn commanded(problem: &ProblemFile) -> ProblemFile {
+    let mut torque = problem.clone();
+    torque.drive.current_law = None;
+    if let Some(recordings) = &mut torque.recordings {
+        recordings.signal.value = Signal::Torque;
+    }
+    torque
+}
+
+fn zeros(problem: &ProblemFile) -> impl Iterator<Item = Named<f64>> + '_ {
+    problem.robot.zero.iter().map(|name| Named {
+        name: name.value.clone(),
+        value: Located {
+            value: 0.0,
+            place: name.place.clone(),
+        },
+    })
+}
+
+/// Values of an earlier fit.
+#[derive(Default)]
+struct Earlier {
+    /// Raw parameters of bodies, a member of the class that exists.
+    bodies: Vec<(String, f64)>,
+    /// Parameters of effects.
+    effects: Vec<(String, f64)>,
+}
+
+impl Earlier {
+    fn read(problem: &ProblemFile) -> Result<Self, SimulateError> {
+        let Some(path) = &problem.robot.parameters else {
+            return Ok(Self::default());
+        };
+        let outcome = Outcome::read(&path.resolved).map_err(SetupError::Earlier)?;
+        let Part::Fit(fit) = &outcome.part else {
+            return Err(SetupError::mismatch(&path.place, Mismatch::NotAFit).into());
+        };
+        let realized = fit.realization.iter().map(|r| (r.name.clone(), r.value));
+        let parameters = &outcome.estimate.parameters;
+        let estimated = parameters
+            .iter()
+            .filter_map(|p| Some((p.name.clone(), p.value?)));
+        Ok(Self {
+            bodies: realized.collect(),
+            effects: estimated.collect(),
+        })
+    }
+
+    /// The robot with the links of the earlier fit.
+    fn with_links(&self, tree: &Tree) -> Tree {
+        let mut inertias: Vec<Inertia> = tree.joints().iter().map(|j| j.inertia).collect();
+        for (joint, inertia) in tree.joints().iter().zip(&mut inertias) {
+            for (k, quantity) in crate::robot::inertia::QUANTITIES.iter().enumerate() {
+                let name = format!("{}.{quantity}", joint.link);
+                if let Some((_, value)) = self.bodies.iter().find(|(n, _)| *n == name) {
+                    inertia.0[k] = *value;
+                }
+            }
+        }
+        tree.clone().with_inertias(&inertias)
+    }
+
+    /// Effects and load; values of parameters that this model does not have are passed over.
+    fn assign(&self, model: &mut Model, assigned: &mut [bool]) {
+        for (name, value) in self.bodies.iter().chain(&self.effects) {
+            let Ok(p) = model.find(name) else { continue };
+            let inertial = matches!(model.parameters()[p].role, Role::Inertial { .. });
+            if !inertial && model.fix(p, *value).is_ok() {
+                assigned[p] = true;
+            }
+        }
+    }
+}
+
+/// Parameters that have a value without anyone giving one by name.
+fn initially_assigned(model: &Model, problem: &ProblemFile) -> Vec<bool> {
+    let (rotor, coupling) = (&problem.drive.rotor_inertia, &problem.drive.coupling);
+    let has = |parameter: &crate::chain::parameter::Parameter| match parameter.role {
+        Role::Inertial { .. } => true,
+        Role::Payload { .. } => false,
+        Role::Coupling { .. } => coupling.is_some(),
+        Role::Effect { joint, effect, .. } => {
+            rotor.is_some() && model.joints()[joint].effects[effect].0.id == "rotor_inertia"
+        }
+    };
+    model.parameters().iter().map(has).collect()
+}
+
+/// Gives parameters their values; a body keeps about its centre of mass what is not given.
+fn assign(
+    model: &mut Model,
+    given: &[Named<f64>],
+    assigned: &mut [bool],
+) -> Result<(), SimulateError> {
+    let mut bodies: Vec<(usize, Vec<(BodyQuantity, f64)>, &Named<f64>)> = Vec::new();
+    for entry in given {
+        let (value, place) = (entry.value.value, &entry.value.place);
+        match resolve(model, &entry.name, place)? {
+            Reference::Parameter(p) => {
+                fix(model, (p, value), place)?;
+                assigned[p] = true;
+            }
+            Reference::Body(first, quantity) => {
+                match bodies.iter_mut().find(|(f, _, _)| *f == first) {
+                    Some((_, list, _)) => list.push((quantity, value)),
+                    None => bodies.push((first, vec![(quantity, value)], entry)),
+                }
+            }
+        }
+    }
+    for (first, quantities, entry) in bodies {
+        let place = &entry.value.place;
+        let current = Inertia(std::array::from_fn(|k| model.parameters()[first + k].value));
+        let body = with_quantities(&current, &quantities);
+        if body.mass() == 0.0 && quantities.iter().any(|&(_, value)| value != 0.0) {
+            let (body, _) = entry.name.rsplit_once('.').unwrap_or((&entry.name, ""));
+            let kind = SimulateErrorKind::NeedsMass {
+                body: body.to_string(),
+            };
+            return Err(SimulateError::new(place, kind));
+        }
+        for k in 0..PER_LINK {
+            fix(model, (first + k, body.0[k]), place)?;
+            assigned[first + k] = true;
+        }
+    }
+    Ok(())
+}
+
+fn fix(model: &mut Model, (p, value): (usize, f64), place: &Place) -> Result<(), SetupError> {
+    let (lower, upper) = (model.parameters()[p].lower, model.parameters()[p].upper);
+    model.fix(p, value).map_err(|_| {
+        let found = value;
+        SetupError::mismatch(
+            place,
+            Mismatch::OutOfBounds {
+                found,
+                lower,
+                upper,
+            },
+        )
+    })
+}
+
+/// Defaults of nonlinear parameters; the notes say which.
+///
+/// # Errors
+/// A linear parameter, or all parameters of an effect, without a value; a load without a mass.
+fn complete(
+    model: &mut Model,
+    assigned: &[bool],
+    place: &Place,
+) -> Result<Vec<String>, SimulateError> {
+    let mut notes = Vec::new();
+    for joint in model.joints().to_vec() {
+        if joint.locked {
+            continue;
+        }
+        for (effect, first) in joint.effects {
+            let own = first..first + effect.parameters.len();
+            let untouched = own.clone().all(|p| !assigned[p]);
+            let needed = |p: usize| {
+                let linear = model.parameters()[p].linearity == Linearity::Linear;
+                !assigned[p] && (linear || (untouched && own.len() == 1))
+            };
+            let missing: Vec<String> = own
+                .clone()
+                .filter(|&p| needed(p))
+                .map(|p| model.parameters()[p].name.clone())
+                .collect();
+            if !missing.is_empty() {
+                let effect = format!("{}.{}", joint.name, effect.id);
+                let kind = SimulateErrorKind::NoValue { effect, missing };
+                return Err(SimulateError::new(place, kind));
+            }
+            for p in own.filter(|&p| !assigned[p]) {
+                let is_width = effect.id == coulomb_friction::EFFECT.id;
+                let value = if is_width {
+                    DEFAULT_WIDTH
+                } else {
+                    model.parameters()[p].scale
+                };
+                fix(model, (p, value), place)?;
+                let parameter = &model.parameters()[p];
+                notes.push(format!("{} is {value} by default", parameter.name));
+            }
+        }
+    }
+    let bare_load = model.payload().is_some_and(|(_, first)| !assigned[first]);
+    if bare_load {
+        let kind = SimulateErrorKind::NoValue {
+            effect: "payload".to_string(),
+            missing: vec!["payload.mass".to_string()],
+        };
+        return Err(SimulateError::new(place, kind));
+    }
+    without_coupling_value(model, assigned, place)?;
+    Ok(notes)
+}
+
+fn without_coupling_value(
+    model: &Model,
+    assigned: &[bool],
+    place: &Place,
+) -> Result<(), SimulateError> {
+    let parameters = model.parameters().iter().zip(assigned);
+    let lacking = parameters
+        .filter(|(p, has)| !**has && matches!(p.role, Role::Coupling { .. }))
+        .find(|(p, _)| match p.role {
+            Role::Coupling { row, .. } => !model.joints()[row].locked,
+            _ => false,
+        });
+    match lacking {
+        None => Ok(()),
+        Some((parameter, _)) => Err(SimulateError::new(
+            place,
+            SimulateErrorKind::NoValue {
+                effect: "kinematic_coupling".to_string(),
+                missing: vec![parameter.name.clone()],
+            },
+        )),
+    }
+}
+
+/// Gives a model the values of another for the parameters that both have.
+fn copy_values(from: &Model, to: &mut Model) -> Result<(), SimulateError> {
+    for p in 0..to.parameters().len() {
+        if let Ok(source) = from.find(&to.parameters()[p].name) {
+            fix(to, (p, from.parameters()[source].value), &Place::default())?;
+        }
+    }
+    Ok(())
+}
+
+/// Units and names of a body's quantities, and where they stand in the central tensor.
+const TENSOR: [(&str, usize, usize); 6] = [
+    ("inertia_xx", 0, 0),
+    ("inertia_xy", 0, 1),
+    ("inertia_xz", 0, 2),
+    ("inertia_yy", 1, 1),
+    ("inertia_yz", 1, 2),
+    ("inertia_zz", 2, 2),
+];
+
+/// Every value by its reported name.
+fn named(model: &Model) -> Vec<Parameter> {
+    let links = model.tree().joints().iter().enumerate();
+    let mut bodies: Vec<(String, usize)> = links
+        .map(|(link, joint)| (joint.link.clone(), PER_LINK * link))
+        .collect();
+    if let Some((_, first)) = model.payload() {
+        bodies.push(("payload".to_string(), first));
+    }
+    let mut out = Vec::new();
+    for (name, first) in bodies {
+        let raw = Inertia(std::array::from_fn(|k| model.parameters()[first + k].value));
+        out.push(Parameter::known(format!("{name}.mass"), "kg", raw.mass()));
+        // A body without mass has no centre to report.
+        let Some(body) = raw.central() else { continue };
+        for (axis, value) in ["x", "y", "z"].iter().zip(body.centre.iter()) {
+            out.push(Parameter::known(format!("{name}.com_{axis}"), "m", *value));
+        }
+        for (quantity, a, b) in TENSOR {
+            let name = format!("{name}.{quantity}");
+            out.push(Parameter::known(name, "kg·m²", body.tensor[(a, b)]));
+        }
+    }
+    let effects = model.parameters().iter().filter(|p| match p.role {
+        Role::Effect { joint, .. } => !model.joints()[joint].locked,
+        Role::Coupling { row, .. } => !model.joints()[row].locked,
+        _ => false,
+    });
+    out.extend(effects.map(|p| Parameter::known(&p.name, &p.unit, p.value)));
+    out
+}
