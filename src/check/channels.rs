@@ -30,7 +30,7 @@ const LEAST_STEPS: f64 = 1000.0;
 pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
     let mut findings = Vec::new();
     for channel in 0..read.recording.signal.len() {
-        findings.extend(stuck(read, channel).or_else(|| saturated(read, channel)));
+        findings.extend(saturated(read, channel).or_else(|| stuck(read, channel)));
     }
     findings.extend((0..read.setting.moving.len()).filter_map(|joint| coarse(read, joint)));
     findings
@@ -38,7 +38,10 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
 
 /// Value, samples in plateaus at it, and samples at it in all, of the upper (or with sign −1 lower) end.
 fn plateau(series: &[f64], sign: f64) -> (f64, usize, usize) {
-    let extreme = sign * series.iter().fold(f64::NEG_INFINITY, |m, x| m.max(sign * x));
+    let extreme = sign
+        * series
+            .iter()
+            .fold(f64::NEG_INFINITY, |m, x| m.max(sign * x));
     let (mut run, mut held, mut all) = (0, 0, 0);
     for value in series.iter().chain([&f64::NAN]) {
         if *value == extreme {
@@ -55,7 +58,11 @@ fn plateau(series: &[f64], sign: f64) -> (f64, usize, usize) {
 /// How often the value next to the extreme one occurs.
 fn beside(series: &[f64], extreme: f64) -> usize {
     let distance = |x: &f64| (x - extreme).abs();
-    let nearest = series.iter().filter(|x| **x != extreme).map(distance).fold(f64::INFINITY, f64::min);
+    let nearest = series
+        .iter()
+        .filter(|x| **x != extreme)
+        .map(distance)
+        .fold(f64::INFINITY, f64::min);
     series.iter().filter(|x| distance(x) == nearest).count()
 }
 
@@ -82,7 +89,8 @@ fn saturated(read: &Read<'_>, channel: usize) -> Option<Finding> {
                     series.len(),
                     limits.join(" and ")
                 ),
-                "drive less hard, or leave these samples out with recordings.columns.mask".to_string(),
+                "drive less hard, or leave these samples out with recordings.columns.mask"
+                    .to_string(),
             ),
         )
     })
@@ -94,7 +102,9 @@ fn stuck(read: &Read<'_>, channel: usize) -> Option<Finding> {
     let joint = channel.min(read.setting.moving.len() - 1);
     let position = &read.recording.position[joint];
     let enough = MOVING_QUANTA * quantum(position);
-    let enough = enough.max(MOVING_SHARE * range(position)).max(f64::MIN_POSITIVE);
+    let enough = enough
+        .max(MOVING_SHARE * range(position))
+        .max(f64::MIN_POSITIVE);
     let (mut total, mut first) = (0, None);
     let mut start = 0;
     for k in 1..=series.len() {

@@ -24,8 +24,15 @@ const LEAST_SAMPLES: f64 = 0.25;
 /// A delay counts from this many of its standard deviations on.
 const SIGNIFICANT: f64 = 4.0;
 
-/// Share by which the residual's variance must fall.
+/// Share by which the residual's variance must fall for a delay that most channels agree on.
 const LEAST_GAIN: f64 = 0.05;
+
+/// The same for a single channel: bristles, springs and ripple look like a delay of their joint, and leave
+/// more than this.
+const LEAST_GAIN_ALONE: f64 = 0.6;
+
+/// Share of the delay by which channels with one clock may differ.
+const AGREEMENT: f64 = 0.2;
 
 /// Factor of var d for neighbouring rows whose residuals go together.
 const COLOURED: f64 = 10.0;
@@ -40,11 +47,25 @@ struct Delay {
 }
 
 pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
+    // Where columns are mixed up, the residual has other reasons.
+    if !ready.other_reading.is_empty() {
+        return Vec::new();
+    }
     let experiment = &ready.prepared.experiment;
     let longest = ((LONGEST_S * experiment.rate_hz).round() as usize).max(LEAST_LAGS);
-    let margin = if experiment.periods.is_some() { 0 } else { longest + 1 };
+    let margin = if experiment.periods.is_some() {
+        0
+    } else {
+        longest + 1
+    };
     let sampled = Sampled::new(ready.prepared, margin);
-    let widest = ready.comparison.columns.iter().map(Vec::len).max().unwrap_or(0);
+    let widest = ready
+        .comparison
+        .columns
+        .iter()
+        .map(Vec::len)
+        .max()
+        .unwrap_or(0);
     if sampled.len() <= 3 * widest {
         return Vec::new();
     }
@@ -80,7 +101,9 @@ impl Lagged<'_> {
         let signals: Vec<Vec<f64>> = lags.iter().map(|&lag| self.signal(channel, lag)).collect();
         let right: Vec<&[f64]> = signals.iter().map(Vec::as_slice).collect();
         let factor = factor(columns, &right);
-        (0..lags.len()).map(|k| rest(&factor, columns.len(), k).powi(2)).collect()
+        (0..lags.len())
+            .map(|k| rest(&factor, columns.len(), k).powi(2))
+            .collect()
     }
 
     fn delay(&self, channel: usize, columns: &Columns) -> Option<Delay> {
@@ -129,14 +152,13 @@ fn describe(ready: &Ready<'_>, delays: &[Delay]) -> Vec<Finding> {
     let Some(centre) = median(&late.iter().map(|d| d.samples).collect::<Vec<f64>>()) else {
         return Vec::new();
     };
-    // One clock, one delay: most of the channels agree with the median, none is clearly elsewhere.
+    // One clock, one delay: two thirds of the channels are late, and none of them by another time.
     let agrees = |d: &Delay| {
-        (d.samples - centre).abs() <= (SIGNIFICANT * d.deviation).max(2.0 * LEAST_SAMPLES)
+        let scatter = (2.0 * d.deviation).max(LEAST_SAMPLES);
+        (d.samples - centre).abs() <= scatter.max(AGREEMENT * centre.abs())
     };
-    let common = delays.len() > 1
-        && 2 * late.len() > delays.len()
-        && late.iter().all(|d| agrees(d))
-        && delays.iter().filter(|d| agrees(d)).count() * 3 >= delays.len() * 2;
+    let common =
+        delays.len() > 1 && 3 * late.len() >= 2 * delays.len() && late.iter().all(|d| agrees(d));
     let report = |place, samples: f64, (deviation, gain): (f64, f64)| {
         let seconds = samples / ready.prepared.experiment.rate_hz;
         let which = if seconds > 0.0 { "late" } else { "early" };
@@ -164,6 +186,13 @@ fn describe(ready: &Ready<'_>, delays: &[Delay]) -> Vec<Finding> {
         return vec![report(ready.place(), centre, (deviation, gain))];
     }
     late.iter()
-        .map(|d| report(ready.at_channel(d.channel), d.samples, (d.deviation, d.gain)))
+        .filter(|d| d.gain > LEAST_GAIN_ALONE)
+        .map(|d| {
+            report(
+                ready.at_channel(d.channel),
+                d.samples,
+                (d.deviation, d.gain),
+            )
+        })
         .collect()
 }

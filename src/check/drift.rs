@@ -19,7 +19,8 @@ pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
         return Vec::new();
     };
     let channels = ready.model.channels().iter().enumerate();
-    let channels = channels.filter_map(|(c, channel)| Some((c, channel.joint.filter(|_| channel.active)?)));
+    let channels =
+        channels.filter_map(|(c, channel)| Some((c, channel.joint.filter(|_| channel.active)?)));
     channels
         .filter_map(|(c, joint)| {
             let velocity = &experiment.motion.velocity[joint];
@@ -66,7 +67,10 @@ impl Trend {
         let centre = 0.5 * (n - 1.0);
         let mean = values.iter().sum::<f64>() / n;
         let spread: f64 = (0..values.len()).map(|k| (k as f64 - centre).powi(2)).sum();
-        let products = values.iter().enumerate().map(|(k, v)| (k as f64 - centre) * (v - mean));
+        let products = values
+            .iter()
+            .enumerate()
+            .map(|(k, v)| (k as f64 - centre) * (v - mean));
         let slope = products.sum::<f64>() / spread;
         let residual = |(k, v): (usize, &f64)| (v - mean - slope * (k as f64 - centre)).powi(2);
         let squares: f64 = values.iter().enumerate().map(residual).sum();

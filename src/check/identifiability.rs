@@ -3,9 +3,9 @@
 //! `W Y β` over the rows of all training recordings, β the base parameters that structure alone allows, W the
 //! inverse residual deviation of each channel, columns scaled to unit norm.
 
-use crate::chain::base_parameters::BaseParameters;
+use crate::chain::base_parameters::{BaseParameter, BaseParameters};
 use crate::chain::dataset::{Dataset, Split};
-use crate::chain::model::Model;
+use crate::chain::model::{JointModel, Model};
 use crate::chain::parameter::{Parameter, Role};
 use crate::check::finding;
 use crate::check::regression::{Comparison, Sampled, columns, known_part};
@@ -61,9 +61,14 @@ pub(super) fn check(setting: &Setting<'_>, model: &Model, data: &Dataset) -> Vec
         ));
     }
     let open = Open::of(&factor, &split.kept);
-    let condition = motion.select(&split.kept).condition_number(ColumnScaling::UnitNorm);
+    let condition = motion
+        .select(&split.kept)
+        .condition_number(ColumnScaling::UnitNorm);
     if condition > WORST_CONDITION {
-        let worst = open.as_ref().map(|open| names(&open.worst())).unwrap_or_default();
+        let worst = open
+            .as_ref()
+            .map(|open| names(&open.worst()))
+            .unwrap_or_default();
         findings.push(finding(
             Severity::Warning,
             place(),
@@ -96,14 +101,27 @@ fn factor_of(model: &Model, data: &Dataset, kept: &[usize]) -> Triangular {
             if !channel.active {
                 continue;
             }
-            let constant = channel.joint.map_or(1.0, |j| model.joints()[j].torque_constant);
+            let constant = channel
+                .joint
+                .map_or(1.0, |j| model.joints()[j].torque_constant);
             let weight = constant / comparison.residual(c).max(f64::MIN_POSITIVE);
-            let of = |p: &usize| columns.iter().find(|(q, _)| q == p).map(|(_, series)| series);
+            let of = |p: &usize| {
+                columns
+                    .iter()
+                    .find(|(q, _)| q == p)
+                    .map(|(_, series)| series)
+            };
             let signal = &recording.experiment.signal[c];
-            let rest = sampled.rows.iter().zip(&known[c]).map(|(&k, known)| signal[k] - known);
+            let rest = sampled
+                .rows
+                .iter()
+                .zip(&known[c])
+                .map(|(&k, known)| signal[k] - known);
             let rest: Vec<f64> = rest.collect();
-            let mut series: Vec<Vec<f64>> =
-                kept.iter().map(|p| of(p).unwrap_or(&zeros).clone()).collect();
+            let mut series: Vec<Vec<f64>> = kept
+                .iter()
+                .map(|p| of(p).unwrap_or(&zeros).clone())
+                .collect();
             series.push(rest);
             series.iter_mut().flatten().for_each(|x| *x *= weight);
             let slices: Vec<&[f64]> = series.iter().map(Vec::as_slice).collect();
@@ -152,16 +170,16 @@ impl Open {
         let relative = |k: usize| self.deviations[k] / self.values[k].abs();
         let mut order: Vec<usize> = (0..self.positions.len()).collect();
         order.sort_by(|&a, &b| relative(b).total_cmp(&relative(a)));
-        order.into_iter().take(3).map(|k| self.positions[k]).collect()
+        order
+            .into_iter()
+            .take(3)
+            .map(|k| self.positions[k])
+            .collect()
     }
 }
 
 /// Friction that the recordings leave open.
-fn guesses(
-    setting: &Setting<'_>,
-    model: &Model,
-    (kept, open): (&[usize], &Open),
-) -> Vec<Finding> {
+fn guesses(setting: &Setting<'_>, model: &Model, (kept, open): (&[usize], &Open)) -> Vec<Finding> {
     let mut findings = Vec::new();
     for (k, &position) in open.positions.iter().enumerate() {
         let parameter = &model.parameters()[kept[position]];
@@ -193,11 +211,7 @@ fn is_friction(model: &Model, parameter: &Parameter) -> bool {
 }
 
 /// Parameters that no motion determines although the problem file asks for them.
-fn of_structure(
-    setting: &Setting<'_>,
-    model: &Model,
-    structural: &BaseParameters,
-) -> Vec<Finding> {
+fn of_structure(setting: &Setting<'_>, model: &Model, structural: &BaseParameters) -> Vec<Finding> {
     let place = |name: &str| Place::file(&setting.problem.path).key(name);
     let mut findings = Vec::new();
     for name in asked_for(setting, model) {
@@ -207,11 +221,17 @@ fn of_structure(
         if !model.parameters()[parameter].is_linear_unknown() || structural.determines(parameter) {
             continue;
         }
-        let holds = |b: &crate::chain::base_parameters::BaseParameter| {
+        let holds = |b: &BaseParameter| {
             b.parameter == parameter || b.others.iter().any(|(p, _)| *p == parameter)
         };
         let how = match structural.base.iter().position(holds) {
-            Some(index) => format!("it enters only in {}", structural.expression(model, index)),
+            Some(index) => {
+                let base = &structural.base[index];
+                let others = base.others.iter().map(|(p, _)| *p);
+                let together = std::iter::once(base.parameter).chain(others);
+                let together = together.filter(|p| *p != parameter);
+                format!("it enters only together with {}", named(model, together))
+            }
             None => "it has no effect on the signal".to_string(),
         };
         findings.push(finding(
@@ -220,7 +240,8 @@ fn of_structure(
             (
                 "not-identifiable",
                 format!("no motion determines this parameter by itself: {how}"),
-                "give one of them under drive.values, or read the combination from base_parameters".to_string(),
+                "give one of them under drive.values, or read the combination from base_parameters"
+                    .to_string(),
             ),
         ));
     }
@@ -230,7 +251,10 @@ fn of_structure(
 
 /// Parameters of rotors and those that the fit has priors for.
 fn asked_for(setting: &Setting<'_>, model: &Model) -> Vec<String> {
-    let rotors = model.parameters().iter().filter(|p| p.name.ends_with("rotor_inertia.Jm"));
+    let rotors = model
+        .parameters()
+        .iter()
+        .filter(|p| p.name.ends_with("rotor_inertia.Jm"));
     let mut names: Vec<String> = rotors.map(|p| p.name.clone()).collect();
     for bound in &setting.problem.fit.bounds {
         if !names.contains(&bound.name) {
@@ -242,12 +266,17 @@ fn asked_for(setting: &Setting<'_>, model: &Model) -> Vec<String> {
 
 /// A free gain needs something that is known in N·m.
 fn gains(setting: &Setting<'_>, model: &Model) -> Vec<Finding> {
-    let anchored = model.parameters().iter().any(|p| !p.is_free() && p.value != 0.0);
-    let free = |joint: &&crate::chain::model::JointModel| {
-        joint.gain.is_some_and(|gain| model.parameters()[gain].is_free())
+    let anchored = model
+        .parameters()
+        .iter()
+        .any(|p| !p.is_free() && p.value != 0.0);
+    let free = |joint: &&JointModel| {
+        joint
+            .gain
+            .is_some_and(|gain| model.parameters()[gain].is_free())
     };
     let joints = model.joints().iter().filter(free);
-    let report = |joint: &crate::chain::model::JointModel| {
+    let report = |joint: &JointModel| {
         finding(
             Severity::Warning,
             Place::file(&setting.problem.path).key(format!("{}.drive_gain.gain", joint.name)),
@@ -261,11 +290,17 @@ fn gains(setting: &Setting<'_>, model: &Model) -> Vec<Finding> {
             ),
         )
     };
-    if anchored { Vec::new() } else { joints.map(report).collect() }
+    if anchored {
+        Vec::new()
+    } else {
+        joints.map(report).collect()
+    }
 }
 
 fn named(model: &Model, parameters: impl Iterator<Item = usize>) -> String {
-    let all: Vec<&str> = parameters.map(|p| model.parameters()[p].name.as_str()).collect();
+    let all: Vec<&str> = parameters
+        .map(|p| model.parameters()[p].name.as_str())
+        .collect();
     match all.len().checked_sub(LISTED) {
         Some(more) if more > 0 => format!("{} and {more} more", all[..LISTED].join(", ")),
         _ => all.join(", "),

@@ -1,8 +1,8 @@
 //! The motion and the signal against the limits in the robot file.
 
+use crate::chain::model::Signal;
 use crate::check::finding;
 use crate::check::setting::Ready;
-use crate::chain::model::Signal;
 use crate::outcome::check::{Finding, Severity};
 
 /// Shares by which limits may be exceeded: controllers overshoot, and files round.
@@ -17,13 +17,17 @@ pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
     let moving = ready.setting.moving.iter().copied();
     moving
         .flat_map(|joint| {
-            let found = [position(ready, joint), velocity(ready, joint), effort(ready, joint)];
+            let found = [
+                position(ready, joint),
+                velocity(ready, joint),
+                effort(ready, joint),
+            ];
             found.into_iter().flatten()
         })
         .collect()
 }
 
-/// Row, value and overshoot of the largest overshoot, and how many rows overshoot.
+/// Value and overshoot of the largest overshoot, and how many rows overshoot.
 fn overshoot(
     series: impl Iterator<Item = f64>,
     (lower, upper): (f64, f64),
@@ -40,19 +44,30 @@ fn overshoot(
     worst
 }
 
+/// `V m`: a series of one joint from those of the motors.
+fn of_joint<'a>(
+    ready: &Ready<'_>,
+    motors: &'a [Vec<f64>],
+    joint: usize,
+) -> impl Iterator<Item = f64> + 'a {
+    let coupling = ready.model.coupling(&ready.model.values());
+    let rows = 0..ready.prepared.experiment.rows();
+    rows.map(move |k| {
+        (0..motors.len())
+            .map(|j| coupling[(joint, j)] * motors[j][k])
+            .sum()
+    })
+}
+
 fn position(ready: &Ready<'_>, joint: usize) -> Option<Finding> {
     let description = &ready.model.tree().joints()[joint];
     let limits = &description.limits;
     let (lower, upper) = (limits.lower?, limits.upper?);
-    let coupling = ready.model.coupling(&ready.model.values());
-    let motors = &ready.prepared.experiment.motion.position;
     let offset = ready.model.offset()[joint];
-    let rows = 0..ready.prepared.experiment.rows();
-    let joints = rows.map(|k| {
-        (0..motors.len()).map(|j| coupling[(joint, j)] * motors[j][k]).sum::<f64>() + offset
-    });
+    let motors = &ready.prepared.experiment.motion.position;
+    let joints = of_joint(ready, motors, joint);
     let slack = POSITION_SLACK * (upper - lower);
-    let (value, by, count) = overshoot(joints, (lower - slack, upper + slack))?;
+    let (value, by, count) = overshoot(joints.map(|q| q + offset), (lower - slack, upper + slack))?;
     let unit = description.kind.position_unit();
     Some(finding(
         Severity::Warning,
@@ -74,7 +89,7 @@ fn position(ready: &Ready<'_>, joint: usize) -> Option<Finding> {
 fn velocity(ready: &Ready<'_>, joint: usize) -> Option<Finding> {
     let description = &ready.model.tree().joints()[joint];
     let limit = description.limits.velocity.filter(|limit| *limit > 0.0)?;
-    let series = ready.prepared.experiment.motion.velocity[joint].iter().copied();
+    let series = of_joint(ready, &ready.prepared.experiment.motion.velocity, joint);
     let most = (1.0 + VELOCITY_SLACK) * limit;
     let (value, _, count) = overshoot(series, (-most, most))?;
     let unit = description.kind.position_unit();
@@ -88,7 +103,8 @@ fn velocity(ready: &Ready<'_>, joint: usize) -> Option<Finding> {
                 value.abs(),
                 ready.prepared.experiment.rows()
             ),
-            "check the units of position and time, and recordings.differentiation.cutoff_hz".to_string(),
+            "check the units of position and time, and recordings.differentiation.cutoff_hz"
+                .to_string(),
         ),
     ))
 }
@@ -96,11 +112,14 @@ fn velocity(ready: &Ready<'_>, joint: usize) -> Option<Finding> {
 fn effort(ready: &Ready<'_>, joint: usize) -> Option<Finding> {
     let description = &ready.model.tree().joints()[joint];
     let limit = description.limits.effort.filter(|limit| *limit > 0.0)?;
-    if ready.model.signal() == Signal::BaseWrench {
+    // A coupled motor carries the torque of several joints.
+    if ready.model.signal() == Signal::BaseWrench || !ready.model.is_uncoupled() {
         return None;
     }
     let constant = ready.model.joints()[joint].torque_constant;
-    let series = ready.prepared.experiment.signal[joint].iter().map(|s| s * constant);
+    let series = ready.prepared.experiment.signal[joint]
+        .iter()
+        .map(|s| s * constant);
     let most = (1.0 + EFFORT_SLACK) * limit;
     let (value, _, count) = overshoot(series, (-most, most))?;
     let rows = ready.prepared.experiment.rows();

@@ -17,6 +17,7 @@ mod regression;
 mod robot_file;
 mod scale;
 mod setting;
+mod shared;
 mod signs;
 mod spikes;
 mod timing;
@@ -60,9 +61,10 @@ const OF_READY: &[fn(&Ready<'_>) -> Vec<Finding>] = &[
     delay::check,
 ];
 
-/// Checks of the training recordings together.
-const OF_TRAINING: &[fn(&Setting<'_>, &Model, &Dataset) -> Vec<Finding>] =
-    &[motion::check, identifiability::check];
+/// A check of the training recordings together.
+type OfTraining = fn(&Setting<'_>, &Model, &Dataset) -> Vec<Finding>;
+
+const OF_TRAINING: &[OfTraining] = &[motion::check, identifiability::check];
 
 /// Checks everything that a problem file names, and estimates nothing.
 ///
@@ -95,6 +97,10 @@ pub fn concerns_problem_file(problem: &ProblemFile, findings: &[Finding]) -> boo
     findings.iter().any(at_fault)
 }
 
+fn has_error(findings: &[Finding]) -> bool {
+    findings.iter().any(|f| f.severity == Severity::Error)
+}
+
 fn from_fault(fault: &impl Fault) -> Finding {
     Finding::from_fault(fault, Severity::Error)
 }
@@ -109,9 +115,11 @@ fn with_robot(
     let model = match build_model(problem, robot) {
         Ok(model) => Some(model),
         Err(fault) => {
-            let found = from_fault(&fault);
+            let found = from_fault(&*fault);
             // The check of the robot file has already named bodies that cannot be.
-            let known = findings.iter().any(|f| f.code == found.code && f.channel == found.channel);
+            let known = findings
+                .iter()
+                .any(|f| f.code == found.code && f.channel == found.channel);
             findings.extend((!known).then_some(found));
             None
         }
@@ -137,9 +145,10 @@ fn with_robot(
         match prepare_one(recording, named, (table, robot, model)) {
             Ok(prepared) => {
                 let ready = Ready::new(&setting, model, &prepared);
-                for check in OF_READY {
-                    findings.extend(check(&ready));
-                }
+                let found: Vec<Finding> = OF_READY.iter().flat_map(|check| check(&ready)).collect();
+                // What recordings determine cannot be said of columns that are mixed up.
+                complete &= !has_error(&found) || named.split != Split::Train;
+                findings.extend(found);
                 dataset.recordings.push(prepared);
             }
             Err(fault) => {
@@ -155,7 +164,7 @@ fn with_robot(
     }
 }
 
-fn build_model(problem: &ProblemFile, robot: &robot::Robot) -> Result<Model, SetupError> {
+fn build_model(problem: &ProblemFile, robot: &robot::Robot) -> Result<Model, Box<SetupError>> {
     let mut built = model::build(problem, robot)?;
     prior::build(problem, &mut built)?;
     for compared in &problem.fit.compare {
@@ -187,7 +196,7 @@ fn read_and_check(
         }
     };
     let found: Vec<Finding> = OF_READ.iter().flat_map(|check| check(&read)).collect();
-    let usable = found.iter().all(|f| f.severity != Severity::Error);
+    let usable = !has_error(&found);
     findings.extend(found);
     usable.then_some(recording)
 }
@@ -200,9 +209,15 @@ fn unreadable_files(problem: &ProblemFile) -> Vec<Finding> {
     let named = list(table, problem.robot.payload.is_some());
     let fault = |named: &Named<'_>| {
         let path = &named.path.resolved;
-        format_of(path).and_then(|format| (format.columns)(path)).err()
+        format_of(path)
+            .and_then(|format| (format.columns)(path))
+            .err()
     };
-    named.iter().filter_map(fault).map(|fault| from_fault(&fault)).collect()
+    named
+        .iter()
+        .filter_map(fault)
+        .map(|fault| from_fault(&fault))
+        .collect()
 }
 
 /// A finding about a file, or about one channel or element of it.

@@ -3,14 +3,10 @@
 use crate::chain::dataset::{Dataset, Split};
 use crate::chain::model::Model;
 use crate::check::finding;
+use crate::check::regression::still;
 use crate::check::setting::Setting;
 use crate::fault::Place;
 use crate::outcome::check::{Finding, Severity};
-use crate::robot::tree::JointKind;
-
-/// Motion below which a joint stands still: 3 degrees, or 1 cm.
-const STILL_RAD: f64 = 0.05;
-const STILL_M: f64 = 0.01;
 
 /// Share of the largest speed from which a row is in motion.
 const MOVING: f64 = 0.05;
@@ -26,7 +22,9 @@ const WIDTHS: f64 = 5.0;
 
 pub(super) fn check(setting: &Setting<'_>, model: &Model, data: &Dataset) -> Vec<Finding> {
     let joints = setting.moving.iter().copied();
-    joints.filter_map(|joint| of_joint(setting, (model, joint), data)).collect()
+    joints
+        .filter_map(|joint| of_joint(setting, (model, joint), data))
+        .collect()
 }
 
 fn of_joint(
@@ -43,39 +41,52 @@ fn of_joint(
             (code, message, remedy.to_string()),
         ))
     };
-    let (least, unit) = match description.kind {
-        JointKind::Revolute => (STILL_RAD, "rad"),
-        JointKind::Prismatic => (STILL_M, "m"),
-    };
+    let unit = description.kind.position_unit();
     let motion = || data.of(Split::Train).map(|r| &r.experiment.motion);
     let positions = motion().flat_map(|m| m.position[joint].iter());
     let ends = |(low, high): (f64, f64), q: &f64| (low.min(*q), high.max(*q));
     let (low, high) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), ends);
-    if high - low < least {
+    if high - low < still(description.kind) {
         return warn(
             "joint-hardly-moves",
-            format!("the joint moves by {:.5} {unit} in all training recordings", high - low),
+            format!(
+                "the joint moves by {:.5} {unit} in all training recordings",
+                high - low
+            ),
             "move it in a training recording, or state it under robot.locked",
         );
     }
-    let has_friction = |id: &str| description.effects.iter().any(|(effect, _)| effect.id == id);
+    let has_friction = |id: &str| {
+        description
+            .effects
+            .iter()
+            .any(|(effect, _)| effect.id == id)
+    };
     if !has_friction("coulomb_friction") {
         return None;
     }
-    let velocities: Vec<f64> =
-        motion().flat_map(|m| m.velocity[joint].iter().copied()).collect();
+    let velocities: Vec<f64> = motion()
+        .flat_map(|m| m.velocity[joint].iter().copied())
+        .collect();
     let fastest = velocities.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let moving: Vec<f64> =
-        velocities.into_iter().filter(|v| v.abs() > MOVING * fastest).collect();
+    let moving: Vec<f64> = velocities
+        .into_iter()
+        .filter(|v| v.abs() > MOVING * fastest)
+        .collect();
     let forward = moving.iter().filter(|v| **v > 0.0).count() as f64 / moving.len().max(1) as f64;
     if !(DIRECTION_SHARE..=1.0 - DIRECTION_SHARE).contains(&forward) {
         return warn(
             "one-direction",
-            format!("the joint moves {:.1} % of the time in the positive direction", 100.0 * forward),
+            format!(
+                "the joint moves {:.1} % of the time in the positive direction",
+                100.0 * forward
+            ),
             "move it both ways: otherwise Coulomb friction is the same as an offset or a gravity torque",
         );
     }
-    let width = description.width.map_or(0.0, |w| model.parameters()[w].value);
+    let width = description
+        .width
+        .map_or(0.0, |w| model.parameters()[w].value);
     if fastest < WIDTHS * width {
         return warn(
             "too-slow-for-friction",

@@ -1,23 +1,28 @@
 //! Joint order, signs and zeros of positions, direction of gravity: which reading of the columns makes the
 //! signal a function of the motion?
 //!
-//! Every hypothesis h changes the motion (or gravity), then every channel is explained by the row of every
-//! joint with all parameters free. The gain of h is `G = Σ_c ln(σ_c(declared) / σ_c(h))`, σ the residual
+//! Every hypothesis h changes the motion, gravity or the assignment of signals to joints; all parameters are
+//! free, and the same in all rows. The gain of h is `G = Σ_c ln(σ_c(declared) / σ_c(h))`, σ the residual
 //! deviations: N·G is the logarithm of the likelihood ratio for N rows of normal noise.
 
 use crate::chain::model::Model;
 use crate::check::finding;
-use crate::check::regression::{Comparison, Sampled, columns, factor, rest, with_tree};
+use crate::check::regression::{Comparison, Sampled, with_tree};
 use crate::check::setting::Ready;
+use crate::check::shared::{Rows, base};
 use crate::outcome::check::{Finding, Severity};
 use crate::robot::tree::JointKind;
-use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Least gain that is no accident of what the model leaves out: the product of all residual deviations
-/// falls by a factor of three. In N·G standard terms anything above 0.02 is significant.
+/// falls by a factor of three.
 const LEAST_GAIN: f64 = 1.1;
+
+/// Gain of one channel that counts, and how many must have it: a column in the wrong place spoils at least
+/// the two joints that it is about, while a weak signal may by chance follow the row of another joint.
+const CHANNEL_GAIN: f64 = 0.4;
+const CHANNELS: usize = 2;
 
 /// Another reading of the motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,125 +38,160 @@ enum Hypothesis {
     Gravity(usize, f64),
 }
 
-/// A hypothesis with the signal that each row explains best.
+/// A hypothesis with the rows that the signals belong to.
+#[derive(Clone)]
 struct Reading {
     hypothesis: Hypothesis,
-    /// Joint whose row each channel follows, by position in the list of channels.
+    /// Position, among the judged channels, of the row that each signal follows.
     assignment: Vec<usize>,
-    /// ln σ of each channel.
+    /// ln σ of each signal.
     deviations: Vec<f64>,
 }
 
+impl Reading {
+    fn cost(&self) -> f64 {
+        self.deviations.iter().sum()
+    }
+}
+
+/// What is judged: (channel, joint) of every joint that moves, and the parameters behind all of them.
+struct Judged<'a> {
+    comparison: &'a Comparison,
+    channels: Vec<(usize, usize)>,
+    base: Vec<usize>,
+}
+
+/// What [`find`] has found.
 pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
+    ready.other_reading.clone()
+}
+
+/// Looks for a reading of the columns that explains the signal far better than the declared one.
+pub(super) fn find(ready: &Ready<'_>) -> Vec<Finding> {
     let comparison = &ready.comparison;
-    let channels = comparison.joint_channels();
+    // A joint that stands still follows any row, and any joint its row.
+    let mut channels = comparison.joint_channels();
+    channels.retain(|&(_, joint)| comparison.moves(joint));
     if !comparison.is_meaningful() || channels.is_empty() {
         return Vec::new();
     }
-    let declared = Reading {
-        assignment: (0..channels.len()).collect(),
-        ..read(comparison, &channels, Hypothesis::Declared, Assignment::Kept)
+    let judged = Judged {
+        comparison,
+        channels,
+        base: base(comparison),
     };
-    let hypotheses = hypotheses(comparison, &channels);
-    let readings: Vec<Reading> = hypotheses
+    let readings: Vec<(Reading, Reading)> = judged
+        .hypotheses()
         .into_par_iter()
-        .map(|(hypothesis, assignment)| read(comparison, &channels, hypothesis, assignment))
+        .map(|h| judged.read(h))
         .collect();
-    let gain = |reading: &Reading| -> f64 {
-        let pairs = declared.deviations.iter().zip(&reading.deviations);
-        pairs.map(|(before, after)| before - after).sum()
+    let Some((declared, _)) = readings.first() else {
+        return Vec::new();
+    };
+    let stands = |best: &&Reading| {
+        let gains = declared.deviations.iter().zip(&best.deviations);
+        let gaining = gains
+            .filter(|(before, after)| *before - *after > CHANNEL_GAIN)
+            .count();
+        gaining >= judged.channels.len().min(CHANNELS) && declared.cost() - best.cost() > LEAST_GAIN
     };
     // The first of equals: the plainest reading stands first.
-    let best = readings.iter().rev().max_by(|a, b| gain(a).total_cmp(&gain(b)));
-    match best {
-        Some(best) if gain(best) > LEAST_GAIN => describe(ready, &channels, best, gain(best)),
-        _ => Vec::new(),
+    let best = readings.iter().rev().map(|(_, best)| best).filter(stands);
+    match best.min_by(|a, b| a.cost().total_cmp(&b.cost())) {
+        Some(best) => describe(ready, &judged.channels, best, declared.cost() - best.cost()),
+        None => Vec::new(),
     }
 }
 
-/// Whether channels may follow the rows of other joints.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Assignment {
-    Kept,
-    Free,
+impl Judged<'_> {
+    /// Every hypothesis; the recording as declared comes first.
+    fn hypotheses(&self) -> Vec<Hypothesis> {
+        let joints: Vec<usize> = self.channels.iter().map(|(_, joint)| *joint).collect();
+        let mut list = vec![Hypothesis::Declared];
+        for (k, &i) in joints.iter().enumerate() {
+            list.extend(joints[k + 1..].iter().map(|&j| Hypothesis::Exchanged(i, j)));
+        }
+        for &j in &joints {
+            list.push(Hypothesis::Reversed(j));
+            if self.comparison.model.joints()[j].kind == JointKind::Revolute {
+                let angles = [FRAC_PI_2, -FRAC_PI_2, PI];
+                list.extend(angles.map(|angle| Hypothesis::Turned(j, angle)));
+            }
+        }
+        let gravity = self.comparison.model.tree().gravity();
+        for axis in 0..3 {
+            for sign in [1.0, -1.0] {
+                // The declared direction is not another one.
+                let other = sign * gravity[axis] < 0.9 * gravity.norm();
+                list.extend(other.then_some(Hypothesis::Gravity(axis, sign)));
+            }
+        }
+        list
+    }
+
+    /// The signals as they are named, and the best reading of the hypothesis.
+    fn read(&self, hypothesis: Hypothesis) -> (Reading, Reading) {
+        let sampled = moved(&self.comparison.sampled, hypothesis);
+        let turned = match hypothesis {
+            Hypothesis::Gravity(axis, sign) => Some(with_gravity(self.comparison, axis, sign)),
+            _ => None,
+        };
+        let model = turned.as_ref().unwrap_or(&self.comparison.model);
+        let channels: Vec<usize> = self.channels.iter().map(|(c, _)| *c).collect();
+        let rows = Rows::new(self.comparison, (model, &sampled), &channels, &self.base);
+        let assignment: Vec<usize> = (0..channels.len()).collect();
+        let plain = Reading {
+            hypothesis,
+            deviations: rows.deviations(&assignment),
+            assignment,
+        };
+        let named = plain.clone();
+        let best = match hypothesis {
+            Hypothesis::Declared => reassigned(&rows, plain),
+            Hypothesis::Exchanged(i, j) => {
+                let at = |joint| self.channels.iter().position(|(_, j)| *j == joint);
+                match (at(i), at(j)) {
+                    (Some(a), Some(b)) => exchanged(&rows, plain, (a, b)),
+                    _ => plain,
+                }
+            }
+            _ => plain,
+        };
+        (named, best)
+    }
 }
 
-fn hypotheses(
-    comparison: &Comparison,
-    channels: &[(usize, usize)],
-) -> Vec<(Hypothesis, Assignment)> {
-    let joints: Vec<usize> = channels.iter().map(|(_, joint)| *joint).collect();
-    let mut list = vec![(Hypothesis::Declared, Assignment::Free)];
-    for (k, &i) in joints.iter().enumerate() {
-        for &j in &joints[k + 1..] {
-            list.push((Hypothesis::Exchanged(i, j), Assignment::Free));
-        }
-    }
-    for &j in &joints {
-        list.push((Hypothesis::Reversed(j), Assignment::Kept));
-        let revolute = comparison.model.joints()[j].kind == JointKind::Revolute;
-        for angle in [FRAC_PI_2, -FRAC_PI_2, PI] {
-            list.extend(revolute.then_some((Hypothesis::Turned(j, angle), Assignment::Kept)));
-        }
-    }
-    let gravity = comparison.model.tree().gravity();
-    for axis in 0..3 {
-        for sign in [1.0, -1.0] {
-            // The declared direction is not another one.
-            let other = sign * gravity[axis] < 0.9 * gravity.norm();
-            let there = gravity.norm() > 0.0 && other;
-            list.extend(there.then_some((Hypothesis::Gravity(axis, sign), Assignment::Kept)));
-        }
-    }
-    list
-}
-
-fn read(
-    comparison: &Comparison,
-    channels: &[(usize, usize)],
-    hypothesis: Hypothesis,
-    assignment: Assignment,
-) -> Reading {
-    let sampled = moved(&comparison.sampled, hypothesis);
-    let explained = explained(comparison, channels, (hypothesis, &sampled));
-    let mut order: Vec<usize> = (0..channels.len()).collect();
-    if assignment == Assignment::Free {
-        exchange_while_better(&explained, &mut order);
-    }
-    let deviations = order.iter().enumerate().map(|(c, &row)| explained[(c, row)]);
-    Reading {
-        hypothesis,
-        deviations: deviations.collect(),
-        assignment: order,
+/// The better of a reading and the one with two of its signals exchanged.
+fn exchanged(rows: &Rows, reading: Reading, (a, b): (usize, usize)) -> Reading {
+    let mut other = reading.clone();
+    other.assignment.swap(a, b);
+    other.deviations = rows.deviations(&other.assignment);
+    if other.cost() < reading.cost() {
+        other
+    } else {
+        reading
     }
 }
 
-/// ln σ of every channel (rows) explained by the row of every joint (columns).
-fn explained(
-    comparison: &Comparison,
-    channels: &[(usize, usize)],
-    (hypothesis, sampled): (Hypothesis, &Sampled),
-) -> DMatrix<f64> {
-    let turned = match hypothesis {
-        Hypothesis::Gravity(axis, sign) => Some(with_gravity(comparison, axis, sign)),
-        _ => None,
-    };
-    let model = turned.as_ref().unwrap_or(&comparison.model);
-    let fresh = columns(model, sampled, &comparison.parameters);
-    let signals: Vec<&[f64]> =
-        channels.iter().map(|&(c, _)| comparison.torque[c].as_slice()).collect();
-    let mut out = DMatrix::zeros(channels.len(), channels.len());
-    for (row, &(c, _)) in channels.iter().enumerate() {
-        let factor = factor(&fresh[c], &signals);
-        let freedom = sampled.len().saturating_sub(fresh[c].len()).max(1) as f64;
-        for (signal, series) in signals.iter().enumerate() {
-            let size = series.iter().map(|s| s * s).sum::<f64>().sqrt();
-            // Simulated signals without noise leave rounding: below a part in 10^6 nothing is told apart.
-            let left = rest(&factor, fresh[c].len(), signal).max(1e-6 * size).max(f64::MIN_POSITIVE);
-            out[(signal, row)] = (left / freedom.sqrt()).ln();
+/// Exchanges pairs of signals, the best pair first, as long as that gains something.
+fn reassigned(rows: &Rows, mut reading: Reading) -> Reading {
+    let n = reading.assignment.len();
+    loop {
+        let mut best = reading.clone();
+        for a in 0..n {
+            for b in a + 1..n {
+                let other = exchanged(rows, reading.clone(), (a, b));
+                if other.cost() < best.cost() {
+                    best = other;
+                }
+            }
         }
+        // An exchange that is right gains more than a tenth of what makes a finding.
+        if reading.cost() - best.cost() < 0.1 * LEAST_GAIN {
+            return reading;
+        }
+        reading = best;
     }
-    out
 }
 
 fn with_gravity(comparison: &Comparison, axis: usize, sign: f64) -> Model {
@@ -170,7 +210,11 @@ fn moved(sampled: &Sampled, hypothesis: Hypothesis) -> Sampled {
             moved.acceleration.swap(i, j);
         }
         Hypothesis::Reversed(j) => {
-            for series in [&mut moved.position, &mut moved.velocity, &mut moved.acceleration] {
+            for series in [
+                &mut moved.position,
+                &mut moved.velocity,
+                &mut moved.acceleration,
+            ] {
                 series[j].iter_mut().for_each(|x| *x = -*x);
             }
         }
@@ -178,27 +222,6 @@ fn moved(sampled: &Sampled, hypothesis: Hypothesis) -> Sampled {
         Hypothesis::Declared | Hypothesis::Gravity(..) => {}
     }
     moved
-}
-
-/// Exchanges two rows of the assignment as long as that lowers the sum of ln σ.
-fn exchange_while_better(explained: &DMatrix<f64>, order: &mut [usize]) {
-    let n = order.len();
-    loop {
-        let mut best: Option<(f64, usize, usize)> = None;
-        for a in 0..n {
-            for b in a + 1..n {
-                let before = explained[(a, order[a])] + explained[(b, order[b])];
-                let after = explained[(a, order[b])] + explained[(b, order[a])];
-                if before - after > best.map_or(1e-9, |(gain, ..)| gain) {
-                    best = Some((before - after, a, b));
-                }
-            }
-        }
-        let Some((_, a, b)) = best else {
-            return;
-        };
-        order.swap(a, b);
-    }
 }
 
 fn describe(
@@ -218,8 +241,9 @@ fn describe(
             (code, format!("{message}; {evidence}"), remedy.to_string()),
         )
     };
-    let moved: Vec<usize> =
-        (0..channels.len()).filter(|&c| reading.assignment[c] != c).collect();
+    let moved: Vec<usize> = (0..channels.len())
+        .filter(|&c| reading.assignment[c] != c)
+        .collect();
     match reading.hypothesis {
         Hypothesis::Declared => moved
             .iter()
@@ -234,7 +258,11 @@ fn describe(
             })
             .collect(),
         Hypothesis::Exchanged(i, j) => {
-            let what = if moved.is_empty() { "positions" } else { "positions and signals" };
+            let what = if moved.is_empty() {
+                "positions"
+            } else {
+                "positions and signals"
+            };
             [(i, j), (j, i)]
                 .map(|(own, other)| {
                     error(
@@ -249,7 +277,8 @@ fn describe(
         Hypothesis::Reversed(j) => vec![error(
             ready.at_channel_of(j),
             "position-sign",
-            "the position looks as if it counted the other way than the robot file's joint".to_string(),
+            "the position looks as if it counted the other way than the robot file's joint"
+                .to_string(),
             "change the sign of the position (a negative drive.ratio does), and of the signal if it has the \
              same sign convention",
         )],

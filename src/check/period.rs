@@ -33,7 +33,10 @@ fn thinned(read: &Read<'_>) -> (Vec<Vec<f64>>, f64) {
         }
         _ => read.recording.position.clone(),
     };
-    let stride = even.first().map_or(1, |q| q.len().div_ceil(MOST_SAMPLES)).max(1);
+    let stride = even
+        .first()
+        .map_or(1, |q| q.len().div_ceil(MOST_SAMPLES))
+        .max(1);
     let thin = |q: &Vec<f64>| q.iter().step_by(stride).copied().collect();
     (even.iter().map(thin).collect(), rate_hz / stride as f64)
 }
@@ -78,7 +81,10 @@ fn share_changed(positions: &[Vec<f64>], lag: f64) -> Option<f64> {
     let (mut change, mut variance) = (0.0, 0.0);
     for q in positions {
         // Fewer samples than a tenth of the period behind it say nothing.
-        let count = q.len().checked_sub(whole + 1).filter(|n| *n as f64 > 0.1 * lag)?;
+        let count = q
+            .len()
+            .checked_sub(whole + 1)
+            .filter(|n| *n as f64 > 0.1 * lag)?;
         let mean = q.iter().sum::<f64>() / q.len() as f64;
         variance += q.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / q.len() as f64;
         let later = |k: usize| q[k + whole] + part * (q[k + whole + 1] - q[k + whole]);
@@ -87,12 +93,12 @@ fn share_changed(positions: &[Vec<f64>], lag: f64) -> Option<f64> {
     (variance > 0.0).then(|| change / (2.0 * variance))
 }
 
-fn of_unstated(
-    read: &Read<'_>,
-    (positions, rate_hz): (&[Vec<f64>], f64),
-) -> Option<Finding> {
+fn of_unstated(read: &Read<'_>, (positions, rate_hz): (&[Vec<f64>], f64)) -> Option<Finding> {
     let method = &read.setting.table.differentiation.method;
-    if method.as_ref().is_some_and(|m| m.value == DifferentiationMethod::Lowpass) {
+    if method
+        .as_ref()
+        .is_some_and(|m| m.value == DifferentiationMethod::Lowpass)
+    {
         return None;
     }
     let found = detect_period(positions, rate_hz)?;
@@ -102,7 +108,10 @@ fn of_unstated(
         read.place().key("period"),
         (
             "period-not-stated",
-            format!("the motion repeats every {found:.5} s, {:.1} times", duration / found),
+            format!(
+                "the motion repeats every {found:.5} s, {:.1} times",
+                duration / found
+            ),
             format!(
                 "set recordings.period = {found:.5}: the average over periods has less noise, and their \
                  differences show how much"

@@ -9,14 +9,19 @@ use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
 use crate::chain::model::{Channel, Inertials, Model, ModelSettings, Signal};
 use crate::linalg::triangular::Triangular;
 use crate::robot::batch::Trajectory;
-use crate::robot::tree::Tree;
+use crate::robot::tree::{JointKind, Tree};
 use nalgebra::{DMatrix, DVector};
 
 /// Rows that a comparison uses: 20 for each of 100 columns.
 const MOST_ROWS: usize = 2000;
 
 /// Free effects of the comparison, in the order of their columns: friction last, where it is solved for alone.
-const EFFECTS: [&str; 4] = ["rotor_inertia", "torque_offset", "coulomb_friction", "viscous_friction"];
+const EFFECTS: [&str; 4] = [
+    "rotor_inertia",
+    "torque_offset",
+    "coulomb_friction",
+    "viscous_friction",
+];
 
 /// Motion of all motors at the rows of a comparison.
 #[derive(Debug, Clone)]
@@ -39,7 +44,10 @@ impl Sampled {
         let stride = all.len().div_ceil(MOST_ROWS).max(1);
         let rows: Vec<usize> = all.into_iter().step_by(stride).collect();
         let take = |series: &Vec<Vec<f64>>| -> Vec<Vec<f64>> {
-            series.iter().map(|s| rows.iter().map(|&k| s[k]).collect()).collect()
+            series
+                .iter()
+                .map(|s| rows.iter().map(|&k| s[k]).collect())
+                .collect()
         };
         let motion = &experiment.motion;
         Self {
@@ -93,7 +101,9 @@ pub(super) fn columns(model: &Model, sampled: &Sampled, parameters: &[usize]) ->
         }
     }
     for columns in &mut out {
-        columns.iter_mut().for_each(|(_, series)| series.resize(sampled.len(), 0.0));
+        columns
+            .iter_mut()
+            .for_each(|(_, series)| series.resize(sampled.len(), 0.0));
         columns.retain(|(_, series)| series.iter().any(|x| *x != 0.0));
         columns.sort_by_key(|(p, _)| *p);
     }
@@ -103,7 +113,7 @@ pub(super) fn columns(model: &Model, sampled: &Sampled, parameters: &[usize]) ->
 /// What the known parameters of a model predict over sampled motion, `[channel][row]`.
 pub(super) fn known_part(model: &Model, sampled: &Sampled) -> Vec<Vec<f64>> {
     let mut evaluator = Evaluator::new(model, &model.values(), &[]);
-    let mut out = vec![Vec::with_capacity(sampled.len()); model.channels().len()];
+    let mut out = vec![Vec::new(); model.channels().len()];
     for start in (0..sampled.len()).step_by(BLOCK) {
         let end = sampled.len().min(start + BLOCK);
         let block = evaluator.evaluate(sampled.segment(), start..end);
@@ -144,6 +154,14 @@ pub(super) fn last_coefficients(
     Some((inverse * right, covariance))
 }
 
+/// Motion below which a joint stands still: 3 degrees, or 1 cm.
+pub(super) fn still(kind: JointKind) -> f64 {
+    match kind {
+        JointKind::Revolute => 0.05,
+        JointKind::Prismatic => 0.01,
+    }
+}
+
 /// A recording beside a model with everything free.
 pub(super) struct Comparison {
     /// Signals are torques at joint scale.
@@ -175,10 +193,17 @@ impl Comparison {
     /// Channels that are predicted and belong to a joint: (channel, joint).
     pub fn joint_channels(&self) -> Vec<(usize, usize)> {
         let channels = self.model.channels().iter().enumerate();
-        let of = |(c, channel): (usize, &Channel)| {
-            Some((c, channel.joint.filter(|_| channel.active)?))
-        };
+        let of =
+            |(c, channel): (usize, &Channel)| Some((c, channel.joint.filter(|_| channel.active)?));
         channels.filter_map(of).collect()
+    }
+
+    /// Whether a joint moves enough to be judged: see [`still`].
+    pub fn moves(&self, joint: usize) -> bool {
+        let ends = |(low, high): (f64, f64), q: &f64| (low.min(*q), high.max(*q));
+        let positions = self.sampled.position[joint].iter();
+        let (low, high) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+        high - low > still(self.model.joints()[joint].kind)
     }
 
     /// Standard deviation of the residual of a channel.
@@ -201,7 +226,9 @@ fn torques(declared: &Model, prepared: &Prepared, sampled: &Sampled) -> Vec<Vec<
     let channels = declared.channels().iter().enumerate();
     channels
         .map(|(c, channel)| {
-            let constant = channel.joint.map_or(1.0, |j| declared.joints()[j].torque_constant);
+            let constant = channel
+                .joint
+                .map_or(1.0, |j| declared.joints()[j].torque_constant);
             let signal = &prepared.experiment.signal[c];
             sampled.rows.iter().map(|&k| constant * signal[k]).collect()
         })

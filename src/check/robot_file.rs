@@ -33,7 +33,11 @@ pub(super) fn check(problem: &ProblemFile, robot: &Robot) -> Vec<Finding> {
 }
 
 fn matters(known: bool) -> Severity {
-    if known { Severity::Error } else { Severity::Warning }
+    if known {
+        Severity::Error
+    } else {
+        Severity::Warning
+    }
 }
 
 fn at(robot: &Robot, name: &str) -> Place {
@@ -63,8 +67,10 @@ fn impossible(robot: &Robot, joint: &Joint, known: bool) -> Option<Finding> {
 
 fn massless(robot: &Robot, known: bool) -> Option<Finding> {
     let joints = robot.tree.joints().iter();
-    let without: Vec<&str> =
-        joints.filter(|j| j.inertia.mass() == 0.0).map(|j| j.link.as_str()).collect();
+    let without: Vec<&str> = joints
+        .filter(|j| j.inertia.mass() == 0.0)
+        .map(|j| j.link.as_str())
+        .collect();
     let all = without.len() == robot.tree.len();
     // A file of kinematics only is usual where inertials are estimated.
     if without.is_empty() || (all && !known) {
@@ -74,7 +80,11 @@ fn massless(robot: &Robot, known: bool) -> Option<Finding> {
         [one] => at(robot, one),
         _ => Place::file(&robot.file),
     };
-    let severity = if known { Severity::Warning } else { Severity::Note };
+    let severity = if known {
+        Severity::Warning
+    } else {
+        Severity::Note
+    };
     Some(finding(
         severity,
         place,
@@ -89,7 +99,11 @@ fn massless(robot: &Robot, known: bool) -> Option<Finding> {
 fn far_centre(robot: &Robot, link: usize) -> Option<Finding> {
     let joint = &robot.tree.joints()[link];
     let centre = joint.inertia.central()?.centre.norm();
-    let children = robot.tree.joints().iter().filter(|j| j.parent == Some(link));
+    let children = robot
+        .tree
+        .joints()
+        .iter()
+        .filter(|j| j.parent == Some(link));
     let frames = robot.tree.frames().iter().filter(|f| f.joint == Some(link));
     let reach = children
         .map(|j| j.translation.norm())
@@ -122,7 +136,8 @@ fn without_limits(robot: &Robot) -> Option<Finding> {
             (
                 "no-limits",
                 format!("no limit of velocity or effort: {}", without.join(", ")),
-                "give limits, so that recordings can be checked and motions designed against them".to_string(),
+                "give limits, so that recordings can be checked and motions designed against them"
+                    .to_string(),
             ),
         )
     })

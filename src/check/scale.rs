@@ -31,17 +31,27 @@ pub(super) struct Factor {
 
 pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
     // A sensor behind the gears has no constant that could be mistaken.
-    if matches!(ready.model.signal(), Signal::BaseWrench | Signal::LinkTorque) {
+    let has_constant = !matches!(
+        ready.model.signal(),
+        Signal::BaseWrench | Signal::LinkTorque
+    );
+    if !has_constant || !ready.other_reading.is_empty() {
         return Vec::new();
     }
-    let factors: Vec<Factor> = factors(ready).into_iter().filter(|f| f.value > 0.0).collect();
+    let factors: Vec<Factor> = factors(ready)
+        .into_iter()
+        .filter(|f| f.value > 0.0)
+        .collect();
     let wrong = |f: &&Factor| f.value > WRONG || f.value < 1.0 / WRONG;
     let off: Vec<Factor> = factors.iter().filter(wrong).copied().collect();
     let same_side = off.iter().all(|f| f.value > 1.0) || off.iter().all(|f| f.value < 1.0);
-    if off.len() > 1 && off.len() == factors.len() && same_side {
-        return vec![of_all(ready, &off)];
+    // Masses of single links, rotors and loads are often wrong; a wrong unit is wrong on every joint.
+    let all = !off.is_empty() && off.len() == factors.len() && same_side;
+    if all {
+        vec![of_all(ready, &off)]
+    } else {
+        Vec::new()
     }
-    off.iter().map(|f| of_one(ready, f)).collect()
 }
 
 /// Factors of the joints whose torque the robot file's inertials explain.
@@ -60,7 +70,7 @@ pub(super) fn factors(ready: &Ready<'_>) -> Vec<Factor> {
     let channels = comparison.joint_channels();
     channels
         .into_iter()
-        .filter(|&(_, joint)| carries_mass(joint))
+        .filter(|&(_, joint)| carries_mass(joint) && comparison.moves(joint))
         .filter_map(|(channel, joint)| {
             let value = factor_of(comparison, ready, channel)?;
             Some(Factor {
@@ -74,10 +84,16 @@ pub(super) fn factors(ready: &Ready<'_>) -> Vec<Factor> {
 
 fn factor_of(comparison: &Comparison, ready: &Ready<'_>, channel: usize) -> Option<f64> {
     let inertials = ready.model.tree().parameters();
-    let (bodies, drives): (Vec<_>, Vec<_>) = comparison.columns[channel]
-        .iter()
-        .cloned()
-        .partition(|(p, _)| matches!(comparison.model.parameters()[*p].role, Role::Inertial { .. }));
+    let (bodies, drives): (Vec<_>, Vec<_>) =
+        comparison.columns[channel]
+            .iter()
+            .cloned()
+            .partition(|(p, _)| {
+                matches!(
+                    comparison.model.parameters()[*p].role,
+                    Role::Inertial { .. }
+                )
+            });
     let mut rigid = vec![0.0; comparison.sampled.len()];
     for (parameter, series) in &bodies {
         debug_assert!(*parameter < PER_LINK * ready.model.tree().len());
@@ -126,7 +142,9 @@ fn of_all(ready: &Ready<'_>, factors: &[Factor]) -> Finding {
 /// Too large by the torque constants themselves: the signal is a torque already.
 fn of_current(ready: &Ready<'_>, factors: &[Factor]) -> (&'static str, &'static str) {
     let ratio = |f: &Factor| f.value / ready.model.joints()[f.joint].torque_constant.abs();
-    let torque = factors.iter().all(|f| (1.0 / AGREEMENT..AGREEMENT).contains(&ratio(f)));
+    let torque = factors
+        .iter()
+        .all(|f| (1.0 / AGREEMENT..AGREEMENT).contains(&ratio(f)));
     if torque {
         (
             "these are the torque constants, so the signal looks like a torque already",
@@ -138,19 +156,4 @@ fn of_current(ready: &Ready<'_>, factors: &[Factor]) -> (&'static str, &'static 
             "give drive.torque_constant in N·m/A at the joint side: motor constant times ratio",
         )
     }
-}
-
-fn of_one(ready: &Ready<'_>, factor: &Factor) -> Finding {
-    finding(
-        Severity::Warning,
-        ready.at_channel(factor.channel),
-        (
-            "signal-scale",
-            format!(
-                "the torque of this joint is {:.3} times what the robot file's inertials give",
-                factor.value
-            ),
-            "check the torque constant and the unit of this channel, or the masses in the robot file".to_string(),
-        ),
-    )
 }

@@ -2,8 +2,10 @@
 
 use crate::chain::dataset::Prepared;
 use crate::chain::model::Model;
+use crate::check::order;
 use crate::check::regression::Comparison;
 use crate::fault::Place;
+use crate::outcome::check::Finding;
 use crate::problem_file::choices::{PositionSide, Signal};
 use crate::problem_file::{ProblemFile, RecordingsTable};
 use crate::recording::columns::Recording;
@@ -52,7 +54,11 @@ impl<'a> Setting<'a> {
 
     /// What `q = V m + offset` adds to a recorded position.
     pub fn position_offset(&self, index: usize) -> f64 {
-        let offsets = self.robot.per_joint(&self.problem.drive.offset).ok().flatten();
+        let offsets = self
+            .robot
+            .per_joint(&self.problem.drive.offset)
+            .ok()
+            .flatten();
         match self.table.position_side.value {
             PositionSide::Link => 0.0,
             _ => offsets.map_or(0.0, |offsets| offsets[self.moving[index]]),
@@ -73,10 +79,7 @@ pub(super) struct Read<'a> {
 
 impl<'a> Read<'a> {
     /// Errors: those of the time base.
-    pub fn new(
-        setting: &'a Setting<'a>,
-        recording: &'a Recording,
-    ) -> Result<Self, RecordingError> {
+    pub fn new(setting: &'a Setting<'a>, recording: &'a Recording) -> Result<Self, RecordingError> {
         let timing = examine(recording, setting.table.rate.as_ref().map(|r| r.value))?;
         Ok(Self {
             setting,
@@ -132,16 +135,21 @@ pub(super) struct Ready<'a> {
     pub prepared: &'a Prepared,
     /// The signal against a model with every inertial parameter, rotor and simple friction free.
     pub comparison: Comparison,
+    /// Another reading of the columns, where it explains the signal far better.
+    pub other_reading: Vec<Finding>,
 }
 
 impl<'a> Ready<'a> {
     pub fn new(setting: &'a Setting<'a>, model: &'a Model, prepared: &'a Prepared) -> Self {
-        Self {
+        let mut ready = Self {
             comparison: Comparison::new(model, prepared),
             setting,
             model,
             prepared,
-        }
+            other_reading: Vec::new(),
+        };
+        ready.other_reading = order::find(&ready);
+        ready
     }
 
     pub fn place(&self) -> Place {

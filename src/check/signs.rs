@@ -19,13 +19,15 @@ const LEAST_SHARE: f64 = 0.03;
 
 pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
     let comparison = &ready.comparison;
-    if !comparison.is_meaningful() {
+    // Where columns are mixed up, what they say of friction is no evidence.
+    if !comparison.is_meaningful() || !ready.other_reading.is_empty() {
         return Vec::new();
     }
     let factors = scale::factors(ready);
     let channels = comparison.joint_channels();
     channels
         .into_iter()
+        .filter(|&(_, joint)| comparison.moves(joint))
         .filter_map(|(channel, joint)| {
             let friction = friction(comparison, (channel, joint))?;
             let against_file = factors.iter().find(|f| f.channel == channel && f.value < 0.0);
@@ -78,7 +80,10 @@ impl Friction {
 fn friction(comparison: &Comparison, (channel, joint): (usize, usize)) -> Option<Friction> {
     let model = &comparison.model;
     let own = |id: &str| {
-        let found = model.joints()[joint].effects.iter().find(|(effect, _)| effect.id == id);
+        let found = model.joints()[joint]
+            .effects
+            .iter()
+            .find(|(effect, _)| effect.id == id);
         found.map(|(_, first)| *first)
     };
     let friction = [own("coulomb_friction")?, own("viscous_friction")?];

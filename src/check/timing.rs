@@ -21,6 +21,9 @@ const FEW_MISSING: f64 = 0.001;
 /// is then 1 mrad off at 100 Hz.
 const UNEVEN: f64 = 0.1;
 
+/// Jitter over step that makes velocities wrong by as much.
+const VERY_UNEVEN: f64 = 0.3;
+
 /// Share of half the rate from which a bandwidth that the data chose has no room for noise above it.
 const NO_ROOM: f64 = 0.85;
 
@@ -39,7 +42,11 @@ pub(super) fn wrong_unit(recording: &Recording) -> Option<Finding> {
     if 1.0 / step >= SLOWEST_HZ {
         return None;
     }
-    let units = [("milliseconds", 1e3), ("microseconds", 1e6), ("nanoseconds", 1e9)];
+    let units = [
+        ("milliseconds", 1e3),
+        ("microseconds", 1e6),
+        ("nanoseconds", 1e9),
+    ];
     let (unit, factor) = units.into_iter().find(|(_, factor)| {
         let rate = factor / step;
         (SLOWEST_HZ..=FASTEST_HZ).contains(&rate)
@@ -63,9 +70,16 @@ pub(super) fn wrong_unit(recording: &Recording) -> Option<Finding> {
 fn missing(read: &Read<'_>) -> Option<Finding> {
     let gaps = &read.timing.gaps;
     let longest = gaps.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let lost: f64 = gaps.iter().map(|(_, length)| length * read.timing.rate_hz - 1.0).sum();
+    let lost: f64 = gaps
+        .iter()
+        .map(|(_, length)| length * read.timing.rate_hz - 1.0)
+        .sum();
     let share = lost / (lost + read.samples() as f64);
-    let severity = if share > FEW_MISSING { Severity::Warning } else { Severity::Note };
+    let severity = if share > FEW_MISSING {
+        Severity::Warning
+    } else {
+        Severity::Note
+    };
     Some(finding(
         severity,
         read.place().key("time").line(longest.0),
@@ -85,9 +99,14 @@ fn missing(read: &Read<'_>) -> Option<Finding> {
 
 fn uneven(read: &Read<'_>) -> Option<Finding> {
     let relative = read.timing.jitter_rms_s * read.timing.rate_hz;
+    let severity = if relative > VERY_UNEVEN {
+        Severity::Warning
+    } else {
+        Severity::Note
+    };
     (!read.timing.uniform && relative > UNEVEN).then(|| {
         finding(
-            Severity::Warning,
+            severity,
             read.place().key("time"),
             (
                 "jitter",

@@ -18,10 +18,14 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
     if !setting.is_uncoupled() {
         return Vec::new();
     }
-    let revolute: Vec<usize> =
-        (0..setting.moving.len()).filter(|&j| setting.is_revolute(j)).collect();
-    let beyond: Vec<usize> =
-        revolute.iter().copied().filter(|&j| excess(read, j, 1.0) > DOUBT).collect();
+    let revolute: Vec<usize> = (0..setting.moving.len())
+        .filter(|&j| setting.is_revolute(j))
+        .collect();
+    let beyond: Vec<usize> = revolute
+        .iter()
+        .copied()
+        .filter(|&j| excess(read, j, 1.0) > DOUBT)
+        .collect();
     let Some(&worst) = beyond
         .iter()
         .max_by(|&&a, &&b| excess(read, a, 1.0).total_cmp(&excess(read, b, 1.0)))
@@ -33,7 +37,11 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
         return Vec::new();
     }
     let alone = revolute.len() > 1 && beyond.len() == 1;
-    let place = if alone { read.at_joint(worst) } else { read.place() };
+    let place = if alone {
+        read.at_joint(worst)
+    } else {
+        read.place()
+    };
     let (low, high) = extent(read, worst, 1.0);
     vec![finding(
         Severity::Error,
@@ -62,7 +70,9 @@ fn extent(read: &Read<'_>, index: usize, unit: f64) -> (f64, f64) {
         let joint = factor * q + offset;
         (low.min(joint), high.max(joint))
     };
-    read.recording.position[index].iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends)
+    read.recording.position[index]
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), ends)
 }
 
 /// How far a joint goes beyond its limits, in shares of their range; without limits one turn each way is

@@ -21,19 +21,48 @@ const LEAST_QUANTA: f64 = 10.0;
 
 /// Known reasons for a factor.
 const REASONS: &[(f64, &str, &str)] = &[
-    (DEGREES, "the position is in degrees, or", "give positions in radians"),
-    (1.0 / DEGREES, "the velocity is in degrees per second, or", "give velocities in rad/s"),
-    (-1.0, "one of the two has the wrong sign, or", "give both the sign of the robot's joint"),
-    (std::f64::consts::TAU / 60.0, "the velocity is in turns per minute, or", "give velocities in rad/s"),
-    (1e3, "the time is in milliseconds, or", "give time in seconds"),
-    (1e-3, "time or position is a thousand times too small, or", "give SI units"),
+    (
+        DEGREES,
+        "the position is in degrees, or",
+        "give positions in radians",
+    ),
+    (
+        1.0 / DEGREES,
+        "the velocity is in degrees per second, or",
+        "give velocities in rad/s",
+    ),
+    (
+        -1.0,
+        "one of the two has the wrong sign, or",
+        "give both the sign of the robot's joint",
+    ),
+    (
+        std::f64::consts::TAU / 60.0,
+        "the velocity is in turns per minute, or",
+        "give velocities in rad/s",
+    ),
+    (
+        1e3,
+        "the time is in milliseconds, or",
+        "give time in seconds",
+    ),
+    (
+        1e-3,
+        "time or position is a thousand times too small, or",
+        "give SI units",
+    ),
 ];
 
 pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
     let Some(velocity) = &read.recording.velocity else {
         return Vec::new();
     };
-    let changes: Vec<Vec<f64>> = read.recording.position.iter().map(|q| changes(read, q)).collect();
+    let changes: Vec<Vec<f64>> = read
+        .recording
+        .position
+        .iter()
+        .map(|q| changes(read, q))
+        .collect();
     let integrals: Vec<Vec<f64>> = velocity.iter().map(|v| integrals(read, v)).collect();
     let moves = |j: &usize| {
         let rms = rms(&changes[*j]);
@@ -44,7 +73,10 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
     let mut findings = Vec::new();
     for &j in &judged {
         let own = pair(j, j);
-        let other = judged.iter().copied().find(|&k| k != j && pair(j, k) > SAME);
+        let other = judged
+            .iter()
+            .copied()
+            .find(|&k| k != j && pair(j, k) > SAME);
         if own.abs() >= SAME {
             findings.extend(of_factor(read, j, factor(&changes[j], &integrals[j])));
         } else if let Some(other) = other {
@@ -79,11 +111,7 @@ fn of_factor(read: &Read<'_>, joint: usize, factor: f64) -> Option<Finding> {
     ))
 }
 
-fn of_order(
-    read: &Read<'_>,
-    (joint, other): (usize, usize),
-    (own, found): (f64, f64),
-) -> Finding {
+fn of_order(read: &Read<'_>, (joint, other): (usize, usize), (own, found): (f64, f64)) -> Finding {
     let other = &read.setting.joint(other).name;
     finding(
         Severity::Error,
@@ -94,7 +122,8 @@ fn of_order(
                 "the velocity of this joint does not follow its position (correlation {own:.3}); that of \
                  {other} does ({found:.3})"
             ),
-            "put position and velocity columns into the same order in recordings.columns".to_string(),
+            "put position and velocity columns into the same order in recordings.columns"
+                .to_string(),
         ),
     )
 }
@@ -105,7 +134,9 @@ fn of_another_motion(read: &Read<'_>, joint: usize, own: f64) -> Finding {
         read.at_joint(joint),
         (
             "velocity-not-derivative",
-            format!("the velocity channel does not follow the position: correlation {own:.3} over {WINDOW_S} s"),
+            format!(
+                "the velocity channel does not follow the position: correlation {own:.3} over {WINDOW_S} s"
+            ),
             "name the right column in recordings.columns.velocity, or leave it out".to_string(),
         ),
     )
@@ -127,7 +158,9 @@ fn integrals(read: &Read<'_>, series: &[f64]) -> Vec<f64> {
     let window = window(read);
     let area = |k: usize| 0.5 * (series[k] + series[k + 1]) * (read.time(k + 1) - read.time(k));
     let count = (series.len() - 1) / window;
-    (0..count).map(|m| (m * window..(m + 1) * window).map(area).sum()).collect()
+    (0..count)
+        .map(|m| (m * window..(m + 1) * window).map(area).sum())
+        .collect()
 }
 
 /// Least change of a series between two samples: the quantum of an encoder.
@@ -135,7 +168,9 @@ pub(super) fn quantum(series: &[f64]) -> f64 {
     let steps = series.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let scale = series.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     // Differences of decimal numbers that should be zero are rounding.
-    let least = steps.filter(|step| *step > 1e-12 * scale).fold(f64::INFINITY, f64::min);
+    let least = steps
+        .filter(|step| *step > 1e-12 * scale)
+        .fold(f64::INFINITY, f64::min);
     if least.is_finite() { least } else { 0.0 }
 }
 
@@ -150,7 +185,11 @@ fn product(a: &[f64], b: &[f64]) -> f64 {
 /// Correlation about zero: a change that is nothing must have an integral of nothing.
 fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let size = (product(a, a) * product(b, b)).sqrt();
-    if size > 0.0 { product(a, b) / size } else { 0.0 }
+    if size > 0.0 {
+        product(a, b) / size
+    } else {
+        0.0
+    }
 }
 
 /// Least squares f of `a = f b`.
