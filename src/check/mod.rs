@@ -1,1 +1,238 @@
-//! check
+//! What is wrong with a problem before anything is run: robot file, recordings, and what they determine.
+//!
+//! Every kind of check is one file and one line of a table. Checks of a file as it was read come first;
+//! what they call an error (positions in degrees, a wrong unit of time) makes every later number of that
+//! file meaningless, so the file goes no further. A file that cannot be read is a finding, and the others
+//! are still checked.
+
+mod channels;
+mod delay;
+mod drift;
+mod identifiability;
+mod limits;
+mod motion;
+mod order;
+mod period;
+mod regression;
+mod robot_file;
+mod scale;
+mod setting;
+mod shared;
+mod signs;
+mod spikes;
+mod timing;
+mod units;
+mod velocity;
+
+#[cfg(test)]
+mod tests;
+
+use crate::chain::dataset::{Dataset, Split};
+use crate::chain::model::Model;
+use crate::check::setting::{Read, Ready, Setting};
+use crate::fault::{Fault, Place};
+use crate::outcome::check::{Finding, Severity};
+use crate::problem::solution::Control;
+use crate::problem_file::ProblemFile;
+use crate::recording::columns::Recording;
+use crate::recording::table::format_of;
+use crate::setup::error::SetupError;
+use crate::setup::recordings::{Named, list, prepare_one, read_one};
+use crate::setup::{model, prior, robot};
+
+/// Checks of a recording as it was read.
+const OF_READ: &[fn(&Read<'_>) -> Vec<Finding>] = &[
+    timing::check,
+    units::check,
+    velocity::check,
+    channels::check,
+    spikes::check,
+    period::check,
+];
+
+/// Checks of a recording made ready, against the model.
+const OF_READY: &[fn(&Ready<'_>) -> Vec<Finding>] = &[
+    limits::check,
+    timing::check_bandwidth,
+    drift::check,
+    order::check,
+    signs::check,
+    scale::check,
+    delay::check,
+];
+
+/// A check of the training recordings together.
+type OfTraining = fn(&Setting<'_>, &Model, &Dataset) -> Vec<Finding>;
+
+const OF_TRAINING: &[OfTraining] = &[motion::check, identifiability::check];
+
+/// Checks everything that a problem file names, and estimates nothing.
+///
+/// The worst findings come first; faults of files are findings with the code of the fault. An interrupt
+/// returns what was found so far.
+pub fn run(problem: &ProblemFile, control: &Control<'_>) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    match robot::open(problem) {
+        Ok(robot) => with_robot(problem, &robot, control, &mut findings),
+        Err(fault) => {
+            findings.push(from_fault(&fault));
+            findings.extend(unreadable_files(problem));
+        }
+    }
+    // A stable sort: equal findings keep the order of the files and of the tables.
+    findings.sort_by_key(|finding| finding.severity);
+    let mut distinct: Vec<Finding> = Vec::with_capacity(findings.len());
+    for finding in findings {
+        if !distinct.contains(&finding) {
+            distinct.push(finding);
+        }
+    }
+    distinct
+}
+
+/// Whether an error among the findings is one of the problem file, and not of a file that it names.
+pub fn concerns_problem_file(problem: &ProblemFile, findings: &[Finding]) -> bool {
+    let own = problem.path.display().to_string();
+    let at_fault = |f: &Finding| f.severity == Severity::Error && f.file.as_deref() == Some(&own);
+    findings.iter().any(at_fault)
+}
+
+fn has_error(findings: &[Finding]) -> bool {
+    findings.iter().any(|f| f.severity == Severity::Error)
+}
+
+fn from_fault(fault: &impl Fault) -> Finding {
+    Finding::from_fault(fault, Severity::Error)
+}
+
+fn with_robot(
+    problem: &ProblemFile,
+    robot: &robot::Robot,
+    control: &Control<'_>,
+    findings: &mut Vec<Finding>,
+) {
+    findings.extend(robot_file::check(problem, robot));
+    let model = match build_model(problem, robot) {
+        Ok(model) => Some(model),
+        Err(fault) => {
+            let found = from_fault(&*fault);
+            // The check of the robot file has already named bodies that cannot be.
+            let known = findings
+                .iter()
+                .any(|f| f.code == found.code && f.channel == found.channel);
+            findings.extend((!known).then_some(found));
+            None
+        }
+    };
+    let Some(table) = &problem.recordings else {
+        return;
+    };
+    let setting = Setting::new(problem, table, robot);
+    let named = list(table, problem.robot.payload.is_some());
+    let mut dataset = Dataset::default();
+    let mut complete = true;
+    for named in &named {
+        if control.is_interrupted() {
+            return;
+        }
+        let Some(recording) = read_and_check(&setting, named, findings) else {
+            complete &= named.split != Split::Train;
+            continue;
+        };
+        let Some(model) = &model else {
+            continue;
+        };
+        match prepare_one(recording, named, (table, robot, model)) {
+            Ok(prepared) => {
+                let ready = Ready::new(&setting, model, &prepared);
+                let found: Vec<Finding> = OF_READY.iter().flat_map(|check| check(&ready)).collect();
+                // What recordings determine cannot be said of columns that are mixed up.
+                complete &= !has_error(&found) || named.split != Split::Train;
+                findings.extend(found);
+                dataset.recordings.push(prepared);
+            }
+            Err(fault) => {
+                complete &= named.split != Split::Train;
+                findings.push(from_fault(&fault));
+            }
+        }
+    }
+    if let (Some(model), true) = (&model, complete) {
+        for check in OF_TRAINING {
+            findings.extend(check(&setting, model, &dataset));
+        }
+    }
+}
+
+fn build_model(problem: &ProblemFile, robot: &robot::Robot) -> Result<Model, Box<SetupError>> {
+    let mut built = model::build(problem, robot)?;
+    prior::build(problem, &mut built)?;
+    for compared in &problem.fit.compare {
+        model::build_compared(problem, robot, &compared.effects)?;
+    }
+    Ok(built)
+}
+
+/// Reads a recording and looks at it as it is; `None` where it goes no further.
+fn read_and_check(
+    setting: &Setting<'_>,
+    named: &Named<'_>,
+    findings: &mut Vec<Finding>,
+) -> Option<Recording> {
+    let recording = match read_one(setting.table, setting.robot, named.path) {
+        Ok(recording) => recording,
+        Err(fault) => {
+            findings.push(from_fault(&fault));
+            return None;
+        }
+    };
+    let read = match Read::new(setting, &recording) {
+        Ok(read) => read,
+        Err(fault) => {
+            // A wrong unit of time explains what the time base itself can only refuse.
+            let unit = timing::wrong_unit(&recording);
+            findings.push(unit.unwrap_or_else(|| from_fault(&fault)));
+            return None;
+        }
+    };
+    let found: Vec<Finding> = OF_READ.iter().flat_map(|check| check(&read)).collect();
+    let usable = !has_error(&found);
+    findings.extend(found);
+    usable.then_some(recording)
+}
+
+/// Without a robot the channels of recordings are unknown; whether the files are there is not.
+fn unreadable_files(problem: &ProblemFile) -> Vec<Finding> {
+    let Some(table) = &problem.recordings else {
+        return Vec::new();
+    };
+    let named = list(table, problem.robot.payload.is_some());
+    let fault = |named: &Named<'_>| {
+        let path = &named.path.resolved;
+        format_of(path)
+            .and_then(|format| (format.columns)(path))
+            .err()
+    };
+    named
+        .iter()
+        .filter_map(fault)
+        .map(|fault| from_fault(&fault))
+        .collect()
+}
+
+/// A finding about a file, or about one channel or element of it.
+fn finding(
+    severity: Severity,
+    place: Place,
+    (code, message, remedy): (&str, String, String),
+) -> Finding {
+    Finding {
+        code: code.to_string(),
+        severity,
+        file: Some(place.file.display().to_string()),
+        channel: place.key,
+        message,
+        remedy,
+        line: place.line,
+    }
+}

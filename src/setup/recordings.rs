@@ -32,16 +32,25 @@ pub fn open(problem: &ProblemFile, robot: &Robot, model: &Model) -> Result<Datas
     let mut dataset = Dataset::default();
     for named in list(table, problem.robot.payload.is_some()) {
         let recording = read_one(table, robot, named.path)?;
-        let experiment = prepare(recording, &preparation(table))?;
-        let experiment = to_motors(experiment, (table, robot, model))?;
-        dataset.recordings.push(Prepared::new(
-            named.path.written.clone(),
-            named.split,
-            named.loaded,
-            experiment,
-        ));
+        dataset.recordings.push(prepare_one(recording, &named, (table, robot, model))?);
     }
     Ok(dataset)
+}
+
+/// Makes one recording ready, in motor coordinates at joint scale.
+pub fn prepare_one(
+    recording: Recording,
+    named: &Named<'_>,
+    (table, robot, model): (&RecordingsTable, &Robot, &Model),
+) -> Result<Prepared, SetupError> {
+    let experiment = prepare(recording, &preparation(table))?;
+    let experiment = to_motors(experiment, (table, robot, model))?;
+    Ok(Prepared::new(
+        named.path.written.clone(),
+        named.split,
+        named.loaded,
+        experiment,
+    ))
 }
 
 /// The recordings in the order of the problem file; one that is listed twice counts once.

@@ -1,0 +1,144 @@
+//! The motion and the signal against the limits in the robot file.
+
+use crate::chain::model::Signal;
+use crate::check::finding;
+use crate::check::setting::Ready;
+use crate::outcome::check::{Finding, Severity};
+
+/// Shares by which limits may be exceeded: controllers overshoot, and files round.
+const POSITION_SLACK: f64 = 0.01;
+const VELOCITY_SLACK: f64 = 0.05;
+const EFFORT_SLACK: f64 = 0.05;
+
+/// Rows beyond an effort limit that are more than noise, as a share.
+const EFFORT_ROWS: f64 = 0.001;
+
+pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
+    let moving = ready.setting.moving.iter().copied();
+    moving
+        .flat_map(|joint| {
+            let found = [
+                position(ready, joint),
+                velocity(ready, joint),
+                effort(ready, joint),
+            ];
+            found.into_iter().flatten()
+        })
+        .collect()
+}
+
+/// Value and overshoot of the largest overshoot, and how many rows overshoot.
+fn overshoot(
+    series: impl Iterator<Item = f64>,
+    (lower, upper): (f64, f64),
+) -> Option<(f64, f64, usize)> {
+    let mut worst: Option<(f64, f64, usize)> = None;
+    for value in series {
+        let by = (value - upper).max(lower - value);
+        if by > 0.0 {
+            let (old, most, count) = worst.unwrap_or((value, 0.0, 0));
+            let kept = if by > most { (value, by) } else { (old, most) };
+            worst = Some((kept.0, kept.1, count + 1));
+        }
+    }
+    worst
+}
+
+/// `V m`: a series of one joint from those of the motors.
+fn of_joint<'a>(
+    ready: &Ready<'_>,
+    motors: &'a [Vec<f64>],
+    joint: usize,
+) -> impl Iterator<Item = f64> + 'a {
+    let coupling = ready.model.coupling(&ready.model.values());
+    let rows = 0..ready.prepared.experiment.rows();
+    rows.map(move |k| {
+        (0..motors.len())
+            .map(|j| coupling[(joint, j)] * motors[j][k])
+            .sum()
+    })
+}
+
+fn position(ready: &Ready<'_>, joint: usize) -> Option<Finding> {
+    let description = &ready.model.tree().joints()[joint];
+    let limits = &description.limits;
+    let (lower, upper) = (limits.lower?, limits.upper?);
+    let offset = ready.model.offset()[joint];
+    let motors = &ready.prepared.experiment.motion.position;
+    let joints = of_joint(ready, motors, joint);
+    let slack = POSITION_SLACK * (upper - lower);
+    let (value, by, count) = overshoot(joints.map(|q| q + offset), (lower - slack, upper + slack))?;
+    let unit = description.kind.position_unit();
+    Some(finding(
+        Severity::Warning,
+        ready.at_channel_of(joint),
+        (
+            "position-beyond-limits",
+            format!(
+                "the position reaches {value:.4} {unit}, {:.4} beyond the limits {lower:.4} .. {upper:.4} of the \
+                 robot file, in {count} of {} rows",
+                by + slack,
+                ready.prepared.experiment.rows()
+            ),
+            "check sign, unit, zero (drive.offset) and joint order of the positions; or correct the limits"
+                .to_string(),
+        ),
+    ))
+}
+
+fn velocity(ready: &Ready<'_>, joint: usize) -> Option<Finding> {
+    let description = &ready.model.tree().joints()[joint];
+    let limit = description.limits.velocity.filter(|limit| *limit > 0.0)?;
+    let series = of_joint(ready, &ready.prepared.experiment.motion.velocity, joint);
+    let most = (1.0 + VELOCITY_SLACK) * limit;
+    let (value, _, count) = overshoot(series, (-most, most))?;
+    let unit = description.kind.position_unit();
+    Some(finding(
+        Severity::Warning,
+        ready.at_channel_of(joint),
+        (
+            "velocity-beyond-limits",
+            format!(
+                "the speed reaches {:.4} {unit}/s, the robot file allows {limit:.4} {unit}/s; {count} of {} rows",
+                value.abs(),
+                ready.prepared.experiment.rows()
+            ),
+            "check the units of position and time, and recordings.differentiation.cutoff_hz"
+                .to_string(),
+        ),
+    ))
+}
+
+fn effort(ready: &Ready<'_>, joint: usize) -> Option<Finding> {
+    let description = &ready.model.tree().joints()[joint];
+    let limit = description.limits.effort.filter(|limit| *limit > 0.0)?;
+    // A coupled motor carries the torque of several joints.
+    if ready.model.signal() == Signal::BaseWrench || !ready.model.is_uncoupled() {
+        return None;
+    }
+    let constant = ready.model.joints()[joint].torque_constant;
+    let series = ready.prepared.experiment.signal[joint]
+        .iter()
+        .map(|s| s * constant);
+    let most = (1.0 + EFFORT_SLACK) * limit;
+    let (value, _, count) = overshoot(series, (-most, most))?;
+    let rows = ready.prepared.experiment.rows();
+    let unit = description.kind.effort_unit();
+    (count as f64 > EFFORT_ROWS * rows as f64).then(|| {
+        finding(
+            Severity::Warning,
+            ready.at_channel_of(joint),
+            (
+                "effort-beyond-limits",
+                format!(
+                    "{count} of {rows} rows exceed the robot file's limit {limit:.4} {unit}; the largest is \
+                     {:.4} {unit}",
+                    value.abs()
+                ),
+                "check recordings.signal (current or torque, motor or joint side) and drive.torque_constant; or \
+                 correct the limit"
+                    .to_string(),
+            ),
+        )
+    })
+}

@@ -1,0 +1,305 @@
+//! Joint order, signs and zeros of positions, direction of gravity: which reading of the columns makes the
+//! signal a function of the motion?
+//!
+//! Every hypothesis h changes the motion, gravity or the assignment of signals to joints; all parameters are
+//! free, and the same in all rows. The gain of h is `G = Σ_c ln(σ_c(declared) / σ_c(h))`, σ the residual
+//! deviations: N·G is the logarithm of the likelihood ratio for N rows of normal noise.
+
+use crate::chain::model::Model;
+use crate::check::finding;
+use crate::check::regression::{Comparison, Sampled, with_tree};
+use crate::check::setting::Ready;
+use crate::check::shared::{Rows, base};
+use crate::outcome::check::{Finding, Severity};
+use crate::robot::tree::JointKind;
+use rayon::prelude::*;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Least gain that is no accident of what the model leaves out: the product of all residual deviations
+/// falls by a factor of three.
+const LEAST_GAIN: f64 = 1.1;
+
+/// Gain of one channel that counts, and how many must have it: a column in the wrong place spoils at least
+/// the two joints that it is about, while a weak signal may by chance follow the row of another joint.
+const CHANNEL_GAIN: f64 = 0.4;
+const CHANNELS: usize = 2;
+
+/// Another reading of the motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Hypothesis {
+    Declared,
+    /// Position columns of two joints exchanged.
+    Exchanged(usize, usize),
+    /// Positions of a joint with the other sign.
+    Reversed(usize),
+    /// Zero of a turning joint elsewhere, rad.
+    Turned(usize, f64),
+    /// Gravity along another axis of the base: axis and sign.
+    Gravity(usize, f64),
+}
+
+/// A hypothesis with the rows that the signals belong to.
+#[derive(Clone)]
+struct Reading {
+    hypothesis: Hypothesis,
+    /// Position, among the judged channels, of the row that each signal follows.
+    assignment: Vec<usize>,
+    /// ln σ of each signal.
+    deviations: Vec<f64>,
+}
+
+impl Reading {
+    fn cost(&self) -> f64 {
+        self.deviations.iter().sum()
+    }
+}
+
+/// What is judged: (channel, joint) of every joint that moves, and the parameters behind all of them.
+struct Judged<'a> {
+    comparison: &'a Comparison,
+    channels: Vec<(usize, usize)>,
+    base: Vec<usize>,
+}
+
+/// What [`find`] has found.
+pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
+    ready.other_reading.clone()
+}
+
+/// Looks for a reading of the columns that explains the signal far better than the declared one.
+pub(super) fn find(ready: &Ready<'_>) -> Vec<Finding> {
+    let comparison = &ready.comparison;
+    // A joint that stands still follows any row, and any joint its row.
+    let mut channels = comparison.joint_channels();
+    channels.retain(|&(_, joint)| comparison.moves(joint));
+    if !comparison.is_meaningful() || channels.is_empty() {
+        return Vec::new();
+    }
+    let judged = Judged {
+        comparison,
+        channels,
+        base: base(comparison),
+    };
+    let readings: Vec<(Reading, Reading)> = judged
+        .hypotheses()
+        .into_par_iter()
+        .map(|h| judged.read(h))
+        .collect();
+    let Some((declared, _)) = readings.first() else {
+        return Vec::new();
+    };
+    let stands = |best: &&Reading| {
+        let gains = declared.deviations.iter().zip(&best.deviations);
+        let gaining = gains
+            .filter(|(before, after)| *before - *after > CHANNEL_GAIN)
+            .count();
+        gaining >= judged.channels.len().min(CHANNELS) && declared.cost() - best.cost() > LEAST_GAIN
+    };
+    // The first of equals: the plainest reading stands first.
+    let best = readings.iter().rev().map(|(_, best)| best).filter(stands);
+    match best.min_by(|a, b| a.cost().total_cmp(&b.cost())) {
+        Some(best) => describe(ready, &judged.channels, best, declared.cost() - best.cost()),
+        None => Vec::new(),
+    }
+}
+
+impl Judged<'_> {
+    /// Every hypothesis; the recording as declared comes first.
+    fn hypotheses(&self) -> Vec<Hypothesis> {
+        let joints: Vec<usize> = self.channels.iter().map(|(_, joint)| *joint).collect();
+        let mut list = vec![Hypothesis::Declared];
+        for (k, &i) in joints.iter().enumerate() {
+            list.extend(joints[k + 1..].iter().map(|&j| Hypothesis::Exchanged(i, j)));
+        }
+        for &j in &joints {
+            list.push(Hypothesis::Reversed(j));
+            if self.comparison.model.joints()[j].kind == JointKind::Revolute {
+                let angles = [FRAC_PI_2, -FRAC_PI_2, PI];
+                list.extend(angles.map(|angle| Hypothesis::Turned(j, angle)));
+            }
+        }
+        let gravity = self.comparison.model.tree().gravity();
+        for axis in 0..3 {
+            for sign in [1.0, -1.0] {
+                // The declared direction is not another one.
+                let other = sign * gravity[axis] < 0.9 * gravity.norm();
+                list.extend(other.then_some(Hypothesis::Gravity(axis, sign)));
+            }
+        }
+        list
+    }
+
+    /// The signals as they are named, and the best reading of the hypothesis.
+    fn read(&self, hypothesis: Hypothesis) -> (Reading, Reading) {
+        let sampled = moved(&self.comparison.sampled, hypothesis);
+        let turned = match hypothesis {
+            Hypothesis::Gravity(axis, sign) => Some(with_gravity(self.comparison, axis, sign)),
+            _ => None,
+        };
+        let model = turned.as_ref().unwrap_or(&self.comparison.model);
+        let channels: Vec<usize> = self.channels.iter().map(|(c, _)| *c).collect();
+        let rows = Rows::new(self.comparison, (model, &sampled), &channels, &self.base);
+        let assignment: Vec<usize> = (0..channels.len()).collect();
+        let plain = Reading {
+            hypothesis,
+            deviations: rows.deviations(&assignment),
+            assignment,
+        };
+        let named = plain.clone();
+        let best = match hypothesis {
+            Hypothesis::Declared => reassigned(&rows, plain),
+            Hypothesis::Exchanged(i, j) => {
+                let at = |joint| self.channels.iter().position(|(_, j)| *j == joint);
+                match (at(i), at(j)) {
+                    (Some(a), Some(b)) => exchanged(&rows, plain, (a, b)),
+                    _ => plain,
+                }
+            }
+            _ => plain,
+        };
+        (named, best)
+    }
+}
+
+/// The better of a reading and the one with two of its signals exchanged.
+fn exchanged(rows: &Rows, reading: Reading, (a, b): (usize, usize)) -> Reading {
+    let mut other = reading.clone();
+    other.assignment.swap(a, b);
+    other.deviations = rows.deviations(&other.assignment);
+    if other.cost() < reading.cost() {
+        other
+    } else {
+        reading
+    }
+}
+
+/// Exchanges pairs of signals, the best pair first, as long as that gains something.
+fn reassigned(rows: &Rows, mut reading: Reading) -> Reading {
+    let n = reading.assignment.len();
+    loop {
+        let mut best = reading.clone();
+        for a in 0..n {
+            for b in a + 1..n {
+                let other = exchanged(rows, reading.clone(), (a, b));
+                if other.cost() < best.cost() {
+                    best = other;
+                }
+            }
+        }
+        // An exchange that is right gains more than a tenth of what makes a finding.
+        if reading.cost() - best.cost() < 0.1 * LEAST_GAIN {
+            return reading;
+        }
+        reading = best;
+    }
+}
+
+fn with_gravity(comparison: &Comparison, axis: usize, sign: f64) -> Model {
+    let tree = comparison.model.tree();
+    let mut gravity = [0.0; 3];
+    gravity[axis] = sign * tree.gravity().norm();
+    with_tree(&comparison.model, tree.clone().with_gravity(gravity))
+}
+
+fn moved(sampled: &Sampled, hypothesis: Hypothesis) -> Sampled {
+    let mut moved = sampled.clone();
+    match hypothesis {
+        Hypothesis::Exchanged(i, j) => {
+            moved.position.swap(i, j);
+            moved.velocity.swap(i, j);
+            moved.acceleration.swap(i, j);
+        }
+        Hypothesis::Reversed(j) => {
+            for series in [
+                &mut moved.position,
+                &mut moved.velocity,
+                &mut moved.acceleration,
+            ] {
+                series[j].iter_mut().for_each(|x| *x = -*x);
+            }
+        }
+        Hypothesis::Turned(j, angle) => moved.position[j].iter_mut().for_each(|x| *x += angle),
+        Hypothesis::Declared | Hypothesis::Gravity(..) => {}
+    }
+    moved
+}
+
+fn describe(
+    ready: &Ready<'_>,
+    channels: &[(usize, usize)],
+    reading: &Reading,
+    gain: f64,
+) -> Vec<Finding> {
+    let name = |joint: usize| ready.model.joints()[joint].name.clone();
+    let factor = (gain / channels.len() as f64).exp();
+    let evidence =
+        format!("the residuals are then {factor:.2} times smaller, on the average over all joints");
+    let error = |place, code: &str, message: String, remedy: &str| {
+        finding(
+            Severity::Error,
+            place,
+            (code, format!("{message}; {evidence}"), remedy.to_string()),
+        )
+    };
+    let moved: Vec<usize> = (0..channels.len())
+        .filter(|&c| reading.assignment[c] != c)
+        .collect();
+    match reading.hypothesis {
+        Hypothesis::Declared => moved
+            .iter()
+            .map(|&c| {
+                let follows = name(channels[reading.assignment[c]].1);
+                error(
+                    ready.at_channel(channels[c].0),
+                    "joint-order",
+                    format!("the signal of this joint follows the motion of {follows}"),
+                    "put the columns of the signal into the order of the joints",
+                )
+            })
+            .collect(),
+        Hypothesis::Exchanged(i, j) => {
+            let what = if moved.is_empty() {
+                "positions"
+            } else {
+                "positions and signals"
+            };
+            [(i, j), (j, i)]
+                .map(|(own, other)| {
+                    error(
+                        ready.at_channel_of(own),
+                        "joint-order",
+                        format!("{what} of this joint look like those of {}", name(other)),
+                        "put the columns into the order of the joints, or correct robot.joints",
+                    )
+                })
+                .to_vec()
+        }
+        Hypothesis::Reversed(j) => vec![error(
+            ready.at_channel_of(j),
+            "position-sign",
+            "the position looks as if it counted the other way than the robot file's joint"
+                .to_string(),
+            "change the sign of the position (a negative drive.ratio does), and of the signal if it has the \
+             same sign convention",
+        )],
+        Hypothesis::Turned(j, angle) => vec![error(
+            ready.at_channel_of(j),
+            "position-zero",
+            format!(
+                "the zero of the position looks {:+.0} degrees away from the robot file's",
+                angle.to_degrees()
+            ),
+            "set drive.offset for this joint",
+        )],
+        Hypothesis::Gravity(axis, sign) => vec![error(
+            ready.place().key("robot.gravity"),
+            "gravity-direction",
+            format!(
+                "gravity looks as if it pointed along {}{} of the base frame",
+                if sign < 0.0 { "-" } else { "+" },
+                ["x", "y", "z"][axis]
+            ),
+            "set robot.gravity as the base is mounted",
+        )],
+    }
+}

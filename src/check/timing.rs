@@ -1,0 +1,153 @@
+//! The time base: unit of the stamps, samples that are missing, uneven steps, a rate that the motion outruns.
+
+use crate::check::finding;
+use crate::check::setting::{Read, Ready};
+use crate::fault::Place;
+use crate::outcome::check::{Finding, Severity};
+use crate::recording::columns::Recording;
+use crate::recording::experiment::Chosen;
+use crate::stats::robust::median;
+
+/// Lowest rate of a recording of dynamics, Hz: slower than this, friction and gravity is all it can show.
+const SLOWEST_HZ: f64 = 2.0;
+
+/// Highest rate of drives and their bus, Hz.
+const FASTEST_HZ: f64 = 50_000.0;
+
+/// Share of missing samples up to which interpolation across the gaps is of no account.
+const FEW_MISSING: f64 = 0.001;
+
+/// Jitter over step from which linear interpolation costs more than an encoder's quantum: a joint at 1 rad/s
+/// is then 1 mrad off at 100 Hz.
+const UNEVEN: f64 = 0.1;
+
+/// Jitter over step that makes velocities wrong by as much.
+const VERY_UNEVEN: f64 = 0.3;
+
+/// Share of half the rate from which a bandwidth that the data chose has no room for noise above it.
+const NO_ROOM: f64 = 0.85;
+
+pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
+    if let Some(found) = wrong_unit(read.recording) {
+        return vec![found];
+    }
+    missing(read).into_iter().chain(uneven(read)).collect()
+}
+
+/// Stamps that make sense in milliseconds, microseconds or nanoseconds only.
+pub(super) fn wrong_unit(recording: &Recording) -> Option<Finding> {
+    let time = recording.time.as_ref()?;
+    let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let step = median(&steps).filter(|step| *step > 0.0)?;
+    if 1.0 / step >= SLOWEST_HZ {
+        return None;
+    }
+    let units = [
+        ("milliseconds", 1e3),
+        ("microseconds", 1e6),
+        ("nanoseconds", 1e9),
+    ];
+    let (unit, factor) = units.into_iter().find(|(_, factor)| {
+        let rate = factor / step;
+        (SLOWEST_HZ..=FASTEST_HZ).contains(&rate)
+    })?;
+    Some(finding(
+        Severity::Error,
+        Place::file(&recording.file).key("time"),
+        (
+            "time-unit",
+            format!(
+                "the time stamps are {step} apart, which as seconds is a rate of {:.3e} Hz; they look like {unit} \
+                 ({:.4} Hz)",
+                1.0 / step,
+                factor / step
+            ),
+            format!("give time in seconds: divide the time column by {factor:.0}"),
+        ),
+    ))
+}
+
+fn missing(read: &Read<'_>) -> Option<Finding> {
+    let gaps = &read.timing.gaps;
+    let longest = gaps.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let lost: f64 = gaps
+        .iter()
+        .map(|(_, length)| length * read.timing.rate_hz - 1.0)
+        .sum();
+    let share = lost / (lost + read.samples() as f64);
+    let severity = if share > FEW_MISSING {
+        Severity::Warning
+    } else {
+        Severity::Note
+    };
+    Some(finding(
+        severity,
+        read.place().key("time").line(longest.0),
+        (
+            "missing-samples",
+            format!(
+                "{} gaps in time, about {lost:.0} samples ({:.2} %) are missing; the longest gap is {:.4} s",
+                gaps.len(),
+                100.0 * share,
+                longest.1
+            ),
+            "rows inside gaps are left out; record again if the gaps fall on the fast parts of the motion"
+                .to_string(),
+        ),
+    ))
+}
+
+fn uneven(read: &Read<'_>) -> Option<Finding> {
+    let relative = read.timing.jitter_rms_s * read.timing.rate_hz;
+    let severity = if relative > VERY_UNEVEN {
+        Severity::Warning
+    } else {
+        Severity::Note
+    };
+    (!read.timing.uniform && relative > UNEVEN).then(|| {
+        finding(
+            severity,
+            read.place().key("time"),
+            (
+                "jitter",
+                format!(
+                    "the steps of time scatter by {:.3} ms about {:.3} ms",
+                    1e3 * read.timing.jitter_rms_s,
+                    1e3 / read.timing.rate_hz
+                ),
+                "stamp the samples where they are taken, not where they arrive; samples are interpolated to an \
+                 even grid as they are"
+                    .to_string(),
+            ),
+        )
+    })
+}
+
+/// A motion that fills the whole spectrum: what lies above half the rate folds back.
+pub(super) fn check_bandwidth(ready: &Ready<'_>) -> Vec<Finding> {
+    let experiment = &ready.prepared.experiment;
+    let nyquist = 0.5 * experiment.rate_hz;
+    let outrun = |&joint: &usize| {
+        let bandwidth = &experiment.bandwidth[joint];
+        bandwidth.chosen == Chosen::Data && bandwidth.cutoff_hz > NO_ROOM * nyquist
+    };
+    let moving = ready.setting.moving.iter().copied();
+    moving
+        .filter(outrun)
+        .map(|joint| {
+            finding(
+                Severity::Warning,
+                ready.at_channel_of(joint),
+                (
+                    "rate-too-low",
+                    format!(
+                        "the motion reaches {:.1} Hz, half the rate is {nyquist:.1} Hz",
+                        experiment.bandwidth[joint].cutoff_hz
+                    ),
+                    "record faster, or move more smoothly; or state recordings.differentiation.cutoff_hz"
+                        .to_string(),
+                ),
+            )
+        })
+        .collect()
+}

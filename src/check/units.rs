@@ -1,0 +1,88 @@
+//! Positions in degrees: as radians they lie beyond what the joint can do, divided by 57.3 they do not.
+
+use std::f64::consts::TAU;
+
+use crate::check::finding;
+use crate::check::setting::Read;
+use crate::outcome::check::{Finding, Severity};
+
+/// Degrees per radian.
+pub(super) const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+
+/// A position may lie this share of its range beyond the limits before the unit is doubted: robots are
+/// driven to their limits, not to a quarter more.
+const DOUBT: f64 = 0.25;
+
+pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
+    let setting = read.setting;
+    if !setting.is_uncoupled() {
+        return Vec::new();
+    }
+    let revolute: Vec<usize> = (0..setting.moving.len())
+        .filter(|&j| setting.is_revolute(j))
+        .collect();
+    let beyond: Vec<usize> = revolute
+        .iter()
+        .copied()
+        .filter(|&j| excess(read, j, 1.0) > DOUBT)
+        .collect();
+    let Some(&worst) = beyond
+        .iter()
+        .max_by(|&&a, &&b| excess(read, a, 1.0).total_cmp(&excess(read, b, 1.0)))
+    else {
+        return Vec::new();
+    };
+    // In degrees every joint that is beyond its range must be within it; else it is something else.
+    if beyond.iter().any(|&j| excess(read, j, 1.0 / DEGREES) > 0.0) {
+        return Vec::new();
+    }
+    let alone = revolute.len() > 1 && beyond.len() == 1;
+    let place = if alone {
+        read.at_joint(worst)
+    } else {
+        read.place()
+    };
+    let (low, high) = extent(read, worst, 1.0);
+    vec![finding(
+        Severity::Error,
+        place,
+        (
+            "position-in-degrees",
+            format!(
+                "{} of {} turning joints leave their range as radians and keep to it as degrees; {} goes from \
+                 {low:.4} to {high:.4}",
+                beyond.len(),
+                revolute.len(),
+                setting.joint(worst).name
+            ),
+            "give positions in radians: multiply by pi/180 (velocities and accelerations too, if they are in \
+             degrees)"
+                .to_string(),
+        ),
+    )]
+}
+
+/// Lowest and highest position of a joint, the recorded numbers multiplied by `unit`.
+fn extent(read: &Read<'_>, index: usize, unit: f64) -> (f64, f64) {
+    let factor = unit * read.setting.position_factor(index);
+    let offset = read.setting.position_offset(index);
+    let ends = |(low, high): (f64, f64), q: &f64| {
+        let joint = factor * q + offset;
+        (low.min(joint), high.max(joint))
+    };
+    read.recording.position[index]
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), ends)
+}
+
+/// How far a joint goes beyond its limits, in shares of their range; without limits one turn each way is
+/// what cables allow.
+fn excess(read: &Read<'_>, index: usize, unit: f64) -> f64 {
+    let limits = &read.setting.joint(index).limits;
+    let (lower, upper) = match (limits.lower, limits.upper) {
+        (Some(lower), Some(upper)) if upper > lower => (lower, upper),
+        _ => (-TAU, TAU),
+    };
+    let (low, high) = extent(read, index, unit);
+    (high - upper).max(lower - low) / (upper - lower)
+}

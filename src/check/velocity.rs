@@ -1,0 +1,198 @@
+//! A recorded velocity against the position: `q(t + T) − q(t) = f ∫ q̇ dt` with f = 1.
+//!
+//! Integrals instead of derivatives: the quantum of an encoder stays one quantum, whatever the rate.
+
+use crate::check::finding;
+use crate::check::setting::Read;
+use crate::check::units::DEGREES;
+use crate::outcome::check::{Finding, Severity};
+
+/// Length T of the integrals, s: longer than the delay of a filter of velocities, shorter than a swing.
+const WINDOW_S: f64 = 0.1;
+
+/// Correlation of the two sides from which they are the same motion.
+const SAME: f64 = 0.9;
+
+/// Share by which f may miss 1: above what interpolation and filters of velocities do.
+const FACTOR_TOLERANCE: f64 = 0.05;
+
+/// Root mean square change of position over T, in quanta of the position, from which f means something.
+const LEAST_QUANTA: f64 = 10.0;
+
+/// Known reasons for a factor.
+const REASONS: &[(f64, &str, &str)] = &[
+    (
+        DEGREES,
+        "the position is in degrees, or",
+        "give positions in radians",
+    ),
+    (
+        1.0 / DEGREES,
+        "the velocity is in degrees per second, or",
+        "give velocities in rad/s",
+    ),
+    (
+        -1.0,
+        "one of the two has the wrong sign, or",
+        "give both the sign of the robot's joint",
+    ),
+    (
+        std::f64::consts::TAU / 60.0,
+        "the velocity is in turns per minute, or",
+        "give velocities in rad/s",
+    ),
+    (
+        1e3,
+        "the time is in milliseconds, or",
+        "give time in seconds",
+    ),
+    (
+        1e-3,
+        "time or position is a thousand times too small, or",
+        "give SI units",
+    ),
+];
+
+pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
+    let Some(velocity) = &read.recording.velocity else {
+        return Vec::new();
+    };
+    let changes: Vec<Vec<f64>> = read
+        .recording
+        .position
+        .iter()
+        .map(|q| changes(read, q))
+        .collect();
+    let integrals: Vec<Vec<f64>> = velocity.iter().map(|v| integrals(read, v)).collect();
+    let moves = |j: &usize| {
+        let rms = rms(&changes[*j]);
+        rms > LEAST_QUANTA * quantum(&read.recording.position[*j]) && rms > 0.0
+    };
+    let judged: Vec<usize> = (0..changes.len()).filter(moves).collect();
+    let pair = |a: usize, b: usize| correlation(&changes[a], &integrals[b]);
+    let mut findings = Vec::new();
+    for &j in &judged {
+        let own = pair(j, j);
+        let other = judged
+            .iter()
+            .copied()
+            .find(|&k| k != j && pair(j, k) > SAME);
+        if own.abs() >= SAME {
+            findings.extend(of_factor(read, j, factor(&changes[j], &integrals[j])));
+        } else if let Some(other) = other {
+            findings.push(of_order(read, (j, other), (own, pair(j, other))));
+        } else {
+            findings.push(of_another_motion(read, j, own));
+        }
+    }
+    findings
+}
+
+fn of_factor(read: &Read<'_>, joint: usize, factor: f64) -> Option<Finding> {
+    if (factor - 1.0).abs() <= FACTOR_TOLERANCE {
+        return None;
+    }
+    let near = |(known, ..): &&(f64, &str, &str)| (factor / known - 1.0).abs() <= FACTOR_TOLERANCE;
+    let (reason, remedy) = match REASONS.iter().find(near) {
+        Some((_, reason, remedy)) if !reason.is_empty() => (*reason, *remedy),
+        _ => ("", "check the units of position, velocity and time"),
+    };
+    Some(finding(
+        Severity::Error,
+        read.at_joint(joint),
+        (
+            "velocity-factor",
+            format!(
+                "the position changes {factor:.5} times as fast as the velocity channel says: {reason} the two \
+                 do not belong together"
+            ),
+            format!("{remedy}; or leave out recordings.columns.velocity"),
+        ),
+    ))
+}
+
+fn of_order(read: &Read<'_>, (joint, other): (usize, usize), (own, found): (f64, f64)) -> Finding {
+    let other = &read.setting.joint(other).name;
+    finding(
+        Severity::Error,
+        read.at_joint(joint),
+        (
+            "velocity-order",
+            format!(
+                "the velocity of this joint does not follow its position (correlation {own:.3}); that of \
+                 {other} does ({found:.3})"
+            ),
+            "put position and velocity columns into the same order in recordings.columns"
+                .to_string(),
+        ),
+    )
+}
+
+fn of_another_motion(read: &Read<'_>, joint: usize, own: f64) -> Finding {
+    finding(
+        Severity::Error,
+        read.at_joint(joint),
+        (
+            "velocity-not-derivative",
+            format!(
+                "the velocity channel does not follow the position: correlation {own:.3} over {WINDOW_S} s"
+            ),
+            "name the right column in recordings.columns.velocity, or leave it out".to_string(),
+        ),
+    )
+}
+
+fn window(read: &Read<'_>) -> usize {
+    ((WINDOW_S * read.timing.rate_hz).round() as usize).clamp(2, read.samples() / 4)
+}
+
+/// Changes of a series over consecutive windows.
+fn changes(read: &Read<'_>, series: &[f64]) -> Vec<f64> {
+    let window = window(read);
+    let ends: Vec<f64> = series.iter().step_by(window).copied().collect();
+    ends.windows(2).map(|pair| pair[1] - pair[0]).collect()
+}
+
+/// Integrals of a series over the same windows, by trapezoids.
+fn integrals(read: &Read<'_>, series: &[f64]) -> Vec<f64> {
+    let window = window(read);
+    let area = |k: usize| 0.5 * (series[k] + series[k + 1]) * (read.time(k + 1) - read.time(k));
+    let count = (series.len() - 1) / window;
+    (0..count)
+        .map(|m| (m * window..(m + 1) * window).map(area).sum())
+        .collect()
+}
+
+/// Least change of a series between two samples: the quantum of an encoder.
+pub(super) fn quantum(series: &[f64]) -> f64 {
+    let steps = series.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let scale = series.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    // Differences of decimal numbers that should be zero are rounding.
+    let least = steps
+        .filter(|step| *step > 1e-12 * scale)
+        .fold(f64::INFINITY, f64::min);
+    if least.is_finite() { least } else { 0.0 }
+}
+
+fn rms(series: &[f64]) -> f64 {
+    (series.iter().map(|x| x * x).sum::<f64>() / series.len().max(1) as f64).sqrt()
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Correlation about zero: a change that is nothing must have an integral of nothing.
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let size = (product(a, a) * product(b, b)).sqrt();
+    if size > 0.0 {
+        product(a, b) / size
+    } else {
+        0.0
+    }
+}
+
+/// Least squares f of `a = f b`.
+fn factor(a: &[f64], b: &[f64]) -> f64 {
+    product(a, b) / product(b, b)
+}
