@@ -4,7 +4,8 @@
 //! inverse residual deviation of each channel, columns scaled to unit norm.
 
 use crate::chain::base_parameters::{BaseParameter, BaseParameters};
-use crate::chain::dataset::{Dataset, Split};
+use crate::chain::dataset::Dataset;
+use crate::recording::split::Split;
 use crate::chain::model::{JointModel, Model};
 use crate::chain::parameter::{Parameter, Role};
 use crate::check::finding;

@@ -27,7 +27,8 @@ mod velocity;
 #[cfg(test)]
 mod tests;
 
-use crate::chain::dataset::{Dataset, Split};
+use crate::chain::dataset::Dataset;
+use crate::recording::split::Split;
 use crate::chain::model::Model;
 use crate::check::setting::{Read, Ready, Setting};
 use crate::fault::{Fault, Place};

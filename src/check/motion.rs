@@ -1,6 +1,7 @@
 //! Whether the training motion shows what the model's friction asks: range, both directions, several speeds.
 
-use crate::chain::dataset::{Dataset, Split};
+use crate::chain::dataset::Dataset;
+use crate::recording::split::Split;
 use crate::chain::model::Model;
 use crate::check::finding;
 use crate::check::regression::still;

@@ -15,6 +15,10 @@ pub struct Arguments {
 pub enum Verb {
     /// Parameters from recordings
     Fit(Run),
+    /// Read everything, run nothing: what is wrong with the inputs and what to do
+    Check(Run),
+    /// Recordings from a model, with noise and quantisation
+    Simulate(Run),
     /// The physics that the tool knows
     Effects(Query),
     /// Render the HTML report of a result again

@@ -1,10 +1,9 @@
 //! Errors of the command line and their exit codes.
 
 use crate::estimate::task::FitError;
-use crate::fault::Fault;
 use crate::outcome::error::OutcomeError;
 use crate::problem_file::ProblemFileError;
-use crate::setup::error::SetupError;
+use crate::simulate::error::SimulateError;
 use thiserror::Error;
 
 /// Why a command ends without a result.
@@ -13,15 +12,13 @@ pub enum CliError {
     #[error(transparent)]
     Problem(#[from] ProblemFileError),
     #[error(transparent)]
-    Setup(#[from] SetupError),
-    #[error(transparent)]
     Fit(#[from] FitError),
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
     #[error(transparent)]
     Outcome(#[from] OutcomeError),
     #[error("{0}")]
     WrongUse(String),
-    #[error("interrupted before there was anything to write")]
-    Interrupted,
 }
 
 impl CliError {
@@ -35,28 +32,18 @@ impl CliError {
 
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Setup(error) | Self::Fit(FitError::Setup(error)) => of_setup(error),
+            Self::Fit(FitError::Setup(error)) => of_files(error.concerns_data()),
             Self::Fit(FitError::Estimate { .. }) => Self::NO_SOLUTION,
+            Self::Simulate(error) if error.is_interrupt() => Self::INTERRUPTED,
+            Self::Simulate(error) => of_files(error.concerns_data()),
             Self::Problem(_) | Self::Outcome(_) | Self::WrongUse(_) => Self::WRONG_USE,
-            Self::Interrupted => Self::INTERRUPTED,
-        }
-    }
-
-    /// Stable identifier of the fault, where it has one.
-    pub fn code(&self) -> &'static str {
-        match self {
-            Self::Problem(error) => error.describe().code,
-            Self::Setup(error) | Self::Fit(FitError::Setup(error)) => error.describe().code,
-            Self::Outcome(error) => error.describe().code,
-            Self::Fit(FitError::Estimate { .. }) => "no-solution",
-            Self::WrongUse(_) => "wrong-use",
-            Self::Interrupted => "interrupted",
         }
     }
 }
 
-fn of_setup(error: &SetupError) -> u8 {
-    if error.concerns_data() {
+/// Whether a recording or robot file is at fault, or the problem file.
+fn of_files(concerns_data: bool) -> u8 {
+    if concerns_data {
         CliError::WRONG_DATA
     } else {
         CliError::WRONG_USE

@@ -1,6 +1,7 @@
 //! The command line: one file per verb, from flags to task to results folder.
 
 mod args;
+mod check;
 mod effects;
 mod error;
 mod fit;
@@ -8,6 +9,7 @@ mod interrupt;
 mod output;
 mod progress;
 mod render;
+mod simulate;
 
 use crate::cli::args::{Arguments, Verb};
 use crate::cli::error::CliError;
@@ -46,6 +48,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 fn dispatch(verb: &Verb) -> Result<u8, CliError> {
     match verb {
         Verb::Fit(run) => fit::run(run),
+        Verb::Check(run) => check::run(run),
+        Verb::Simulate(run) => simulate::run(run),
         Verb::Effects(query) => effects::run(query),
         Verb::Report(query) => render::run(query),
     }
