@@ -2,7 +2,7 @@
 
 use crate::chain::dataset::Dataset;
 use crate::recording::split::Split;
-use crate::chain::model::Model;
+use crate::chain::model::{JointModel, Model};
 use crate::check::finding;
 use crate::check::regression::still;
 use crate::check::setting::Setting;
@@ -28,85 +28,77 @@ pub(super) fn check(setting: &Setting<'_>, model: &Model, data: &Dataset) -> Vec
         .collect()
 }
 
+/// Code, message and remedy.
+type Words = (&'static str, String, String);
+
 fn of_joint(
     setting: &Setting<'_>,
     (model, joint): (&Model, usize),
     data: &Dataset,
 ) -> Option<Finding> {
     let description = &model.joints()[joint];
-    let place = || Place::file(&setting.problem.path).key(&description.name);
-    let warn = |code: &str, message: String, remedy: &str| {
-        Some(finding(
-            Severity::Warning,
-            place(),
-            (code, message, remedy.to_string()),
-        ))
-    };
-    let unit = description.kind.position_unit();
     let motion = || data.of(Split::Train).map(|r| &r.experiment.motion);
     let positions = motion().flat_map(|m| m.position[joint].iter());
     let ends = |(low, high): (f64, f64), q: &f64| (low.min(*q), high.max(*q));
     let (low, high) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), ends);
-    if high - low < still(description.kind) {
-        return warn(
+    let velocities = motion().flat_map(|m| m.velocity[joint].iter().copied());
+    let words = if high - low < still(description.kind) {
+        Some((
             "joint-hardly-moves",
             format!(
-                "the joint moves by {:.5} {unit} in all training recordings",
-                high - low
+                "the joint moves by {:.5} {} in all training recordings",
+                high - low,
+                description.kind.position_unit()
             ),
-            "move it in a training recording, or state it under robot.locked",
-        );
-    }
-    let has_friction = |id: &str| {
-        description
-            .effects
-            .iter()
-            .any(|(effect, _)| effect.id == id)
+            "move it in a training recording, or state it under robot.locked".to_string(),
+        ))
+    } else {
+        of_speeds(description, model, velocities.collect())
     };
-    if !has_friction("coulomb_friction") {
+    let place = Place::file(&setting.problem.path).key(&description.name);
+    words.map(|words| finding(Severity::Warning, place, words))
+}
+
+/// What Coulomb friction asks of the speeds of its joint.
+fn of_speeds(joint: &JointModel, model: &Model, velocities: Vec<f64>) -> Option<Words> {
+    let has = |id: &str| joint.effects.iter().any(|(effect, _)| effect.id == id);
+    if !has("coulomb_friction") {
         return None;
     }
-    let velocities: Vec<f64> = motion()
-        .flat_map(|m| m.velocity[joint].iter().copied())
-        .collect();
+    let unit = joint.kind.position_unit();
     let fastest = velocities.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let moving: Vec<f64> = velocities
-        .into_iter()
-        .filter(|v| v.abs() > MOVING * fastest)
-        .collect();
-    let forward = moving.iter().filter(|v| **v > 0.0).count() as f64 / moving.len().max(1) as f64;
+    let moves = |v: &f64| v.abs() > MOVING * fastest;
+    let moving: Vec<f64> = velocities.into_iter().filter(moves).collect();
+    let count = moving.len().max(1) as f64;
+    let forward = moving.iter().filter(|v| **v > 0.0).count() as f64 / count;
     if !(DIRECTION_SHARE..=1.0 - DIRECTION_SHARE).contains(&forward) {
-        return warn(
+        return Some((
             "one-direction",
-            format!(
-                "the joint moves {:.1} % of the time in the positive direction",
-                100.0 * forward
-            ),
-            "move it both ways: otherwise Coulomb friction is the same as an offset or a gravity torque",
-        );
+            format!("the joint moves {:.1} % of the time in the positive direction", 100.0 * forward),
+            "move it both ways: otherwise Coulomb friction is the same as an offset or a gravity torque"
+                .to_string(),
+        ));
     }
-    let width = description
-        .width
-        .map_or(0.0, |w| model.parameters()[w].value);
+    let width = joint.width.map_or(0.0, |w| model.parameters()[w].value);
     if fastest < WIDTHS * width {
-        return warn(
+        return Some((
             "too-slow-for-friction",
             format!(
                 "the joint never exceeds {fastest:.4} {unit}/s, its friction's transition speed w is {width} \
                  {unit}/s"
             ),
-            "move it faster, or give a smaller w under drive.values",
-        );
+            "move it faster, or give a smaller w under drive.values".to_string(),
+        ));
     }
-    let mean = moving.iter().map(|v| v.abs()).sum::<f64>() / moving.len() as f64;
+    let mean = moving.iter().map(|v| v.abs()).sum::<f64>() / count;
     let squares = moving.iter().map(|v| (v.abs() - mean).powi(2)).sum::<f64>();
-    let variation = (squares / moving.len() as f64).sqrt() / mean;
-    if has_friction("viscous_friction") && variation < ONE_SPEED {
-        return warn(
+    let one_speed = (squares / count).sqrt() < ONE_SPEED * mean;
+    (has("viscous_friction") && one_speed).then(|| {
+        (
             "one-speed",
             format!("the joint moves at {mean:.4} {unit}/s nearly all the time"),
-            "move it slowly and fast: otherwise Coulomb and viscous friction cannot be told apart",
-        );
-    }
-    None
+            "move it slowly and fast: otherwise Coulomb and viscous friction cannot be told apart"
+                .to_string(),
+        )
+    })
 }

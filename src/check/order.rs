@@ -230,69 +230,63 @@ fn describe(
     reading: &Reading,
     gain: f64,
 ) -> Vec<Finding> {
-    let name = |joint: usize| ready.model.joints()[joint].name.clone();
+    let name = |joint: usize| &ready.model.joints()[joint].name;
     let factor = (gain / channels.len() as f64).exp();
     let evidence =
         format!("the residuals are then {factor:.2} times smaller, on the average over all joints");
-    let error = |place, code: &str, message: String, remedy: &str| {
-        finding(
-            Severity::Error,
-            place,
-            (code, format!("{message}; {evidence}"), remedy.to_string()),
-        )
+    let error = |place, (code, message, remedy): (&str, String, &str)| {
+        let message = format!("{message}; {evidence}");
+        finding(Severity::Error, place, (code, message, remedy.to_string()))
     };
-    let moved: Vec<usize> = (0..channels.len())
-        .filter(|&c| reading.assignment[c] != c)
-        .collect();
+    let moved = |c: &usize| reading.assignment[*c] != *c;
+    let moved: Vec<usize> = (0..channels.len()).filter(moved).collect();
+    let of_signal = |&c: &usize| {
+        let follows = name(channels[reading.assignment[c]].1);
+        let words = (
+            "joint-order",
+            format!("the signal of this joint follows the motion of {follows}"),
+            "put the columns of the signal into the order of the joints",
+        );
+        error(ready.at_channel(channels[c].0), words)
+    };
+    let of_exchanged = |(own, other): (usize, usize)| {
+        let both = if moved.is_empty() {
+            "positions"
+        } else {
+            "positions and signals"
+        };
+        let words = (
+            "joint-order",
+            format!("{both} of this joint look like those of {}", name(other)),
+            "put the columns into the order of the joints, or correct robot.joints",
+        );
+        error(ready.at_channel_of(own), words)
+    };
     match reading.hypothesis {
-        Hypothesis::Declared => moved
-            .iter()
-            .map(|&c| {
-                let follows = name(channels[reading.assignment[c]].1);
-                error(
-                    ready.at_channel(channels[c].0),
-                    "joint-order",
-                    format!("the signal of this joint follows the motion of {follows}"),
-                    "put the columns of the signal into the order of the joints",
-                )
-            })
-            .collect(),
-        Hypothesis::Exchanged(i, j) => {
-            let what = if moved.is_empty() {
-                "positions"
-            } else {
-                "positions and signals"
-            };
-            [(i, j), (j, i)]
-                .map(|(own, other)| {
-                    error(
-                        ready.at_channel_of(own),
-                        "joint-order",
-                        format!("{what} of this joint look like those of {}", name(other)),
-                        "put the columns into the order of the joints, or correct robot.joints",
-                    )
-                })
-                .to_vec()
+        Hypothesis::Declared => moved.iter().map(of_signal).collect(),
+        Hypothesis::Exchanged(i, j) => [(i, j), (j, i)].map(of_exchanged).to_vec(),
+        Hypothesis::Reversed(j) | Hypothesis::Turned(j, _) => {
+            vec![error(ready.at_channel_of(j), of_frame(reading.hypothesis))]
         }
-        Hypothesis::Reversed(j) => vec![error(
-            ready.at_channel_of(j),
-            "position-sign",
-            "the position looks as if it counted the other way than the robot file's joint"
-                .to_string(),
-            "change the sign of the position (a negative drive.ratio does), and of the signal if it has the \
-             same sign convention",
-        )],
-        Hypothesis::Turned(j, angle) => vec![error(
-            ready.at_channel_of(j),
+        Hypothesis::Gravity(..) => {
+            let place = ready.place().key("robot.gravity");
+            vec![error(place, of_frame(reading.hypothesis))]
+        }
+    }
+}
+
+/// Words for a sign, a zero or a direction that differs from the robot file's.
+fn of_frame(hypothesis: Hypothesis) -> (&'static str, String, &'static str) {
+    match hypothesis {
+        Hypothesis::Turned(_, angle) => (
             "position-zero",
             format!(
                 "the zero of the position looks {:+.0} degrees away from the robot file's",
                 angle.to_degrees()
             ),
             "set drive.offset for this joint",
-        )],
-        Hypothesis::Gravity(axis, sign) => vec![error(
-            ready.place().key("robot.gravity"),
+        ),
+        Hypothesis::Gravity(axis, sign) => (
             "gravity-direction",
             format!(
                 "gravity looks as if it pointed along {}{} of the base frame",
@@ -300,6 +294,13 @@ fn describe(
                 ["x", "y", "z"][axis]
             ),
             "set robot.gravity as the base is mounted",
-        )],
+        ),
+        _ => (
+            "position-sign",
+            "the position looks as if it counted the other way than the robot file's joint"
+                .to_string(),
+            "change the sign of the position (a negative drive.ratio does), and of the signal if it has the \
+             same sign convention",
+        ),
     }
 }

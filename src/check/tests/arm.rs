@@ -53,6 +53,8 @@ pub struct Problem {
     pub robot_keys: String,
     pub recordings_keys: String,
     pub validation: String,
+    /// Effects of all joints, quoted.
+    pub effects: &'static str,
     velocity: &'static str,
 }
 
@@ -67,10 +69,9 @@ impl Problem {
         std::fs::write(folder.join("arm.urdf"), &self.urdf).unwrap();
         std::fs::write(folder.join("train.csv"), self.csv()).unwrap();
         let text = format!(
-            "[robot]\nurdf = \"arm.urdf\"\n{}[drive]\neffects = [\"coulomb_friction\", \
-             \"viscous_friction\"]\n[recordings]\nsignal = \"torque\"\ntrain = [\"train.csv\"]\n{}{}\
+            "[robot]\nurdf = \"arm.urdf\"\n{}[drive]\neffects = [{}]\n[recordings]\nsignal = \"torque\"\ntrain = [\"train.csv\"]\n{}{}\
              [recordings.columns]\ntime = \"t\"\nposition = \"q{{n}}\"\ntorque = \"tau{{n}}\"\n{}",
-            self.robot_keys, self.recordings_keys, self.validation, self.velocity
+            self.robot_keys, self.effects, self.recordings_keys, self.validation, self.velocity
         );
         let ids: Vec<&str> = EFFECTS.iter().map(|e| e.id).collect();
         ProblemFile::parse(&folder.join("problem.toml"), &text, &[], &ids).unwrap()
@@ -119,6 +120,7 @@ impl Arm {
             robot_keys: String::new(),
             recordings_keys: format!("period = {PERIOD_S}\n"),
             validation: String::new(),
+            effects: "\"coulomb_friction\", \"viscous_friction\"",
             velocity: "",
         }
     }
