@@ -31,7 +31,7 @@ pub const CASES: &[Case] = &[
     case("a gigabyte of robot", 3, ["arm.urdf: ", "1073741824 bytes", "recording or mesh"], |b| b.sparse("arm.urdf", GIGABYTE)),
     case("a robot without end", 3, ["/dev/zero: ", "67108865 bytes", "recording or mesh"], |b| b.problem("arm.urdf", "/dev/zero")),
     case("a robot file nobody may read", 3, ["arm.urdf: ", "ermission denied", "check its permissions"], |b| b.forbid("arm.urdf", 0o000)),
-    case("a truncated robot file", 3, ["arm.urdf:13:13", "unexpected end", "correct the XML"], |b| {
+    case("a truncated robot file", 3, ["arm.urdf:13:15", "unexpected end", "correct the XML"], |b| {
         let end = crate::common::arm::URDF.find("<mass value=\"2.0\"").unwrap();
         text(b, &crate::common::arm::URDF[..end + 8]);
     }),
