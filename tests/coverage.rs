@@ -110,14 +110,22 @@ fn motion(model: &Model) -> [Vec<Vec<f64>>; 3] {
             }
             sum
         };
-        let peak = |order| (0..samples).map(|k| f64::abs(at(k, order))).fold(0.0, f64::max);
+        let peak = |order| {
+            (0..samples)
+                .map(|k| f64::abs(at(k, order)))
+                .fold(0.0, f64::max)
+        };
         let scale = (0.4 * (upper - lower) / peak(0))
             .min(0.8 * joint.limits.velocity.unwrap() / peak(1))
             .min(10.0 / peak(2));
         let centre = 0.5 * (lower + upper);
         for (order, to) in series.iter_mut().enumerate() {
             let offset = if order == 0 { centre } else { 0.0 };
-            to.push((0..samples).map(|k| offset + scale * at(k, order as i32)).collect());
+            to.push(
+                (0..samples)
+                    .map(|k| offset + scale * at(k, order as i32))
+                    .collect(),
+            );
         }
     }
     series
@@ -138,23 +146,36 @@ fn noise(rng: &mut ChaCha8Rng, colour: Colour, deviation: f64, samples: usize) -
 }
 
 /// What a controller records: encoder counts and noisy currents over all periods.
-fn record(motion: &[Vec<Vec<f64>>; 3], signal: &[Vec<f64>], colour: Colour, seed: u64) -> Recording {
+fn record(
+    motion: &[Vec<Vec<f64>>; 3],
+    signal: &[Vec<f64>],
+    colour: Colour,
+    seed: u64,
+) -> Recording {
     let mut rng = generator(1000 + seed);
     let samples = PERIODS * motion[0][0].len();
     let step = std::f64::consts::TAU / COUNTS_PER_TURN;
-    let repeat = |series: &Vec<f64>| -> Vec<f64> {
-        series.iter().cycle().take(samples).copied().collect()
-    };
+    let repeat =
+        |series: &Vec<f64>| -> Vec<f64> { series.iter().cycle().take(samples).copied().collect() };
     let position = motion[0]
         .iter()
-        .map(|q| repeat(q).into_iter().map(|q| (q / step).round() * step).collect())
+        .map(|q| {
+            repeat(q)
+                .into_iter()
+                .map(|q| (q / step).round() * step)
+                .collect()
+        })
         .collect();
     let signal = signal
         .iter()
         .zip(NOISE)
         .map(|(s, deviation)| {
             let noise = noise(&mut rng, colour, deviation, samples);
-            repeat(s).into_iter().zip(noise).map(|(s, n)| s + n).collect()
+            repeat(s)
+                .into_iter()
+                .zip(noise)
+                .map(|(s, n)| s + n)
+                .collect()
         })
         .collect();
     Recording {
@@ -211,7 +232,12 @@ fn coverage(colour: Colour) -> (f64, Vec<f64>) {
             let recording = record(&motion, &signal, colour, seed);
             let experiment = prepare(recording, &preparation).unwrap();
             let data = Dataset {
-                recordings: vec![Prepared::new("train".into(), Split::Train, false, experiment)],
+                recordings: vec![Prepared::new(
+                    "train".into(),
+                    Split::Train,
+                    false,
+                    experiment,
+                )],
             };
             let estimator = (Estimator::MaximumLikelihood, &prior);
             let fitted = fit(&model, &data, estimator, &Control::default()).unwrap();
@@ -221,7 +247,16 @@ fn coverage(colour: Colour) -> (f64, Vec<f64>) {
                 let [low, high] = b.ci95.unwrap();
                 low <= *t && *t <= high
             };
-            if std::env::var("ZZ").is_ok() { eprintln!("Z {colour:?} {}", base.iter().zip(&truth).map(|(b,t)| format!("{:.3}", (b.value.unwrap()-t)/b.std_dev.unwrap())).collect::<Vec<_>>().join(" ")); }
+            if std::env::var("ZZ").is_ok() {
+                eprintln!(
+                    "Z {colour:?} {}",
+                    base.iter()
+                        .zip(&truth)
+                        .map(|(b, t)| format!("{:.3}", (b.value.unwrap() - t) / b.std_dev.unwrap()))
+                        .collect::<Vec<_>>()
+                        .join(" ")
+                );
+            }
             base.iter().zip(&truth).map(inside).collect()
         })
         .collect();

@@ -1,5 +1,7 @@
 //! What has to hold of whatever a reader accepts, and of whatever it refuses.
 
+pub mod recording;
+
 use exid::fault::Fault;
 use exid::robot::error::RobotError;
 use exid::robot::newton_euler::NewtonEuler;

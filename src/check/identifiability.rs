@@ -5,7 +5,6 @@
 
 use crate::chain::base_parameters::{BaseParameter, BaseParameters};
 use crate::chain::dataset::Dataset;
-use crate::recording::split::Split;
 use crate::chain::model::{JointModel, Model};
 use crate::chain::parameter::{Parameter, Role};
 use crate::check::finding;
@@ -14,6 +13,7 @@ use crate::check::setting::Setting;
 use crate::fault::Place;
 use crate::linalg::triangular::{ColumnScaling, Triangular};
 use crate::outcome::check::{Finding, Severity};
+use crate::recording::split::Split;
 use nalgebra::{DMatrix, DVector};
 
 /// Condition number above which errors of the model reach some parameter a hundredfold.

@@ -28,7 +28,6 @@ mod velocity;
 mod tests;
 
 use crate::chain::dataset::Dataset;
-use crate::recording::split::Split;
 use crate::chain::model::Model;
 use crate::check::setting::{Read, Ready, Setting};
 use crate::fault::{Fault, Place};
@@ -36,6 +35,7 @@ use crate::outcome::check::{Finding, Severity};
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::recording::columns::Recording;
+use crate::recording::split::Split;
 use crate::recording::table::format_of;
 use crate::setup::error::SetupError;
 use crate::setup::recordings::{Named, list, prepare_one, read_one};

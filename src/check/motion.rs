@@ -1,13 +1,13 @@
 //! Whether the training motion shows what the model's friction asks: range, both directions, several speeds.
 
 use crate::chain::dataset::Dataset;
-use crate::recording::split::Split;
 use crate::chain::model::{JointModel, Model};
 use crate::check::finding;
 use crate::check::regression::still;
 use crate::check::setting::Setting;
 use crate::fault::Place;
 use crate::outcome::check::{Finding, Severity};
+use crate::recording::split::Split;
 
 /// Share of the largest speed from which a row is in motion.
 const MOVING: f64 = 0.05;

@@ -44,7 +44,10 @@ fn exit_code(findings: &[Finding], problem: &Path) -> u8 {
     let problem = problem.display().to_string();
     let errors = || findings.iter().filter(|f| f.severity == Severity::Error);
     let of_problem = |f: &&Finding| f.file.as_deref().is_none_or(|file| file == problem);
-    match (errors().any(|f| !of_problem(&f)), errors().any(|f| of_problem(&f))) {
+    match (
+        errors().any(|f| !of_problem(&f)),
+        errors().any(|f| of_problem(&f)),
+    ) {
         (true, _) => CliError::WRONG_DATA,
         (false, true) => CliError::WRONG_USE,
         (false, false) => 0,

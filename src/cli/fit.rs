@@ -19,6 +19,8 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
     let started = Instant::now();
     let problem = output::open(run)?;
     let target = output::folder(run, &problem, "fit");
+    // A folder that cannot be written is refused before the work, not after it.
+    drop(ResultFolder::prepare(&target)?);
     let interrupt = interrupt::flag();
     let control = Control {
         interrupt: Some(interrupt),

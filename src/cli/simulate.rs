@@ -44,7 +44,9 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
             notes: simulated.notes.clone(),
         }),
     };
-    output::finish(run, &target, &outcome, |folder| write_all(folder, &simulated))?;
+    output::finish(run, &target, &outcome, |folder| {
+        write_all(folder, &simulated)
+    })?;
     Ok(0)
 }
 

@@ -2,7 +2,7 @@
 //! and key.
 
 use std::fs;
-use std::io;
+use std::io::{self, Read};
 use std::path::Path;
 
 use toml::Spanned;
@@ -100,13 +100,16 @@ impl Node {
     }
 }
 
+/// Largest problem file, bytes: names and numbers of a thousand joints stay far below it.
+const SIZE_LIMIT: u64 = 4 << 20;
+
 /// Reads the text of a file.
 pub(super) fn read_text(path: &Path) -> Result<String, ProblemFileError> {
     let place = Place::file(path);
     if path.is_dir() {
         return Err(ProblemFileError::new(&place, FileFault::IsDirectory));
     }
-    let bytes = fs::read(path).map_err(|error| {
+    let unreadable = |error: io::Error| {
         let kind = match error.kind() {
             io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => FileFault::Missing,
             io::ErrorKind::PermissionDenied => FileFault::PermissionDenied,
@@ -115,7 +118,22 @@ pub(super) fn read_text(path: &Path) -> Result<String, ProblemFileError> {
             },
         };
         ProblemFileError::new(&place, kind)
-    })?;
+    };
+    let check_size = |bytes: u64| match bytes > SIZE_LIMIT {
+        true => {
+            let limit = SIZE_LIMIT;
+            let kind = FileFault::TooLarge { bytes, limit };
+            Err(ProblemFileError::new(&place, kind))
+        }
+        false => Ok(()),
+    };
+    let file = fs::File::open(path).map_err(unreadable)?;
+    check_size(file.metadata().map_err(unreadable)?.len())?;
+    let mut bytes = Vec::new();
+    // A pipe or device states no size: at most the limit is read of it.
+    let mut bounded = file.take(SIZE_LIMIT + 1);
+    bounded.read_to_end(&mut bytes).map_err(unreadable)?;
+    check_size(bytes.len() as u64)?;
     String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let bytes = error.as_bytes();

@@ -29,6 +29,7 @@ pub enum FileFault {
     IsDirectory,
     PermissionDenied,
     Unreadable { reason: String },
+    TooLarge { bytes: u64, limit: u64 },
     NotUtf8 { byte: u8 },
     Empty,
     Syntax { reason: String },
@@ -200,6 +201,11 @@ impl FileFault {
                 "unreadable",
                 format!("the file cannot be read: {reason}"),
                 "check the path and the disk",
+            ),
+            Self::TooLarge { bytes, limit } => (
+                "file-too-large",
+                format!("the file has {bytes} bytes or more, above the limit of {limit}"),
+                "name the problem file, not a recording",
             ),
             Self::NotUtf8 { byte } => (
                 "not-utf8",
@@ -393,8 +399,11 @@ impl OverrideFault {
 fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> &'a str {
     let mut best = ("", -1.0);
     for candidate in candidates {
-        // Jaro-Winkler favours a common beginning, which is how names are cut short.
-        let likeness = strsim::jaro_winkler(&word.to_lowercase(), candidate);
+        // Jaro-Winkler favours a common beginning, which is how names are cut short; edits count
+        // where a short word has letters exchanged.
+        let word = word.to_lowercase();
+        let likeness = strsim::jaro_winkler(&word, candidate)
+            .max(strsim::normalized_damerau_levenshtein(&word, candidate));
         if likeness > best.1 {
             best = (candidate, likeness);
         }

@@ -16,6 +16,10 @@ use crate::recording::table::{Table, from_io, require_rows};
 /// and reading on would take memory without bound.
 const LINE_LIMIT: usize = 1 << 20;
 
+/// Most blank lines at the end of a file: an editor leaves a few, and without end they would be read on
+/// and on.
+const MOST_BLANK_LINES: usize = 10_000;
+
 /// Read-ahead, bytes: large enough that the cost of a system call vanishes.
 const BUFFER: usize = 1 << 18;
 
@@ -214,8 +218,10 @@ fn read_rows(mut lines: Lines, wanted: &[String]) -> Result<Table, RecordingErro
 /// Blank lines are fine at the end of a file; before further rows they are torn rows.
 fn require_end(lines: &mut Lines, expected: usize) -> Result<(), RecordingError> {
     let blank = lines.place();
+    let mut count = 1;
     while let Some(line) = lines.next()? {
-        if !line.trim_ascii().is_empty() {
+        count += 1;
+        if !line.trim_ascii().is_empty() || count > MOST_BLANK_LINES {
             let kind = RecordingErrorKind::WrongFieldCount { found: 0, expected };
             return Err(RecordingError::new(blank, kind));
         }

@@ -48,6 +48,20 @@ pub enum RecordingErrorKind {
     NothingUnmasked,
 }
 
+impl RecordingErrorKind {
+    /// Whether what is asked of the recording is at fault, whatever the recording holds.
+    pub fn concerns_request(&self) -> bool {
+        matches!(
+            self,
+            Self::ColumnUsedTwice { .. }
+                | Self::PatternNotPerJoint { .. }
+                | Self::UnknownPlaceholder { .. }
+                | Self::InvalidSetting { .. }
+                | Self::FourierWithoutPeriod
+        )
+    }
+}
+
 /// A column that is needed and absent.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MissingColumn {

@@ -20,10 +20,14 @@ pub fn read(path: &Path) -> Result<Tree, RobotError> {
 /// Reads the text of a URDF file; `path` is named in errors.
 pub fn parse(text: &str, path: &Path) -> Result<Tree, RobotError> {
     let document = Document::parse(text).map_err(|e| {
-        let at = e.pos();
-        let place = Place::file(path)
-            .line(at.row as usize)
-            .column(at.col as usize);
+        let (line, column) = match e {
+            // The library places an early end at the beginning.
+            roxmltree::Error::UnexpectedEndOfStream | roxmltree::Error::UnclosedRootNode => {
+                end_of(text)
+            }
+            _ => (e.pos().row as usize, e.pos().col as usize),
+        };
+        let place = Place::file(path).line(line).column(column);
         let reason = e.to_string();
         RobotError::new(place, RobotErrorKind::NotXml { reason })
     })?;
@@ -49,6 +53,12 @@ pub fn parse(text: &str, path: &Path) -> Result<Tree, RobotError> {
             .collect::<Result<_, _>>()?,
     };
     assemble(&robot, |at| reader.locate(&document, at))
+}
+
+/// Line and column behind the last character, from 1.
+fn end_of(text: &str) -> (usize, usize) {
+    let last = text.rsplit('\n').next().unwrap_or_default();
+    (text.matches('\n').count() + 1, last.chars().count() + 1)
 }
 
 struct Reader<'a> {

@@ -87,7 +87,8 @@ impl SetupError {
     /// Whether a recording or robot file is at fault, and not the problem file.
     pub fn concerns_data(&self) -> bool {
         match self {
-            Self::Robot(_) | Self::Recording(_) => true,
+            Self::Robot(_) => true,
+            Self::Recording(e) => !e.kind.concerns_request(),
             Self::Mismatch { kind, .. } => matches!(kind, Mismatch::Impossible { .. }),
             _ => false,
         }

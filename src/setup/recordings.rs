@@ -8,9 +8,11 @@
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
+use crate::fault::Place;
 use crate::problem_file::choices::{DifferentiationMethod, PositionSide, Signal};
 use crate::problem_file::{FilePath, Located, ProblemFile, RecordingsTable};
 use crate::recording::columns::{ColumnMap, RecordedJoint, Recording, SignalKind, read};
+use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::experiment::{Bandwidth, Experiment, Noise, prepare};
 use crate::recording::settings::{Differentiation, Method, Preparation};
 use crate::recording::split::Split;
@@ -32,7 +34,9 @@ pub fn open(problem: &ProblemFile, robot: &Robot, model: &Model) -> Result<Datas
     let mut dataset = Dataset::default();
     for named in list(table, problem.robot.payload.is_some()) {
         let recording = read_one(table, robot, named.path)?;
-        dataset.recordings.push(prepare_one(recording, &named, (table, robot, model))?);
+        dataset
+            .recordings
+            .push(prepare_one(recording, &named, (table, robot, model))?);
     }
     Ok(dataset)
 }
@@ -43,7 +47,8 @@ pub fn prepare_one(
     named: &Named<'_>,
     (table, robot, model): (&RecordingsTable, &Robot, &Model),
 ) -> Result<Prepared, SetupError> {
-    let experiment = prepare(recording, &preparation(table))?;
+    let experiment =
+        prepare(recording, &preparation(table)).map_err(|e| at_request(table, named.path, e))?;
     let experiment = to_motors(experiment, (table, robot, model))?;
     Ok(Prepared::new(
         named.path.written.clone(),
@@ -121,7 +126,46 @@ pub fn read_one(
         Signal::Both => SignalKind::Both,
     };
     let joints = recorded_joints(robot);
-    Ok(read(&path.resolved, &column_map(table), &joints, kind)?)
+    read(&path.resolved, &column_map(table), &joints, kind).map_err(|e| at_request(table, path, e))
+}
+
+/// A fault of what the problem file asks for, at its place there; other faults stay where they are.
+fn at_request(table: &RecordingsTable, path: &FilePath, mut error: RecordingError) -> SetupError {
+    if error.kind.concerns_request() {
+        error.place = place_of_request(table, error.place.key.as_deref());
+        if let RecordingErrorKind::InvalidSetting { requirement, .. } = &mut error.kind {
+            requirement.push_str(&format!(" for {}", path.written));
+        }
+    }
+    SetupError::Recording(error)
+}
+
+/// The place of a setting by the name that recordings give it; the whole table of columns if none fits.
+fn place_of_request(table: &RecordingsTable, key: Option<&str>) -> Place {
+    let (columns, settings) = (&table.columns, &table.differentiation);
+    let texts = [
+        ("time", &columns.time),
+        ("position", &columns.position),
+        ("velocity", &columns.velocity),
+        ("acceleration", &columns.acceleration),
+        ("current", &columns.current),
+        ("torque", &columns.torque),
+        ("temperature", &columns.temperature),
+        ("mask", &columns.mask),
+    ];
+    let numbers = [
+        ("rate", &table.rate),
+        ("period", &table.period),
+        ("cutoff_hz", &settings.cutoff_hz),
+        ("parallel_hz", &settings.parallel_hz),
+    ];
+    let texts = texts.map(|(name, entry)| (name, entry.as_ref().map(|e| &e.place)));
+    let numbers = numbers.map(|(name, entry)| (name, entry.as_ref().map(|e| &e.place)));
+    let mut places = texts.into_iter().chain(numbers);
+    match places.find(|(name, place)| Some(*name) == key && place.is_some()) {
+        Some((_, Some(place))) => place.clone(),
+        _ => Place::file(&table.signal.place.file).key("recordings.columns"),
+    }
 }
 
 fn column_map(table: &RecordingsTable) -> ColumnMap {

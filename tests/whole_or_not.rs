@@ -1,0 +1,131 @@
+//! A run that is killed at any moment leaves the earlier result or its own, whole, and nothing that the
+//! next run does not remove.
+
+mod common;
+
+use common::arm::{Arm, Noise};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+const KILLS: usize = 50;
+
+/// Periods of 200 samples: enough that writing the tables takes a noticeable part of the run.
+const PERIODS: usize = 40;
+
+/// Evenly spread over 0 .. 1.
+fn share(random: &mut Noise) -> f64 {
+    0.5 + 0.5 * random.next()
+}
+
+/// The run of a version: its own seed, name and recording, so that each file tells whose it is.
+fn run(arm: &Arm, version: usize) -> Command {
+    let recording = format!("train_{version}.csv");
+    if !arm.path(&recording).exists() {
+        fs::hard_link(arm.path("train.csv"), arm.path(&recording)).unwrap();
+    }
+    let (seed, name) = (version.to_string(), format!("name=version {version}."));
+    let train = format!("recordings.train=[\"{recording}\"]");
+    arm.fit("out", &["--seed", &seed, "--set", &name, "--set", &train])
+}
+
+/// Version and rows of the table of a result that is whole; panics where files are missing, torn or of
+/// several versions.
+fn version_of(out: &Path) -> (usize, usize) {
+    let read = |name: &str| {
+        fs::read_to_string(out.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    };
+    let result: Value = serde_json::from_str(&read("result.json")).unwrap();
+    let version = result["seed"].as_u64().unwrap() as usize;
+    assert_eq!(result["name"], format!("version {version}."));
+
+    let table = read("predictions.csv");
+    assert!(table.ends_with('\n'), "the last row is whole");
+    let mut rows = table.lines();
+    let fields = rows.next().unwrap().split(',').count();
+    let own = format!("train_{version}.csv,train,");
+    let mut count = 0;
+    for row in rows {
+        assert!(row.starts_with(&own), "{row} in version {version}");
+        assert_eq!(row.split(',').count(), fields);
+        count += 1;
+    }
+
+    let page = read("report.html");
+    assert!(page.trim_end().ends_with("</html>"), "the page is whole");
+    assert!(
+        page.contains(&format!("version {version}.")),
+        "the page is of version {version}"
+    );
+    let mut names: Vec<String> = (fs::read_dir(out).unwrap())
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    assert_eq!(names, ["predictions.csv", "report.html", "result.json"]);
+    (version, count)
+}
+
+/// Whether a partial folder beside the results holds files: the run is writing.
+fn is_writing(folder: &Path) -> bool {
+    let partial = |name: &str| name.starts_with(".out.partial-");
+    (fs::read_dir(folder).unwrap().flatten())
+        .filter(|entry| partial(&entry.file_name().to_string_lossy()))
+        .any(|entry| fs::read_dir(entry.path()).is_ok_and(|mut files| files.next().is_some()))
+}
+
+/// Waits until the run is writing, or has ended.
+fn wait_for_writing(child: &mut Child, folder: &Path) {
+    while !is_writing(folder) && child.try_wait().unwrap().is_none() {
+        sleep(Duration::from_micros(200));
+    }
+}
+
+#[test]
+fn a_run_killed_at_any_moment_leaves_one_whole_result() {
+    let arm = Arm::new(PERIODS);
+    let out = arm.path("out");
+    let started = Instant::now();
+    assert!(run(&arm, 0).status().unwrap().success());
+    let duration = started.elapsed();
+    let (mut current, rows) = version_of(&out);
+    assert_eq!(current, 0);
+    assert!(rows > 0);
+
+    let mut random = Noise(20_26);
+    let (mut before, mut while_writing) = (0, 0);
+    for version in 1..=KILLS {
+        let mut child = run(&arm, version).spawn().unwrap();
+        let aims_at_writing = version % 2 == 0;
+        if aims_at_writing {
+            wait_for_writing(&mut child, arm.folder());
+            sleep(duration.mul_f64(0.3 * share(&mut random)));
+        } else {
+            sleep(duration.mul_f64(1.1 * share(&mut random)));
+        }
+        let writing = is_writing(arm.folder());
+        let ended = child.try_wait().unwrap().is_some();
+        // The process may have ended by now: then there is nothing to kill.
+        let _ = child.kill();
+        child.wait().unwrap();
+        let (left, rows_left) = version_of(&out);
+        assert_eq!(rows_left, rows, "every version has the same samples");
+        assert!(left == current || left == version, "{left} after {version}");
+        assert!(!ended || left == version, "a finished run is lost");
+        before += usize::from(left == current);
+        while_writing += usize::from(writing && !ended);
+        current = left;
+    }
+    eprintln!("{KILLS} kills: {while_writing} while writing, {before} left the earlier result");
+    assert!(before > 0 && while_writing > 0, "kills come in time");
+
+    assert!(run(&arm, KILLS + 1).status().unwrap().success());
+    assert_eq!(version_of(&out), (KILLS + 1, rows));
+    let hidden: Vec<String> = (fs::read_dir(arm.folder()).unwrap())
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .filter(|name| name.starts_with('.'))
+        .collect();
+    assert!(hidden.is_empty(), "left behind: {hidden:?}");
+}
