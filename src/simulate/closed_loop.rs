@@ -87,10 +87,14 @@ impl Loop<'_> {
             }
             let count = CHUNK.min(ticks - start);
             let desired = self.path.sample((start as f64 / rate, rate), count);
-            for k in 0..count {
-                let tick = start + k;
-                let at = |order: usize| (0..n).map(|j| desired[order][j][k]).collect();
-                let goal: [Vec<f64>; 3] = [at(0), at(1), at(2)];
+            for tick in start..start + count {
+                let at = |order: usize| -> Vec<f64> {
+                    desired[order]
+                        .iter()
+                        .map(|joint| joint[tick - start])
+                        .collect()
+                };
+                let goal = [at(0), at(1), at(2)];
                 if tick == 0 {
                     runner.state = State {
                         position: goal[0].clone(),

@@ -6,7 +6,6 @@ use crate::chain::model::Model;
 use crate::chain::parameter::Role;
 use crate::problem_file::{Located, Named, ProblemFile};
 use crate::robot::inertia::PER_LINK;
-use crate::setup::error::SetupError;
 use crate::setup::model::{self, resolve};
 use crate::setup::names::Reference;
 use crate::setup::robot::Robot;
@@ -150,7 +149,7 @@ fn lists(problem: &ProblemFile, robot: &Robot, effect: &str) -> bool {
 }
 
 /// The model with every effect of the vocabulary on every joint: it knows every name there is.
-fn with_all_effects(problem: &ProblemFile, robot: &Robot) -> Result<Model, SetupError> {
+fn with_all_effects(problem: &ProblemFile, robot: &Robot) -> Result<Model, SimulateError> {
     let mut all = problem.clone();
     all.drive.effects_of.clear();
     all.drive.effects = EFFECTS
@@ -160,7 +159,7 @@ fn with_all_effects(problem: &ProblemFile, robot: &Robot) -> Result<Model, Setup
             place: Default::default(),
         })
         .collect();
-    model::build(&all, robot)
+    Ok(model::build(&all, robot)?)
 }
 
 /// Joint and effect that a name belongs to; `None` for quantities of links.

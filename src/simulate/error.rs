@@ -12,7 +12,8 @@ pub enum SimulateError {
     Setup(Box<SetupError>),
     Simulation {
         place: Place,
-        kind: SimulateErrorKind,
+        /// In a box, so that results without an error stay small.
+        kind: Box<SimulateErrorKind>,
     },
 }
 
@@ -80,7 +81,7 @@ impl SimulateError {
     pub(super) fn new(place: &Place, kind: SimulateErrorKind) -> Self {
         Self::Simulation {
             place: place.clone(),
-            kind,
+            kind: Box::new(kind),
         }
     }
 
@@ -94,13 +95,10 @@ impl SimulateError {
 
     /// Whether the caller ended the run.
     pub fn is_interrupt(&self) -> bool {
-        matches!(
-            self,
-            Self::Simulation {
-                kind: SimulateErrorKind::Interrupted,
-                ..
-            }
-        )
+        match self {
+            Self::Setup(_) => false,
+            Self::Simulation { kind, .. } => **kind == SimulateErrorKind::Interrupted,
+        }
     }
 }
 

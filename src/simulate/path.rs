@@ -170,8 +170,8 @@ impl Spline {
             let i = self.time.partition_point(|x| *x <= t).clamp(1, last + 1) - 1;
             let step = self.time[i + 1] - self.time[i];
             let (a, b) = ((self.time[i + 1] - t) / step, (t - self.time[i]) / step);
-            for j in 0..n {
-                let (x, c) = (&self.position[j], &self.curvature[j]);
+            let joints = self.position.iter().zip(&self.curvature);
+            for (j, (x, c)) in joints.enumerate() {
                 let bend = ((a.powi(3) - a) * c[i] + (b.powi(3) - b) * c[i + 1]) * step * step;
                 let slope = (3.0 * b * b - 1.0) * c[i + 1] - (3.0 * a * a - 1.0) * c[i];
                 motion[0][j].push(a * x[i] + b * x[i + 1] + bend / 6.0);
@@ -217,12 +217,12 @@ mod tests {
     fn invariant_derivatives_match_differences_of_the_series() {
         let h = 1e-4;
         let motion = example().sample((0.3, 1.0 / h), 5);
-        for j in 0..2 {
-            let q = &motion[0][j];
+        let [position, velocity, acceleration] = &motion;
+        for ((q, dq), ddq) in position.iter().zip(velocity).zip(acceleration) {
             // Third and fourth derivatives stay below 10 and 100 here.
-            assert!((motion[1][j][2] - (q[3] - q[1]) / (2.0 * h)).abs() < 10.0 * h * h);
+            assert!((dq[2] - (q[3] - q[1]) / (2.0 * h)).abs() < 10.0 * h * h);
             let second = (q[3] - 2.0 * q[2] + q[1]) / (h * h);
-            assert!((motion[2][j][2] - second).abs() < 100.0 * h * h + 1e-15 * 4.0 / (h * h));
+            assert!((ddq[2] - second).abs() < 100.0 * h * h + 1e-15 * 4.0 / (h * h));
         }
     }
 
@@ -252,9 +252,10 @@ mod tests {
         let time = [0.0, 0.4, 1.0, 1.5];
         let line = time.iter().map(|t| 2.0 - 3.0 * t).collect();
         let motion = Spline::through(&time, vec![line]).sample((0.0, 10.0), 16);
+        let [q, dq, _] = motion;
         for k in 0..16 {
-            assert!((motion[0][0][k] - (2.0 - 0.3 * k as f64)).abs() < 1e-14);
-            assert!((motion[1][0][k] + 3.0).abs() < 1e-13);
+            assert!((q[0][k] - (2.0 - 0.3 * k as f64)).abs() < 1e-14);
+            assert!((dq[0][k] + 3.0).abs() < 1e-13);
         }
     }
 
@@ -264,11 +265,12 @@ mod tests {
         let time: Vec<f64> = (0..=628).map(|k| step * k as f64).collect();
         let sine = time.iter().map(|t| t.sin()).collect();
         let motion = Spline::through(&time, vec![sine]).sample((2.0, 333.0), 400);
+        let [q, _, ddq] = motion;
         for k in 0..400 {
             let t = 2.0 + k as f64 / 333.0;
             // Error 5/384 h⁴ of the position and about h²/12 + of the second derivative, away from ends.
-            assert!((motion[0][0][k] - t.sin()).abs() < 2e-2 * step.powi(4) + 1e-14);
-            assert!((motion[2][0][k] + t.sin()).abs() < 0.3 * step * step);
+            assert!((q[0][k] - t.sin()).abs() < 2e-2 * step.powi(4) + 1e-14);
+            assert!((ddq[0][k] + t.sin()).abs() < 0.3 * step * step);
         }
     }
 }

@@ -179,13 +179,16 @@ fn initially_assigned(model: &Model, problem: &ProblemFile) -> Vec<bool> {
     model.parameters().iter().map(has).collect()
 }
 
+/// First raw parameter of a body, what is given of it, and the entry that names it first.
+type GivenBody<'a> = (usize, Vec<(BodyQuantity, f64)>, &'a Named<f64>);
+
 /// Gives parameters their values; a body keeps about its centre of mass what is not given.
 fn assign(
     model: &mut Model,
     given: &[Named<f64>],
     assigned: &mut [bool],
 ) -> Result<(), SimulateError> {
-    let mut bodies: Vec<(usize, Vec<(BodyQuantity, f64)>, &Named<f64>)> = Vec::new();
+    let mut bodies: Vec<GivenBody> = Vec::new();
     for entry in given {
         let (value, place) = (entry.value.value, &entry.value.place);
         match resolve(model, &entry.name, place)? {
@@ -220,18 +223,16 @@ fn assign(
     Ok(())
 }
 
-fn fix(model: &mut Model, (p, value): (usize, f64), place: &Place) -> Result<(), SetupError> {
+fn fix(model: &mut Model, (p, value): (usize, f64), place: &Place) -> Result<(), SimulateError> {
     let (lower, upper) = (model.parameters()[p].lower, model.parameters()[p].upper);
     model.fix(p, value).map_err(|_| {
         let found = value;
-        SetupError::mismatch(
-            place,
-            Mismatch::OutOfBounds {
-                found,
-                lower,
-                upper,
-            },
-        )
+        let kind = Mismatch::OutOfBounds {
+            found,
+            lower,
+            upper,
+        };
+        SetupError::mismatch(place, kind).into()
     })
 }
 
