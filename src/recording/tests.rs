@@ -9,7 +9,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::fault::Fault;
-use crate::recording::columns::{ColumnMap, Recording, SignalKind, read};
+use crate::recording::columns::{ColumnMap, RecordedJoint, Recording, SignalKind, read};
 use crate::recording::error::RecordingError;
 use crate::recording::experiment::{Experiment, prepare};
 use crate::recording::settings::{Method, Preparation};
@@ -27,7 +27,7 @@ fn write(name: &str, content: &[u8]) -> (tempfile::TempDir, PathBuf) {
 
 fn read_content(name: &str, content: &[u8]) -> Result<Recording, RecordingError> {
     let (_folder, path) = write(name, content);
-    read(&path, &ColumnMap::default(), &joints(), SignalKind::Torque)
+    read(&path, &ColumnMap::default(), &RecordedJoint::all(&joints()), SignalKind::Torque)
 }
 
 /// Thirty good rows under the header, the columns counting up.
@@ -190,7 +190,7 @@ fn every_fault_of_a_file_has_its_code_and_place() {
 #[test]
 fn a_path_without_a_file_is_told_from_a_directory() {
     let code = |path: &Path| {
-        let result = read(path, &ColumnMap::default(), &joints(), SignalKind::Torque);
+        let result = read(path, &ColumnMap::default(), &RecordedJoint::all(&joints()), SignalKind::Torque);
         result.unwrap_err().describe().code
     };
     let folder = tempfile::tempdir().unwrap();
@@ -202,7 +202,7 @@ fn a_path_without_a_file_is_told_from_a_directory() {
 fn faults_of_the_column_map_are_told_apart() {
     let (_folder, path) = write("a.csv", rows(HEADER, ',').as_bytes());
     let code = |map: ColumnMap| {
-        let result = read(&path, &map, &joints(), SignalKind::Torque);
+        let result = read(&path, &map, &RecordedJoint::all(&joints()), SignalKind::Torque);
         result.unwrap_err()
     };
     let position = |pattern: &str| ColumnMap {
@@ -449,7 +449,7 @@ fn a_published_positioning_axis_gets_the_published_cutoff() {
         torque: Some("voltage{n}".into()),
         ..ColumnMap::default()
     };
-    let recording = read(&file, &map, &numbered(1), SignalKind::Torque).unwrap();
+    let recording = read(&file, &map, &RecordedJoint::all(&numbered(1)), SignalKind::Torque).unwrap();
     let experiment = prepare(recording, &Preparation::default()).unwrap();
     // Its authors differentiate at 100 Hz; the error of the acceleration is flat about its least.
     let cutoff = experiment.bandwidth[0].cutoff_hz;
@@ -462,7 +462,7 @@ fn a_trial_with_equal_periods_keeps_quantisation_out_of_the_acceleration() {
         return;
     };
     let map = ColumnMap::default();
-    let recording = read(&file, &map, &numbered(6), SignalKind::Current).unwrap();
+    let recording = read(&file, &map, &RecordedJoint::all(&numbered(6)), SignalKind::Current).unwrap();
     let preparation = Preparation {
         period: Some(12.0),
         ..Preparation::default()

@@ -7,7 +7,7 @@ use serde_json::json;
 
 use crate::outcome::check::{Check, Finding, Severity};
 use crate::outcome::estimate::{Covariance, Estimate, Solver};
-use crate::outcome::fit::{BaseParameter, Comparison, Fit, Preprocessing};
+use crate::outcome::fit::{BaseParameter, Comparison, Fit, Preprocessing, Posterior};
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::input::Input;
 use crate::outcome::joint::JointFigures;
@@ -160,6 +160,7 @@ fn arm() -> Outcome {
             }),
         },
         part: Part::Fit(Fit {
+            posterior: Posterior::default(),
             base_parameters: base_parameters(),
             rank: 36,
             condition_number: 87.3,
