@@ -23,7 +23,7 @@ use rand_distr::StandardNormal;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-const SEEDS: u64 = 300;
+const SEEDS: u64 = 1000;
 const PERIODS: usize = 6;
 const PERIOD_S: f64 = 12.0;
 const RATE_HZ: f64 = 125.0;
@@ -201,25 +201,31 @@ fn true_base(model: &Model, values: &DVector<f64>) -> Vec<f64> {
     structural.base.iter().map(of).collect()
 }
 
-/// Share of intervals that cover, over all parameters together and of each.
-fn coverage(colour: Colour) -> (f64, Vec<f64>) {
-    let model = declared();
-    let values = truth(&model);
-    let truth = true_base(&model, &values);
-    let motion = motion(&model);
-    let [q, dq, ddq] = &motion;
+/// Currents along one period, without noise.
+fn signals(model: &Model, values: &DVector<f64>, motion: &[Vec<Vec<f64>>; 3]) -> Vec<Vec<f64>> {
+    let [q, dq, ddq] = motion;
     let segment = Segment {
         motors: Trajectory { q, dq, ddq },
         loaded: false,
     };
     let mut signal = vec![Vec::new(); 6];
-    let mut evaluator = Evaluator::new(&model, &values, &[]);
+    let mut evaluator = Evaluator::new(model, values, &[]);
     for start in (0..q[0].len()).step_by(BLOCK) {
         let block = evaluator.evaluate(segment, start..q[0].len().min(start + BLOCK));
         for (c, series) in signal.iter_mut().enumerate() {
             series.extend_from_slice(block.value(c));
         }
     }
+    signal
+}
+
+/// Share of intervals that cover, over all parameters together and of each.
+fn coverage(colour: Colour) -> (f64, Vec<f64>) {
+    let model = declared();
+    let values = truth(&model);
+    let truth = true_base(&model, &values);
+    let motion = motion(&model);
+    let signal = signals(&model, &values, &motion);
     let preparation = Preparation {
         rate: Some(RATE_HZ),
         period: Some(PERIOD_S),
@@ -247,16 +253,6 @@ fn coverage(colour: Colour) -> (f64, Vec<f64>) {
                 let [low, high] = b.ci95.unwrap();
                 low <= *t && *t <= high
             };
-            if std::env::var("ZZ").is_ok() {
-                eprintln!(
-                    "Z {colour:?} {}",
-                    base.iter()
-                        .zip(&truth)
-                        .map(|(b, t)| format!("{:.3}", (b.value.unwrap() - t) / b.std_dev.unwrap()))
-                        .collect::<Vec<_>>()
-                        .join(" ")
-                );
-            }
             base.iter().zip(&truth).map(inside).collect()
         })
         .collect();

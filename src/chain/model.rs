@@ -5,7 +5,7 @@ use crate::chain::error::ModelError;
 use crate::chain::parameter::{Parameter, Role, State};
 use crate::robot::inertia::{Inertia, PER_LINK, QUANTITIES, UNITS};
 use crate::robot::regressor::Rows;
-use crate::robot::tree::{JointKind, Tree};
+use crate::robot::tree::{Joint, JointKind, Tree};
 use nalgebra::{DMatrix, DVector, Isometry3, SMatrix};
 
 /// What the signal is.
@@ -333,28 +333,9 @@ fn joint_model(settings: &ModelSettings, j: usize, parameters: &mut Vec<Paramete
         if settings.signal == Signal::LinkTorque && effect.id == rotor.id {
             continue;
         }
-        let (first, position) = (parameters.len(), model.effects.len());
-        for (index, info) in effect.parameters.iter().enumerate() {
-            parameters.push(Parameter {
-                name: format!("{}.{}.{}", joint.name, effect.id, info.name),
-                unit: info.unit.of(joint.kind).to_string(),
-                role: Role::Effect {
-                    joint: j,
-                    effect: position,
-                    parameter: index,
-                },
-                state: State::Free,
-                value: match info.linearity {
-                    Linearity::Linear => 0.0,
-                    Linearity::Nonlinear => info.typical,
-                },
-                lower: info.lower,
-                upper: info.upper,
-                bounded: false,
-                scale: info.typical,
-                linearity: info.linearity,
-            });
-        }
+        let first = parameters.len();
+        let place = (j, model.effects.len());
+        parameters.extend(effect_parameters(joint, effect, place));
         match effect.id {
             "coulomb_friction" => {
                 model.width = Some(first + crate::chain::effect::coulomb_friction::WIDTH);
@@ -372,6 +353,38 @@ fn joint_model(settings: &ModelSettings, j: usize, parameters: &mut Vec<Paramete
         model.effects.push((effect, first));
     }
     model
+}
+
+/// The parameters of an effect; `place` is the joint and the position among its effects.
+fn effect_parameters(
+    joint: &Joint,
+    effect: &'static Effect,
+    place: (usize, usize),
+) -> impl Iterator<Item = Parameter> {
+    let (name, kind) = (joint.name.clone(), joint.kind);
+    effect
+        .parameters
+        .iter()
+        .enumerate()
+        .map(move |(index, info)| Parameter {
+            name: format!("{name}.{}.{}", effect.id, info.name),
+            unit: info.unit.of(kind).to_string(),
+            role: Role::Effect {
+                joint: place.0,
+                effect: place.1,
+                parameter: index,
+            },
+            state: State::Free,
+            value: match info.linearity {
+                Linearity::Linear => 0.0,
+                Linearity::Nonlinear => info.typical,
+            },
+            lower: info.lower,
+            upper: info.upper,
+            bounded: false,
+            scale: info.typical,
+            linearity: info.linearity,
+        })
 }
 
 fn coupling_parameters(

@@ -2,7 +2,7 @@
 
 use crate::chain::base_parameters::BaseParameters;
 use crate::chain::effect::EFFECTS;
-use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
+use crate::chain::evaluate::{BLOCK, Block, Evaluator, Segment};
 use crate::chain::model::{Inertials, Model, ModelSettings, Payload, Signal};
 use crate::chain::parameter::Role;
 use crate::robot::batch::Trajectory;
@@ -47,31 +47,60 @@ fn motion(rng: &mut ChaCha8Rng, n: usize, samples: usize) -> [Vec<Vec<f64>>; 3] 
     })
 }
 
+/// A model whose parameters all have values: the robot's own bodies, the rest near typical.
+fn valued(signal: Signal, rng: &mut ChaCha8Rng) -> Model {
+    let robot = tree(rng, 4);
+    let mut model = Model::new(settings(robot, signal)).unwrap();
+    for p in 0..model.parameters().len() {
+        let parameter = &model.parameters()[p];
+        let value = match parameter.role {
+            Role::Inertial { link, quantity } => model.tree().joints()[link].inertia.0[quantity],
+            _ => parameter.scale * (1.0 + symmetric(rng, 0.5)),
+        };
+        model.start(p, value);
+    }
+    model
+}
+
+fn assert_derivative(model: &Model, (block, segment): (&Block, Segment<'_>), p: usize) {
+    let parameter = &model.parameters()[p];
+    let h = 1e-6 * parameter.scale;
+    let at = |step: f64| {
+        let mut moved = model.values();
+        moved[p] += step;
+        let samples = segment.motors.len();
+        Evaluator::new(model, &moved, &[])
+            .evaluate(segment, 0..samples)
+            .clone()
+    };
+    let (high, low) = (at(h), at(-h));
+    for c in 0..model.channels().len() {
+        for k in 0..segment.motors.len() {
+            let expected = (high.value(c)[k] - low.value(c)[k]) / (2.0 * h);
+            let got = block.derivative(c, p).map_or(0.0, |series| series[k]);
+            // Rounding of the values over the step, and the third derivative in the step.
+            let bound = 1e-15 * block.value(c)[k].abs() / h + 1e-5 * expected.abs().max(0.1);
+            let name = &parameter.name;
+            assert!(
+                (got - expected).abs() <= bound,
+                "{name} {c} {got} {expected}"
+            );
+        }
+    }
+}
+
 #[test]
 fn matches_differences_of_the_signal_in_every_parameter() {
     const SAMPLES: usize = 21;
-    for (seed, signal) in [
+    let signals = [
         Signal::Current,
         Signal::Torque,
         Signal::LinkTorque,
         Signal::Both,
-    ]
-    .into_iter()
-    .enumerate()
-    {
-        let mut rng = generator(40 + seed as u64);
-        let robot = tree(&mut rng, 4);
-        let mut model = Model::new(settings(robot, signal)).unwrap();
-        for p in 0..model.parameters().len() {
-            let parameter = &model.parameters()[p];
-            let value = match parameter.role {
-                Role::Inertial { link, quantity } => {
-                    model.tree().joints()[link].inertia.0[quantity]
-                }
-                _ => parameter.scale * (1.0 + symmetric(&mut rng, 0.5)),
-            };
-            model.start(p, value);
-        }
+    ];
+    for (seed, signal) in (40..).zip(signals) {
+        let mut rng = generator(seed);
+        let model = valued(signal, &mut rng);
         let all: Vec<usize> = (0..model.parameters().len()).collect();
         let [q, dq, ddq] = motion(&mut rng, 4, SAMPLES);
         let segment = Segment {
@@ -82,35 +111,11 @@ fn matches_differences_of_the_signal_in_every_parameter() {
             },
             loaded: true,
         };
-        let values = model.values();
-        let block = Evaluator::new(&model, &values, &all)
+        let block = Evaluator::new(&model, &model.values(), &all)
             .evaluate(segment, 0..SAMPLES)
             .clone();
         for &p in &all {
-            let parameter = &model.parameters()[p];
-            let h = 1e-6 * parameter.scale;
-            let at = |step: f64| {
-                let mut moved = values.clone();
-                moved[p] += step;
-                Evaluator::new(&model, &moved, &[])
-                    .evaluate(segment, 0..SAMPLES)
-                    .clone()
-            };
-            let (high, low) = (at(h), at(-h));
-            for c in 0..model.channels().len() {
-                for k in 0..SAMPLES {
-                    let expected = (high.value(c)[k] - low.value(c)[k]) / (2.0 * h);
-                    let got = block.derivative(c, p).map_or(0.0, |series| series[k]);
-                    // Rounding of the values over the step, and the third derivative in the step.
-                    let bound =
-                        1e-15 * block.value(c)[k].abs() / h + 1e-5 * expected.abs().max(0.1);
-                    assert!(
-                        (got - expected).abs() <= bound,
-                        "{} {c} {got} {expected}",
-                        parameter.name
-                    );
-                }
-            }
+            assert_derivative(&model, (&block, segment), p);
         }
     }
 }

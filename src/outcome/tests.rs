@@ -104,7 +104,7 @@ fn writes_the_promised_keys_in_their_order() {
             &value,
             "name verb version seed problem inputs wall_s parameters joints covariance solver \
              base_parameters rank condition_number feasible min_pseudo_inertia_eigenvalue \
-             comparison realization preprocessing notes",
+             comparison posterior realization preprocessing notes",
         ),
         (&value["inputs"][0], "path sha256"),
         (

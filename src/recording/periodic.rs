@@ -47,33 +47,24 @@ pub(super) fn prepare(
         recording = resample(recording, Grid::spanning(&t, rate_hz));
     }
     let layout = Layout::new(&recording, samples, period)?;
-    let start = match aligned {
-        true => t[layout.first],
-        false => layout.first as f64 / rate_hz,
-    };
-    let map = match aligned {
-        true => RowMap::Periodic {
-            first: layout.first,
-        },
-        false => RowMap::PeriodicGrid { start, rate_hz },
+    let (first, at) = (layout.first, layout.first as f64 / rate_hz);
+    let (start, map) = match aligned {
+        true => (t[first], RowMap::Periodic { first }),
+        false => (at, RowMap::PeriodicGrid { start: at, rate_hz }),
     };
     let parallel = lowpass::parallel(&recording.file, preparation, rate_hz)?;
     let positions = std::mem::take(&mut recording.position);
     let joints = Joints::new(&positions, &layout, preparation, period);
+    let recorded_signal = &recording.signal;
     let noise = noise(
         &layout,
-        &recording.signal,
+        recorded_signal,
         &positions,
         &joints,
         parallel.as_ref(),
     );
     drop(positions);
-    let mut signal: Vec<Vec<f64>> = recording.signal.iter().map(|s| layout.mean(s)).collect();
-    if let Some(filter) = &parallel {
-        signal
-            .iter_mut()
-            .for_each(|mean| filter.apply_periodic(mean));
-    }
+    let signal = averages(&layout, recorded_signal, parallel.as_ref());
     Ok(Experiment {
         t: (0..samples).map(|k| start + k as f64 / rate_hz).collect(),
         rate_hz,
@@ -100,6 +91,17 @@ pub(super) fn prepare(
         edge_s: 0.0,
         parallel,
     })
+}
+
+/// Period averages of all channels, filtered.
+fn averages(layout: &Layout, signal: &[Vec<f64>], filter: Option<&ZeroPhase>) -> Vec<Vec<f64>> {
+    let mut means: Vec<Vec<f64>> = signal.iter().map(|s| layout.mean(s)).collect();
+    if let Some(filter) = filter {
+        means
+            .iter_mut()
+            .for_each(|mean| filter.apply_periodic(mean));
+    }
+    means
 }
 
 /// Rows of one period: the recorded samples it holds, to the nearest whole number.

@@ -27,7 +27,12 @@ fn write(name: &str, content: &[u8]) -> (tempfile::TempDir, PathBuf) {
 
 fn read_content(name: &str, content: &[u8]) -> Result<Recording, RecordingError> {
     let (_folder, path) = write(name, content);
-    read(&path, &ColumnMap::default(), &RecordedJoint::all(&joints()), SignalKind::Torque)
+    read(
+        &path,
+        &ColumnMap::default(),
+        &RecordedJoint::all(&joints()),
+        SignalKind::Torque,
+    )
 }
 
 /// Thirty good rows under the header, the columns counting up.
@@ -89,17 +94,7 @@ type FileFault = (&'static str, &'static str, Vec<u8>, &'static str);
 fn file_faults() -> Vec<FileFault> {
     let good = rows(HEADER, ',');
     let with = |from: &str, to: &str| good.replace(from, to).into_bytes();
-    let zipped = gzip(good.as_bytes());
-    let mut corrupt = zipped.clone();
-    // The check sum stands eight bytes before the end.
-    let check = corrupt.len() - 8;
-    corrupt[check] ^= 0xff;
     let row = "5,105,205,305,405";
-    let short: String = good
-        .lines()
-        .take(10)
-        .map(|line| format!("{line}\n"))
-        .collect();
     vec![
         ("empty-file", "a.csv", Vec::new(), "a.csv"),
         (
@@ -153,6 +148,23 @@ fn file_faults() -> Vec<FileFault> {
             [good.as_bytes(), b"\xff\n"].concat(),
             "a.csv:32",
         ),
+    ]
+}
+
+/// Faults of the file as a whole: its length, its name, its compression.
+fn whole_faults() -> Vec<FileFault> {
+    let good = rows(HEADER, ',');
+    let zipped = gzip(good.as_bytes());
+    let mut corrupt = zipped.clone();
+    // The check sum stands eight bytes before the end.
+    let check = corrupt.len() - 8;
+    corrupt[check] ^= 0xff;
+    let short: String = good
+        .lines()
+        .take(10)
+        .map(|line| format!("{line}\n"))
+        .collect();
+    vec![
         ("line-too-long", "a.csv", vec![b'x'; 3 << 20], "a.csv:1"),
         ("too-few-rows", "a.csv", short.into_bytes(), "a.csv"),
         (
@@ -179,7 +191,7 @@ fn file_faults() -> Vec<FileFault> {
 
 #[test]
 fn every_fault_of_a_file_has_its_code_and_place() {
-    for (code, name, content, place) in file_faults() {
+    for (code, name, content, place) in file_faults().into_iter().chain(whole_faults()) {
         let error = read_content(name, &content).unwrap_err();
         assert_eq!(error.describe().code, code, "{error}");
         let shown = error.to_string();
@@ -190,7 +202,12 @@ fn every_fault_of_a_file_has_its_code_and_place() {
 #[test]
 fn a_path_without_a_file_is_told_from_a_directory() {
     let code = |path: &Path| {
-        let result = read(path, &ColumnMap::default(), &RecordedJoint::all(&joints()), SignalKind::Torque);
+        let result = read(
+            path,
+            &ColumnMap::default(),
+            &RecordedJoint::all(&joints()),
+            SignalKind::Torque,
+        );
         result.unwrap_err().describe().code
     };
     let folder = tempfile::tempdir().unwrap();
@@ -202,7 +219,12 @@ fn a_path_without_a_file_is_told_from_a_directory() {
 fn faults_of_the_column_map_are_told_apart() {
     let (_folder, path) = write("a.csv", rows(HEADER, ',').as_bytes());
     let code = |map: ColumnMap| {
-        let result = read(&path, &map, &RecordedJoint::all(&joints()), SignalKind::Torque);
+        let result = read(
+            &path,
+            &map,
+            &RecordedJoint::all(&joints()),
+            SignalKind::Torque,
+        );
         result.unwrap_err()
     };
     let position = |pattern: &str| ColumnMap {
@@ -449,7 +471,13 @@ fn a_published_positioning_axis_gets_the_published_cutoff() {
         torque: Some("voltage{n}".into()),
         ..ColumnMap::default()
     };
-    let recording = read(&file, &map, &RecordedJoint::all(&numbered(1)), SignalKind::Torque).unwrap();
+    let recording = read(
+        &file,
+        &map,
+        &RecordedJoint::all(&numbered(1)),
+        SignalKind::Torque,
+    )
+    .unwrap();
     let experiment = prepare(recording, &Preparation::default()).unwrap();
     // Its authors differentiate at 100 Hz; the error of the acceleration is flat about its least.
     let cutoff = experiment.bandwidth[0].cutoff_hz;
@@ -462,7 +490,13 @@ fn a_trial_with_equal_periods_keeps_quantisation_out_of_the_acceleration() {
         return;
     };
     let map = ColumnMap::default();
-    let recording = read(&file, &map, &RecordedJoint::all(&numbered(6)), SignalKind::Current).unwrap();
+    let recording = read(
+        &file,
+        &map,
+        &RecordedJoint::all(&numbered(6)),
+        SignalKind::Current,
+    )
+    .unwrap();
     let preparation = Preparation {
         period: Some(12.0),
         ..Preparation::default()

@@ -7,7 +7,7 @@ use serde_json::json;
 
 use crate::outcome::check::{Check, Finding, Severity};
 use crate::outcome::estimate::{Covariance, Estimate, Solver};
-use crate::outcome::fit::{BaseParameter, Comparison, Fit, Preprocessing, Posterior};
+use crate::outcome::fit::{BaseParameter, Comparison, Fit, Posterior, Preprocessing};
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::input::Input;
 use crate::outcome::joint::JointFigures;

@@ -201,6 +201,12 @@ fn of_values(kind: &Mismatch) -> Description {
             format!("the coupling matrix has {found} rows for {expected} joints"),
             format!("give {expected} rows of {expected} numbers"),
         ),
+        other => of_needs(other),
+    }
+}
+
+fn of_needs(kind: &Mismatch) -> Description {
+    match kind {
         Mismatch::NeedsTorqueConstant => Description::new(
             "needs-torque-constant",
             "the signal is a current, and nothing says how much torque a current gives",

@@ -1,3 +1,5 @@
+//! Every symbol against known factorisations, round trips and plain loops.
+
 use nalgebra::{DMatrix, DVector};
 
 use super::dense;
