@@ -15,7 +15,11 @@ const LARGEST: f64 = 1e100;
 pub fn is_sound(extension: &str, bytes: &[u8]) {
     let path = scratch_file(extension);
     fs::write(&path, bytes).unwrap();
-    let ways = [SignalKind::Current, SignalKind::Torque, SignalKind::BaseWrench];
+    let ways = [
+        SignalKind::Current,
+        SignalKind::Torque,
+        SignalKind::BaseWrench,
+    ];
     for kind in ways {
         for map in [ColumnMap::default(), with_mask()] {
             if let Err(fault) = one_way(&path, &map, kind) {

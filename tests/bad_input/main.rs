@@ -1,6 +1,6 @@
 //! Broken robot files, problem files, recordings and command lines through the program itself: each
 //! ends with its exit code and one message that names the place, the value found and a remedy, unlike
-//! any other message, and leaves no trace.
+//! any other message, and leaves no trace. `EXID_SHOW=1` prints every message.
 
 #[path = "../common/mod.rs"]
 mod common;
