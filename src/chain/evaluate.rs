@@ -150,12 +150,12 @@ impl<'m> Evaluator<'m> {
         self.rigid.clear(samples);
         self.move_joints(segment.motors, range.clone());
         self.rigid_body(segment.loaded, samples);
-        self.to_motors();
+        self.carry_to_motors();
         self.coupling_derivatives(segment, range.clone());
         for j in 0..self.model.joints().len() {
             if !self.model.joints()[j].locked && self.channel_of(j).is_some() {
                 self.motor_laws(j, segment.motors, range.clone());
-                self.to_signal(j);
+                self.carry_to_signal(j);
             }
         }
         &self.block
@@ -263,7 +263,7 @@ impl<'m> Evaluator<'m> {
     }
 
     /// `τ_M = Vᵀ τ`; a base wrench passes unchanged.
-    fn to_motors(&mut self) {
+    fn carry_to_motors(&mut self) {
         let n = self.model.joints().len();
         let torque_rows = if self.model.signal() == Signal::BaseWrench {
             0
@@ -406,7 +406,7 @@ impl<'m> Evaluator<'m> {
     }
 
     /// `s = τ_mot / (k · gain)`.
-    fn to_signal(&mut self, j: usize) {
+    fn carry_to_signal(&mut self, j: usize) {
         let joint = &self.model.joints()[j];
         let gain = joint.gain.map_or(1.0, |at| self.values[at]);
         let factor = 1.0 / (joint.torque_constant * gain);

@@ -20,7 +20,10 @@ pub enum FitError {
     #[error(transparent)]
     Setup(#[from] SetupError),
     #[error("{place}: {error}")]
-    Estimate { place: String, error: EstimateError },
+    Estimate {
+        place: String,
+        error: Box<EstimateError>,
+    },
 }
 
 /// A fit with the recordings that it was made from.
@@ -61,9 +64,9 @@ pub fn run(
     watch(Step::Reading);
     let data = setup::recordings::open(problem, &robot, &model)?;
     watch(Step::Fitting);
-    let failed = |error| FitError::Estimate {
+    let failed = |error: EstimateError| FitError::Estimate {
         place: Place::file(&problem.path).key("fit").to_string(),
-        error,
+        error: Box::new(error),
     };
     let mut fitted = fit(&model, &data, (estimator, &prior), control).map_err(failed)?;
     fitted.fit.preprocessing = preprocessing(&model, &data);

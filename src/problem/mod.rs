@@ -2,7 +2,7 @@
 //! lower <= x <= upper, where K is a product of {0}, nonnegative rows and positive semidefinite matrices.
 //!
 //! A [`Problem`] states its [`Form`] (names, units, shapes, sets) apart from its numbers. Solvers take a
-//! [view](crate::problem::view) of it, and making the view is the only check of what a problem can do.
+//! [`view`] of it, and making the view is the only check of what a problem can do.
 
 use nalgebra::{DMatrix, DVector};
 

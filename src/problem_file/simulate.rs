@@ -48,7 +48,7 @@ pub struct SimulateTable {
 pub enum Trajectory {
     /// A feasible Fourier trajectory, drawn with the seed.
     Random,
-    /// A file with columns t, q_<joint>, dq_<joint>, ddq_<joint>.
+    /// A file with columns `t`, `q_<joint>`, `dq_<joint>`, `ddq_<joint>`.
     File(FilePath),
 }
 

@@ -68,7 +68,7 @@ pub enum RowMap {
     PeriodicGrid { start: f64, rate_hz: f64 },
 }
 
-/// A place between two rows: value = (1 - weight) · row[before] + weight · row[after].
+/// A place between two rows: `value = (1 - weight) · row[before] + weight · row[after]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Between {
     pub before: usize,

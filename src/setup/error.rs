@@ -12,13 +12,13 @@ use std::fmt;
 pub enum SetupError {
     ProblemFile(ProblemFileError),
     Robot(RobotError),
-    Recording(RecordingError),
+    Recording(Box<RecordingError>),
     /// An earlier result that the problem file starts from.
-    Earlier(OutcomeError),
+    Earlier(Box<OutcomeError>),
     /// The problem file and the robot or the recordings do not fit together.
     Mismatch {
         place: Place,
-        kind: Mismatch,
+        kind: Box<Mismatch>,
     },
 }
 
@@ -80,7 +80,7 @@ impl SetupError {
     pub fn mismatch(place: &Place, kind: Mismatch) -> Self {
         Self::Mismatch {
             place: place.clone(),
-            kind,
+            kind: Box::new(kind),
         }
     }
 
@@ -89,7 +89,7 @@ impl SetupError {
         match self {
             Self::Robot(_) => true,
             Self::Recording(e) => !e.kind.concerns_request(),
-            Self::Mismatch { kind, .. } => matches!(kind, Mismatch::Impossible { .. }),
+            Self::Mismatch { kind, .. } => matches!(**kind, Mismatch::Impossible { .. }),
             _ => false,
         }
     }
@@ -112,7 +112,7 @@ impl Fault for SetupError {
             Self::Robot(e) => e.describe(),
             Self::Recording(e) => e.describe(),
             Self::Earlier(e) => e.describe(),
-            Self::Mismatch { kind, .. } => match kind {
+            Self::Mismatch { kind, .. } => match kind.as_ref() {
                 Mismatch::UnknownJoint { .. }
                 | Mismatch::UnknownFrame { .. }
                 | Mismatch::JointTwice { .. }
@@ -265,6 +265,6 @@ impl From<RobotError> for SetupError {
 
 impl From<RecordingError> for SetupError {
     fn from(e: RecordingError) -> Self {
-        Self::Recording(e)
+        Self::Recording(Box::new(e))
     }
 }

@@ -17,7 +17,8 @@ use nalgebra::{DMatrix, DVector};
 pub fn build(problem: &ProblemFile, model: &mut Model) -> Result<Prior, SetupError> {
     let mut prior = Prior::none(model.parameters().len());
     if let Some(path) = &problem.robot.parameters {
-        let earlier = Outcome::read(&path.resolved).map_err(SetupError::Earlier)?;
+        let earlier =
+            Outcome::read(&path.resolved).map_err(|e| SetupError::Earlier(Box::new(e)))?;
         let Part::Fit(fit) = &earlier.part else {
             return Err(SetupError::mismatch(&path.place, Mismatch::NotAFit));
         };

@@ -137,7 +137,7 @@ fn at_request(table: &RecordingsTable, path: &FilePath, mut error: RecordingErro
             requirement.push_str(&format!(" for {}", path.written));
         }
     }
-    SetupError::Recording(error)
+    SetupError::from(error)
 }
 
 /// The place of a setting by the name that recordings give it; the whole table of columns if none fits.

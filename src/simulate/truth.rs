@@ -124,7 +124,8 @@ impl Earlier {
         let Some(path) = &problem.robot.parameters else {
             return Ok(Self::default());
         };
-        let outcome = Outcome::read(&path.resolved).map_err(SetupError::Earlier)?;
+        let outcome =
+            Outcome::read(&path.resolved).map_err(|e| SetupError::Earlier(Box::new(e)))?;
         let Part::Fit(fit) = &outcome.part else {
             return Err(SetupError::mismatch(&path.place, Mismatch::NotAFit).into());
         };
