@@ -6,6 +6,7 @@
 use crate::fault::Place;
 use crate::recording::columns::Recording;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
+use crate::recording::experiment::Periods;
 use crate::recording::fill::{Ends, fill};
 
 /// The whole periods: sample `first + p N + k` is row k of period p.
@@ -20,6 +21,15 @@ pub(super) struct Layout {
 }
 
 impl Layout {
+    /// The periods found, each of so many seconds.
+    pub fn periods(&self, period: f64) -> Periods {
+        Periods {
+            count: self.count,
+            samples: self.samples,
+            period,
+        }
+    }
+
     /// From the first valid sample on, as many periods of `samples` rows as fit.
     ///
     /// Errors: less than one period, no valid sample.

@@ -9,9 +9,7 @@ use realfft::num_complex::Complex;
 use crate::fault::Place;
 use crate::recording::columns::Recording;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
-use crate::recording::experiment::{
-    Bandwidth, Chosen, Experiment, Motion, Noise, Periods, Raw, RowMap,
-};
+use crate::recording::experiment::{Bandwidth, Chosen, Experiment, Motion, Noise, Raw, RowMap};
 use crate::recording::fourier::{self, Series};
 use crate::recording::layout::Layout;
 use crate::recording::lowpass;
@@ -39,8 +37,7 @@ pub(super) fn prepare(
     let t = take_stamps(&mut recording, timing.rate_hz);
     let temperature = recording.temperature.take();
     let recorded_mask = recording.mask.clone();
-    let drift = (timing.rate_hz / rate_hz - 1.0).abs() * t.len() as f64;
-    let aligned = timing.uniform && drift <= ALIGNED_STEPS;
+    let aligned = is_aligned(&timing, rate_hz, t.len());
     let recorded = (!aligned).then(|| recording.signal.clone());
     if !aligned {
         recording.time = Some(t.clone());
@@ -83,14 +80,16 @@ pub(super) fn prepare(
         file: recording.file,
         bandwidth: joints.bandwidth,
         timing,
-        periods: Some(Periods {
-            count: layout.count,
-            samples,
-            period,
-        }),
+        periods: Some(layout.periods(period)),
         edge_s: 0.0,
         parallel,
     })
+}
+
+/// Whether samples lie on the grid of the period over the whole recording.
+fn is_aligned(timing: &Timing, rate_hz: f64, samples: usize) -> bool {
+    let drift = (timing.rate_hz / rate_hz - 1.0).abs() * samples as f64;
+    timing.uniform && drift <= ALIGNED_STEPS
 }
 
 /// Period averages of all channels, filtered.

@@ -1,3 +1,5 @@
+//! The factor against faer's, on dependent, graded and blocked matrices, merged and streamed.
+
 use super::*;
 
 /// A dense matrix without structure, entries within -1..1, the same on every machine.

@@ -1,3 +1,5 @@
+//! Small semidefinite programs with known optima, and against a barrier method of its own.
+
 use nalgebra::{Cholesky, dmatrix, dvector};
 
 use super::*;

@@ -1,3 +1,5 @@
+//! Valleys, bounds, lost ranks and interrupts.
+
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
