@@ -4,17 +4,18 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use exid::chain::dataset::{Dataset, Prepared};
 use exid::chain::effect;
-use exid::chain::model::{Inertials, Model, ModelSettings, Signal};
+use exid::chain::model::Model;
 use exid::chain::prior::Prior;
 use exid::estimate::compress::{Request, factor};
 use exid::estimate::unknowns::Unknowns;
 use exid::estimate::weights::Weights;
+use exid::problem_file::ProblemFile;
 use exid::recording::columns::Recording;
 use exid::recording::experiment::prepare;
 use exid::recording::settings::{Differentiation, Preparation};
 use exid::recording::split::Split;
-use exid::robot::mdh;
 use exid::robot::random::{generator, symmetric};
+use exid::setup;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 
@@ -24,31 +25,20 @@ const RATE_HZ: f64 = 1000.0;
 /// High enough for every row to be used.
 const CUTOFF_HZ: f64 = 400.0;
 
+/// The shipped seven-joint arm with friction, w known, so that the columns do not depend on values.
 fn model() -> Model {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let path = path.join("problems/panda_like/panda_like.mdh.toml");
-    let effects = ["coulomb_friction", "viscous_friction"];
-    let list: Vec<_> = effects.iter().filter_map(|id| effect::find(id)).collect();
-    let mut model = Model::new(ModelSettings {
-        tree: mdh::read(&path).expect("the shipped robot file is valid"),
-        signal: Signal::Torque,
-        inertials: Inertials::Estimate,
-        torque_constant: None,
-        rotor_inertia: None,
-        coupling: None,
-        offset: None,
-        effects: vec![list; JOINTS],
-        payload: None,
-        locked: vec![false; JOINTS],
-    })
-    .expect("the model is valid");
-    for j in 0..JOINTS {
-        let width = model.joints()[j]
-            .width
-            .expect("every joint has Coulomb friction");
-        model.fix(width, 0.0).expect("0 is within bounds");
-    }
-    model
+    let widths: String = (1..=JOINTS)
+        .map(|j| format!("\"joint{j}.coulomb_friction.w\" = 0.0\n"))
+        .collect();
+    let text = format!(
+        "name = \"arm\"\n[robot]\nmdh = \"panda_like.mdh.toml\"\n\
+         [drive]\neffects = [\"coulomb_friction\", \"viscous_friction\"]\n[drive.values]\n{widths}"
+    );
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("problems/panda_like");
+    let problem = ProblemFile::parse(&folder.join("arm.toml"), &text, &[], &effect::ids())
+        .expect("the problem is complete");
+    let robot = setup::robot::open(&problem).expect("the shipped robot file is valid");
+    setup::model::build(&problem, &robot).expect("the model is valid")
 }
 
 /// States at random.

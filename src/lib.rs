@@ -5,11 +5,13 @@
 //! | layer | modules |
 //! |---|---|
 //! | 6 | `cli` |
-//! | 5 | `report` |
-//! | 4b | `estimate`, `simulate`, `check` |
+//! | 5 | `report`, `export` |
+//! | 4c | `diagnose` |
+//! | 4b | `design`, `estimate`, `motors`, `simulate`, `check` |
 //! | 4a | `setup` |
 //! | 3 | `chain`, `outcome`, `problem_file` |
-//! | 2 | `robot`, `recording`, `solve` |
+//! | 2b | `mechanism` |
+//! | 2a | `robot`, `recording`, `solve` |
 //! | 1 | `problem` |
 //! | 0 | `linalg`, `stats` |
 //! | every layer uses | `fault` |
@@ -25,6 +27,8 @@ pub mod recording;
 pub mod robot;
 pub mod solve;
 
+pub mod mechanism;
+
 pub mod chain;
 pub mod outcome;
 pub mod problem_file;
@@ -32,9 +36,14 @@ pub mod problem_file;
 pub mod setup;
 
 pub mod check;
+pub mod design;
 pub mod estimate;
+pub mod motors;
 pub mod simulate;
 
+pub mod diagnose;
+
+pub mod export;
 pub mod report;
 
 pub mod cli;

@@ -53,6 +53,7 @@ fn declared() -> Model {
         signal: Signal::Current,
         inertials: Inertials::Estimate,
         torque_constant: Some(TORQUE_CONSTANT.to_vec()),
+        current_polynomial: None,
         rotor_inertia: Some(vec![1.4, 1.5, 1.1, 0.35, 0.34, 0.33]),
         coupling: None,
         offset: None,
@@ -204,10 +205,7 @@ fn true_base(model: &Model, values: &DVector<f64>) -> Vec<f64> {
 /// Currents along one period, without noise.
 fn signals(model: &Model, values: &DVector<f64>, motion: &[Vec<Vec<f64>>; 3]) -> Vec<Vec<f64>> {
     let [q, dq, ddq] = motion;
-    let segment = Segment {
-        motors: Trajectory { q, dq, ddq },
-        loaded: false,
-    };
+    let segment = Segment::states(Trajectory { q, dq, ddq }, false);
     let mut signal = vec![Vec::new(); 6];
     let mut evaluator = Evaluator::new(model, values, &[]);
     for start in (0..q[0].len()).step_by(BLOCK) {

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::arm::{Arm, Noise};
+use common::arm::{Arm, EVERY_SAMPLE, Noise};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -29,7 +29,9 @@ fn run(arm: &Arm, version: usize) -> Command {
     }
     let (seed, name) = (version.to_string(), format!("name=version {version}."));
     let train = format!("recordings.train=[\"{recording}\"]");
-    arm.fit("out", &["--seed", &seed, "--set", &name, "--set", &train])
+    let mut command = arm.fit("out", &["--seed", &seed, "--set", &name, "--set", &train]);
+    command.args(["--set", EVERY_SAMPLE]);
+    command
 }
 
 /// Version and rows of the table of a result that is whole; panics where files are missing, torn or of

@@ -20,10 +20,14 @@ pub fn is_sound(extension: &str, bytes: &[u8]) {
         SignalKind::Torque,
         SignalKind::BaseWrench,
     ];
-    for kind in ways {
-        for map in [ColumnMap::default(), with_mask()] {
-            if let Err(fault) = one_way(&path, &map, kind) {
-                crate::describes_itself(&fault);
+    // The joints of the seeds: of the bags those of their messages.
+    for joints in [["a", "b"], ["shoulder", "elbow"]] {
+        let joints = RecordedJoint::all(&joints.map(String::from));
+        for kind in ways {
+            for map in [ColumnMap::default(), with_mask()] {
+                if let Err(fault) = one_way(&path, &map, &joints, kind) {
+                    crate::describes_itself(&fault);
+                }
             }
         }
     }
@@ -46,9 +50,13 @@ fn with_mask() -> ColumnMap {
     }
 }
 
-fn one_way(path: &Path, map: &ColumnMap, kind: SignalKind) -> Result<(), RecordingError> {
-    let joints = RecordedJoint::all(&["a".into(), "b".into()]);
-    let recording = read(path, map, &joints, kind)?;
+fn one_way(
+    path: &Path,
+    map: &ColumnMap,
+    joints: &[RecordedJoint],
+    kind: SignalKind,
+) -> Result<(), RecordingError> {
+    let recording = read(path, map, joints, kind)?;
     let samples = recording.position[0].len();
     let channels = recording.position.iter().chain(&recording.signal);
     let mut moderate = true;

@@ -13,6 +13,7 @@ use crate::linalg::triangular::Triangular;
 use crate::robot::batch::Trajectory;
 use crate::robot::random::{generator, symmetric};
 use nalgebra::DMatrix;
+use rand_chacha::ChaCha8Rng;
 
 /// A column counts as independent when the part that the columns kept before do not explain exceeds
 /// this share of it. Rounding leaves 1e-14; the smallest lengths of real robots, 1e-4 of the largest,
@@ -133,16 +134,18 @@ fn significant(x: f64) -> String {
     }
 }
 
-/// Links first, then rotor inertias, then everything else, each in the model's order.
+/// The tare of a platform and the links first, then rotor inertias, then everything else, each in the model's order.
 pub fn scan_order(model: &Model) -> Vec<usize> {
     let rank = |p: &usize| match model.parameters()[*p].role {
-        Role::Inertial { .. } => 0,
-        Role::Payload { .. } => 1,
+        // A weight that no motion changes is the platform's as well: it goes into the tare.
+        Role::Tare { .. } => 0,
+        Role::Inertial { .. } => 1,
+        Role::Payload { .. } => 2,
         Role::Effect { joint, effect, .. } => {
             let id = model.joints()[joint].effects[effect].0.id;
-            if id == "rotor_inertia" { 2 } else { 3 }
+            if id == "rotor_inertia" { 3 } else { 4 }
         }
-        Role::Coupling { .. } => 4,
+        Role::Coupling { .. } | Role::Tilt { .. } => 5,
     };
     let mut unknowns: Vec<usize> = (0..model.parameters().len())
         .filter(|&p| model.parameters()[p].is_linear_unknown())
@@ -151,37 +154,52 @@ pub fn scan_order(model: &Model) -> Vec<usize> {
     unknowns
 }
 
-fn generic_factor(model: &Model, unknowns: &[usize], loads: &[bool]) -> Triangular {
+/// Random states of the joints, `[derivative][joint][sample]`.
+fn states(model: &Model, rng: &mut ChaCha8Rng) -> [Vec<Vec<f64>>; 3] {
     let n = model.tree().len();
+    if let Some(mechanism) = model.mechanism() {
+        let mut motion = [(); 3].map(|()| vec![vec![0.0; BLOCK]; n]);
+        for sample in 0..BLOCK {
+            let state = mechanism.draw(rng, [RANGES[1], RANGES[2]]);
+            for (series, values) in motion.iter_mut().zip(state) {
+                series
+                    .iter_mut()
+                    .zip(values)
+                    .for_each(|(s, x)| s[sample] = x);
+            }
+        }
+        return motion;
+    }
+    let mut motion = RANGES.map(|range| {
+        let mut series = || {
+            (0..BLOCK)
+                .map(|_| symmetric(rng, range))
+                .collect::<Vec<f64>>()
+        };
+        (0..n).map(|_| series()).collect::<Vec<_>>()
+    });
+    for (j, joint) in model.joints().iter().enumerate() {
+        if joint.locked {
+            // Locked joints stand at their offset: motor position zero, at rest.
+            for series in &mut motion {
+                series[j].fill(0.0);
+            }
+        }
+    }
+    motion
+}
+
+fn generic_factor(model: &Model, unknowns: &[usize], loads: &[bool]) -> Triangular {
     let mut rng = generator(0);
     let blocks = 1 + 3 * unknowns.len() / BLOCK;
     let mut factor = Triangular::new(unknowns.len());
-    let mut evaluator = Evaluator::new(model, &model.values(), unknowns);
+    let mut evaluator = Evaluator::new(model, &model.generic_values(), unknowns);
     let zeros = vec![0.0; BLOCK];
     for _ in 0..blocks {
-        let mut motion = RANGES.map(|range| {
-            (0..n)
-                .map(|_| {
-                    (0..BLOCK)
-                        .map(|_| symmetric(&mut rng, range))
-                        .collect::<Vec<f64>>()
-                })
-                .collect::<Vec<_>>()
-        });
-        for (j, joint) in model.joints().iter().enumerate() {
-            if joint.locked {
-                // Locked joints stand at their offset: motor position zero, at rest.
-                for series in &mut motion {
-                    series[j].fill(0.0);
-                }
-            }
-        }
+        let motion = states(model, &mut rng);
         let [q, dq, ddq] = &motion;
         for &loaded in loads {
-            let segment = Segment {
-                motors: Trajectory { q, dq, ddq },
-                loaded,
-            };
+            let segment = Segment::states(Trajectory { q, dq, ddq }, loaded);
             let block = evaluator.evaluate(segment, 0..BLOCK);
             for (c, channel) in model.channels().iter().enumerate() {
                 if channel.active {

@@ -15,16 +15,20 @@ const ROWS_PER_CUTOFF_PERIOD: f64 = 8.0;
 pub struct Prepared {
     pub name: String,
     pub split: Split,
-    /// The load hangs on the robot.
+    /// The load, if the model has one, hangs on the robot.
     pub loaded: bool,
     pub experiment: Experiment,
     /// Every `stride`-th row of the experiment is used.
     pub stride: usize,
+    /// Known forces on the links along their joints, `[joint][row of the experiment]`; none where empty.
+    forces: Vec<Vec<f64>>,
     rows: Option<Rows>,
 }
 
 #[derive(Debug, Clone)]
 struct Rows {
+    t: Vec<f64>,
+    forces: Vec<Vec<f64>>,
     motion: [Vec<Vec<f64>>; 3],
     signal: Vec<Vec<f64>>,
 }
@@ -37,6 +41,8 @@ impl Prepared {
             series.iter().map(thin).collect()
         };
         let rows = (stride > 1).then(|| Rows {
+            t: experiment.t.iter().step_by(stride).copied().collect(),
+            forces: Vec::new(),
             motion: [
                 every(&experiment.motion.position),
                 every(&experiment.motion.velocity),
@@ -50,8 +56,27 @@ impl Prepared {
             loaded,
             experiment,
             stride,
+            forces: Vec::new(),
             rows,
         }
+    }
+
+    /// With known forces (N·m or N) of the surroundings on the links along their joints, in rows of the
+    /// experiment.
+    pub fn with_forces(mut self, forces: &[(usize, Vec<f64>)]) -> Self {
+        if forces.is_empty() {
+            return self;
+        }
+        let joints = self.experiment.motion.position.len();
+        self.forces = vec![vec![0.0; self.experiment.rows()]; joints];
+        for (joint, series) in forces {
+            self.forces[*joint].clone_from(series);
+        }
+        if let Some(rows) = &mut self.rows {
+            let thin = |series: &Vec<f64>| series.iter().step_by(self.stride).copied().collect();
+            rows.forces = self.forces.iter().map(thin).collect();
+        }
+        self
     }
 
     /// Number of rows used.
@@ -75,10 +100,15 @@ impl Prepared {
         match &self.rows {
             None => self.whole(),
             Some(Rows {
+                t,
+                forces,
                 motion: [q, dq, ddq],
                 ..
             }) => Segment {
                 motors: Trajectory { q, dq, ddq },
+                forces,
+                time: t,
+                cyclic: false,
                 loaded: self.loaded,
             },
         }
@@ -93,6 +123,9 @@ impl Prepared {
                 dq: &motion.velocity,
                 ddq: &motion.acceleration,
             },
+            forces: &self.forces,
+            time: &self.experiment.t,
+            cyclic: self.experiment.periods.is_some(),
             loaded: self.loaded,
         }
     }

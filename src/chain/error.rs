@@ -22,6 +22,14 @@ pub enum ModelError {
         lower: f64,
         upper: f64,
     },
+    #[error(
+        "{joint}: `{effect}` takes a parameter of `{needs}`; list `{needs}` for this joint as well"
+    )]
+    NeedsEffect {
+        joint: String,
+        effect: &'static str,
+        needs: &'static str,
+    },
     #[error("the coupling matrix cannot be inverted; its rows must be independent")]
     SingularCoupling,
 }

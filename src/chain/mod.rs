@@ -10,6 +10,7 @@
 //! A [`model::Model`] lists every parameter with its name, unit and state; [`evaluate`] predicts the
 //! signal and its derivatives with respect to any of them; [`effect`] is the table of the physics.
 
+mod assemble;
 pub mod base_parameters;
 pub mod dataset;
 pub mod effect;
@@ -17,6 +18,7 @@ pub mod error;
 pub mod evaluate;
 pub mod model;
 pub mod parameter;
+pub mod platform;
 pub mod prior;
 
 #[cfg(test)]

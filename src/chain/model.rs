@@ -1,11 +1,14 @@
 //! A model of a robot with its drives: every parameter by name, known or free.
 
-use crate::chain::effect::{Effect, Law, Linearity};
+use crate::chain::assemble;
+use crate::chain::effect::{Effect, Memory, torque_current_nonlinearity};
 use crate::chain::error::ModelError;
 use crate::chain::parameter::{Parameter, Role, State};
+use crate::chain::platform::Platform;
+use crate::mechanism::loops::Mechanism;
 use crate::robot::inertia::{Inertia, PER_LINK, QUANTITIES, UNITS};
 use crate::robot::regressor::Rows;
-use crate::robot::tree::{Joint, JointKind, Tree};
+use crate::robot::tree::{JointKind, Tree};
 use nalgebra::{DMatrix, DVector, Isometry3, SMatrix};
 
 /// What the signal is.
@@ -47,7 +50,7 @@ pub struct Channel {
 }
 
 /// Names and units of the components of a wrench.
-const WRENCH: [(&str, &str); 6] = [
+pub(super) const WRENCH: [(&str, &str); 6] = [
     ("fx", "N"),
     ("fy", "N"),
     ("fz", "N"),
@@ -94,6 +97,8 @@ pub struct ModelSettings {
     pub inertials: Inertials,
     /// N·m/A at joint scale; `None` where the signal is a torque.
     pub torque_constant: Option<Vec<f64>>,
+    /// c0 to c3 of the torque in powers of the current, instead of the torque constant.
+    pub current_polynomial: Option<Vec<[f64; torque_current_nonlinearity::COEFFICIENTS]>>,
     /// Known rotor inertias, kg·m² at joint scale.
     pub rotor_inertia: Option<Vec<f64>>,
     /// V of `q = V m + offset`; `None` is the identity.
@@ -114,10 +119,22 @@ pub struct JointModel {
     pub locked: bool,
     /// Effects and the position of their first parameter in the model's list.
     pub effects: Vec<(&'static Effect, usize)>,
+    /// Positions of the parameters that each effect borrows from others.
+    pub borrowed: Vec<Vec<usize>>,
+    /// Whether another effect takes the place of each effect's torque.
+    pub replaced: Vec<bool>,
     /// Position of the transition speed w of Coulomb friction, if the joint has it.
     pub width: Option<usize>,
     /// Position of the gain, if the joint has one.
     pub gain: Option<usize>,
+    /// Position of c0 of the current's polynomial, if the joint has one.
+    pub polynomial: Option<usize>,
+    /// Position of the delay, if the joint has one.
+    pub delay: Option<usize>,
+    /// Position of the stiffness (the damping is behind it), if the joint is elastic.
+    pub elasticity: Option<usize>,
+    /// Position of the play, if the joint has one.
+    pub backlash: Option<usize>,
 }
 
 /// A robot with its drives and all parameters.
@@ -130,13 +147,20 @@ pub struct Model {
     coupling: DMatrix<f64>,
     offset: DVector<f64>,
     payload: Option<(Payload, usize)>,
+    /// Position of the roll of the base (the pitch is behind it), if it is in the model.
+    tilt: Option<usize>,
+    platform: Platform,
+    tare: Option<usize>,
+    /// V by which recorded positions of joints became those of motors.
+    reference: Option<DMatrix<f64>>,
+    mechanism: Option<Mechanism>,
     parameters: Vec<Parameter>,
 }
 
 impl Model {
     pub fn new(settings: ModelSettings) -> Result<Self, ModelError> {
         let n = settings.tree.len();
-        let mut parameters = inertial_parameters(&settings);
+        let mut parameters = assemble::inertial_parameters(&settings);
         let coupling = settings
             .coupling
             .clone()
@@ -145,24 +169,31 @@ impl Model {
             return Err(ModelError::SingularCoupling);
         }
         let joints = (0..n)
-            .map(|j| joint_model(&settings, j, &mut parameters))
-            .collect();
-        coupling_parameters(&settings, &coupling, &mut parameters);
+            .map(|j| assemble::joint_model(&settings, j, &mut parameters))
+            .collect::<Result<_, _>>()?;
+        assemble::coupling_parameters(&settings, &coupling, &mut parameters);
+        let tilt = assemble::tilt_parameters(&settings, &mut parameters);
         let payload = settings.payload.map(|payload| {
             let first = parameters.len();
             let entries = QUANTITIES.iter().zip(UNITS).enumerate();
             parameters.extend(entries.map(|(quantity, (entry, unit))| {
-                inertial(format!("payload.{entry}"), unit, Role::Payload { quantity })
+                let role = Role::Payload { quantity };
+                assemble::unbounded(format!("payload.{entry}"), unit, role)
             }));
             (payload, first)
         });
         Ok(Self {
-            channels: channels(&settings),
+            channels: assemble::channels(&settings),
             signal: settings.signal,
             joints,
             coupling,
             offset: DVector::from_vec(settings.offset.unwrap_or_else(|| vec![0.0; n])),
             payload,
+            tilt,
+            platform: Platform::default(),
+            tare: None,
+            reference: None,
+            mechanism: None,
             parameters,
             tree: settings.tree,
         })
@@ -193,6 +224,91 @@ impl Model {
         self.payload
     }
 
+    /// Position of the roll of the base; the pitch is behind it.
+    pub fn tilt(&self) -> Option<usize> {
+        self.tilt
+    }
+
+    /// What the effects of the model have to know of the past: the most of any.
+    pub fn memory(&self) -> Memory {
+        let active = self.joints.iter().filter(|joint| !joint.locked);
+        let all = active.flat_map(|joint| joint.effects.iter().map(|(e, _)| e.needs.memory));
+        all.fold(Memory::None, |most, next| match (most, next) {
+            (Memory::Course, _) | (_, Memory::Course) => Memory::Course,
+            (Memory::Time, _) | (_, Memory::Time) => Memory::Time,
+            _ => Memory::None,
+        })
+    }
+
+    /// Whether the signal is affine in all linear parameters together while the others are fixed.
+    pub fn is_affine(&self) -> bool {
+        let mut effects = self.joints.iter().flat_map(|joint| &joint.effects);
+        effects.all(|(effect, _)| effect.law.keeps_affine())
+    }
+
+    /// What the base wrench is read by.
+    pub fn platform(&self) -> &Platform {
+        &self.platform
+    }
+
+    /// Puts the robot on a platform.
+    pub fn stand_on(&mut self, platform: Platform) {
+        self.platform = platform;
+    }
+
+    /// Position of the parameter that is an entry of V.
+    pub fn coupling_position(&self, row: usize, column: usize) -> Option<usize> {
+        let here = Role::Coupling { row, column };
+        self.parameters.iter().position(|p| p.role == here)
+    }
+
+    /// V by which recorded positions of joints became those of motors; `None` where motors were recorded.
+    pub fn reference(&self) -> Option<&DMatrix<f64>> {
+        self.reference.as_ref()
+    }
+
+    /// States that positions of joints were recorded and became `m = V⁻¹ (q − offset)` by this V: whatever V an
+    /// estimate tries, the joints stay where they were recorded.
+    pub fn record_joints(&mut self, reference: DMatrix<f64>) {
+        self.reference = Some(reference);
+    }
+
+    /// Position of the first of the six parameters of the tare, if it is in the model.
+    pub fn tare(&self) -> Option<usize> {
+        self.tare
+    }
+
+    /// Adds what the platform reads without the robot: six unknowns, where the signal has a base wrench.
+    pub fn add_tare(&mut self) {
+        if self.signal.rows() == Rows::Torque || self.tare.is_some() {
+            return;
+        }
+        self.tare = Some(self.parameters.len());
+        let components = WRENCH.iter().enumerate();
+        self.parameters
+            .extend(components.map(|(component, &(name, unit))| {
+                assemble::unbounded(format!("platform.{name}"), unit, Role::Tare { component })
+            }));
+    }
+
+    /// The loops that the joints close, if there are any.
+    pub fn mechanism(&self) -> Option<&Mechanism> {
+        self.mechanism.as_ref()
+    }
+
+    /// Closes the loops of a mechanism with the model's joints. Links that weigh nothing become known.
+    pub fn close(&mut self, mechanism: Mechanism) {
+        for (first, link) in (0..).step_by(PER_LINK).zip(0..self.tree.len()) {
+            if mechanism.is_massless(link) {
+                for parameter in &mut self.parameters[first..first + PER_LINK] {
+                    parameter.value = 0.0;
+                    parameter.state = State::Known;
+                }
+            }
+        }
+        self.mechanism = Some(mechanism);
+    }
+
     pub fn offset(&self) -> &DVector<f64> {
         &self.offset
     }
@@ -203,6 +319,31 @@ impl Model {
             self.parameters.len(),
             self.parameters.iter().map(|p| p.value),
         )
+    }
+
+    /// Values at which no torque vanishes: known ones, and for linear unknowns that start from zero those of
+    /// the robot file, of a usual body, or typical ones. Where losses or currents depend on torque, what the
+    /// signal depends on shows only there.
+    pub fn generic_values(&self) -> DVector<f64> {
+        /// 2 kg, centre of mass 0.1 m off the axis.
+        const BODY: [f64; PER_LINK] = [2.0, 0.2, -0.15, 0.25, 0.06, 0.01, 0.07, -0.02, 0.015, 0.05];
+        let of = |parameter: &Parameter| {
+            if !parameter.is_linear_unknown() || parameter.value != 0.0 {
+                return parameter.value;
+            }
+            match parameter.role {
+                Role::Inertial { link, quantity } => {
+                    let declared = self.tree.joints()[link].inertia;
+                    match declared.mass() > 0.0 {
+                        true => declared.0[quantity],
+                        false => BODY[quantity],
+                    }
+                }
+                Role::Payload { quantity } => BODY[quantity],
+                _ => parameter.scale,
+            }
+        };
+        DVector::from_iterator(self.parameters.len(), self.parameters.iter().map(of))
     }
 
     /// Position of a parameter by name.
@@ -271,180 +412,5 @@ impl Model {
                 .parameters
                 .iter()
                 .any(|p| matches!(p.role, Role::Coupling { .. }))
-    }
-}
-
-fn inertial(name: String, unit: &str, role: Role) -> Parameter {
-    Parameter {
-        name,
-        unit: unit.to_string(),
-        role,
-        state: State::Free,
-        value: 0.0,
-        lower: f64::NEG_INFINITY,
-        upper: f64::INFINITY,
-        bounded: false,
-        scale: 1.0,
-        linearity: Linearity::Linear,
-    }
-}
-
-fn inertial_parameters(settings: &ModelSettings) -> Vec<Parameter> {
-    let mut parameters = Vec::new();
-    for (link, joint) in settings.tree.joints().iter().enumerate() {
-        for quantity in 0..PER_LINK {
-            let mut parameter = inertial(
-                format!("{}.{}", joint.link, QUANTITIES[quantity]),
-                UNITS[quantity],
-                Role::Inertial { link, quantity },
-            );
-            if settings.inertials == Inertials::Known {
-                parameter.value = joint.inertia.0[quantity];
-                parameter.state = State::Known;
-            }
-            parameters.push(parameter);
-        }
-    }
-    parameters
-}
-
-fn joint_model(settings: &ModelSettings, j: usize, parameters: &mut Vec<Parameter>) -> JointModel {
-    let joint = &settings.tree.joints()[j];
-    let mut model = JointModel {
-        name: joint.name.clone(),
-        kind: joint.kind,
-        torque_constant: settings.torque_constant.as_ref().map_or(1.0, |k| k[j]),
-        locked: settings.locked[j],
-        effects: Vec::new(),
-        width: None,
-        gain: None,
-    };
-    let known_rotor = settings.rotor_inertia.as_ref().map(|inertia| inertia[j]);
-    let mut effects = settings.effects[j].clone();
-    let rotor = &crate::chain::effect::rotor_inertia::EFFECT;
-    if known_rotor.is_some() && effects.iter().all(|e| e.id != rotor.id) {
-        effects.push(rotor);
-    }
-    for effect in effects {
-        // V has entries and the load has bodies: their parameters are not per joint.
-        if matches!(effect.law, Law::Coupling | Law::Body) {
-            continue;
-        }
-        if settings.signal == Signal::LinkTorque && effect.id == rotor.id {
-            continue;
-        }
-        let first = parameters.len();
-        let place = (j, model.effects.len());
-        parameters.extend(effect_parameters(joint, effect, place));
-        match effect.id {
-            "coulomb_friction" => {
-                model.width = Some(first + crate::chain::effect::coulomb_friction::WIDTH);
-            }
-            "drive_gain" => model.gain = Some(first),
-            _ => {}
-        }
-        if let (Some(inertia), true) = (known_rotor, effect.id == rotor.id) {
-            parameters[first].value = inertia;
-            let listed = settings.effects[j].iter().any(|e| e.id == rotor.id);
-            if !listed {
-                parameters[first].state = State::Known;
-            }
-        }
-        model.effects.push((effect, first));
-    }
-    model
-}
-
-/// The parameters of an effect; `place` is the joint and the position among its effects.
-fn effect_parameters(
-    joint: &Joint,
-    effect: &'static Effect,
-    place: (usize, usize),
-) -> impl Iterator<Item = Parameter> {
-    let (name, kind) = (joint.name.clone(), joint.kind);
-    effect
-        .parameters
-        .iter()
-        .enumerate()
-        .map(move |(index, info)| Parameter {
-            name: format!("{name}.{}.{}", effect.id, info.name),
-            unit: info.unit.of(kind).to_string(),
-            role: Role::Effect {
-                joint: place.0,
-                effect: place.1,
-                parameter: index,
-            },
-            state: State::Free,
-            value: match info.linearity {
-                Linearity::Linear => 0.0,
-                Linearity::Nonlinear => info.typical,
-            },
-            lower: info.lower,
-            upper: info.upper,
-            bounded: false,
-            scale: info.typical,
-            linearity: info.linearity,
-        })
-}
-
-fn coupling_parameters(
-    settings: &ModelSettings,
-    coupling: &DMatrix<f64>,
-    parameters: &mut Vec<Parameter>,
-) {
-    let effect = &crate::chain::effect::kinematic_coupling::EFFECT;
-    let info = &effect.parameters[0];
-    let joints = settings.tree.joints();
-    for row in 0..joints.len() {
-        if settings.effects[row].iter().all(|e| e.id != effect.id) {
-            continue;
-        }
-        let declared: Vec<usize> = (0..joints.len())
-            .filter(|&column| column != row && coupling[(row, column)] != 0.0)
-            .collect();
-        let columns = match (declared.is_empty(), row.checked_sub(1)) {
-            (true, Some(before)) => vec![before],
-            _ => declared,
-        };
-        for column in columns {
-            parameters.push(Parameter {
-                name: format!("{}.{}.{}", joints[row].name, effect.id, joints[column].name),
-                unit: info.unit.of(joints[row].kind).to_string(),
-                role: Role::Coupling { row, column },
-                state: State::Free,
-                value: coupling[(row, column)],
-                lower: info.lower,
-                upper: info.upper,
-                bounded: false,
-                scale: info.typical,
-                linearity: info.linearity,
-            });
-        }
-    }
-}
-
-fn channels(settings: &ModelSettings) -> Vec<Channel> {
-    let of_joints = settings.tree.joints().iter().enumerate().map(|(j, joint)| {
-        let unit = match settings.signal {
-            Signal::Current => "A",
-            _ => joint.kind.effort_unit(),
-        };
-        Channel {
-            name: joint.name.clone(),
-            unit,
-            joint: Some(j),
-            active: !settings.locked[j],
-        }
-    });
-    let of_base = WRENCH.iter().map(|&(name, unit)| Channel {
-        name: name.to_string(),
-        unit,
-        joint: None,
-        active: true,
-    });
-    match settings.signal {
-        Signal::BaseWrench => of_base.collect(),
-        Signal::Both => of_joints.chain(of_base).collect(),
-        _ => of_joints.collect(),
     }
 }

@@ -17,6 +17,10 @@ pub enum Role {
     },
     /// Entry of V.
     Coupling { row: usize, column: usize },
+    /// Roll (0) or pitch (1) of the base.
+    Tilt { angle: usize },
+    /// What a component of the base wrench reads without the robot.
+    Tare { component: usize },
 }
 
 /// Whether an estimate may change a parameter.

@@ -91,11 +91,25 @@ pub fn run(problem: &ProblemFile, control: &Control<'_>) -> Vec<Finding> {
     distinct
 }
 
-/// Whether an error among the findings is one of the problem file, and not of a file that it names.
-pub fn concerns_problem_file(problem: &ProblemFile, findings: &[Finding]) -> bool {
+/// What the errors among findings are of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AtFault {
+    Nothing,
+    ProblemFile,
+    /// A recording or robot file, whatever else is wrong.
+    Data,
+}
+
+/// Which file has to be mended first.
+pub fn at_fault(problem: &ProblemFile, findings: &[Finding]) -> AtFault {
     let own = problem.path.display().to_string();
-    let at_fault = |f: &Finding| f.severity == Severity::Error && f.file.as_deref() == Some(&own);
-    findings.iter().any(at_fault)
+    let is_own = |f: &Finding| f.file.as_deref().is_none_or(|file| file == own);
+    let mut errors = findings.iter().filter(|f| f.severity == Severity::Error);
+    match (has_error(findings), errors.all(is_own)) {
+        (false, _) => AtFault::Nothing,
+        (true, true) => AtFault::ProblemFile,
+        (true, false) => AtFault::Data,
+    }
 }
 
 fn has_error(findings: &[Finding]) -> bool {
@@ -129,7 +143,7 @@ fn with_robot(
         return;
     };
     let setting = Setting::new(problem, table, robot);
-    let named = list(table, problem.robot.payload.is_some());
+    let named = list(table);
     let mut dataset = Dataset::default();
     let mut complete = true;
     for named in &named {
@@ -207,7 +221,7 @@ fn unreadable_files(problem: &ProblemFile) -> Vec<Finding> {
     let Some(table) = &problem.recordings else {
         return Vec::new();
     };
-    let named = list(table, problem.robot.payload.is_some());
+    let named = list(table);
     let fault = |named: &Named<'_>| {
         let path = &named.path.resolved;
         format_of(path)

@@ -4,54 +4,29 @@ use crate::check::finding;
 use crate::check::setting::Read;
 use crate::outcome::check::{Finding, Severity};
 use crate::problem_file::choices::DifferentiationMethod;
-use crate::recording::period::detect_period;
-use crate::recording::timing::{Grid, resample};
+use crate::recording::period::{self, Repetition};
 
 /// A motion repeats if a hundredth of its power changes from period to period; a stated period at which
 /// this share changes is another one.
 const CHANGED: f64 = 0.02;
 
-/// Samples to which a recording is thinned: periods need no more.
-const MOST_SAMPLES: usize = 40_000;
-
 pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
-    let (positions, rate_hz) = thinned(read);
     let stated = read.setting.table.period.as_ref().map(|p| p.value);
     let found = match stated {
-        Some(period) => of_stated(read, (&positions, rate_hz), period),
-        None => of_unstated(read, (&positions, rate_hz)),
+        Some(period) => of_stated(read, period),
+        None => of_unstated(read),
     };
     found.into_iter().collect()
 }
 
-/// Positions on an even grid, with their rate in Hz.
-fn thinned(read: &Read<'_>) -> (Vec<Vec<f64>>, f64) {
-    let rate_hz = read.timing.rate_hz;
-    let even = match (&read.recording.time, read.timing.uniform) {
-        (Some(time), false) => {
-            resample(read.recording.clone(), Grid::spanning(time, rate_hz)).position
-        }
-        _ => read.recording.position.clone(),
-    };
-    let stride = even
-        .first()
-        .map_or(1, |q| q.len().div_ceil(MOST_SAMPLES))
-        .max(1);
-    let thin = |q: &Vec<f64>| q.iter().step_by(stride).copied().collect();
-    (even.iter().map(thin).collect(), rate_hz / stride as f64)
-}
-
-fn of_stated(
-    read: &Read<'_>,
-    (positions, rate_hz): (&[Vec<f64>], f64),
-    period: f64,
-) -> Option<Finding> {
-    let changed = share_changed(positions, period * rate_hz)?;
+fn of_stated(read: &Read<'_>, period: f64) -> Option<Finding> {
+    let (positions, rate_hz) = period::thinned(read.recording, &read.timing);
+    let changed = share_changed(&positions, period * rate_hz)?;
     if changed < CHANGED {
         return None;
     }
-    let what = match detect_period(positions, rate_hz) {
-        Some(found) => (
+    let what = match period::of_positions(&positions, rate_hz) {
+        Some(Repetition { period: found, .. }) => (
             format!("the motion repeats after {found:.5} s"),
             format!("set recordings.period = {found:.5}"),
         ),
@@ -93,7 +68,7 @@ fn share_changed(positions: &[Vec<f64>], lag: f64) -> Option<f64> {
     (variance > 0.0).then(|| change / (2.0 * variance))
 }
 
-fn of_unstated(read: &Read<'_>, (positions, rate_hz): (&[Vec<f64>], f64)) -> Option<Finding> {
+fn of_unstated(read: &Read<'_>) -> Option<Finding> {
     let method = &read.setting.table.differentiation.method;
     if method
         .as_ref()
@@ -101,21 +76,28 @@ fn of_unstated(read: &Read<'_>, (positions, rate_hz): (&[Vec<f64>], f64)) -> Opt
     {
         return None;
     }
-    let found = detect_period(positions, rate_hz)?;
-    let duration = positions.first()?.len() as f64 / rate_hz;
+    let found = period::find(read.recording, &read.timing)?;
+    let period = found.period;
+    let repeats = read.samples() as f64 / read.timing.rate_hz / period;
+    let remedy = if found.is_exact() {
+        format!(
+            "a fit averages over these periods; set recordings.period = {period:.5} to hold it to that, \
+             or recordings.differentiation.method = \"lowpass\" to use every sample"
+        )
+    } else {
+        format!(
+            "{:.2} % of its power changes from period to period, too much to average unasked; if nothing \
+             but noise changes, set recordings.period = {period:.5}",
+            100.0 * found.changed
+        )
+    };
     Some(finding(
         Severity::Note,
         read.place().key("period"),
         (
             "period-not-stated",
-            format!(
-                "the motion repeats every {found:.5} s, {:.1} times",
-                duration / found
-            ),
-            format!(
-                "set recordings.period = {found:.5}: the average over periods has less noise, and their \
-                 differences show how much"
-            ),
+            format!("the motion repeats every {period:.5} s, {repeats:.1} times"),
+            remedy,
         ),
     ))
 }

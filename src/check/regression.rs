@@ -64,14 +64,12 @@ impl Sampled {
     }
 
     fn segment(&self) -> Segment<'_> {
-        Segment {
-            motors: Trajectory {
-                q: &self.position,
-                dq: &self.velocity,
-                ddq: &self.acceleration,
-            },
-            loaded: self.loaded,
-        }
+        let motors = Trajectory {
+            q: &self.position,
+            dq: &self.velocity,
+            ddq: &self.acceleration,
+        };
+        Segment::states(motors, self.loaded)
     }
 }
 
@@ -252,6 +250,7 @@ pub(super) fn with_tree(declared: &Model, tree: Tree) -> Model {
         },
         inertials: Inertials::Estimate,
         torque_constant: None,
+        current_polynomial: None,
         rotor_inertia: None,
         coupling: Some(declared.coupling(&declared.values())),
         offset: Some(declared.offset().iter().copied().collect()),

@@ -1,6 +1,6 @@
 //! The flags of every verb.
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 /// Excite, identify, diagnose: robot models that are right.
@@ -13,14 +13,20 @@ pub struct Arguments {
 
 #[derive(Subcommand, Debug)]
 pub enum Verb {
+    /// An excitation trajectory within the robot's limits
+    Design(Run),
     /// Parameters from recordings
     Fit(Run),
+    /// Where model and recordings differ, what physics is missing, the model with it
+    Diagnose(Run),
     /// Read everything, run nothing: what is wrong with the inputs and what to do
     Check(Run),
     /// Recordings from a model, with noise and quantisation
     Simulate(Run),
     /// The physics that the tool knows
     Effects(Query),
+    /// The identified robot as URDF, MJCF, TOML, or code of its inverse dynamics
+    Export(Conversion),
     /// Render the HTML report of a result again
     Report(Rendering),
 }
@@ -68,4 +74,38 @@ pub struct Rendering {
     /// Print nothing but errors
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// A result to export.
+#[derive(Args, Debug)]
+pub struct Conversion {
+    /// The results folder
+    pub result: PathBuf,
+    /// The format
+    #[arg(long, value_name = "FORMAT")]
+    pub to: Target,
+    /// Folder to write to [default: the results folder]
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print the names of the files and the notes as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Formats of exports.
+#[derive(ValueEnum, Debug, Clone, Copy)]
+pub enum Target {
+    /// Robot description; what it has no place for in a side file
+    Urdf,
+    /// MuJoCo model
+    Mjcf,
+    /// Links, drives and load with their intervals
+    Toml,
+    /// Source of the inverse dynamics in Rust
+    Rust,
+    /// Source of the inverse dynamics in C
+    C,
 }

@@ -1,21 +1,20 @@
 //! `exid check`: reads everything, runs nothing.
 
-use crate::check;
+use crate::check::{self, AtFault};
 use crate::cli::args::Run;
 use crate::cli::error::CliError;
 use crate::cli::progress::Progress;
 use crate::cli::{fit, interrupt, output};
-use crate::outcome::check::{Check, Finding, Severity};
+use crate::outcome::check::Check;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::{Outcome, Part};
 use crate::problem::solution::Control;
-use std::path::Path;
 use std::time::Instant;
 
 pub fn run(run: &Run) -> Result<u8, CliError> {
     let started = Instant::now();
     let problem = output::open(run)?;
-    let target = output::folder(run, &problem, "check");
+    let target = output::target(run, &problem, "check")?;
     let control = Control {
         interrupt: Some(interrupt::flag()),
         ..Control::default()
@@ -24,7 +23,11 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
     progress.say("reading the robot and the recordings");
     let findings = check::run(&problem, &control);
     progress.done();
-    let code = exit_code(&findings, &problem.path);
+    let code = match check::at_fault(&problem, &findings) {
+        AtFault::Data => CliError::WRONG_DATA,
+        AtFault::ProblemFile => CliError::WRONG_USE,
+        AtFault::Nothing => 0,
+    };
     let outcome = Outcome {
         name: problem.name.value.clone(),
         run: output::record(run, &problem, &fit::files(&problem), started),
@@ -37,19 +40,4 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
     } else {
         code
     })
-}
-
-/// 3 if a recording or robot file is at fault, 2 if only the problem file is.
-fn exit_code(findings: &[Finding], problem: &Path) -> u8 {
-    let problem = problem.display().to_string();
-    let errors = || findings.iter().filter(|f| f.severity == Severity::Error);
-    let of_problem = |f: &&Finding| f.file.as_deref().is_none_or(|file| file == problem);
-    match (
-        errors().any(|f| !of_problem(&f)),
-        errors().any(|f| of_problem(&f)),
-    ) {
-        (true, _) => CliError::WRONG_DATA,
-        (false, true) => CliError::WRONG_USE,
-        (false, false) => 0,
-    }
 }

@@ -1,6 +1,10 @@
 //! Errors of the command line and their exit codes.
 
+use crate::design::error::DesignError;
+use crate::diagnose::error::DiagnoseError;
 use crate::estimate::task::FitError;
+use crate::export::error::ExportError;
+use crate::motors::error::MotorsError;
 use crate::outcome::error::OutcomeError;
 use crate::problem_file::ProblemFileError;
 use crate::simulate::error::SimulateError;
@@ -12,11 +16,19 @@ pub enum CliError {
     #[error(transparent)]
     Problem(#[from] ProblemFileError),
     #[error(transparent)]
+    Design(#[from] DesignError),
+    #[error(transparent)]
     Fit(#[from] FitError),
+    #[error(transparent)]
+    Motors(#[from] MotorsError),
+    #[error(transparent)]
+    Diagnose(#[from] DiagnoseError),
     #[error(transparent)]
     Simulate(#[from] SimulateError),
     #[error(transparent)]
     Outcome(#[from] OutcomeError),
+    #[error(transparent)]
+    Export(#[from] ExportError),
     #[error("{0}")]
     WrongUse(String),
 }
@@ -32,11 +44,18 @@ impl CliError {
 
     pub fn exit_code(&self) -> u8 {
         match self {
+            Self::Design(DesignError::Solve(_)) => Self::NO_SOLUTION,
+            Self::Design(error) => of_files(error.concerns_data()),
             Self::Fit(FitError::Setup(error)) => of_files(error.concerns_data()),
             Self::Fit(FitError::Estimate { .. }) => Self::NO_SOLUTION,
+            Self::Motors(error) => of_files(error.concerns_data()),
+            Self::Diagnose(DiagnoseError::Setup(error)) => of_files(error.concerns_data()),
+            Self::Diagnose(DiagnoseError::Refit(_)) => Self::NO_SOLUTION,
             Self::Simulate(error) if error.is_interrupt() => Self::INTERRUPTED,
             Self::Simulate(error) => of_files(error.concerns_data()),
-            Self::Problem(_) | Self::Outcome(_) | Self::WrongUse(_) => Self::WRONG_USE,
+            Self::Problem(_) | Self::Outcome(_) | Self::Export(_) | Self::WrongUse(_) => {
+                Self::WRONG_USE
+            }
         }
     }
 }

@@ -3,13 +3,14 @@
 use crate::cli::args::Run;
 use crate::cli::error::CliError;
 use crate::cli::progress::Progress;
-use crate::cli::{interrupt, output};
+use crate::cli::{interrupt, motors, output};
 use crate::estimate::task::{self, FitRun};
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::predictions::{Block, PredictionsWriter, Quantity};
 use crate::outcome::{Outcome, PREDICTIONS_FILE, Part};
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
+use crate::problem_file::choices::Estimator;
 use crate::problem_file::robot::RobotSource;
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
@@ -18,9 +19,10 @@ use std::time::Instant;
 pub fn run(run: &Run) -> Result<u8, CliError> {
     let started = Instant::now();
     let problem = output::open(run)?;
-    let target = output::folder(run, &problem, "fit");
-    // A folder that cannot be written is refused before the work, not after it.
-    drop(ResultFolder::prepare(&target)?);
+    let target = output::target(run, &problem, "fit")?;
+    if problem.fit.estimator.value == Estimator::ConstantVelocity {
+        return motors::run(run, &problem, &target, started);
+    }
     let interrupt = interrupt::flag();
     let control = Control {
         interrupt: Some(interrupt),

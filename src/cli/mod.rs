@@ -2,10 +2,14 @@
 
 mod args;
 mod check;
+mod design;
+mod diagnose;
 mod effects;
 mod error;
+mod export;
 mod fit;
 mod interrupt;
+mod motors;
 mod output;
 mod progress;
 mod render;
@@ -47,10 +51,13 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 
 fn dispatch(verb: &Verb) -> Result<u8, CliError> {
     match verb {
+        Verb::Design(run) => design::run(run),
         Verb::Fit(run) => fit::run(run),
         Verb::Check(run) => check::run(run),
+        Verb::Diagnose(run) => diagnose::run(run),
         Verb::Simulate(run) => simulate::run(run),
         Verb::Effects(query) => effects::run(query),
+        Verb::Export(query) => export::run(query),
         Verb::Report(query) => render::run(query),
     }
 }

@@ -32,6 +32,13 @@ pub fn folder(run: &Run, problem: &ProblemFile, verb: &str) -> PathBuf {
     }
 }
 
+/// The results folder of a run, made sure that it can be written: refused before the work, not after it.
+pub fn target(run: &Run, problem: &ProblemFile, verb: &str) -> Result<PathBuf, CliError> {
+    let target = folder(run, problem, verb);
+    drop(ResultFolder::prepare(&target)?);
+    Ok(target)
+}
+
 /// The common head of a result; files that cannot be read any more are left out.
 pub fn record(run: &Run, problem: &ProblemFile, files: &[PathBuf], started: Instant) -> Record {
     let all = std::iter::once(&problem.path).chain(files);

@@ -15,7 +15,7 @@ use std::time::Instant;
 pub fn run(run: &Run) -> Result<u8, CliError> {
     let started = Instant::now();
     let problem = output::open(run)?;
-    let target = output::folder(run, &problem, "simulate");
+    let target = output::target(run, &problem, "simulate")?;
     let control = Control {
         interrupt: Some(interrupt::flag()),
         ..Control::default()

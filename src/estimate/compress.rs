@@ -27,7 +27,7 @@ pub struct Request<'a> {
 /// The triangular factor of `[W J, W (ŝ − s)]`, order p + 1.
 pub fn factor(request: &Request<'_>, recordings: &[&Prepared]) -> Triangular {
     let order = request.columns.len() + 1;
-    let parts: Vec<Vec<Part>> = indexed_tasks(recordings)
+    let parts: Vec<Vec<Part>> = indexed_tasks(request.model, recordings)
         .par_iter()
         .map(|(recording, task)| match request.weights {
             Weights::PerChannel(_) => by_channel(request, *recording, task),
@@ -58,7 +58,7 @@ pub fn factor(request: &Request<'_>, recordings: &[&Prepared]) -> Triangular {
 /// Sum of squares of the weighted residual.
 pub fn sum_of_squares(request: &Request<'_>, recordings: &[&Prepared]) -> f64 {
     let weights = request.weights.matrix();
-    let parts: Vec<f64> = indexed_tasks(recordings)
+    let parts: Vec<f64> = indexed_tasks(request.model, recordings)
         .par_iter()
         .map(|(recording, task)| {
             let mut sum = 0.0;
@@ -75,11 +75,11 @@ pub fn sum_of_squares(request: &Request<'_>, recordings: &[&Prepared]) -> f64 {
     parts.iter().sum()
 }
 
-fn indexed_tasks<'a>(recordings: &[&'a Prepared]) -> Vec<(usize, Task<'a>)> {
+fn indexed_tasks<'a>(model: &Model, recordings: &[&'a Prepared]) -> Vec<(usize, Task<'a>)> {
     let indexed = recordings.iter().enumerate();
     indexed
         .flat_map(|(k, recording)| {
-            tasks(std::iter::once(*recording))
+            tasks(model, std::iter::once(*recording))
                 .into_iter()
                 .map(move |task| (k, task))
         })

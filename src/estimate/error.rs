@@ -27,6 +27,21 @@ pub enum EstimateError {
         "the covariance of the residuals cannot be factorised; a channel is constant or two are the same"
     )]
     SingularResiduals,
+    #[error(
+        "no recording repeats its motion, so nothing tells the noise that `fit.prior.strength = \"noise\"` needs; \
+         state recordings.period, or use \"held_out\" or a number"
+    )]
+    NoNoiseLevel,
+    #[error(
+        "`fit.motion = \"noisy\"` needs the scatter of periods, and {recording} has none; state recordings.period \
+         and record two periods or more, without recordings.differentiation.parallel_hz"
+    )]
+    MotionWithoutPeriods { recording: String },
+    #[error(
+        "`fit.motion = \"noisy\"` does not go with a law that remembers the course of the motion; leave it out of \
+         drive.effects or use `motion = \"exact\"`"
+    )]
+    MotionWithMemory,
     #[error(transparent)]
     Model(#[from] ModelError),
     #[error(transparent)]

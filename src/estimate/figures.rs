@@ -1,12 +1,13 @@
 //! How well a model predicts recordings, channel by channel, and how much of the error is noise.
 
 use crate::chain::dataset::{Dataset, Prepared};
-use crate::chain::evaluate::{BLOCK, Evaluator, bodies};
-use crate::chain::model::{Model, Signal};
+use crate::chain::effect::Memory;
+use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
+use crate::chain::model::Model;
 use crate::estimate::noise::predict;
 use crate::outcome::joint::JointFigures;
 use crate::recording::split::Split;
-use crate::robot::derivatives::Derivatives;
+use crate::robot::batch::Trajectory;
 use nalgebra::DVector;
 
 /// Sums of one channel over recordings.
@@ -50,7 +51,7 @@ pub fn figures(
     let raw: Vec<Vec<Vec<f64>>> = data
         .recordings
         .iter()
-        .map(|r| whole(model, values, r))
+        .map(|r| signals(model, values, r.whole()))
         .collect();
     let held_out = data.of(Split::Validation).next().is_some();
     let noise = noise_rms(model, values, data);
@@ -99,21 +100,6 @@ fn add_rows(sums: &mut Sums, recording: &Prepared, (predicted, channel): (&[f64]
     }
 }
 
-/// Prediction at every row of the experiment, without the filter over signal and model.
-fn whole(model: &Model, values: &DVector<f64>, recording: &Prepared) -> Vec<Vec<f64>> {
-    let rows = recording.experiment.rows();
-    let mut out = vec![Vec::with_capacity(rows); model.channels().len()];
-    let mut evaluator = Evaluator::new(model, values, &[]);
-    for start in (0..rows).step_by(BLOCK) {
-        let range = start..rows.min(start + BLOCK);
-        let block = evaluator.evaluate(recording.whole(), range);
-        for (c, series) in out.iter_mut().enumerate() {
-            series.extend_from_slice(block.value(c));
-        }
-    }
-    out
-}
-
 /// Adds every recorded sample, unfiltered, against the prediction at its time.
 fn add_raw(sums: &mut Sums, recording: &Prepared, (predicted, channel): (&[f64], usize)) {
     let raw = &recording.experiment.raw;
@@ -127,11 +113,9 @@ fn add_raw(sums: &mut Sums, recording: &Prepared, (predicted, channel): (&[f64],
     }
 }
 
-/// Every so many rows the derivatives of the model are taken for the noise of the motion.
-const DERIVATIVE_STRIDE: usize = 7;
-
 /// Standard deviation of one row per channel that the scatter between periods gives, over the recordings
-/// that the figures judge; the motion's own error is carried through the model:
+/// that the figures judge; the noise of the motion is carried through the model, friction near
+/// reversals included:
 /// `σ² = σ_s² + Σ_j (∂s/∂q_j)² σ²_{q,j} + (∂s/∂q̇_j)² σ²_{q̇,j} + (∂s/∂q̈_j)² σ²_{q̈,j}`.
 pub fn noise_rms(model: &Model, values: &DVector<f64>, data: &Dataset) -> Option<Vec<f64>> {
     let split = match data.of(Split::Validation).next() {
@@ -152,61 +136,60 @@ pub fn noise_rms(model: &Model, values: &DVector<f64>, data: &Dataset) -> Option
     (rows > 0.0).then(|| sum.iter().map(|total| (total / rows).sqrt()).collect())
 }
 
-/// Mean variance per channel that the noise of the motion causes.
+/// Mean variance per channel that the errors of the motion cause: of every row, half the difference of the signals
+/// with each position, velocity and acceleration a standard deviation further and back.
 fn motion_variance(model: &Model, values: &DVector<f64>, recording: &Prepared) -> Vec<f64> {
-    let channels = model.channels();
-    let mut out = vec![0.0; channels.len()];
+    let mut out = vec![0.0; model.channels().len()];
     let Some(noise) = &recording.experiment.noise else {
         return out;
     };
-    let n = model.tree().len();
-    let parameters = bodies(model, values, recording.loaded);
-    let coupling = model.coupling(values);
-    let mut derivatives = Derivatives::new(model.tree());
-    let motors = recording.segment().motors;
-    let rows: Vec<usize> = (0..recording.rows()).step_by(DERIVATIVE_STRIDE).collect();
-    for &row in &rows {
-        let at = |series: &[Vec<f64>]| DVector::from_fn(n, |j, _| series[j][row]);
-        let q = &coupling * at(motors.q) + model.offset();
-        let (dq, ddq) = (&coupling * at(motors.dq), &coupling * at(motors.ddq));
-        let state = [q.as_slice(), dq.as_slice(), ddq.as_slice()];
-        derivatives.evaluate(model.tree(), &parameters, state);
-        let parts = [
-            (
-                &derivatives.position,
-                &noise.position_sd,
-                &derivatives.base[0],
-            ),
-            (
-                &derivatives.velocity,
-                &noise.velocity_sd,
-                &derivatives.base[1],
-            ),
-            (
-                &derivatives.mass,
-                &noise.acceleration_sd,
-                &derivatives.base[2],
-            ),
-        ];
-        for (torque, deviation, base) in parts {
-            let at_motors = coupling.tr_mul(&(torque * &coupling));
-            for (c, channel) in channels.iter().enumerate() {
-                for j in 0..n {
-                    let slope = match channel.joint {
-                        Some(i) => at_motors[(i, j)] / model.joints()[i].torque_constant,
-                        None => base[(wrench_row(model, c), j)],
-                    };
-                    out[c] += (slope * deviation[j]).powi(2);
-                }
+    let segment = recording.segment();
+    let motors = segment.motors;
+    let deviations = [
+        &noise.position_sd,
+        &noise.velocity_sd,
+        &noise.acceleration_sd,
+    ];
+    for (order, deviations) in deviations.into_iter().enumerate() {
+        for (j, deviation) in deviations.iter().enumerate() {
+            if *deviation == 0.0 {
+                continue;
+            }
+            let signal = |sign: f64| {
+                let mut moved = [motors.q.to_vec(), motors.dq.to_vec(), motors.ddq.to_vec()];
+                let series = &mut moved[order][j];
+                series.iter_mut().for_each(|x| *x += sign * deviation);
+                let [q, dq, ddq] = &moved;
+                let motors = Trajectory { q, dq, ddq };
+                signals(model, values, Segment { motors, ..segment })
+            };
+            let (ahead, behind) = (signal(1.0), signal(-1.0));
+            for (c, total) in out.iter_mut().enumerate() {
+                let pairs = ahead[c].iter().zip(&behind[c]);
+                let squares: f64 = pairs.map(|(a, b)| (0.5 * (a - b)).powi(2)).sum();
+                *total += squares / recording.rows().max(1) as f64;
             }
         }
     }
-    out.iter().map(|v| v / rows.len().max(1) as f64).collect()
+    out
 }
 
-fn wrench_row(model: &Model, channel: usize) -> usize {
-    match model.signal() {
-        Signal::Both => channel - model.tree().len(),
-        _ => channel,
+/// Signals of the chain along a motion, `[channel][row]`.
+fn signals(model: &Model, values: &DVector<f64>, segment: Segment<'_>) -> Vec<Vec<f64>> {
+    let rows = segment.motors.len();
+    let channels = model.channels().len();
+    if model.memory() == Memory::Course {
+        let mut evaluator = Evaluator::along(model, values, &[], rows);
+        let block = evaluator.evaluate_course(segment);
+        return (0..channels).map(|c| block.value(c).to_vec()).collect();
     }
+    let mut evaluator = Evaluator::new(model, values, &[]);
+    let mut signals = vec![Vec::with_capacity(rows); channels];
+    for start in (0..rows).step_by(BLOCK) {
+        let block = evaluator.evaluate(segment, start..rows.min(start + BLOCK));
+        for (c, series) in signals.iter_mut().enumerate() {
+            series.extend_from_slice(block.value(c));
+        }
+    }
+    signals
 }

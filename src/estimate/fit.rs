@@ -5,8 +5,9 @@
 //! | ordinary | torque at joint scale counts the same on every channel | given, else 0 |
 //! | weighted | every channel by the deviation of its residual, iterated | given, else 0 |
 //! | robust | as weighted, and every residual by Tukey's biweight | given, else 0 |
-//! | maximum likelihood | the inverse covariance of the residuals across channels, iterated | estimated |
+//! | maximum likelihood | the inverse covariance across channels, of the scatter of periods or of the residuals | estimated |
 
+use crate::chain::base_parameters::scan_order;
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::{Channel, Model};
 use crate::chain::parameter::Role;
@@ -14,12 +15,13 @@ use crate::chain::prior::Prior;
 use crate::estimate::covariance::of_unknowns;
 use crate::estimate::error::EstimateError;
 use crate::estimate::figures::{Predictions, figures, predictions};
-use crate::estimate::noise::{ResidualSeries, counting_rows, row_covariance};
+use crate::estimate::noise::{counting_rows, row_covariance};
 use crate::estimate::physical::{Estimated, report};
-use crate::estimate::problem::FitProblem;
+use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::realization;
+use crate::estimate::reweight::{by_periods, reweighted, robust};
 use crate::estimate::unknowns::Unknowns;
-use crate::estimate::weights::{RowFactors, Weights};
+use crate::estimate::weights::Weights;
 use crate::linalg::triangular::{ColumnScaling, Triangular};
 use crate::outcome::estimate::{Estimate, Solver};
 use crate::outcome::fit::{BaseParameter, Combination, Fit, Posterior, Realized, Term};
@@ -30,7 +32,6 @@ use crate::problem::{Problem, bounds};
 use crate::recording::split::Split;
 use crate::solve::{levenberg_marquardt, linear};
 use crate::stats::distribution::Distribution;
-use crate::stats::robust::{TUKEY_THRESHOLD, mad_scale, tukey_weight};
 use nalgebra::{DMatrix, DVector};
 
 /// How parameters follow from recordings.
@@ -54,21 +55,15 @@ pub struct Fitted {
     pub values: DVector<f64>,
 }
 
-/// Rounds of reweighting after which the weights change nothing that matters any more.
-const MAX_ROUNDS: usize = 20;
-
-/// Reweighting ends when no unknown moves by more than this share of its standard deviation.
-const ROUND_TOLERANCE: f64 = 1e-2;
-
 /// Share of the cost that a search may leave. The cost is half the number of residuals, and half a unit of
 /// it is a standard deviation: for 1e6 residuals the search ends within 0.03 of one.
 const COST_TOLERANCE: f64 = 1e-9;
 
 /// Iterations after which a search has failed.
-const ITERATION_LIMIT: usize = 200;
+pub(super) const ITERATION_LIMIT: usize = 200;
 
 /// Iterations between two estimates of the covariance: both converge together.
-const ITERATIONS_PER_ROUND: usize = 5;
+pub(super) const ITERATIONS_PER_ROUND: usize = 5;
 
 /// Fits a model to the training recordings of a dataset.
 pub fn fit(
@@ -94,7 +89,10 @@ pub fn fit(
 }
 
 /// Estimators without a nonlinear search take w as given, or 0.
-fn with_transition_speeds(model: &Model, estimator: Estimator) -> Result<Model, EstimateError> {
+pub(crate) fn with_transition_speeds(
+    model: &Model,
+    estimator: Estimator,
+) -> Result<Model, EstimateError> {
     let mut model = model.clone();
     if estimator != Estimator::MaximumLikelihood {
         let widths: Vec<usize> = model.joints().iter().filter_map(|j| j.width).collect();
@@ -107,7 +105,7 @@ fn with_transition_speeds(model: &Model, estimator: Estimator) -> Result<Model, 
     Ok(model)
 }
 
-fn check_counts(
+pub(crate) fn check_counts(
     model: &Model,
     unknowns: &Unknowns,
     recordings: &[&Prepared],
@@ -127,16 +125,30 @@ fn check_counts(
     Ok(())
 }
 
-type Training<'a> = (&'a [&'a Prepared], &'a Prior);
+pub(crate) type Training<'a> = (&'a [&'a Prepared], &'a Prior);
 
-fn minimise<'a>(
+pub(crate) fn minimise<'a>(
     model: &'a Model,
     unknowns: &'a Unknowns,
     training: Training<'a>,
     (estimator, control): (Estimator, &Control<'_>),
 ) -> Result<(Solution, FitProblem<'a>), EstimateError> {
-    let ordinary = FitProblem::new(model, unknowns, training, ordinary_weights(model));
-    let first = solve(&ordinary, &ordinary.start(), (ITERATION_LIMIT, control))?;
+    if estimator == Estimator::MaximumLikelihood
+        && let Some((solution, problem)) = by_periods(model, unknowns, training, control)?
+    {
+        return match problem.noise {
+            NoiseSource::Periods => Ok((solution, problem)),
+            NoiseSource::Residuals => reweighted(problem, solution, (estimator, control)),
+        };
+    }
+    let ordinary = FitProblem::new(
+        model,
+        unknowns,
+        training,
+        ordinary_weights(model, training.0),
+    );
+    let start = linear_start(&ordinary, control)?;
+    let first = solve(&ordinary, &start, (ITERATION_LIMIT, control))?;
     if estimator == Estimator::Ordinary {
         let scale = residual_deviation(&ordinary, &first);
         let scaled = ordinary.weights.scaled(1.0 / scale);
@@ -158,15 +170,37 @@ fn minimise<'a>(
     }
 }
 
+/// The optimum over the linear unknowns with the others where they start.
+pub(super) fn linear_start(
+    problem: &FitProblem<'_>,
+    control: &Control<'_>,
+) -> Result<DVector<f64>, EstimateError> {
+    if problem.form().structure == Structure::Affine {
+        return Ok(problem.start());
+    }
+    let linear = Unknowns {
+        base: problem.unknowns.base.clone(),
+        nonlinear: Vec::new(),
+    };
+    let training = (problem.recordings, problem.prior);
+    let frozen = FitProblem::new(problem.model, &linear, training, problem.weights.clone());
+    let solved = solve(&frozen, &frozen.start(), (ITERATIONS_PER_ROUND, control))?;
+    let mut start = problem.start();
+    start.rows_mut(0, solved.x.len()).copy_from(&solved.x);
+    Ok(start)
+}
+
 /// One weight for the torque of every joint: currents count by their torque constants, and torques of
 /// coupled motors as those of the joints that they move, `τ = V⁻ᵀ τ_M`.
-fn ordinary_weights(model: &Model) -> Weights {
-    let of = |c: &Channel| match c.joint {
-        Some(j) if c.active => model.joints()[j].torque_constant.abs(),
+fn ordinary_weights(model: &Model, recordings: &[&Prepared]) -> Weights {
+    let of = |(k, c): (usize, &Channel)| match (c.joint, model.platform().accuracy) {
+        (Some(j), _) if c.active => model.joints()[j].torque_constant.abs(),
+        (None, Some(accuracy)) => 1.0 / (accuracy * root_mean_square(recordings, k)),
         _ => 1.0,
     };
     let channels = model.channels();
-    let factors = DVector::from_iterator(channels.len(), channels.iter().map(of));
+    let factors = channels.iter().enumerate().map(of);
+    let factors = DVector::from_iterator(channels.len(), factors);
     let torques = channels.iter().filter(|c| c.joint.is_some()).count();
     let coupling = model.coupling(&model.values());
     match coupling.transpose().try_inverse() {
@@ -181,6 +215,17 @@ fn ordinary_weights(model: &Model) -> Weights {
     }
 }
 
+/// Root mean square of a channel over all rows, 1 where it is zero.
+fn root_mean_square(recordings: &[&Prepared], channel: usize) -> f64 {
+    let all = recordings.iter().flat_map(|r| r.signal(channel));
+    let (count, squares) = all.fold((0.0, 0.0), |(n, s), x| (n + 1.0, s + x * x));
+    if squares > 0.0 {
+        f64::sqrt(squares / count)
+    } else {
+        1.0
+    }
+}
+
 /// Standard deviation of the weighted residual over all channels.
 fn residual_deviation(problem: &FitProblem<'_>, solution: &Solution) -> f64 {
     let form: &Form = problem.form();
@@ -192,16 +237,16 @@ fn residual_deviation(problem: &FitProblem<'_>, solution: &Solution) -> f64 {
     if deviation > 0.0 { deviation } else { 1.0 }
 }
 
-fn covariance_at(problem: &FitProblem<'_>, x: &DVector<f64>) -> DMatrix<f64> {
+pub(crate) fn covariance_at(problem: &FitProblem<'_>, x: &DVector<f64>) -> DMatrix<f64> {
     row_covariance(problem.model, &problem.counted_residuals(x), x.len())
 }
 
-fn solve(
-    problem: &FitProblem<'_>,
+pub(super) fn solve(
+    problem: &dyn Problem,
     start: &DVector<f64>,
     (max_iterations, control): (usize, &Control<'_>),
 ) -> Result<Solution, EstimateError> {
-    let view = LeastSquares::try_from(problem as &dyn Problem)?;
+    let view = LeastSquares::try_from(problem)?;
     if problem.form().structure == Structure::Affine {
         let solved = linear::solve(view, start, &linear::Settings::default())?;
         return Ok(solved.solution);
@@ -216,91 +261,24 @@ fn solve(
     )?)
 }
 
-/// Iteratively reweighted least squares: Tukey's biweight of every residual over its channel's robust scale.
-fn robust<'a>(
-    mut problem: FitProblem<'a>,
-    mut solution: Solution,
-    control: &Control<'_>,
-) -> Result<(Solution, FitProblem<'a>), EstimateError> {
-    for _ in 0..MAX_ROUNDS {
-        let series = problem.counted_residuals(&solution.x);
-        problem = problem.with_factors(biweights(&series));
-        let next = solve(&problem, &solution.x, (ITERATION_LIMIT, control))?;
-        let settled = settled(&problem, &solution.x, &next.x);
-        solution = accumulate(solution, next);
-        if settled {
-            break;
-        }
-    }
-    Ok((solution, problem))
+/// Everything that is reported of a fit at its optimum.
+pub fn outcome(problem: &FitProblem<'_>, solution: &Solution, data: &Dataset) -> Fitted {
+    let covariance = of_unknowns(problem, &solution.x);
+    outcome_with(problem, (solution, covariance), data)
 }
 
-/// Square roots of the biweights: factors of residuals.
-fn biweights(series: &ResidualSeries) -> RowFactors {
-    let channels = series.first().map_or(0, Vec::len);
-    let scales: Vec<f64> = (0..channels)
-        .map(|c| {
-            let moving = series.iter().flat_map(|r| r[c].iter().copied());
-            let all: Vec<f64> = moving.filter(|e| *e != 0.0).collect();
-            mad_scale(&all).filter(|s| *s > 0.0).unwrap_or(1.0)
-        })
-        .collect();
-    let of = |recording: &Vec<Vec<f64>>| {
-        let channel = |(c, e): (usize, &Vec<f64>)| {
-            let weight = |e: &f64| tukey_weight(e / scales[c], TUKEY_THRESHOLD).sqrt();
-            e.iter().map(weight).collect()
-        };
-        recording.iter().enumerate().map(channel).collect()
-    };
-    series.iter().map(of).collect()
-}
-
-/// Weights and optimum in turn until neither changes: the deviations of the residuals, or for maximum
-/// likelihood with an unknown covariance all of it.
-fn reweighted<'a>(
-    mut problem: FitProblem<'a>,
-    mut solution: Solution,
-    (estimator, control): (Estimator, &Control<'_>),
-) -> Result<(Solution, FitProblem<'a>), EstimateError> {
-    for _ in 0..MAX_ROUNDS {
-        let covariance = covariance_at(&problem, &solution.x);
-        problem.weights = match estimator {
-            Estimator::MaximumLikelihood => Weights::by_covariance(&covariance)?,
-            _ => Weights::by_deviation(covariance.diagonal().map(f64::sqrt).as_slice()),
-        };
-        let next = solve(&problem, &solution.x, (ITERATIONS_PER_ROUND, control))?;
-        let settled = settled(&problem, &solution.x, &next.x);
-        solution = accumulate(solution, next);
-        if settled || control.is_interrupted() {
-            break;
-        }
-    }
-    let last = solve(&problem, &solution.x, (ITERATION_LIMIT, control))?;
-    Ok((accumulate(solution, last), problem))
-}
-
-fn settled(problem: &FitProblem<'_>, before: &DVector<f64>, after: &DVector<f64>) -> bool {
-    let count = after.len();
-    let whole = problem.factor(after).matrix();
-    // ‖R d‖ is the change in units of the estimate's standard deviation (white residuals).
-    let change = whole.view((0, 0), (count, count)) * (after - before);
-    change.amax() <= ROUND_TOLERANCE
-}
-
-fn accumulate(before: Solution, after: Solution) -> Solution {
-    Solution {
-        iterations: before.iterations + after.iterations,
-        evaluations: before.evaluations + after.evaluations,
-        ..after
-    }
-}
-
-fn outcome(problem: &FitProblem<'_>, solution: &Solution, data: &Dataset) -> Fitted {
+/// The same where the covariance is known: `covariance` is that of the unknowns, absent where the
+/// derivatives do not determine them all.
+pub(super) fn outcome_with(
+    problem: &FitProblem<'_>,
+    (solution, covariance): (&Solution, Option<DMatrix<f64>>),
+    data: &Dataset,
+) -> Fitted {
     let (model, unknowns) = (problem.model, problem.unknowns);
     let values = problem.parameters(&solution.x);
     let count = solution.x.len();
-    let covariance = of_unknowns(problem, &solution.x)
-        .unwrap_or_else(|| DMatrix::from_diagonal_element(count, count, f64::INFINITY));
+    let covariance =
+        covariance.unwrap_or_else(|| DMatrix::from_diagonal_element(count, count, f64::INFINITY));
     let from_prior = determined_by_prior(problem, data);
     let at_bound: Vec<usize> = (0..count)
         .filter(|&k| bounds::side_of(&problem.form().variables[k], solution.x[k]).is_some())
@@ -316,17 +294,12 @@ fn outcome(problem: &FitProblem<'_>, solution: &Solution, data: &Dataset) -> Fit
     let (parameters, reported_covariance) = report(&estimated);
     let predicted = predictions(model, &values, data);
     let member = realization::find(model, unknowns, &values);
-    let factor = Triangular::of(
-        &problem
-            .factor(&solution.x)
-            .matrix()
-            .columns(0, count)
-            .into_owned(),
-    );
     let fit = Fit {
         base_parameters: base_parameters(problem, &solution.x, &covariance),
         rank: count,
-        condition_number: factor.condition_number(ColumnScaling::UnitNorm),
+        unknowns: unknown_count(model),
+        notes: noise_note(problem),
+        condition_number: condition_number(problem, &solution.x),
         feasible: member.as_ref().map(|m| m.feasible),
         min_pseudo_inertia_eigenvalue: member.as_ref().map(|m| m.smallest_eigenvalue),
         realization: member.map_or_else(Vec::new, |m| named(model, &m.values)),
@@ -355,6 +328,38 @@ fn outcome(problem: &FitProblem<'_>, solution: &Solution, data: &Dataset) -> Fit
     }
 }
 
+/// Condition number of the derivatives at x with columns of unit norm.
+fn condition_number(problem: &FitProblem<'_>, x: &DVector<f64>) -> f64 {
+    let whole = problem.factor(x).matrix();
+    let own = whole.columns(0, x.len()).into_owned();
+    Triangular::of(&own).condition_number(ColumnScaling::UnitNorm)
+}
+
+/// Parameters that are not known, of joints that move.
+pub(crate) fn unknown_count(model: &Model) -> usize {
+    let moves = |p: &usize| match model.parameters()[*p].role {
+        Role::Effect { joint, .. } => !model.joints()[joint].locked,
+        Role::Coupling { row, .. } => !model.joints()[row].locked,
+        _ => true,
+    };
+    let linear = scan_order(model).into_iter();
+    let all = 0..model.parameters().len();
+    let nonlinear = all.filter(|&p| model.parameters()[p].is_nonlinear_unknown());
+    linear.chain(nonlinear).filter(moves).count()
+}
+
+/// Says where the weights come from if not from the residuals, as usual.
+fn noise_note(problem: &FitProblem<'_>) -> Vec<String> {
+    match problem.noise {
+        NoiseSource::Residuals => Vec::new(),
+        NoiseSource::Periods => vec![
+            "The covariance across channels is that of the period averages, from the scatter of the periods; the \
+             residuals agree with it."
+                .to_string(),
+        ],
+    }
+}
+
 fn solver_name(problem: &FitProblem<'_>) -> &'static str {
     match problem.form().structure {
         Structure::Affine => "QR",
@@ -363,7 +368,7 @@ fn solver_name(problem: &FitProblem<'_>) -> &'static str {
 }
 
 /// Unknowns that the recordings alone do not determine.
-fn determined_by_prior(problem: &FitProblem<'_>, data: &Dataset) -> Vec<usize> {
+pub(crate) fn determined_by_prior(problem: &FitProblem<'_>, data: &Dataset) -> Vec<usize> {
     if problem.prior.is_empty() {
         return Vec::new();
     }
@@ -380,7 +385,7 @@ fn determined_by_prior(problem: &FitProblem<'_>, data: &Dataset) -> Vec<usize> {
         .collect()
 }
 
-fn base_parameters(
+pub(crate) fn base_parameters(
     problem: &FitProblem<'_>,
     x: &DVector<f64>,
     covariance: &DMatrix<f64>,
@@ -402,7 +407,11 @@ fn base_parameters(
         .collect()
 }
 
-fn posterior(problem: &FitProblem<'_>, x: &DVector<f64>, covariance: &DMatrix<f64>) -> Posterior {
+pub(crate) fn posterior(
+    problem: &FitProblem<'_>,
+    x: &DVector<f64>,
+    covariance: &DMatrix<f64>,
+) -> Posterior {
     let name = |p: usize| problem.model.parameters()[p].name.clone();
     let base = problem.unknowns.base.base.iter().map(|b| {
         let own = (b.parameter, 1.0);
@@ -436,7 +445,7 @@ fn posterior(problem: &FitProblem<'_>, x: &DVector<f64>, covariance: &DMatrix<f6
 }
 
 /// Inertial parameters of a member of the class, by their raw names.
-fn named(model: &Model, values: &DVector<f64>) -> Vec<Realized> {
+pub(crate) fn named(model: &Model, values: &DVector<f64>) -> Vec<Realized> {
     let inertial = model
         .parameters()
         .iter()

@@ -1,15 +1,22 @@
 //! From recordings to parameters: `min ‖W (s − ŝ(θ))‖²` with its uncertainty, checked on other recordings.
 
 pub mod compress;
+pub mod contest;
 pub mod covariance;
 pub mod error;
+pub mod feasible;
 pub mod figures;
 pub mod fit;
+pub mod load;
+pub mod motion;
 pub mod noise;
+pub mod noisy_fit;
 pub mod physical;
 pub mod problem;
+pub mod reactions;
 pub mod realization;
-mod rows;
+mod reweight;
+pub(crate) mod rows;
 mod spectrum;
 pub mod standstill;
 pub mod task;

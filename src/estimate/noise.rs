@@ -11,7 +11,7 @@ pub type ResidualSeries = Vec<Vec<Vec<f64>>>;
 
 /// Predicted signal of every used row of a recording, `[channel][row]`.
 pub fn predict(model: &Model, values: &DVector<f64>, recording: &Prepared) -> Vec<Vec<f64>> {
-    let parts: Vec<Vec<Vec<f64>>> = tasks(std::iter::once(recording))
+    let parts: Vec<Vec<Vec<f64>>> = tasks(model, std::iter::once(recording))
         .par_iter()
         .map(|task| {
             let mut out = vec![Vec::with_capacity(task.range.len()); model.channels().len()];

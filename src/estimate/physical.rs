@@ -3,6 +3,7 @@
 //!
 //! `c = h/m`, `I_c = I − m (cᵀc·1 − c cᵀ)`; standard deviations by first-order propagation.
 
+use crate::chain::effect::base_tilt;
 use crate::chain::model::Model;
 use crate::chain::parameter::{Parameter, Role};
 use crate::estimate::unknowns::Unknowns;
@@ -140,14 +141,18 @@ fn one(
 fn quantities(estimated: &Estimated<'_>) -> Vec<Quantity> {
     let model = estimated.model;
     let mut out = Vec::new();
+    let weightless = |link: usize| model.mechanism().is_some_and(|m| m.is_massless(link));
     for (link, joint) in model.tree().joints().iter().enumerate() {
+        if weightless(link) {
+            continue;
+        }
         body(estimated, &joint.link, PER_LINK * link, &mut out);
     }
     if let Some((_, first)) = model.payload() {
         body(estimated, "payload", first, &mut out);
     }
     for (p, parameter) in model.parameters().iter().enumerate() {
-        if matches!(parameter.role, Role::Effect { .. } | Role::Coupling { .. }) {
+        if !matches!(parameter.role, Role::Inertial { .. } | Role::Payload { .. }) {
             out.push(Quantity {
                 name: parameter.name.clone(),
                 unit: parameter.unit.clone(),
@@ -170,6 +175,7 @@ fn meaning(model: &Model, parameter: &Parameter) -> String {
             let (effect, _) = model.joints()[joint].effects[effect];
             effect.parameters[parameter].meaning.to_string()
         }
+        Role::Tilt { angle } => base_tilt::EFFECT.parameters[angle].meaning.to_string(),
         _ => "speed of this joint per speed of the other joint's motor".to_string(),
     }
 }

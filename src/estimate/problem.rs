@@ -13,6 +13,15 @@ use crate::problem::form::{Form, Objective, Structure, Variable};
 use crate::problem::{Linearization, OutsideDomain, Problem, SquareRoot, Values};
 use nalgebra::{DMatrix, DVector};
 
+/// Where the weights of the channels come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoiseSource {
+    /// The scatter of the periods about their average.
+    Periods,
+    /// What the fit leaves.
+    Residuals,
+}
+
 /// A weighted fit of a model to recordings.
 #[derive(Debug)]
 pub struct FitProblem<'a> {
@@ -21,6 +30,7 @@ pub struct FitProblem<'a> {
     pub recordings: &'a [&'a Prepared],
     pub prior: &'a Prior,
     pub weights: Weights,
+    pub noise: NoiseSource,
     pub factors: Option<RowFactors>,
     /// 0 where a joint stands still.
     moving: Option<RowFactors>,
@@ -58,7 +68,7 @@ impl<'a> FitProblem<'a> {
                     rows: rows + prior.len(),
                 },
                 constraints: Vec::new(),
-                structure: if unknowns.nonlinear.is_empty() {
+                structure: if unknowns.nonlinear.is_empty() && model.is_affine() {
                     Structure::Affine
                 } else {
                     Structure::Smooth
@@ -69,6 +79,7 @@ impl<'a> FitProblem<'a> {
             recordings,
             prior,
             weights,
+            noise: NoiseSource::Residuals,
             factors: moving.clone(),
             moving,
             columns,
@@ -84,6 +95,22 @@ impl<'a> FitProblem<'a> {
         }
         self.factors = Some(factors);
         self
+    }
+
+    /// The same fit along other motions of the same recordings.
+    pub fn along<'b>(&'b self, recordings: &'b [&'b Prepared]) -> FitProblem<'b> {
+        FitProblem {
+            model: self.model,
+            unknowns: self.unknowns,
+            recordings,
+            prior: self.prior,
+            weights: self.weights.clone(),
+            noise: self.noise,
+            factors: self.factors.clone(),
+            moving: self.moving.clone(),
+            form: self.form.clone(),
+            columns: self.columns.clone(),
+        }
     }
 
     /// Residuals `ŝ − s` at x, zero where rows are left out.

@@ -23,7 +23,7 @@ use crate::solve::conic::{self, Settings};
 use nalgebra::{DMatrix, DVector, Matrix4, SymmetricEigen};
 
 /// Length unit of the scaled pseudo-inertias, m: a typical radius of gyration of robot links.
-const LENGTH: f64 = 0.1;
+pub(crate) const LENGTH: f64 = 0.1;
 
 /// Largest margin that is asked for, kg: beyond it a body is as good as any, and links without effect on
 /// the signal would grow without limit.
@@ -44,7 +44,7 @@ pub struct Realization {
 }
 
 /// Bodies whose parameters are not all known: position of their first parameter.
-fn bodies(model: &Model) -> Vec<usize> {
+pub(crate) fn bodies(model: &Model) -> Vec<usize> {
     let links = (0..model.tree().len()).map(|link| PER_LINK * link);
     let payload = model.payload().map(|(_, first)| first);
     links
@@ -111,6 +111,8 @@ impl<'a> Class<'a> {
                 Role::Inertial { .. } | Role::Payload { .. }
             )
         };
+        let gives_way =
+            |p: usize| is_body(p) || matches!(model.parameters()[p].role, Role::Tare { .. });
         for &parameter in &unknowns.base.without_effect {
             free.push((parameter, Vec::new()));
         }
@@ -123,7 +125,7 @@ impl<'a> Class<'a> {
                 }
             }
         }
-        free.retain(|(p, gives)| is_body(*p) && gives.iter().all(|(k, _)| is_body(*k)));
+        free.retain(|(p, gives)| is_body(*p) && gives.iter().all(|(k, _)| gives_way(*k)));
         let rows = |v: &DVector<f64>| {
             let stacked = bodies.iter().flat_map(|&first| scaled_rows(v, first));
             DVector::from_iterator(bodies.len() * ROWS, stacked)

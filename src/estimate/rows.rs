@@ -2,6 +2,7 @@
 //! filter that runs over signal and model alike, if the recording has one.
 
 use crate::chain::dataset::Prepared;
+use crate::chain::effect::Memory;
 use crate::chain::evaluate::{BLOCK, Block, Evaluator};
 use crate::chain::model::Model;
 use nalgebra::DVector;
@@ -17,15 +18,23 @@ pub(crate) struct Task<'a> {
     pub range: Range<usize>,
 }
 
-/// Splits recordings into tasks; the split depends on nothing but the recordings.
-pub(crate) fn tasks<'a>(recordings: impl Iterator<Item = &'a Prepared>) -> Vec<Task<'a>> {
+/// Whether rows cannot be had without all rows: a filter runs over them, or a law has memory.
+fn needs_all(model: &Model, recording: &Prepared) -> bool {
+    recording.experiment.parallel.is_some() || model.memory() == Memory::Course
+}
+
+/// Splits recordings into tasks; the split depends on nothing but the model and the recordings.
+pub(crate) fn tasks<'a>(
+    model: &Model,
+    recordings: impl Iterator<Item = &'a Prepared>,
+) -> Vec<Task<'a>> {
     let mut tasks = Vec::new();
     for recording in recordings {
         let rows = recording.rows();
-        // A filter needs the whole series.
-        let size = match recording.experiment.parallel {
-            Some(_) => rows.max(1),
-            None => TASK_ROWS,
+        let size = if needs_all(model, recording) {
+            rows.max(1)
+        } else {
+            TASK_ROWS
         };
         for start in (0..rows).step_by(size) {
             tasks.push(Task {
@@ -94,11 +103,8 @@ pub(crate) fn visit(
     mut visitor: impl FnMut(&RowBlock<'_>),
 ) {
     let recording = task.recording;
-    let stored = recording
-        .experiment
-        .parallel
-        .is_some()
-        .then(|| Stored::filtered(model, values, columns, recording));
+    let stored =
+        needs_all(model, recording).then(|| Stored::whole(model, values, columns, recording));
     let mut evaluator = Evaluator::new(model, values, columns);
     for start in task.range.clone().step_by(BLOCK) {
         let range = start..task.range.end.min(start + BLOCK);
@@ -114,7 +120,7 @@ pub(crate) fn visit(
     }
 }
 
-/// Filtered series of a whole recording at its used rows.
+/// Series of a whole recording at its used rows, filtered where it has a filter.
 struct Stored {
     values: Vec<Vec<f64>>,
     count: usize,
@@ -122,7 +128,7 @@ struct Stored {
 }
 
 impl Stored {
-    fn filtered(
+    fn whole(
         model: &Model,
         values: &DVector<f64>,
         columns: &[usize],
@@ -135,10 +141,19 @@ impl Stored {
             count,
             columns: vec![Vec::new(); channels * count],
         };
-        let mut evaluator = Evaluator::new(model, values, columns);
-        for start in (0..rows).step_by(BLOCK) {
-            let range = start..rows.min(start + BLOCK);
-            let block = evaluator.evaluate(recording.whole(), range);
+        let course = model.memory() == Memory::Course;
+        let (mut evaluator, size) = match course {
+            true => (Evaluator::along(model, values, columns, rows), rows.max(1)),
+            false => (Evaluator::new(model, values, columns), BLOCK),
+        };
+        for start in (0..rows).step_by(size) {
+            let block = match course {
+                true => evaluator.evaluate_course(recording.whole()),
+                false => {
+                    let range = start..rows.min(start + size);
+                    evaluator.evaluate(recording.whole(), range)
+                }
+            };
             for channel in 0..channels {
                 out.values[channel].extend_from_slice(block.value(channel));
                 for column in 0..count {

@@ -1,17 +1,27 @@
 //! The task behind `exid fit`: from a problem file to what is reported.
 
 use crate::chain::dataset::{Dataset, Prepared};
-use crate::chain::model::Model;
+use crate::chain::model::{Model, Signal};
+use crate::chain::prior::Prior;
+use crate::estimate::contest::{self, Entrant};
 use crate::estimate::error::EstimateError;
+use crate::estimate::feasible::{self, Form};
 use crate::estimate::fit::{Estimator, Fitted, fit};
+use crate::estimate::load;
+use crate::estimate::noisy_fit;
+use crate::estimate::reactions;
 use crate::fault::Place;
-use crate::outcome::fit::{Comparison, Preprocessing};
-use crate::problem::solution::Control;
+use crate::outcome::estimate::Estimate;
+use crate::outcome::fit::{Comparison, Fit, Preprocessing};
+use crate::outcome::machine::Machine;
+use crate::problem::solution::{Control, Stop};
 use crate::problem_file::ProblemFile;
-use crate::problem_file::choices::{self, Choice};
+use crate::problem_file::choices;
+use crate::problem_file::choices::Motion;
 use crate::recording::experiment::Chosen;
 use crate::setup;
 use crate::setup::error::{Mismatch, SetupError};
+use crate::setup::robot::Robot;
 use thiserror::Error;
 
 /// Why `fit` gives no result.
@@ -57,60 +67,146 @@ pub fn run(
     control: &Control<'_>,
     watch: impl Fn(Step),
 ) -> Result<FitRun, FitError> {
-    let estimator = estimator(problem)?;
-    let robot = setup::robot::open(problem)?;
+    let robot = setup::robot::open_any(problem)?;
     let mut model = setup::model::build(problem, &robot)?;
     let prior = setup::prior::build(problem, &mut model)?;
     watch(Step::Reading);
     let data = setup::recordings::open(problem, &robot, &model)?;
     watch(Step::Fitting);
-    let failed = |error: EstimateError| FitError::Estimate {
-        place: Place::file(&problem.path).key("fit").to_string(),
-        error: Box::new(error),
-    };
-    let mut fitted = fit(&model, &data, (estimator, &prior), control).map_err(failed)?;
+    let mut fitted = estimate(problem, &model, (&data, &prior), control)?
+        .map_err(|error| failed(problem, error))?;
     fitted.fit.preprocessing = preprocessing(&model, &data);
-    fitted.fit.notes = notes(&model, &data);
+    fitted.fit.payload = load::describe(&fitted.estimate);
+    fitted.fit.notes.extend(undetermined_load(&fitted.fit));
+    fitted.fit.notes.extend(notes(&model, &data));
+    if matches!(model.signal(), Signal::BaseWrench | Signal::Both) {
+        let theta_d = reactions::joint_torque_parameters(&fitted.model, &fitted.fit.posterior);
+        fitted.fit.joint_torque_parameters = theta_d;
+    }
+    if robot.mechanism.is_none() {
+        fitted.fit.machine = Some(machine(problem, &robot, &fitted));
+    }
     if !problem.fit.compare.is_empty() {
         watch(Step::Comparing);
+        compare(problem, &robot, (&mut fitted, &data), control)?;
     }
-    for compared in &problem.fit.compare {
-        let mut other = setup::model::build_compared(problem, &robot, &compared.effects.value)?;
-        let prior = setup::prior::build(problem, &mut other)?;
-        let result = fit(&other, &data, (estimator, &prior), control).map_err(failed)?;
-        fitted.fit.comparison.push(Comparison {
-            name: compared.name.value.clone(),
-            effects: compared
-                .effects
-                .value
-                .iter()
-                .map(|e| e.value.clone())
-                .collect(),
-            joints: result.estimate.joints,
-        });
+    if control.is_interrupted() {
+        interrupted(&mut fitted.estimate);
     }
     Ok(FitRun { fitted, data })
 }
 
-fn estimator(problem: &ProblemFile) -> Result<Estimator, SetupError> {
-    let chosen = &problem.fit.estimator;
-    match chosen.value {
-        choices::Estimator::OrdinaryLeastSquares => Ok(Estimator::Ordinary),
-        choices::Estimator::WeightedLeastSquares => Ok(Estimator::Weighted),
-        choices::Estimator::IterativelyReweightedLeastSquares => Ok(Estimator::Robust),
-        choices::Estimator::MaximumLikelihood => Ok(Estimator::MaximumLikelihood),
-        other => Err(SetupError::mismatch(
-            &chosen.place,
-            Mismatch::NotYet {
-                what: format!("the estimator `{}`", other.word()),
-                instead: "use \"maximum_likelihood\", \"wls\", \"irls\" or \"ols\"".to_string(),
-            },
-        )),
+/// Name of the fit that others are compared with.
+const THIS_FIT: &str = "this fit";
+
+/// Fits the models to compare with and sets them side by side.
+fn compare(
+    problem: &ProblemFile,
+    robot: &Robot,
+    (fitted, data): (&mut Fitted, &Dataset),
+    control: &Control<'_>,
+) -> Result<(), FitError> {
+    let mut others = Vec::new();
+    for compared in &problem.fit.compare {
+        if control.is_interrupted() {
+            break;
+        }
+        let mut other = setup::model::build_compared(problem, robot, &compared.effects.value)?;
+        let prior = setup::prior::build(problem, &mut other)?;
+        let result = estimate(problem, &other, (data, &prior), control)?
+            .map_err(|error| failed(problem, error))?;
+        let effects = compared.effects.value.iter().map(|e| e.value.clone());
+        fitted.fit.comparison.push(Comparison {
+            name: compared.name.value.clone(),
+            effects: effects.collect(),
+            joints: result.estimate.joints,
+        });
+        others.push(result.predictions);
+    }
+    let this = Entrant {
+        name: THIS_FIT,
+        predictions: &fitted.predictions,
+    };
+    let compared = fitted.fit.comparison.iter().zip(&others);
+    let compared = compared.map(|(c, predictions)| Entrant {
+        name: &c.name,
+        predictions,
+    });
+    let entrants: Vec<Entrant<'_>> = std::iter::once(this).chain(compared).collect();
+    fitted.fit.contests = contest::contests(&fitted.model, data, &entrants);
+    Ok(())
+}
+
+fn failed(problem: &ProblemFile, error: EstimateError) -> FitError {
+    FitError::Estimate {
+        place: Place::file(&problem.path).key("fit").to_string(),
+        error: Box::new(error),
     }
 }
 
+/// Direct solutions within a search do not know that the search was cut short.
+fn interrupted(estimate: &mut Estimate) {
+    if let Some(solver) = &mut estimate.solver {
+        solver.stop = Stop::Interrupted.name().to_string();
+        solver.converged = false;
+    }
+}
+
+/// The identified robot, with the bodies of the realization where there is one.
+fn machine(problem: &ProblemFile, robot: &Robot, fitted: &Fitted) -> Machine {
+    let mut values = fitted.values.clone();
+    for realized in &fitted.fit.realization {
+        if let Ok(position) = fitted.model.find(&realized.name) {
+            values[position] = realized.value;
+        }
+    }
+    let feasible = fitted.fit.feasible;
+    setup::machine::record((problem, robot), &fitted.model, &values, feasible)
+}
+
+/// Fits by the estimator of the problem file.
+fn estimate(
+    problem: &ProblemFile,
+    model: &Model,
+    (data, prior): (&Dataset, &Prior),
+    control: &Control<'_>,
+) -> Result<Result<Fitted, EstimateError>, SetupError> {
+    let plain = |estimator| Ok(fit(model, data, (estimator, prior), control));
+    let form = match problem.fit.estimator.value {
+        choices::Estimator::OrdinaryLeastSquares => return plain(Estimator::Ordinary),
+        choices::Estimator::WeightedLeastSquares => return plain(Estimator::Weighted),
+        choices::Estimator::IterativelyReweightedLeastSquares => return plain(Estimator::Robust),
+        choices::Estimator::MaximumLikelihood if problem.fit.motion.value == Motion::Noisy => {
+            return Ok(noisy_fit::fit(model, data, prior, control));
+        }
+        choices::Estimator::MaximumLikelihood => return plain(Estimator::MaximumLikelihood),
+        choices::Estimator::Feasible => Form::Linear,
+        choices::Estimator::FeasibleMaximumLikelihood => Form::MaximumLikelihood,
+        choices::Estimator::ConstantVelocity => {
+            return Err(SetupError::mismatch(
+                &problem.fit.estimator.place,
+                Mismatch::NotYet {
+                    what: "the estimator `constant_velocity`".to_string(),
+                    instead: "it has a task of its own, over steady parts of the recordings"
+                        .to_string(),
+                },
+            ));
+        }
+    };
+    let chosen = &problem.fit.prior;
+    let settings = feasible::Settings {
+        form,
+        prior: chosen
+            .kind
+            .as_ref()
+            .map(|kind| (kind.value, chosen.strength.value)),
+        limits: setup::combined_limits::build(problem, model)?,
+    };
+    Ok(feasible::fit(model, data, (prior, &settings), control))
+}
+
 /// What was done to the recordings before the fit, in words.
-fn preprocessing(model: &Model, data: &Dataset) -> Vec<Preprocessing> {
+pub fn preprocessing(model: &Model, data: &Dataset) -> Vec<Preprocessing> {
     let mut lines = Vec::new();
     for recording in &data.recordings {
         lines.push(Preprocessing {
@@ -158,8 +254,13 @@ fn of_recording(recording: &Prepared) -> String {
     }
     match &experiment.periods {
         Some(periods) => text.push_str(&format!(
-            "; average over {} periods of {:.6} s",
-            periods.count, periods.period
+            "; average over {} periods of {:.6} s, {}",
+            periods.count,
+            periods.period,
+            match periods.chosen {
+                Chosen::Given => "as given",
+                Chosen::Data => "found in the motion, which repeats",
+            }
         )),
         None => text.push_str(&format!(
             "; zero-phase low-pass of position and signal, {:.3} s dropped at both ends",
@@ -178,8 +279,23 @@ fn of_recording(recording: &Prepared) -> String {
     text
 }
 
+/// What of the load the recordings leave open.
+fn undetermined_load(fit: &Fit) -> Option<String> {
+    let open = &fit.payload.as_ref()?.undetermined;
+    (!open.is_empty()).then(|| {
+        format!(
+            "The recordings do not determine {}, each by itself: rank {} of {}. The combinations that they do \
+             determine are the base parameters. A load shows all of itself to a motion of the last axes together \
+             with one axis before them that lifts it.",
+            open.join(", "),
+            fit.rank,
+            fit.unknowns
+        )
+    })
+}
+
 /// What the reader of a result should know.
-fn notes(model: &Model, data: &Dataset) -> Vec<String> {
+pub fn notes(model: &Model, data: &Dataset) -> Vec<String> {
     let mut notes = Vec::new();
     let filtered = data
         .recordings
@@ -194,8 +310,7 @@ fn notes(model: &Model, data: &Dataset) -> Vec<String> {
     }
     if data.recordings.iter().all(|r| r.experiment.noise.is_none()) {
         notes.push(
-            "No recording repeats its motion, so nothing tells noise from lack of fit; state \
-             recordings.period for periodic motion."
+            "No recording was averaged over periods of its motion, so nothing tells noise from lack of fit."
                 .to_string(),
         );
     }

@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 pub struct Unknowns {
     /// Base parameters that structure, motion and prior determine.
     pub base: BaseParameters,
-    /// Positions of the free nonlinear parameters.
+    /// Positions of the free nonlinear parameters that the recordings determine beside the base parameters.
     pub nonlinear: Vec<usize>,
 }
 
@@ -25,9 +25,6 @@ impl Unknowns {
     ///
     /// Structure decides first, on generic states; then the recorded motion, which may excite less.
     pub fn find(model: &Model, data: &Dataset, prior: &Prior) -> Self {
-        let nonlinear = (0..model.parameters().len())
-            .filter(|&p| model.parameters()[p].is_nonlinear_unknown())
-            .collect();
         let structural = BaseParameters::structural(model, &data.loads(), prior.rows());
         let training: Vec<&Prepared> = data.of(Split::Train).collect();
         let columns = structural.kept();
@@ -36,7 +33,7 @@ impl Unknowns {
         let recorded = factor(
             &Request {
                 model,
-                values: &model.values(),
+                values: &model.generic_values(),
                 columns: &columns,
                 weights: &weights,
                 factors: None,
@@ -44,10 +41,9 @@ impl Unknowns {
             &training,
         );
         let moved = of_motion(&recorded, &columns, prior);
-        Self {
-            base: compose(&structural, &moved),
-            nonlinear,
-        }
+        let base = compose(&structural, &moved);
+        let nonlinear = determined_nonlinear(model, &base.kept(), (&training, prior));
+        Self { base, nonlinear }
     }
 
     /// Positions in the model of all unknowns.
@@ -73,6 +69,42 @@ impl Unknowns {
             .filter(|&p| !self.base.determines(p))
             .collect()
     }
+}
+
+/// Nonlinear unknowns whose columns are independent of those before them. Factors of the whole torque come
+/// last: where nothing fixes the scale, the declared one stays.
+fn determined_nonlinear(
+    model: &Model,
+    kept: &[usize],
+    (training, prior): (&[&Prepared], &Prior),
+) -> Vec<usize> {
+    let mut nonlinear: Vec<usize> = (0..model.parameters().len())
+        .filter(|&p| model.parameters()[p].is_nonlinear_unknown())
+        .collect();
+    if nonlinear.is_empty() {
+        return nonlinear;
+    }
+    nonlinear.sort_by_key(|&p| scales_torque(model, p));
+    let columns: Vec<usize> = kept.iter().chain(&nonlinear).copied().collect();
+    let weights = Weights::PerChannel(DVector::from_element(model.channels().len(), 1.0));
+    let request = Request {
+        model,
+        values: &model.generic_values(),
+        columns: &columns,
+        weights: &weights,
+        factors: None,
+    };
+    let independent = of_motion(&factor(&request, training), &columns, prior).kept();
+    nonlinear.retain(|p| independent.contains(p));
+    nonlinear.sort_unstable();
+    nonlinear
+}
+
+/// Whether a parameter is a factor of a joint's whole torque.
+fn scales_torque(model: &Model, parameter: usize) -> bool {
+    let joints = model.joints().iter();
+    let mut factors = joints.flat_map(|j| [j.gain, j.polynomial.map(|first| first + 1)]);
+    factors.any(|p| p == Some(parameter))
 }
 
 /// Base parameters of the recorded motion among the structural ones.

@@ -87,6 +87,9 @@ impl<'de> Deserialize<'de> for Outcome {
             "fit" => Deserialize::deserialize(&value).map(Part::Fit),
             "check" => Deserialize::deserialize(&value).map(Part::Check),
             "simulate" => Deserialize::deserialize(&value).map(Part::Simulate),
+            "design" => Deserialize::deserialize(&value).map(Part::Design),
+            "diagnose" => Deserialize::deserialize(&value)
+                .map(|diagnosis| Part::Diagnose(Box::new(diagnosis))),
             other => {
                 return Err(D::Error::custom(format!(
                     "the verb `{other}` is not known to version {}",

@@ -2,13 +2,21 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::outcome::contest::Contest;
+use crate::outcome::feasibility::Feasibility;
 use crate::outcome::joint::JointFigures;
+use crate::outcome::load::Load;
+use crate::outcome::machine::Machine;
+use crate::outcome::motors::Motors;
 use crate::outcome::number;
 
 /// The part of `fit`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Fit {
     pub base_parameters: Vec<BaseParameter>,
+    /// The base parameters of the joint-torque model, where they follow from base reactions.
+    #[serde(default)]
+    pub joint_torque_parameters: Vec<BaseParameter>,
     /// Number of independent columns of the regressor.
     pub rank: usize,
     /// Condition number of the base regressor with columns of unit norm.
@@ -20,13 +28,31 @@ pub struct Fit {
     /// Least eigenvalue over the pseudo-inertias of that member.
     #[serde(with = "number::optional")]
     pub min_pseudo_inertia_eigenvalue: Option<f64>,
+    /// Certificate and cost of a feasible fit; absent for the others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub feasibility: Option<Feasibility>,
     pub comparison: Vec<Comparison>,
+    /// This fit and those of the comparison on every joint, then on all together; empty without a comparison.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub contests: Vec<Contest>,
+    /// Number of columns of the regressor: parameters that are not known, of joints that move.
+    #[serde(default)]
+    pub unknowns: usize,
+    /// The load as a body; absent without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub payload: Option<Load>,
+    /// The stages of motor constants from motions at constant speed; absent for other estimators.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motors: Option<Motors>,
     /// What a later fit can start from.
     #[serde(default)]
     pub posterior: Posterior,
     /// A physically feasible member of the equivalence class, complete, for export.
     #[serde(default)]
     pub realization: Vec<Realized>,
+    /// The identified robot, with the bodies of the realization: what exports are made from.
+    #[serde(default)]
+    pub machine: Option<Machine>,
     /// What was done to the recordings before the fit.
     #[serde(default)]
     pub preprocessing: Vec<Preprocessing>,

@@ -5,12 +5,19 @@
 //! they stand here; a number that is not finite is written as `null` and read back as not a number.
 
 pub mod check;
+pub mod contest;
+pub mod design;
+pub mod diagnose;
 pub mod error;
 pub mod estimate;
+pub mod feasibility;
 pub mod fit;
 pub mod folder;
 pub mod input;
 pub mod joint;
+pub mod load;
+pub mod machine;
+pub mod motors;
 pub mod number;
 pub mod parameter;
 pub mod predictions;
@@ -22,6 +29,8 @@ mod document;
 use serde::Serialize;
 
 use crate::outcome::check::Check;
+use crate::outcome::design::Design;
+use crate::outcome::diagnose::Diagnosis;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::fit::Fit;
 use crate::outcome::run::Run;
@@ -55,10 +64,23 @@ pub struct Outcome {
 /// What a verb adds to the common head.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
+#[allow(clippy::large_enum_variant)] // one per run
 pub enum Part {
     Fit(Fit),
     Check(Check),
     Simulate(Simulation),
+    Design(Design),
+    Diagnose(Box<Diagnosis>),
+}
+
+impl Outcome {
+    /// The robot that the run identified, if it identified one.
+    pub fn machine(&self) -> Option<&machine::Machine> {
+        match &self.part {
+            Part::Fit(fit) => fit.machine.as_ref(),
+            _ => None,
+        }
+    }
 }
 
 impl Part {
@@ -68,6 +90,8 @@ impl Part {
             Part::Fit(_) => "fit",
             Part::Check(_) => "check",
             Part::Simulate(_) => "simulate",
+            Part::Design(_) => "design",
+            Part::Diagnose(_) => "diagnose",
         }
     }
 }

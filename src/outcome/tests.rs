@@ -103,8 +103,8 @@ fn writes_the_promised_keys_in_their_order() {
         (
             &value,
             "name verb version seed problem inputs wall_s parameters joints covariance solver \
-             base_parameters rank condition_number feasible min_pseudo_inertia_eigenvalue \
-             comparison posterior realization preprocessing notes",
+             base_parameters joint_torque_parameters rank condition_number feasible min_pseudo_inertia_eigenvalue \
+             comparison unknowns posterior realization machine preprocessing notes",
         ),
         (&value["inputs"][0], "path sha256"),
         (

@@ -13,6 +13,7 @@ pub mod check;
 pub mod error;
 pub mod form;
 pub mod frozen;
+pub mod linear_rows;
 pub mod scaled;
 pub mod solution;
 pub mod view;

@@ -3,6 +3,7 @@
 use crate::problem::Problem;
 use crate::problem::error::{ProblemError, ProblemErrorKind};
 use crate::problem::form::{Objective, Set, Structure};
+use crate::problem::linear_rows::LinearRows;
 
 /// Minimise 1/2 |r(x)|^2 subject to lower <= x <= upper.
 #[derive(Clone, Copy)]
@@ -10,10 +11,12 @@ pub struct LeastSquares<'a> {
     problem: &'a dyn Problem,
 }
 
-/// Minimise f(x) subject to g_i(x) = 0, g_j(x) >= 0 and lower <= x <= upper.
+/// Minimise f(x) subject to g_i(x) = 0, g_j(x) >= 0 and lower <= x <= upper; and, where given, to
+/// constant rows that every iterate keeps.
 #[derive(Clone, Copy)]
 pub struct Nlp<'a> {
     problem: &'a dyn Problem,
+    rows: Option<&'a LinearRows>,
 }
 
 /// Minimise 1/2 |A x + b|^2 or cᵀx subject to G x + h in K and lower <= x <= upper.
@@ -31,6 +34,19 @@ impl<'a> LeastSquares<'a> {
 impl<'a> Nlp<'a> {
     pub fn problem(&self) -> &'a dyn Problem {
         self.problem
+    }
+
+    /// The same problem within constant rows.
+    pub fn within(self, rows: &'a LinearRows) -> Self {
+        Self {
+            rows: Some(rows),
+            ..self
+        }
+    }
+
+    /// The constant rows, if there are any.
+    pub fn rows(&self) -> Option<&'a LinearRows> {
+        self.rows
     }
 }
 
@@ -78,7 +94,10 @@ impl<'a> TryFrom<&'a dyn Problem> for Nlp<'a> {
                 &cone.name,
                 ProblemErrorKind::HasCone { view },
             )),
-            None => Ok(Self { problem }),
+            None => Ok(Self {
+                problem,
+                rows: None,
+            }),
         }
     }
 }

@@ -19,21 +19,7 @@ pub trait Choice: Copy + PartialEq + 'static {
 }
 
 /// What the recordings hold beside the motion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Signal {
-    /// Motor current, A.
-    Current,
-    /// Motor torque at the joint side, N·m.
-    Torque,
-    /// Motor torque at the motor side, N·m; times the ratio at the joint side.
-    MotorTorque,
-    /// Torque of a sensor behind the gear, N·m.
-    LinkTorque,
-    /// Force and moment between base and ground, N and N·m.
-    BaseWrench,
-    /// Motor torque at the joint side and base wrench.
-    Both,
-}
+pub use crate::recording::columns::SignalKind as Signal;
 
 impl Choice for Signal {
     const NOUN: &'static str = "signal";
@@ -95,6 +81,8 @@ pub enum Estimator {
     /// Least squares over parameters of bodies that can exist (semidefinite).
     Feasible,
     FeasibleMaximumLikelihood,
+    /// Motor constants from motions of one joint at constant speed.
+    ConstantVelocity,
 }
 
 impl Choice for Estimator {
@@ -110,7 +98,24 @@ impl Choice for Estimator {
             "feasible_maximum_likelihood",
             Self::FeasibleMaximumLikelihood,
         ),
+        ("constant_velocity", Self::ConstantVelocity),
     ];
+}
+
+/// Whether joint angles are free of noise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Motion {
+    /// The Fourier series of the averaged angles is the motion.
+    Exact,
+    /// Its coefficients are estimated with the parameters, from angles and signals together.
+    Noisy,
+}
+
+impl Choice for Motion {
+    const NOUN: &'static str = "motion";
+    const CODE: &'static str = "unknown-motion";
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("exact", Self::Exact), ("noisy", Self::Noisy)];
 }
 
 /// The distance between inertial parameters that a prior penalises.
@@ -161,6 +166,27 @@ impl Choice for Mechanism {
     const NOUN: &'static str = "mechanism";
     const CODE: &'static str = "unknown-mechanism";
     const WORDS: &'static [(&'static str, Self)] = &[("h4", Self::H4)];
+}
+
+/// A joint that closes a loop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ClosedJoint {
+    /// One axis.
+    Hinge,
+    /// A ball joint.
+    Ball,
+    /// A massless rod with a ball joint at both ends.
+    Rod,
+}
+
+impl Choice for ClosedJoint {
+    const NOUN: &'static str = "closed joint";
+    const CODE: &'static str = "unknown-closed-joint";
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("hinge", Self::Hinge),
+        ("ball", Self::Ball),
+        ("rod", Self::Rod),
+    ];
 }
 
 /// The family of motions among which a design searches.

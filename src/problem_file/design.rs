@@ -1,9 +1,10 @@
 //! `[design]`: the motions among which an excitation is sought, what makes one good, and its limits.
 
+use crate::problem_file::Context;
 use crate::problem_file::choices::{Criterion, DesignKind, Scaling};
 use crate::problem_file::document::{Node, NodeValue};
 use crate::problem_file::error::{NumberFault, ProblemFileError, ValueFault};
-use crate::problem_file::located::{Located, PerJoint};
+use crate::problem_file::located::{FilePath, Located, Named, PerJoint};
 use crate::problem_file::reader::Reader;
 use crate::problem_file::values;
 
@@ -20,9 +21,16 @@ pub(crate) const KEYS: &[&str] = &[
     "trajectories",
     "budget_s",
     "starts",
+    "start_from",
+    "reference",
+    "rest_position",
+    "speeds",
+    "rival",
+    "values",
     "limits",
     "workspace",
 ];
+pub(crate) const RIVAL_KEYS: &[&str] = &["name", "effects", "effects_of", "parameters", "values"];
 pub(crate) const LIMITS_KEYS: &[&str] = &[
     "position_lower",
     "position_upper",
@@ -31,14 +39,19 @@ pub(crate) const LIMITS_KEYS: &[&str] = &[
     "jerk",
     "torque",
 ];
-pub(crate) const WORKSPACE_KEYS: &[&str] = &["halfspace", "clearance"];
+pub(crate) const WORKSPACE_KEYS: &[&str] = &["halfspace", "box", "speed", "clearance", "shape"];
 pub(crate) const HALFSPACE_KEYS: &[&str] = &["frame", "normal", "offset"];
+pub(crate) const BOX_KEYS: &[&str] = &["frame", "lower", "upper"];
+pub(crate) const SPEED_KEYS: &[&str] = &["frame", "limit"];
 pub(crate) const CLEARANCE_KEYS: &[&str] = &["links", "distance"];
+pub(crate) const SHAPE_KEYS: &[&str] = &["link", "ends", "radius"];
 
 /// Enough harmonics for full rank on six joints, few enough to stay smooth.
 const DEFAULT_HARMONICS: usize = 5;
 /// s.
 const DEFAULT_PERIOD: f64 = 10.0;
+/// Enough speeds to see a curved law of friction, few enough for a plan of minutes.
+const DEFAULT_SPEEDS: usize = 8;
 /// Samples per period: 40 per cycle of the fifth harmonic.
 const DEFAULT_SAMPLES: usize = 200;
 
@@ -47,8 +60,8 @@ const DEFAULT_SAMPLES: usize = 200;
 pub struct DesignTable {
     /// Default: [`DesignKind::Fourier`].
     pub kind: Located<DesignKind>,
-    /// Harmonics of the Fourier series, at least 1. Default: 5.
-    pub harmonics: Located<usize>,
+    /// Harmonics of the Fourier series, at least 1, of all joints or per joint. Default: 5.
+    pub harmonics: Located<Harmonics>,
     /// s, positive. Default: 10.
     pub period: Located<f64>,
     /// Default: [`Criterion::DOptimal`].
@@ -69,8 +82,52 @@ pub struct DesignTable {
     pub budget_s: Option<Located<f64>>,
     /// Number of starts of the search, at least 1. Default: none.
     pub starts: Option<Located<usize>>,
+    /// Coefficients or result of an earlier design that the search goes on from. Default: none.
+    pub start_from: Option<Located<FilePath>>,
+    /// Coefficients or result of a motion to compare with. Default: none.
+    pub reference: Option<Located<FilePath>>,
+    /// Where the ramps of a motion begin and end, rad (m). Default: the middle of the ranges.
+    pub rest_position: Option<Located<PerJoint>>,
+    /// Speeds of each joint in a plan of constant velocities, at least 2. Default: 8.
+    pub speeds: Located<usize>,
+    /// Models that a motion is to tell apart. Default: none.
+    pub rival: Vec<Rival>,
+    /// Parameter values that torques are predicted with. Default: those of the robot file or an earlier fit.
+    pub values: Vec<Named<f64>>,
     pub limits: LimitsTable,
     pub workspace: WorkspaceTable,
+}
+
+/// Harmonics of the Fourier series.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Harmonics {
+    All(usize),
+    /// In the order of the joints.
+    Each(Vec<usize>),
+}
+
+impl Harmonics {
+    /// The most of any joint.
+    pub fn most(&self) -> usize {
+        match self {
+            Self::All(count) => *count,
+            Self::Each(counts) => counts.iter().copied().max().unwrap_or(1),
+        }
+    }
+}
+
+/// One of the models that a motion is to tell apart: the problem file's, but for what is given here.
+#[derive(Debug, Clone)]
+pub struct Rival {
+    pub name: Located<String>,
+    /// What replaces `drive.effects` on all joints. Default: the problem file's effects.
+    pub effects: Option<Located<Vec<Located<String>>>>,
+    /// What replaces the effects of single joints. Default: none.
+    pub effects_of: Vec<Named<Vec<Located<String>>>>,
+    /// Result of a fit of this model: its values. Default: those of the problem file.
+    pub parameters: Option<Located<FilePath>>,
+    /// Values of single parameters. Default: none.
+    pub values: Vec<Named<f64>>,
 }
 
 /// The parameters whose accuracy a design improves; the rest are nuisance parameters.
@@ -104,7 +161,11 @@ pub struct LimitsTable {
 #[derive(Debug, Clone)]
 pub struct WorkspaceTable {
     pub halfspace: Vec<Halfspace>,
+    pub boxes: Vec<Region>,
+    pub speed: Vec<Speed>,
     pub clearance: Vec<Clearance>,
+    /// Shapes beside those of the robot file.
+    pub shape: Vec<Shape>,
 }
 
 /// normal·p >= offset for the origin p of a link or frame, in the base frame.
@@ -118,6 +179,37 @@ pub struct Halfspace {
     pub offset: Located<f64>,
 }
 
+/// lower <= p <= upper for the origin p of a link or frame, in the base frame.
+#[derive(Debug, Clone)]
+pub struct Region {
+    /// Link or frame of the robot file.
+    pub frame: Located<String>,
+    /// m; minus infinity where there is no limit.
+    pub lower: Located<[f64; 3]>,
+    /// m; infinity where there is no limit.
+    pub upper: Located<[f64; 3]>,
+}
+
+/// Largest speed of the origin of a link or frame in the base frame.
+#[derive(Debug, Clone)]
+pub struct Speed {
+    /// Link or frame of the robot file.
+    pub frame: Located<String>,
+    /// m/s, positive.
+    pub limit: Located<f64>,
+}
+
+/// A sphere (one end) or a capsule (two) on a link.
+#[derive(Debug, Clone)]
+pub struct Shape {
+    /// Link of the robot file, or its base.
+    pub link: Located<String>,
+    /// m, in the frame of the link.
+    pub ends: Located<Vec<[f64; 3]>>,
+    /// m, positive.
+    pub radius: Located<f64>,
+}
+
 /// Least distance between the collision shapes of two links.
 #[derive(Debug, Clone)]
 pub struct Clearance {
@@ -127,11 +219,18 @@ pub struct Clearance {
 }
 
 impl DesignTable {
-    pub(super) fn from_node(node: &Node) -> Result<Self, ProblemFileError> {
+    pub(super) fn from_node(node: &Node, context: &Context) -> Result<Self, ProblemFileError> {
         let reader = Reader::open(node, KEYS)?;
+        let file = |n: &Node| values::file_path(n, context);
+        let rivals = reader.tables("rival")?;
+        let rival: Vec<Rival> = rivals
+            .iter()
+            .map(|table| Rival::from_node(table, context))
+            .collect::<Result<_, _>>()?;
+        values::check_no_duplicates(rival.iter().map(|rival| &rival.name))?;
         Ok(Self {
             kind: reader.or("kind", DesignKind::Fourier, values::choice)?,
-            harmonics: reader.or("harmonics", DEFAULT_HARMONICS, values::count)?,
+            harmonics: reader.or("harmonics", Harmonics::All(DEFAULT_HARMONICS), harmonics)?,
             period: reader.or("period", DEFAULT_PERIOD, values::positive)?,
             criterion: reader.or("criterion", Criterion::DOptimal, values::choice)?,
             scaling: reader.or("scaling", Scaling::Columns, values::choice)?,
@@ -142,6 +241,12 @@ impl DesignTable {
             trajectories: reader.or("trajectories", 1, values::count)?,
             budget_s: reader.optional("budget_s", values::positive)?,
             starts: reader.optional("starts", values::count)?,
+            start_from: reader.optional("start_from", file)?,
+            reference: reader.optional("reference", file)?,
+            rest_position: reader.optional("rest_position", values::per_joint_finite)?,
+            speeds: reader.or("speeds", DEFAULT_SPEEDS, values::count)?,
+            rival,
+            values: reader.named("values", values::finite)?,
             limits: LimitsTable::from_node(&reader.table("limits"))?,
             workspace: WorkspaceTable::from_node(&reader.table("workspace"))?,
         })
@@ -194,17 +299,92 @@ fn check_order(
 impl WorkspaceTable {
     fn from_node(node: &Node) -> Result<Self, ProblemFileError> {
         let reader = Reader::open(node, WORKSPACE_KEYS)?;
-        let halfspace = reader.tables("halfspace")?;
-        let clearance = reader.tables("clearance")?;
         Ok(Self {
-            halfspace: halfspace
-                .iter()
-                .map(Halfspace::from_node)
-                .collect::<Result<_, _>>()?,
-            clearance: clearance
-                .iter()
-                .map(Clearance::from_node)
-                .collect::<Result<_, _>>()?,
+            halfspace: each(&reader, "halfspace", Halfspace::from_node)?,
+            boxes: each(&reader, "box", Region::from_node)?,
+            speed: each(&reader, "speed", Speed::from_node)?,
+            clearance: each(&reader, "clearance", Clearance::from_node)?,
+            shape: each(&reader, "shape", Shape::from_node)?,
+        })
+    }
+}
+
+fn each<T>(
+    reader: &Reader<'_>,
+    key: &str,
+    parse: impl Fn(&Node) -> Result<T, ProblemFileError>,
+) -> Result<Vec<T>, ProblemFileError> {
+    reader.tables(key)?.iter().map(parse).collect()
+}
+
+impl Rival {
+    fn from_node(node: &Node, context: &Context) -> Result<Self, ProblemFileError> {
+        let reader = Reader::open(node, RIVAL_KEYS)?;
+        Ok(Self {
+            name: reader.required("name", "name the rival", values::text)?,
+            effects: reader.optional("effects", |n| values::effects(n, context))?,
+            effects_of: reader.named("effects_of", |n| values::effects(n, context))?,
+            parameters: reader.optional("parameters", |n| values::file_path(n, context))?,
+            values: reader.named("values", values::finite)?,
+        })
+    }
+}
+
+impl Region {
+    fn from_node(node: &Node) -> Result<Self, ProblemFileError> {
+        let reader = Reader::open(node, BOX_KEYS)?;
+        let corner = |n: &Node| values::array(n, "three numbers along x, y, z", values::not_nan);
+        let lower = reader.required("lower", "state the lower corner in m", corner)?;
+        let upper = reader.required("upper", "state the upper corner in m", corner)?;
+        if let Some(axis) = (0..3).find(|&axis| lower.value[axis] >= upper.value[axis]) {
+            let (lower_value, upper_value) = (lower.value[axis], upper.value[axis]);
+            return Err(ProblemFileError::new(
+                &lower.place,
+                NumberFault::LowerAboveUpper {
+                    lower: lower_value,
+                    upper: upper_value,
+                },
+            ));
+        }
+        Ok(Self {
+            frame: reader.required("frame", "name a link or frame", values::text)?,
+            lower,
+            upper,
+        })
+    }
+}
+
+impl Speed {
+    fn from_node(node: &Node) -> Result<Self, ProblemFileError> {
+        let reader = Reader::open(node, SPEED_KEYS)?;
+        Ok(Self {
+            frame: reader.required("frame", "name a link or frame", values::text)?,
+            limit: reader.required("limit", "state the speed in m/s", values::positive)?,
+        })
+    }
+}
+
+impl Shape {
+    fn from_node(node: &Node) -> Result<Self, ProblemFileError> {
+        const ENDS: &str = "one centre or two ends, each three numbers along x, y, z";
+        let reader = Reader::open(node, SHAPE_KEYS)?;
+        let ends = reader.required("ends", "state one centre or two ends in m", |n| {
+            let ends = values::items(n, ENDS)?;
+            match ends.len() {
+                1 | 2 => ends.iter().map(values::vector3).collect(),
+                found => Err(ProblemFileError::new(
+                    &n.place,
+                    ValueFault::WrongLength {
+                        expected: ENDS.to_owned(),
+                        found,
+                    },
+                )),
+            }
+        })?;
+        Ok(Self {
+            link: reader.required("link", "name a link", values::text)?,
+            ends,
+            radius: reader.required("radius", "state the radius in m", values::positive)?,
         })
     }
 }
@@ -250,6 +430,16 @@ impl Clearance {
                 values::non_negative,
             )?,
         })
+    }
+}
+
+fn harmonics(node: &Node) -> Result<Harmonics, ProblemFileError> {
+    match &node.value {
+        NodeValue::List(items) => {
+            let counts = items.iter().map(values::count).collect::<Result<_, _>>()?;
+            Ok(Harmonics::Each(values::not_empty(counts, node)?))
+        }
+        _ => values::count(node).map(Harmonics::All),
     }
 }
 

@@ -16,7 +16,9 @@ pub(crate) const KEYS: &[&str] = &[
     "effects",
     "effects_of",
     "values",
+    "rotors",
 ];
+pub(crate) const ROTOR_KEYS: &[&str] = &["link", "axis", "inertia"];
 
 /// Coefficients of one joint's torque, N·m at the joint side, in powers of the current |i|, A:
 /// sign(i)·(c0 + c1·|i| + c2·|i|² + c3·|i|³).
@@ -44,6 +46,19 @@ pub struct DriveTable {
     pub effects_of: Vec<Named<Vec<Located<String>>>>,
     /// Parameters of the model with known values, in their own units. Default: none.
     pub values: Vec<Named<f64>>,
+    /// Spinning parts of motors, by joint, which a base wrench feels. Default: none.
+    pub rotors: Vec<Named<RotorTable>>,
+}
+
+/// An entry of `[drive.rotors]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RotorTable {
+    /// The link or fixed frame that carries the motor.
+    pub link: String,
+    /// Axis about which it spins where the motor turns forwards, in that frame; not zero.
+    pub axis: [f64; 3],
+    /// The spinning part's own inertia about its axis, kg·m², at the motor side, not negative.
+    pub inertia: f64,
 }
 
 /// How current gives torque.
@@ -68,8 +83,32 @@ impl DriveTable {
             effects: reader.list("effects", effects)?,
             effects_of: reader.named("effects_of", effects)?,
             values: reader.named("values", values::finite)?,
+            rotors: reader.named("rotors", rotor)?,
         })
     }
+}
+
+fn rotor(node: &Node) -> Result<RotorTable, ProblemFileError> {
+    let reader = Reader::open(node, ROTOR_KEYS)?;
+    let axis = |n: &Node| match values::vector3(n)? {
+        [0.0, 0.0, 0.0] => Err(values::wrong_type(n, "an axis, three numbers not all zero")),
+        axis => Ok(axis),
+    };
+    Ok(RotorTable {
+        link: reader
+            .required("link", "name the link that carries the motor", values::text)?
+            .value,
+        axis: reader
+            .required("axis", "state the axis about which the rotor spins", axis)?
+            .value,
+        inertia: reader
+            .required(
+                "inertia",
+                "state the rotor's own inertia, kg·m²",
+                values::non_negative,
+            )?
+            .value,
+    })
 }
 
 fn current_law(reader: &Reader) -> Result<Option<CurrentLaw>, ProblemFileError> {

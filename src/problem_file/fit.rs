@@ -1,15 +1,23 @@
 //! `[fit]`: the estimator, what is known before the data, and fits to compare with.
 
-use crate::problem_file::choices::{Estimator, PriorKind};
+use crate::problem_file::choices::{Estimator, Motion, PriorKind};
 use crate::problem_file::document::{Node, NodeValue, Table};
-use crate::problem_file::error::{NumberFault, ProblemFileError, ValueFault};
+use crate::problem_file::error::{KeyFault, NumberFault, ProblemFileError, ValueFault};
 use crate::problem_file::located::{Located, Named};
 use crate::problem_file::reader::Reader;
 use crate::problem_file::{Context, values};
 
-pub(crate) const KEYS: &[&str] = &["estimator", "prior", "bounds", "compare"];
+pub(crate) const KEYS: &[&str] = &[
+    "estimator",
+    "motion",
+    "prior",
+    "bounds",
+    "compare",
+    "constant_velocity",
+];
 pub(crate) const PRIOR_KEYS: &[&str] = &["kind", "strength", "values"];
 pub(crate) const PRIOR_VALUE_KEYS: &[&str] = &["value", "std_dev"];
+pub(crate) const CONSTANT_VELOCITY_KEYS: &[&str] = &["least_speed", "torque_constant", "same_type"];
 pub(crate) const COMPARE_KEYS: &[&str] = &["name", "effects"];
 
 /// Name of the bound on the sum of all masses in `[fit.bounds]`.
@@ -20,6 +28,8 @@ const TOTAL_MASS: &str = "total_mass";
 pub struct FitTable {
     /// Default: [`Estimator::MaximumLikelihood`].
     pub estimator: Located<Estimator>,
+    /// Whether joint angles are noisy, for `maximum_likelihood`. Default: [`Motion::Exact`].
+    pub motion: Located<Motion>,
     pub prior: PriorTable,
     /// By parameter name, in the parameter's unit. Default: none.
     pub bounds: Vec<Named<Interval>>,
@@ -27,7 +37,22 @@ pub struct FitTable {
     pub total_mass: Option<Located<Interval>>,
     /// The same fit with other effects. Default: none.
     pub compare: Vec<Comparison>,
+    pub constant_velocity: ConstantVelocityTable,
 }
+
+/// The table `[fit.constant_velocity]`, for the estimator `constant_velocity`.
+#[derive(Debug, Clone)]
+pub struct ConstantVelocityTable {
+    /// A slower joint stands, rad/s (m/s), positive. Default: 0.02.
+    pub least_speed: Located<f64>,
+    /// Torque constants that are known, by joint, N·m/A at the joint side, positive. Default: none.
+    pub torque_constant: Vec<Named<f64>>,
+    /// Lists of joints with motors of one type. Default: none.
+    pub same_type: Vec<Vec<Located<String>>>,
+}
+
+/// Slowest motion by default, rad/s: above the noise of a resting encoder, below any useful speed.
+const LEAST_SPEED: f64 = 0.02;
 
 /// The table `[fit.prior]`.
 #[derive(Debug, Clone)]
@@ -88,14 +113,56 @@ impl FitTable {
             .map(|table| Comparison::from_node(table, context))
             .collect::<Result<_, _>>()?;
         values::check_no_duplicates(compare.iter().map(|comparison| &comparison.name))?;
+        let estimator = reader.or("estimator", Estimator::MaximumLikelihood, values::choice)?;
+        let motion = reader.or("motion", Motion::Exact, values::choice)?;
+        if motion.value == Motion::Noisy && estimator.value != Estimator::MaximumLikelihood {
+            return Err(ProblemFileError::new(
+                &motion.place,
+                KeyFault::Conflict {
+                    found: "a noisy motion, which only maximum_likelihood estimates".into(),
+                    remedy: "set estimator = \"maximum_likelihood\", or leave motion out".into(),
+                },
+            ));
+        }
         Ok(Self {
-            estimator: reader.or("estimator", Estimator::MaximumLikelihood, values::choice)?,
+            estimator,
+            motion,
             prior: PriorTable::from_node(&reader.table("prior"))?,
             bounds,
             total_mass,
             compare,
+            constant_velocity: ConstantVelocityTable::from_node(
+                &reader.table("constant_velocity"),
+            )?,
         })
     }
+}
+
+impl ConstantVelocityTable {
+    fn from_node(node: &Node) -> Result<Self, ProblemFileError> {
+        let reader = Reader::open(node, CONSTANT_VELOCITY_KEYS)?;
+        let groups = reader.list("same_type", |node| {
+            let groups = values::items(node, "a list of lists of joints")?;
+            groups.iter().map(joint_names).collect()
+        })?;
+        Ok(Self {
+            least_speed: reader.or("least_speed", LEAST_SPEED, values::positive)?,
+            torque_constant: reader.named("torque_constant", values::positive)?,
+            same_type: groups,
+        })
+    }
+}
+
+fn joint_names(node: &Node) -> Result<Vec<Located<String>>, ProblemFileError> {
+    let names = values::items(node, "a list of joints")?.iter();
+    names
+        .map(|node| {
+            Ok(Located {
+                value: values::text(node)?,
+                place: node.place.clone(),
+            })
+        })
+        .collect()
 }
 
 impl PriorTable {

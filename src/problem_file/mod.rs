@@ -138,7 +138,7 @@ impl ProblemFile {
             drive: DriveTable::from_node(&reader.table("drive"), context)?,
             recordings,
             fit: FitTable::from_node(&reader.table("fit"), context)?,
-            design: DesignTable::from_node(&reader.table("design"))?,
+            design: DesignTable::from_node(&reader.table("design"), context)?,
             simulate: SimulateTable::from_node(&reader.table("simulate"), context)?,
             diagnose: DiagnoseTable::from_node(&reader.table("diagnose"), context)?,
             json: root.to_json(),

@@ -15,6 +15,7 @@ const TABLES_OF_NAMES: &[&str] = &[
     "drive.values",
     "fit.prior.values",
     "fit.bounds",
+    "design.values",
     "simulate.values",
 ];
 

@@ -3,7 +3,7 @@
 use crate::problem_file::choices::{DifferentiationMethod, PositionSide, Signal};
 use crate::problem_file::document::Node;
 use crate::problem_file::error::{KeyFault, NumberFault, ProblemFileError};
-use crate::problem_file::located::{FilePath, Located};
+use crate::problem_file::located::{FilePath, Located, Named};
 use crate::problem_file::reader::Reader;
 use crate::problem_file::{Context, values};
 
@@ -17,7 +17,11 @@ pub(crate) const KEYS: &[&str] = &[
     "period",
     "columns",
     "differentiation",
+    "platform",
+    "sensors",
 ];
+pub(crate) const SENSOR_KEYS: &[&str] = &["position", "acceleration", "force"];
+pub(crate) const PLATFORM_KEYS: &[&str] = &["translation", "rotation", "accuracy", "tare"];
 pub(crate) const COLUMNS_KEYS: &[&str] = &[
     "time",
     "position",
@@ -51,6 +55,36 @@ pub struct RecordingsTable {
     pub period: Option<Located<f64>>,
     pub columns: ColumnsTable,
     pub differentiation: DifferentiationTable,
+    /// The sensor of a base wrench. Default: it reads in the base frame.
+    pub platform: Option<PlatformTable>,
+    /// What is measured at joints without a motor, by joint. Default: nothing; their motion follows from the
+    /// motors.
+    pub sensors: Vec<Named<SensorTable>>,
+}
+
+/// An entry of `[recordings.sensors]`: the column of a sensor at a joint without a motor.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum SensorTable {
+    /// rad (m), differentiated twice: its acceleration.
+    Position(String),
+    /// rad/s² (m/s²).
+    Acceleration(String),
+    /// N·m (N), that the surroundings exert on the joint's link along the joint.
+    Force(String),
+}
+
+/// The table `[recordings.platform]`: the sensor of the force and moment under the base.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlatformTable {
+    /// Origin of the sensor's frame in the base frame, m. Default: the origin.
+    pub translation: [f64; 3],
+    /// Roll, pitch and yaw of the sensor's axes in the base frame, rad. Default: the base frame's.
+    pub rotation: [f64; 3],
+    /// Standard deviation of a sample as share of its channel's root mean square, the weights of the
+    /// ordinary estimator. Default: none.
+    pub accuracy: Option<f64>,
+    /// What the platform reads without the robot is not known: six more unknowns. Default: false.
+    pub tare: bool,
 }
 
 /// The table `[recordings.columns]`: names of columns or channels, in which `{joint}` stands for
@@ -104,6 +138,11 @@ impl RecordingsTable {
             period: reader.optional("period", values::positive)?,
             columns: ColumnsTable::from_node(&reader.table("columns"))?,
             differentiation: DifferentiationTable::from_node(&reader.table("differentiation"))?,
+            platform: reader
+                .node("platform")
+                .map(PlatformTable::from_node)
+                .transpose()?,
+            sensors: reader.named("sensors", SensorTable::from_node)?,
         };
         if table.train.is_empty() && table.loaded.is_empty() {
             return Err(reader.missing("train", "list the training recordings"));
@@ -149,6 +188,35 @@ impl RecordingsTable {
             }
         }
         Ok(())
+    }
+}
+
+impl PlatformTable {
+    fn from_node(node: &Node) -> Result<Self, ProblemFileError> {
+        let reader = Reader::open(node, PLATFORM_KEYS)?;
+        let accuracy = reader.optional("accuracy", values::positive)?;
+        Ok(Self {
+            translation: reader.or("translation", [0.0; 3], values::vector3)?.value,
+            rotation: reader.or("rotation", [0.0; 3], values::vector3)?.value,
+            accuracy: accuracy.map(|share| share.value),
+            tare: reader.or("tare", false, values::boolean)?.value,
+        })
+    }
+}
+
+impl SensorTable {
+    fn from_node(node: &Node) -> Result<Self, ProblemFileError> {
+        let reader = Reader::open(node, SENSOR_KEYS)?;
+        reader.at_most_one(SENSOR_KEYS)?;
+        if let Some(column) = reader.optional("acceleration", values::text)? {
+            return Ok(Self::Acceleration(column.value));
+        }
+        if let Some(column) = reader.optional("force", values::text)? {
+            return Ok(Self::Force(column.value));
+        }
+        let remedy = "name the sensor's column as position, acceleration or force";
+        let column = reader.required("position", remedy, values::text)?;
+        Ok(Self::Position(column.value))
     }
 }
 

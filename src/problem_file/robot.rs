@@ -1,6 +1,6 @@
 //! `[robot]`: the kinematics, what is known of it, and what is to be estimated.
 
-use crate::problem_file::choices::{Choice, Inertials, Mechanism};
+use crate::problem_file::choices::{Choice, ClosedJoint, Inertials, Mechanism};
 use crate::problem_file::document::{Node, NodeValue};
 use crate::problem_file::error::{KeyFault, ProblemFileError};
 use crate::problem_file::located::{FilePath, Located, Named};
@@ -19,7 +19,10 @@ pub(crate) const KEYS: &[&str] = &[
     "parameters",
     "payload",
     "h4",
+    "passive",
+    "closed",
 ];
+pub(crate) const CLOSED_KEYS: &[&str] = &["frames", "joint", "axis", "length"];
 
 /// Gravity on the ground with the z axis of the base frame upwards, m/s².
 pub const DEFAULT_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
@@ -43,6 +46,24 @@ pub struct RobotTable {
     pub parameters: Option<Located<FilePath>>,
     /// Ten unknown parameters of a load. Default: none.
     pub payload: Option<Located<PayloadPlace>>,
+    /// Joints without a motor, which closed joints hold, and positions near which the loops close, rad (m).
+    /// Default: none.
+    pub passive: Vec<Named<f64>>,
+    /// Joints that close loops of the robot file's tree. Default: none.
+    pub closed: Vec<ClosedTable>,
+}
+
+/// An entry of `[[robot.closed]]`: a joint between two links or frames that are both in the tree.
+#[derive(Debug, Clone)]
+pub struct ClosedTable {
+    /// Links or fixed frames of the robot file; their origins are the joint's centres.
+    pub frames: Located<[String; 2]>,
+    /// Default: [`ClosedJoint::Hinge`].
+    pub joint: Located<ClosedJoint>,
+    /// Axis of a hinge in both frames. Default: z.
+    pub axis: Located<[f64; 3]>,
+    /// Length of a rod, m; required for it.
+    pub length: Option<Located<f64>>,
 }
 
 /// Where the kinematics comes from.
@@ -86,6 +107,12 @@ impl RobotTable {
             })?,
             parameters: reader.optional("parameters", |n| values::file_path(n, context))?,
             payload: reader.optional("payload", payload_place)?,
+            passive: reader.named("passive", values::finite)?,
+            closed: reader
+                .tables("closed")?
+                .iter()
+                .map(ClosedTable::from_node)
+                .collect::<Result<_, _>>()?,
         };
         table.check_locked()?;
         Ok(table)
@@ -107,6 +134,24 @@ impl RobotTable {
                 },
             )),
         }
+    }
+}
+
+impl ClosedTable {
+    fn from_node(node: &Node) -> Result<Self, ProblemFileError> {
+        let reader = Reader::open(node, CLOSED_KEYS)?;
+        let names = |n: &Node| values::array(n, "two links or frames", values::text);
+        let remedy = "name the two links or frames that the joint holds together";
+        let table = Self {
+            frames: reader.required("frames", remedy, names)?,
+            joint: reader.or("joint", ClosedJoint::Hinge, values::choice)?,
+            axis: reader.or("axis", [0.0, 0.0, 1.0], values::vector3)?,
+            length: reader.optional("length", values::positive)?,
+        };
+        if table.joint.value == ClosedJoint::Rod && table.length.is_none() {
+            return Err(reader.missing("length", "give the length of the rod in metres"));
+        }
+        Ok(table)
     }
 }
 

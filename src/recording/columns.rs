@@ -111,6 +111,8 @@ const CURRENT: &[&str] = &[
     "i_{n}",
     "current{n}",
     "current_{n}",
+    // Joint states have one field for both: the signal of the problem says which it is.
+    "effort_{joint}",
 ];
 const TORQUE: &[&str] = &[
     "tau_{joint}",
@@ -172,6 +174,26 @@ pub fn read(
     let names = finder.choose(map, kind)?;
     let table = (format.read)(path, &names.all(path)?)?;
     Ok(names.assemble(path, table))
+}
+
+/// Reads further columns of a recording, in the order of their names.
+///
+/// Errors: those of the file and its table, and a column that is missing (naming the nearest one).
+pub fn read_further(path: &Path, names: &[String]) -> Result<Vec<Vec<f64>>, RecordingError> {
+    let format = format_of(path)?;
+    let present = (format.columns)(path)?;
+    let finder = Finder {
+        path,
+        joints: &[],
+        present: &present,
+        conventional: false,
+    };
+    for name in names {
+        finder.single(name, "sensor at a joint without a motor")?;
+    }
+    let mut table = (format.read)(path, names)?;
+    let take = |name: &String| table.take(name).unwrap_or_default();
+    Ok(names.iter().map(take).collect())
 }
 
 /// The columns chosen for each channel.

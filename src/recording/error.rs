@@ -19,33 +19,105 @@ pub enum RecordingErrorKind {
     NotFound,
     IsDirectory,
     NoPermission,
-    Unreadable { reason: String },
-    UnknownExtension { found: String },
+    Unreadable {
+        reason: String,
+    },
+    UnknownExtension {
+        found: String,
+    },
     TruncatedGzip,
-    CorruptGzip { reason: String },
+    CorruptGzip {
+        reason: String,
+    },
+    Corrupt {
+        format: &'static str,
+        reason: Box<str>,
+    },
+    Unsupported {
+        what: Box<str>,
+        remedy: &'static str,
+    },
+    UnequalLengths {
+        found: usize,
+        other: Box<str>,
+        expected: usize,
+    },
+    NoJointState {
+        present: Vec<String>,
+    },
+    BadMessage {
+        reason: String,
+    },
+    TwoTopics {
+        topics: Vec<String>,
+    },
     EmptyFile,
-    NoHeader { first: String },
+    NoHeader {
+        first: String,
+    },
     NotUtf8,
     NulByte,
-    LineTooLong { limit: usize },
-    DuplicateColumn { name: String },
-    WrongFieldCount { found: usize, expected: usize },
-    NotANumber { found: String },
-    NotFinite { found: String },
-    TooFewRows { found: usize, least: usize },
+    LineTooLong {
+        limit: usize,
+    },
+    DuplicateColumn {
+        name: String,
+    },
+    WrongFieldCount {
+        found: usize,
+        expected: usize,
+    },
+    NotANumber {
+        found: String,
+    },
+    NotFinite {
+        found: String,
+    },
+    TooFewRows {
+        found: usize,
+        least: usize,
+    },
     MissingColumn(Box<MissingColumn>),
-    ColumnUsedTwice { name: String },
-    PatternNotPerJoint { pattern: String, joints: usize },
-    UnknownPlaceholder { found: String },
-    TimeNotIncreasing { before: f64, found: f64 },
-    GapTooLong { seconds: f64 },
+    ColumnUsedTwice {
+        name: String,
+    },
+    PatternNotPerJoint {
+        pattern: String,
+        joints: usize,
+    },
+    UnknownPlaceholder {
+        found: String,
+    },
+    TimeNotIncreasing {
+        before: f64,
+        found: f64,
+    },
+    GapTooLong {
+        seconds: f64,
+    },
     NoTimeBase,
-    RateContradictsTime { given: f64, found: f64 },
-    InvalidSetting { value: f64, requirement: String },
-    ShorterThanPeriod { duration: f64, period: f64 },
+    RateContradictsTime {
+        given: f64,
+        found: f64,
+    },
+    InvalidSetting {
+        value: f64,
+        requirement: String,
+    },
+    ShorterThanPeriod {
+        duration: f64,
+        period: f64,
+    },
     FourierWithoutPeriod,
-    TooShortForFilter { samples: usize, least: usize },
+    TooShortForFilter {
+        samples: usize,
+        least: usize,
+    },
     NothingUnmasked,
+    /// A recorded position at which the loops of the mechanism stay open, or are not held.
+    NoMotion {
+        reason: String,
+    },
 }
 
 impl RecordingErrorKind {
@@ -55,6 +127,7 @@ impl RecordingErrorKind {
             self,
             Self::ColumnUsedTwice { .. }
                 | Self::PatternNotPerJoint { .. }
+                | Self::TwoTopics { .. }
                 | Self::UnknownPlaceholder { .. }
                 | Self::InvalidSetting { .. }
                 | Self::FourierWithoutPeriod
@@ -123,6 +196,7 @@ impl Fault for RecordingError {
 
     fn describe(&self) -> Description {
         describe_file(&self.kind)
+            .or_else(|| describe_content(&self.kind))
             .or_else(|| describe_table(&self.kind))
             .or_else(|| describe_time(&self.kind))
             .unwrap_or_else(|| describe_use(&self.kind))
@@ -166,6 +240,56 @@ fn describe_file(kind: &RecordingErrorKind) -> Option<Description> {
             "corrupt-gzip",
             format!("the file is not a valid gzip file: {reason}"),
             "compress it again, or drop .gz from its name if it is plain text",
+        ),
+        _ => return None,
+    };
+    Some(words)
+}
+
+/// Faults of the formats that are not text.
+fn describe_content(kind: &RecordingErrorKind) -> Option<Description> {
+    use RecordingErrorKind as Kind;
+    let words = match kind {
+        Kind::Corrupt { format, reason } => Description::new(
+            "corrupt-file",
+            format!("this is not a valid {format}: {reason}"),
+            "export or copy the recording again, and check that its extension is right",
+        ),
+        Kind::Unsupported { what, remedy } => {
+            Description::new("unsupported-content", what.as_ref(), *remedy)
+        }
+        Kind::UnequalLengths {
+            found,
+            other,
+            expected,
+        } => Description::new(
+            "unequal-lengths",
+            format!("it has {found} samples and {other} has {expected}"),
+            "store all channels with the same number of samples",
+        ),
+        Kind::NoJointState { present } => Description::new(
+            "no-joint-state",
+            "the bag holds no message of type sensor_msgs/JointState",
+            match present.is_empty() {
+                true => "record the topic of the joint states; the bag is empty".to_string(),
+                false => format!(
+                    "record the topic of the joint states; the bag holds {}",
+                    list(present)
+                ),
+            },
+        ),
+        Kind::BadMessage { reason } => Description::new(
+            "bad-message",
+            format!("the joint state with this number cannot be used: {reason}"),
+            "record the bag again, with all joints in one message",
+        ),
+        Kind::TwoTopics { topics } => Description::new(
+            "two-topics",
+            format!(
+                "columns of the topics {} have no common samples",
+                topics.join(" and ")
+            ),
+            "name columns of one topic under [recordings.columns]",
         ),
         _ => return None,
     };
@@ -311,13 +435,18 @@ fn describe_use(kind: &RecordingErrorKind) -> Description {
         ),
         Kind::FourierWithoutPeriod => Description::new(
             "fourier-without-period",
-            "a Fourier series needs the period of the motion",
+            "no period is given for the Fourier series, and the motion does not repeat",
             "give recordings.period, or use the method \"lowpass\"",
         ),
         Kind::TooShortForFilter { samples, least } => Description::new(
             "too-short-for-filter",
             format!("{samples} samples leave nothing between the edges of the filter"),
             format!("record at least {least} samples, or raise the cut-off"),
+        ),
+        Kind::NoMotion { reason } => Description::new(
+            "no-motion",
+            reason.as_str(),
+            "check the order, units, signs and zero of the recorded positions against the mechanism",
         ),
         _ => Description::new(
             "nothing-unmasked",

@@ -5,9 +5,11 @@ use std::path::PathBuf;
 
 use nalgebra::DMatrix;
 
+use crate::fault::Place;
 use crate::recording::columns::Recording;
-use crate::recording::error::RecordingError;
-use crate::recording::settings::Preparation;
+use crate::recording::error::{RecordingError, RecordingErrorKind};
+use crate::recording::period::{self, Repetition};
+use crate::recording::settings::{Method, Preparation};
 use crate::recording::timing::{Timing, examine};
 use crate::recording::zero_phase::ZeroPhase;
 use crate::recording::{lowpass, periodic};
@@ -99,6 +101,8 @@ pub struct Periods {
     pub samples: usize,
     /// s.
     pub period: f64,
+    /// Whether the period was asked for or follows from the motion.
+    pub chosen: Chosen,
 }
 
 /// A recording made ready for a model.
@@ -136,9 +140,31 @@ pub fn prepare(
 ) -> Result<Experiment, RecordingError> {
     let timing = examine(&recording, preparation.rate)?;
     preparation.validate(&recording, &timing)?;
-    match preparation.period {
+    match period_of(&recording, preparation, &timing)? {
         Some(period) => periodic::prepare(recording, preparation, timing, period),
         None => lowpass::prepare(recording, preparation, timing),
+    }
+}
+
+/// The period that is given; where only the Fourier series is asked for, the period that the motion shows.
+fn period_of(
+    recording: &Recording,
+    preparation: &Preparation,
+    timing: &Timing,
+) -> Result<Option<(f64, Chosen)>, RecordingError> {
+    if let Some(period) = preparation.period {
+        return Ok(Some((period, Chosen::Given)));
+    }
+    if preparation.differentiation.method != Some(Method::Fourier) {
+        return Ok(None);
+    }
+    match period::find(recording, timing).filter(Repetition::is_exact) {
+        Some(found) => Ok(Some((found.period, Chosen::Data))),
+        None => {
+            let place = Place::file(&recording.file).key("method");
+            let kind = RecordingErrorKind::FourierWithoutPeriod;
+            Err(RecordingError::new(place, kind))
+        }
     }
 }
 

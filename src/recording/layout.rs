@@ -6,7 +6,7 @@
 use crate::fault::Place;
 use crate::recording::columns::Recording;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
-use crate::recording::experiment::Periods;
+use crate::recording::experiment::{Chosen, Periods};
 use crate::recording::fill::{Ends, fill};
 
 /// The whole periods: sample `first + p N + k` is row k of period p.
@@ -21,12 +21,13 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// The periods found, each of so many seconds.
-    pub fn periods(&self, period: f64) -> Periods {
+    /// The periods, each of so many seconds.
+    pub fn periods(&self, (period, chosen): (f64, Chosen)) -> Periods {
         Periods {
             count: self.count,
             samples: self.samples,
             period,
+            chosen,
         }
     }
 

@@ -1,5 +1,7 @@
 //! From files to motion and signal: tables, channels, time base, periods, derivatives, noise.
 
+mod arrays;
+pub mod bag;
 pub mod columns;
 pub mod csv;
 mod cutoff;
@@ -10,6 +12,10 @@ mod fill;
 mod fourier;
 mod layout;
 pub mod lowpass;
+pub mod mat;
+pub mod npz;
+mod number_type;
+pub mod parquet;
 pub mod period;
 pub mod periodic;
 pub mod settings;
@@ -17,6 +23,8 @@ mod spectrum;
 pub mod split;
 pub mod table;
 pub mod timing;
+mod unfold;
+pub mod unrolled;
 pub mod zero_phase;
 
 #[cfg(test)]

@@ -30,7 +30,7 @@ pub(super) fn prepare(
     mut recording: Recording,
     preparation: &Preparation,
     timing: Timing,
-    period: f64,
+    (period, chosen): (f64, Chosen),
 ) -> Result<Experiment, RecordingError> {
     let samples = rows_of(&recording, &timing, period)?;
     let rate_hz = samples as f64 / period;
@@ -80,7 +80,7 @@ pub(super) fn prepare(
         file: recording.file,
         bandwidth: joints.bandwidth,
         timing,
-        periods: Some(layout.periods(period)),
+        periods: Some(layout.periods((period, chosen))),
         edge_s: 0.0,
         parallel,
     })

@@ -30,7 +30,7 @@ pub struct Differentiation {
 pub struct Preparation {
     /// Hz; needed where the file has no time stamps.
     pub rate: Option<f64>,
-    /// s; None: not periodic.
+    /// s; None: found in the motion, if it repeats and the method is not the low-pass.
     pub period: Option<f64>,
     pub differentiation: Differentiation,
 }
@@ -56,10 +56,6 @@ impl Preparation {
                 let kind = RecordingErrorKind::InvalidSetting { value, requirement };
                 return Err(RecordingError::new(place().key(key), kind));
             }
-        }
-        if settings.method == Some(Method::Fourier) && self.period.is_none() {
-            let kind = RecordingErrorKind::FourierWithoutPeriod;
-            return Err(RecordingError::new(place().key("method"), kind));
         }
         Ok(())
     }

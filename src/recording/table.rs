@@ -5,8 +5,10 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 use crate::fault::Place;
+use crate::recording::bag::{mcap, ros1, sqlite};
 use crate::recording::csv;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
+use crate::recording::{mat, npz, parquet};
 
 /// The wanted columns of a file, column by column.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,6 +54,36 @@ pub const FORMATS: &[Format] = &[
         extension: ".csv.gz",
         columns: csv::columns_gzip,
         read: csv::read_gzip,
+    },
+    Format {
+        extension: ".parquet",
+        columns: parquet::columns,
+        read: parquet::read,
+    },
+    Format {
+        extension: ".npz",
+        columns: npz::columns,
+        read: npz::read,
+    },
+    Format {
+        extension: ".mat",
+        columns: mat::columns,
+        read: mat::read,
+    },
+    Format {
+        extension: ".mcap",
+        columns: mcap::columns,
+        read: mcap::read,
+    },
+    Format {
+        extension: ".bag",
+        columns: ros1::columns,
+        read: ros1::read,
+    },
+    Format {
+        extension: ".db3",
+        columns: sqlite::columns,
+        read: sqlite::read,
     },
 ];
 

@@ -14,6 +14,8 @@ use crate::recording::error::RecordingError;
 use crate::recording::experiment::{Experiment, prepare};
 use crate::recording::settings::{Method, Preparation};
 
+mod containers;
+mod damaged;
 mod faults;
 
 fn joints() -> Vec<String> {
@@ -268,6 +270,7 @@ fn low_pass_and_fourier_agree_on_a_period() {
 fn parallel_filter_leaves_its_edges_masked() {
     let time = (0..4000).map(|k| f64::from(k) / 200.0).collect();
     let mut preparation = Preparation::default();
+    preparation.differentiation.method = Some(Method::Lowpass);
     preparation.differentiation.cutoff_hz = Some(20.0);
     preparation.differentiation.parallel_hz = Some(5.0);
     let experiment = prepare(periodic_recording(time, [0.0, 0.0]), &preparation).unwrap();
@@ -369,7 +372,9 @@ fn a_published_positioning_axis_gets_the_published_cutoff() {
         SignalKind::Torque,
     )
     .unwrap();
-    let experiment = prepare(recording, &Preparation::default()).unwrap();
+    let mut preparation = Preparation::default();
+    preparation.differentiation.method = Some(Method::Lowpass);
+    let experiment = prepare(recording, &preparation).unwrap();
     // Its authors differentiate at 100 Hz; the error of the acceleration is flat about its least.
     let cutoff = experiment.bandwidth[0].cutoff_hz;
     assert!((50.0..200.0).contains(&cutoff), "{cutoff} Hz");

@@ -3,6 +3,7 @@
 use crate::outcome::Outcome;
 use crate::outcome::check::{Finding, Severity};
 use crate::outcome::estimate::Solver;
+use crate::outcome::fit::Fit;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::parameter::{Parameter, Source};
 
@@ -133,6 +134,14 @@ fn shell_word(word: &str) -> String {
         word.to_string()
     } else {
         format!("'{}'", word.replace('\'', r"'\''"))
+    }
+}
+
+/// `18 of 19`: independent combinations of unknown parameters.
+pub(super) fn rank_in_words(fit: &Fit) -> String {
+    match fit.unknowns {
+        0 => fit.rank.to_string(),
+        unknowns => format!("{} of {unknowns}", fit.rank),
     }
 }
 

@@ -160,9 +160,13 @@ fn arm() -> Outcome {
             }),
         },
         part: Part::Fit(Fit {
+            feasibility: None,
+            motors: None,
             posterior: Posterior::default(),
             base_parameters: base_parameters(),
             rank: 36,
+            unknowns: 78,
+            payload: None,
             condition_number: 87.3,
             feasible: Some(true),
             min_pseudo_inertia_eigenvalue: Some(3.2e-4),
@@ -174,7 +178,10 @@ fn arm() -> Outcome {
                 ],
                 joints: (1..=JOINTS).map(|joint| figures(joint, 0.97)).collect(),
             }],
+            contests: Vec::new(),
+            joint_torque_parameters: Vec::new(),
             realization: Vec::new(),
+            machine: None,
             preprocessing: vec![Preprocessing {
                 recording: "train.csv".to_string(),
                 channel: Some("joint1".to_string()),
@@ -349,7 +356,7 @@ six_joint_arm: fit
   joint   unit  RMSE train  held out    noise  relative train  held out
   joint1  A         0.2100    0.2373   0.1785          2.00 %    2.40 %
   joint2  A         0.1050         –  0.08925          4.00 %    4.80 %
-rank 36, condition number 87.30, physically feasible
+rank 36 of 78, condition number 87.30, physically feasible
 parameters: 32 from data, 1 from the prior, 1 on a bound, 6 known, 8 undetermined
 maximum_likelihood converged (cost tolerance) after 7 iterations
 note: 6 periods averaged; the last 0.31 s left out.

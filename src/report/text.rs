@@ -3,9 +3,13 @@
 use std::path::Path;
 
 use crate::outcome::check::Check;
+use crate::outcome::contest::Contest;
+use crate::outcome::design::Design;
+use crate::outcome::diagnose::{Diagnosis, Finding};
 use crate::outcome::estimate::Estimate;
 use crate::outcome::fit::Fit;
 use crate::outcome::joint::JointFigures;
+use crate::outcome::load::Load;
 use crate::outcome::simulation::Simulation;
 use crate::outcome::{Outcome, Part};
 use crate::report::facts;
@@ -20,6 +24,8 @@ pub fn summary(outcome: &Outcome, report: Option<&Path>) -> String {
         Part::Fit(fit) => fit_lines(&outcome.estimate, fit),
         Part::Check(check) => check_lines(check),
         Part::Simulate(simulation) => simulation_lines(simulation),
+        Part::Design(design) => design_lines(&outcome.estimate, design),
+        Part::Diagnose(diagnosis) => diagnosis_lines(diagnosis),
     };
     lines.insert(0, format!("{}: {}", outcome.name, outcome.part.verb()));
     if let Some(report) = report {
@@ -37,15 +43,45 @@ fn fit_lines(estimate: &Estimate, fit: &Fit) -> Vec<String> {
     };
     lines.push(format!(
         "rank {}, condition number {}{feasible}",
-        fit.rank,
+        facts::rank_in_words(fit),
         significant(fit.condition_number)
     ));
     lines.push(format!(
         "parameters: {}",
         facts::parameter_counts(&estimate.parameters)
     ));
+    if let Some(load) = &fit.payload {
+        lines.extend(load_lines(estimate, load));
+    }
     lines.extend(estimate.solver.as_ref().map(facts::solver_sentence));
+    lines.extend(contest_lines(&fit.contests));
     lines.extend(fit.notes.iter().map(|note| format!("note: {note}")));
+    lines
+}
+
+/// The load as controllers ask for it, with its intervals.
+fn load_lines(estimate: &Estimate, load: &Load) -> Vec<String> {
+    let headers = ["load", "unit", "value", "std. dev.", "95 % from", "to"];
+    let mut rows = vec![headers.map(str::to_string)];
+    let cells = |name: &str, unit: &str, value, (std_dev, ci95): (_, Option<[f64; 2]>)| {
+        let [lower, upper] = [0, 1].map(|k| optional(ci95.map(|ci| ci[k])));
+        let [name, unit] = [name, unit].map(str::to_string);
+        [name, unit, optional(value), optional(std_dev), lower, upper]
+    };
+    for p in estimate.parameters.iter() {
+        if let Some(name) = p.name.strip_prefix("payload.") {
+            rows.push(cells(name, &p.unit, p.value, (p.std_dev, p.ci95)));
+        }
+    }
+    for (k, moment) in load.principal.iter().enumerate() {
+        let name = format!("principal {}", k + 1);
+        let value = Some(moment.value);
+        rows.push(cells(&name, "kg·m²", value, (moment.std_dev, moment.ci95)));
+    }
+    let mut lines = align(&rows);
+    if load.possible == Some(false) {
+        lines.push("no body has these ten values; `estimator = \"feasible_maximum_likelihood\"` keeps to those that have".into());
+    }
     lines
 }
 
@@ -74,6 +110,29 @@ fn joint_lines(joints: &[JointFigures]) -> Vec<String> {
     align(&rows)
 }
 
+/// Root mean square errors of the models that are compared, and which is best.
+fn contest_lines(contests: &[Contest]) -> Vec<String> {
+    let mut lines = Vec::new();
+    for contest in contests {
+        let joint = contest.joint.as_deref().unwrap_or("all joints together");
+        let errors: Vec<String> = contest
+            .models
+            .iter()
+            .map(|model| format!("{} {}", model.name, significant(model.judged().value)))
+            .collect();
+        let unit = match contest.unit.as_str() {
+            "" => "of this fit's error".to_string(),
+            unit => unit.to_string(),
+        };
+        lines.push(format!(
+            "comparison, {joint}: {} {unit}; {}",
+            errors.join(", "),
+            contest.sentence
+        ));
+    }
+    lines
+}
+
 /// Rows of equal columns: the first two to the left, numbers to the right.
 fn align<const N: usize>(rows: &[[String; N]]) -> Vec<String> {
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max();
@@ -94,6 +153,60 @@ fn align<const N: usize>(rows: &[[String; N]]) -> Vec<String> {
         .collect()
 }
 
+fn diagnosis_lines(diagnosis: &Diagnosis) -> Vec<String> {
+    let mut lines = vec![format!("verdict: {}", diagnosis.verdict.words())];
+    if diagnosis.findings.is_empty() {
+        lines.push(diagnosis.summary.clone());
+    }
+    for (k, finding) in diagnosis.findings.iter().enumerate() {
+        lines.push(format!("{}. {}", k + 1, finding.sentence));
+        lines.extend(rival_line(finding));
+    }
+    let located = diagnosis.located.iter();
+    lines.extend(located.map(|place| format!("{GAP}where: {}", place.sentence)));
+    let mistakes = diagnosis.mistakes.iter();
+    lines.extend(mistakes.map(|m| format!("{}: {} [{}]", m.severity.as_str(), m.message, m.code)));
+    lines.extend(before_and_after(diagnosis));
+    lines.extend(diagnosis.notes.iter().map(|note| format!("note: {note}")));
+    lines
+}
+
+fn rival_line(finding: &Finding) -> Option<String> {
+    let alike = finding.rivals.iter().filter(|r| !r.separable);
+    let names: Vec<&str> = alike.map(|r| r.effect.as_str()).collect();
+    (!names.is_empty()).then(|| format!("{GAP}not told apart from: {}", names.join(", ")))
+}
+
+fn before_and_after(diagnosis: &Diagnosis) -> Vec<String> {
+    let headers = [
+        "joint",
+        "unit",
+        "held out before",
+        "after",
+        "noise",
+        "lack of fit before",
+        "after",
+    ];
+    let mut rows = vec![headers.map(str::to_string)];
+    let pairs = diagnosis
+        .baseline
+        .joints
+        .iter()
+        .zip(&diagnosis.outcome.joints);
+    rows.extend(pairs.map(|(before, after)| {
+        [
+            before.joint.clone(),
+            before.unit.clone(),
+            optional(before.rmse_validation),
+            optional(after.rmse_validation),
+            optional(after.noise_rms),
+            optional(before.lack_of_fit),
+            optional(after.lack_of_fit),
+        ]
+    }));
+    align(&rows)
+}
+
 fn check_lines(check: &Check) -> Vec<String> {
     let mut lines = Vec::new();
     for finding in &check.findings {
@@ -111,6 +224,44 @@ fn check_lines(check: &Check) -> Vec<String> {
         lines.push(format!("{GAP}{}", finding.remedy));
     }
     lines.push(facts::finding_counts(&check.findings));
+    lines
+}
+
+fn design_lines(estimate: &Estimate, design: &Design) -> Vec<String> {
+    let mut lines: Vec<String> = design
+        .files
+        .iter()
+        .map(|file| format!("{GAP}{file}"))
+        .collect();
+    lines.push(format!(
+        "{}: {} after {} starts; condition number {}, log det {}",
+        design.criterion,
+        significant(design.criterion_value),
+        design.starts,
+        significant(design.condition_number),
+        significant(design.log_det)
+    ));
+    let tightest = design
+        .worst_margins
+        .iter()
+        .min_by(|a, b| a.relative.total_cmp(&b.relative));
+    lines.extend(tightest.map(|m| {
+        let joint = m.joint.as_deref().unwrap_or("the workspace");
+        format!(
+            "tightest limit: {} of {joint}, {} left",
+            m.constraint,
+            percent(m.relative)
+        )
+    }));
+    let hidden = design.coverage.iter().filter(|c| !c.shown);
+    lines.extend(hidden.map(|c| {
+        format!(
+            "the motion shows little of {} on {}: {}",
+            c.effect, c.joint, c.sentence
+        )
+    }));
+    lines.extend(estimate.solver.as_ref().map(facts::solver_sentence));
+    lines.extend(design.notes.iter().map(|note| format!("note: {note}")));
     lines
 }
 

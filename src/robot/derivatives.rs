@@ -1,5 +1,5 @@
 //! Derivatives of the joint torque with respect to position, velocity and acceleration, and with them
-//! the mass matrix and forward dynamics.
+//! the mass matrix.
 //!
 //! Spatial vectors (angular, linear) about the base origin in base coordinates; for single-axis joints
 //! the closed forms of Singh, Russell and Wensing (2022, "Efficient analytical derivatives of rigid-body

@@ -1,13 +1,23 @@
 //! Forward dynamics: `q̈ = M(q)⁻¹ (τ − h(q, q̇))`, with h the torque at zero acceleration.
 
-use crate::robot::derivatives::Derivatives;
+use crate::robot::inertia::{Inertia, PER_LINK};
+use crate::robot::motion::LinkMotion;
+use crate::robot::newton_euler::{NewtonEuler, body_load};
 use crate::robot::tree::Tree;
+use crate::robot::vector::Vec3;
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Memory of the solution, reused from call to call.
 #[derive(Clone, Debug)]
 pub struct ForwardDynamics {
-    derivatives: Derivatives,
+    dynamics: NewtonEuler<f64>,
+    /// Every link with all that it carries, as one body in the link's frame.
+    composite: Vec<Inertia>,
     zero: Vec<f64>,
+    /// h
+    bias: Vec<f64>,
+    /// Lower triangle of M, row after row.
+    mass: Vec<f64>,
     /// Lower Cholesky factor, row after row.
     factor: Vec<f64>,
 }
@@ -28,8 +38,11 @@ impl ForwardDynamics {
     pub fn new(tree: &Tree) -> Self {
         let n = tree.len();
         Self {
-            derivatives: Derivatives::new(tree),
+            dynamics: NewtonEuler::new(tree),
+            composite: vec![Inertia::default(); n],
             zero: vec![0.0; n],
+            bias: vec![0.0; n],
+            mass: vec![0.0; n * n],
             factor: vec![0.0; n * n],
         }
     }
@@ -43,13 +56,15 @@ impl ForwardDynamics {
         [q, dq, torque, added_inertia]: [&[f64]; 4],
         ddq: &mut [f64],
     ) -> Result<(), SingularMass> {
-        self.derivatives
-            .evaluate(tree, parameters, [q, dq, &self.zero]);
+        let state = [q, dq, &self.zero];
+        self.dynamics
+            .torque(tree, parameters, state, &mut self.bias);
+        self.mass_matrix(tree, parameters);
         let n = tree.len();
         for i in 0..n {
-            ddq[i] = torque[i] - self.derivatives.torque[i];
+            ddq[i] = torque[i] - self.bias[i];
             for j in 0..=i {
-                let mut sum = self.derivatives.mass[(i, j)];
+                let mut sum = self.mass[i * n + j];
                 if i == j {
                     sum += added_inertia[i];
                 }
@@ -81,5 +96,45 @@ impl ForwardDynamics {
             ddq[i] /= self.factor[i * n + i];
         }
         Ok(())
+    }
+
+    /// The lower triangle of M at the position of the last Newton-Euler recursion: `M_ij = S_i · F_j`, F_j
+    /// the load that a unit acceleration of joint j puts on its composite body (Walker and Orin 1982,
+    /// method 3).
+    fn mass_matrix(&mut self, tree: &Tree, parameters: &[f64]) {
+        let (links, motions) = (tree.links(), self.dynamics.motions());
+        let n = links.len();
+        self.mass.fill(0.0);
+        for (body, own) in self
+            .composite
+            .iter_mut()
+            .zip(parameters.chunks_exact(PER_LINK))
+        {
+            body.0.copy_from_slice(own);
+        }
+        for (j, link) in links.iter().enumerate().rev() {
+            let body = self.composite[j];
+            if let Some(parent) = link.parent {
+                let (turn, offset) = (&motions[j].turn.0, Vector3::from(motions[j].offset.0));
+                let upward = Matrix3::from_fn(|r, c| turn[c][r]);
+                let upward = Rotation3::from_matrix_unchecked(upward);
+                let carried = body.seen_from(&upward, &offset);
+                self.composite[parent] = self.composite[parent].plus(&carried);
+            }
+            let mut unit = LinkMotion::rest();
+            if link.revolute {
+                unit.spin_rate = Vec3(link.axis);
+            } else {
+                unit.acceleration = Vec3(link.axis);
+            }
+            let mut load = body_load(&unit, body.0);
+            self.mass[j * n + j] = load.along(link);
+            let mut at = j;
+            while let Some(parent) = links[at].parent {
+                load = load.carried(&motions[at]);
+                self.mass[j * n + parent] = load.along(&links[parent]);
+                at = parent;
+            }
+        }
     }
 }

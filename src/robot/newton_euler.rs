@@ -10,7 +10,7 @@
 
 use crate::robot::motion::{JointState, LinkMotion, advance, base_acceleration, centripetal};
 use crate::robot::scalar::Scalar;
-use crate::robot::tree::Tree;
+use crate::robot::tree::{Link, Tree};
 use crate::robot::vector::{Mat3, Vec3};
 
 /// Force and moment about a frame's origin.
@@ -26,6 +26,27 @@ impl<T: Scalar> Load<T> {
             force: Vec3::zero(),
             moment: Vec3::zero(),
         }
+    }
+
+    /// The same load about the parent's origin in the parent's axes, for a link that moves so.
+    #[inline(always)]
+    pub fn carried(self, motion: &LinkMotion<T>) -> Self {
+        let force = motion.turn.transpose_times(self.force);
+        Self {
+            force,
+            moment: motion.turn.transpose_times(self.moment) + motion.offset.cross(force),
+        }
+    }
+
+    /// What the joint of the link bears of it: the force or moment along its axis.
+    #[inline(always)]
+    pub fn along(self, link: &Link) -> T {
+        let borne = if link.revolute {
+            self.moment
+        } else {
+            self.force
+        };
+        Vec3::constant(link.axis).dot(borne)
     }
 }
 
@@ -66,17 +87,19 @@ impl<T: Scalar> NewtonEuler<T> {
             );
         }
         for (j, link) in tree.links().iter().enumerate().rev() {
-            let Load { force, moment } = self.loads[j];
-            let axis = Vec3::constant(link.axis);
-            torque[j] = axis.dot(if link.revolute { moment } else { force });
+            let load = self.loads[j];
+            torque[j] = load.along(link);
             if let Some(parent) = link.parent {
-                let motion = &self.motions[j];
-                let carried = motion.turn.transpose_times(force);
-                self.loads[parent].force += carried;
-                self.loads[parent].moment +=
-                    motion.turn.transpose_times(moment) + motion.offset.cross(carried);
+                let carried = load.carried(&self.motions[j]);
+                self.loads[parent].force += carried.force;
+                self.loads[parent].moment += carried.moment;
             }
         }
+    }
+
+    /// How every link moved in the last evaluation.
+    pub(crate) fn motions(&self) -> &[LinkMotion<T>] {
+        &self.motions
     }
 }
 

@@ -40,6 +40,10 @@ pub enum Mismatch {
         missing: Vec<String>,
     },
     AllLocked,
+    /// Position limits that leave nothing between them.
+    NoRange {
+        joint: String,
+    },
     UnknownParameter {
         found: String,
         nearest: Option<String>,
@@ -60,6 +64,22 @@ pub enum Mismatch {
     LockedCoupled {
         joint: String,
     },
+    /// As many polynomials as joints are needed.
+    PolynomialCount {
+        found: usize,
+        expected: usize,
+    },
+    /// A polynomial that does not rise at small currents.
+    FallingPolynomial {
+        joint: String,
+        slope: f64,
+    },
+    /// An effect that takes a parameter of another.
+    NeedsEffect {
+        joint: String,
+        effect: &'static str,
+        needs: &'static str,
+    },
     NeedsTorqueConstant,
     NeedsRatio,
     NotYet {
@@ -72,6 +92,10 @@ pub enum Mismatch {
         eigenvalue: f64,
     },
     Unreachable {
+        what: String,
+    },
+    /// A mechanism that the problem file does not describe well; the words say what to do.
+    Mechanism {
         what: String,
     },
 }
@@ -112,15 +136,9 @@ impl Fault for SetupError {
             Self::Robot(e) => e.describe(),
             Self::Recording(e) => e.describe(),
             Self::Earlier(e) => e.describe(),
-            Self::Mismatch { kind, .. } => match kind.as_ref() {
-                Mismatch::UnknownJoint { .. }
-                | Mismatch::UnknownFrame { .. }
-                | Mismatch::JointTwice { .. }
-                | Mismatch::JointMissing { .. }
-                | Mismatch::AllLocked
-                | Mismatch::LockedCoupled { .. } => of_joints(kind),
-                _ => of_values(kind),
-            },
+            Self::Mismatch { kind, .. } => {
+                Description::new(kind.code(), kind.message(), kind.remedy())
+            }
         }
     }
 }
@@ -129,117 +147,156 @@ fn list(names: &[String]) -> String {
     names.join(", ")
 }
 
-fn of_joints(kind: &Mismatch) -> Description {
-    match kind {
-        Mismatch::UnknownJoint { found, known } => Description::new(
-            "unknown-joint",
-            format!("the robot has no moving joint `{found}`"),
-            format!("its moving joints are {}", list(known)),
-        ),
-        Mismatch::UnknownFrame { found, known } => Description::new(
-            "unknown-frame",
-            format!("the robot has no link or frame `{found}`"),
-            format!("its links and frames are {}", list(known)),
-        ),
-        Mismatch::JointTwice { found } => Description::new(
-            "joint-twice",
-            format!("joint `{found}` is listed twice"),
-            "list every joint once",
-        ),
-        Mismatch::JointMissing { missing } => Description::new(
-            "joint-missing",
-            format!("the list leaves out {}", list(missing)),
-            "list every moving joint of the robot; hold those that stand still under `robot.locked`",
-        ),
-        Mismatch::AllLocked => Description::new(
-            "all-joints-locked",
-            "every joint is locked",
-            "leave at least one joint that moves",
-        ),
-        Mismatch::LockedCoupled { joint } => Description::new(
-            "locked-joint-coupled",
-            format!("joint `{joint}` is locked, but the coupling lets other motors move it"),
-            "set its row of `drive.coupling` to that of the identity",
-        ),
-        other => of_values(other),
+impl Mismatch {
+    fn code(&self) -> &'static str {
+        match self {
+            Self::UnknownJoint { .. } => "unknown-joint",
+            Self::UnknownFrame { .. } => "unknown-frame",
+            Self::JointTwice { .. } => "joint-twice",
+            Self::JointMissing { .. } => "joint-missing",
+            Self::AllLocked => "all-joints-locked",
+            Self::NoRange { .. } => "no-range",
+            Self::UnknownParameter { .. } => "unknown-parameter",
+            Self::OutOfBounds { .. } => "parameter-out-of-bounds",
+            Self::NeedsMass { .. } => "parameter-needs-mass",
+            Self::SingularCoupling => "singular-coupling",
+            Self::CouplingSize { .. } => "coupling-size",
+            Self::LockedCoupled { .. } => "locked-joint-coupled",
+            Self::PolynomialCount { .. } => "polynomial-count",
+            Self::FallingPolynomial { .. } => "falling-polynomial",
+            Self::NeedsEffect { .. } => "effect-needs-effect",
+            Self::NeedsTorqueConstant => "needs-torque-constant",
+            Self::NeedsRatio => "needs-ratio",
+            Self::NotYet { .. } => "not-available",
+            Self::NotAFit => "not-a-fit",
+            Self::Impossible { .. } => "impossible-inertia",
+            Self::Unreachable { .. } => "unreachable",
+            Self::Mechanism { .. } => "mechanism",
+        }
     }
-}
 
-fn of_values(kind: &Mismatch) -> Description {
-    match kind {
-        Mismatch::UnknownParameter { found, nearest } => Description::new(
-            "unknown-parameter",
-            format!("the model has no parameter `{found}`"),
-            match nearest {
-                Some(name) => format!("did you mean `{name}`?"),
-                None => "see `exid effects` for the names".to_string(),
-            },
-        ),
-        Mismatch::OutOfBounds {
-            found,
-            lower,
-            upper,
-        } => Description::new(
-            "parameter-out-of-bounds",
-            format!("the value {found} lies outside {lower} .. {upper}"),
-            "give a value within the bounds",
-        ),
-        Mismatch::NeedsMass { found } => Description::new(
-            "parameter-needs-mass",
-            format!(
-                "`{found}` cannot be given alone: torques are linear in mass times centre of mass and in inertia about the link's origin"
+    fn message(&self) -> String {
+        match self {
+            Self::UnknownJoint { found, .. } => format!("the robot has no moving joint `{found}`"),
+            Self::UnknownFrame { found, .. } => {
+                format!("the robot has no link or frame `{found}`")
+            }
+            Self::JointTwice { found } => format!("joint `{found}` is listed twice"),
+            Self::JointMissing { missing } => format!("the list leaves out {}", list(missing)),
+            Self::AllLocked => "every joint is locked".to_string(),
+            Self::NoRange { joint } => {
+                format!("joint `{joint}` has no room to move between its position limits")
+            }
+            Self::UnknownParameter { found, .. } => format!("the model has no parameter `{found}`"),
+            Self::OutOfBounds {
+                found,
+                lower,
+                upper,
+            } => format!("the value {found} lies outside {lower} .. {upper}"),
+            Self::NeedsMass { found } => format!(
+                "`{found}` cannot be given alone: torques are linear in mass times centre of mass \
+                 and in inertia about the link's origin"
             ),
-            "give the link's mass too (and for an inertia its centre of mass)",
-        ),
-        Mismatch::SingularCoupling => Description::new(
-            "singular-coupling",
-            "the coupling matrix cannot be inverted",
-            "give independent rows; a joint that nothing moves is locked",
-        ),
-        Mismatch::CouplingSize { found, expected } => Description::new(
-            "coupling-size",
-            format!("the coupling matrix has {found} rows for {expected} joints"),
-            format!("give {expected} rows of {expected} numbers"),
-        ),
-        other => of_needs(other),
+            Self::NotYet { what, .. } => format!("{what} is not available here"),
+            Self::NotAFit => "the earlier result is not that of a fit".to_string(),
+            Self::Impossible { link, eigenvalue } => format!(
+                "no body has the inertial parameters of link `{link}`: its pseudo-inertia has the \
+                 eigenvalue {eigenvalue:.3e}"
+            ),
+            Self::Unreachable { what } | Self::Mechanism { what } => what.clone(),
+            drive => drive.message_of_drive(),
+        }
     }
-}
 
-fn of_needs(kind: &Mismatch) -> Description {
-    match kind {
-        Mismatch::NeedsTorqueConstant => Description::new(
-            "needs-torque-constant",
-            "the signal is a current, and nothing says how much torque a current gives",
-            "set `drive.torque_constant` in N·m/A at the joint side, or `recordings.signal` to what the files hold",
-        ),
-        Mismatch::NeedsRatio => Description::new(
-            "needs-ratio",
-            "the recordings are of the motor's side, and no ratio leads to the joint's",
-            "set `drive.ratio`, motor turns per joint turn",
-        ),
-        Mismatch::NotYet { what, instead } => Description::new(
-            "not-available",
-            format!("{what} is not available here"),
-            instead,
-        ),
-        Mismatch::NotAFit => Description::new(
-            "not-a-fit",
-            "the earlier result is not that of a fit",
-            "name the result.json that `exid fit` wrote",
-        ),
-        Mismatch::Impossible { link, eigenvalue } => Description::new(
-            "impossible-inertia",
-            format!(
-                "no body has the inertial parameters of link `{link}`: its pseudo-inertia has the eigenvalue {eigenvalue:.3e}"
+    fn message_of_drive(&self) -> String {
+        match self {
+            Self::SingularCoupling => "the coupling matrix cannot be inverted".to_string(),
+            Self::CouplingSize { found, expected } => {
+                format!("the coupling matrix has {found} rows for {expected} joints")
+            }
+            Self::LockedCoupled { joint } => {
+                format!("joint `{joint}` is locked, but the coupling lets other motors move it")
+            }
+            Self::NeedsTorqueConstant => {
+                "the signal is a current, and nothing says how much torque a current gives"
+                    .to_string()
+            }
+            Self::NeedsRatio => {
+                "the recordings are of the motor's side, and no ratio leads to the joint's"
+                    .to_string()
+            }
+            Self::PolynomialCount { found, expected } => {
+                format!("there are {found} polynomials for {expected} joints")
+            }
+            Self::FallingPolynomial { joint, slope } => format!(
+                "the polynomial of `{joint}` has c1 = {slope}: torque would not rise with current"
             ),
-            "correct mass and inertia in the robot file (principal moments obey the triangle inequality), or use `inertials = \"estimate\"`",
-        ),
-        Mismatch::Unreachable { what } => Description::new(
-            "unreachable",
-            what.clone(),
-            "widen the limits or shorten the motion",
-        ),
-        other => of_joints(other),
+            Self::NeedsEffect {
+                joint,
+                effect,
+                needs,
+            } => format!(
+                "`{effect}` of `{joint}` takes a parameter of `{needs}`, which is not listed"
+            ),
+            _ => self.code().to_string(),
+        }
+    }
+
+    fn remedy(&self) -> String {
+        let fixed = match self {
+            Self::UnknownJoint { known, .. } => {
+                return format!("its moving joints are {}", list(known));
+            }
+            Self::UnknownFrame { known, .. } => {
+                return format!("its links and frames are {}", list(known));
+            }
+            Self::UnknownParameter {
+                nearest: Some(name),
+                ..
+            } => return format!("did you mean `{name}`?"),
+            Self::CouplingSize { expected, .. } => {
+                return format!("give {expected} rows of {expected} numbers");
+            }
+            Self::NotYet { instead, .. } => return instead.clone(),
+            Self::PolynomialCount { expected, .. } => {
+                return format!("give {expected} rows of four coefficients, c0 to c3");
+            }
+            Self::NeedsEffect { needs, .. } => {
+                return format!("list `{needs}` for this joint as well");
+            }
+            Self::UnknownParameter { nearest: None, .. } => "see `exid effects` for the names",
+            Self::JointTwice { .. } => "list every joint once",
+            Self::JointMissing { .. } => {
+                "list every moving joint of the robot; hold those that stand still under `robot.locked`"
+            }
+            Self::AllLocked => "leave at least one joint that moves",
+            Self::NoRange { .. } => "correct the limits, or hold the joint under robot.locked",
+            Self::LockedCoupled { .. } => "set its row of `drive.coupling` to that of the identity",
+            Self::OutOfBounds { .. } => "give a value within the bounds",
+            Self::NeedsMass { .. } => {
+                "give the link's mass too (and for an inertia its centre of mass)"
+            }
+            Self::SingularCoupling => "give independent rows; a joint that nothing moves is locked",
+            Self::NeedsTorqueConstant => {
+                "set `drive.torque_constant` in N·m/A at the joint side, or `recordings.signal` to \
+                 what the files hold"
+            }
+            Self::FallingPolynomial { .. } => {
+                "give a positive c1, N·m/A at the joint side; a motor that is mounted the other way \
+                 round is a sign of `drive.ratio`"
+            }
+            Self::NeedsRatio => "set `drive.ratio`, motor turns per joint turn",
+            Self::NotAFit => "name the result.json that `exid fit` wrote",
+            Self::Impossible { .. } => {
+                "correct mass and inertia in the robot file (principal moments obey the triangle \
+                 inequality), or use `inertials = \"estimate\"`"
+            }
+            Self::Unreachable { .. } => "widen the limits or shorten the motion",
+            Self::Mechanism { .. } => {
+                "correct it under [robot] or [recordings.sensors]; lengths are in metres, angles in radians"
+            }
+        };
+        fixed.to_string()
     }
 }
 

@@ -1,8 +1,15 @@
 //! From a problem file to what tasks work on: robot, model, recordings, priors.
 
+pub mod combined_limits;
 pub mod error;
+pub mod known;
+pub mod limits;
+pub mod loops;
+pub mod machine;
 pub mod model;
 pub mod names;
+pub mod platform;
 pub mod prior;
 pub mod recordings;
 pub mod robot;
+pub mod values;

@@ -1,23 +1,54 @@
 //! The model of a problem file: effects, known values, bounds, the load.
 
+use crate::chain::effect::torque_current_nonlinearity::COEFFICIENTS;
 use crate::chain::effect::{self, Effect, Law};
 use crate::chain::error::ModelError;
 use crate::chain::model::{self, Model, ModelSettings, Payload};
+use crate::chain::parameter::Role;
 use crate::fault::Place;
-use crate::problem_file::choices::{Inertials, Signal};
+use crate::problem_file::choices::{Inertials, PositionSide, Signal};
 use crate::problem_file::drive::CurrentLaw;
 use crate::problem_file::robot::PayloadPlace;
-use crate::problem_file::{Located, Named, ProblemFile};
-use crate::robot::inertia::Inertia;
+use crate::problem_file::{Located, ProblemFile};
 use crate::setup::error::{Mismatch, SetupError};
-use crate::setup::names::{self, BodyQuantity, Reference};
+use crate::setup::known::{bound_all, fix_all, zero_parameters};
 use crate::setup::robot::{Robot, unknown};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Builds the model of a problem file.
 pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Model, SetupError> {
     let effects = effects_of_joints(problem, robot, &problem.drive.effects)?;
-    build_with(problem, robot, effects)
+    build_with(problem, robot, (effects, &[]))
+}
+
+/// Physics beside what a problem file declares.
+#[derive(Debug, Clone, Default)]
+pub struct Addition {
+    /// (joint, effect): the effect is put behind those of the joint.
+    pub effects: Vec<(usize, &'static Effect)>,
+    /// Entries (row, column) of V that become free.
+    pub coupling: Vec<(usize, usize)>,
+}
+
+/// Builds the model of a problem file with further physics.
+pub fn build_with_addition(
+    problem: &ProblemFile,
+    robot: &Robot,
+    addition: &Addition,
+) -> Result<Model, SetupError> {
+    let mut effects = effects_of_joints(problem, robot, &problem.drive.effects)?;
+    for &(joint, effect) in &addition.effects {
+        if effects[joint].iter().all(|e| e.id != effect.id) {
+            effects[joint].push(effect);
+        }
+    }
+    for &(row, _) in &addition.coupling {
+        let coupling = &effect::kinematic_coupling::EFFECT;
+        if effects[row].iter().all(|e| e.id != coupling.id) {
+            effects[row].push(coupling);
+        }
+    }
+    build_with(problem, robot, (effects, &addition.coupling))
 }
 
 /// Builds the model with other effects on all joints, as comparisons want it.
@@ -26,14 +57,14 @@ pub fn build_compared(
     robot: &Robot,
     listed: &[Located<String>],
 ) -> Result<Model, SetupError> {
-    let effects = vec![to_effects(listed); robot.tree.len()];
-    build_with(problem, robot, effects)
+    let effects = effects_of_motors(robot, listed);
+    build_with(problem, robot, (effects, &[]))
 }
 
 fn build_with(
     problem: &ProblemFile,
     robot: &Robot,
-    effects: Vec<Vec<&'static Effect>>,
+    (effects, freed): (Vec<Vec<&'static Effect>>, &[(usize, usize)]),
 ) -> Result<Model, SetupError> {
     let known = problem.robot.inertials.value == Inertials::Known;
     if known {
@@ -42,6 +73,7 @@ fn build_with(
     let carried = effects
         .iter()
         .rposition(|list| list.iter().any(|e| matches!(e.law, Law::Body)));
+    let declared = coupling(problem, robot)?;
     let settings = ModelSettings {
         tree: robot.tree.clone(),
         signal: signal(problem)?,
@@ -51,14 +83,28 @@ fn build_with(
             model::Inertials::Estimate
         },
         torque_constant: torque_constant(problem, robot)?,
+        current_polynomial: current_polynomial(problem, robot)?,
         rotor_inertia: robot.per_joint(&problem.drive.rotor_inertia)?,
-        coupling: coupling(problem, robot)?,
+        coupling: with_entries(declared.clone(), freed, robot.tree.len()),
         offset: Some(offsets(problem, robot)?),
         payload: payload(problem, robot, carried)?,
         locked: robot.locked.iter().map(Option::is_some).collect(),
         effects,
     };
     let mut model = Model::new(settings).map_err(|e| at(&problem_place(problem), e))?;
+    crate::setup::platform::apply(problem, robot, &mut model)?;
+    let side = problem
+        .recordings
+        .as_ref()
+        .map(|table| table.position_side.value);
+    if side.is_some_and(|side| side != PositionSide::Motor) {
+        let n = robot.tree.len();
+        model.record_joints(declared.unwrap_or_else(|| DMatrix::identity(n, n)));
+    }
+    if let Some(mechanism) = &robot.mechanism {
+        model.close(mechanism.clone());
+    }
+    keep_declared_entries(&mut model, problem, (robot, freed))?;
     zero_parameters(&mut model, problem)?;
     fix_all(&mut model, &problem.drive.values)?;
     bound_all(&mut model, problem)?;
@@ -73,7 +119,7 @@ fn problem_place(problem: &ProblemFile) -> Place {
 }
 
 /// A fault of the model as one of the problem file.
-fn at(place: &Place, error: ModelError) -> SetupError {
+pub(super) fn at(place: &Place, error: ModelError) -> SetupError {
     let kind = match error {
         ModelError::UnknownParameter { name, nearest } => Mismatch::UnknownParameter {
             found: name,
@@ -91,6 +137,15 @@ fn at(place: &Place, error: ModelError) -> SetupError {
             upper,
         },
         ModelError::SingularCoupling => Mismatch::SingularCoupling,
+        ModelError::NeedsEffect {
+            joint,
+            effect,
+            needs,
+        } => Mismatch::NeedsEffect {
+            joint,
+            effect,
+            needs,
+        },
     };
     SetupError::mismatch(place, kind)
 }
@@ -102,12 +157,20 @@ fn to_effects(listed: &[Located<String>]) -> Vec<&'static Effect> {
         .collect()
 }
 
+/// The listed effects for every joint that has a motor.
+fn effects_of_motors(robot: &Robot, listed: &[Located<String>]) -> Vec<Vec<&'static Effect>> {
+    let mut effects = vec![to_effects(listed); robot.tree.len()];
+    let passive = robot.mechanism.iter().flat_map(|m| m.passive());
+    passive.for_each(|&k| effects[k].clear());
+    effects
+}
+
 fn effects_of_joints(
     problem: &ProblemFile,
     robot: &Robot,
     listed: &[Located<String>],
 ) -> Result<Vec<Vec<&'static Effect>>, SetupError> {
-    let mut effects = vec![to_effects(listed); robot.tree.len()];
+    let mut effects = effects_of_motors(robot, listed);
     for entry in &problem.drive.effects_of {
         let Some(k) = robot.tree.joint_index(&entry.name) else {
             return Err(unknown(&entry.value.place, &entry.name, &robot.order));
@@ -139,13 +202,7 @@ fn torque_constant(problem: &ProblemFile, robot: &Robot) -> Result<Option<Vec<f6
     }
     match &problem.drive.current_law {
         Some(CurrentLaw::Constant(values)) => robot.per_joint(&Some(values.clone())),
-        Some(CurrentLaw::Polynomial(values)) => Err(SetupError::mismatch(
-            &values.place,
-            Mismatch::NotYet {
-                what: "a current polynomial".to_string(),
-                instead: "give `drive.torque_constant`".to_string(),
-            },
-        )),
+        Some(CurrentLaw::Polynomial(_)) => Ok(None),
         None => {
             let place = match &problem.recordings {
                 Some(recordings) => recordings.signal.place.clone(),
@@ -154,6 +211,29 @@ fn torque_constant(problem: &ProblemFile, robot: &Robot) -> Result<Option<Vec<f6
             Err(SetupError::mismatch(&place, Mismatch::NeedsTorqueConstant))
         }
     }
+}
+
+fn current_polynomial(
+    problem: &ProblemFile,
+    robot: &Robot,
+) -> Result<Option<Vec<[f64; COEFFICIENTS]>>, SetupError> {
+    let Some(CurrentLaw::Polynomial(listed)) = &problem.drive.current_law else {
+        return Ok(None);
+    };
+    if signal(problem)? != model::Signal::Current {
+        return Ok(None);
+    }
+    let (found, expected) = (listed.value.len(), robot.order.len());
+    if found != expected {
+        let kind = Mismatch::PolynomialCount { found, expected };
+        return Err(SetupError::mismatch(&listed.place, kind));
+    }
+    if let Some((row, c)) = listed.value.iter().enumerate().find(|(_, c)| c[1] <= 0.0) {
+        let joint = robot.order[row].clone();
+        let kind = Mismatch::FallingPolynomial { joint, slope: c[1] };
+        return Err(SetupError::mismatch(&listed.place, kind));
+    }
+    Ok(Some(robot.to_tree(&listed.value)))
 }
 
 fn coupling(problem: &ProblemFile, robot: &Robot) -> Result<Option<DMatrix<f64>>, SetupError> {
@@ -187,6 +267,52 @@ fn coupling(problem: &ProblemFile, robot: &Robot) -> Result<Option<DMatrix<f64>>
         }
     }
     Ok(Some(matrix))
+}
+
+/// Start of an entry of V that becomes free: any value other than zero puts it among the parameters.
+const ENTRY_START: f64 = 1e-9;
+
+fn with_entries(
+    declared: Option<DMatrix<f64>>,
+    freed: &[(usize, usize)],
+    n: usize,
+) -> Option<DMatrix<f64>> {
+    if freed.is_empty() {
+        return declared;
+    }
+    let mut matrix = declared.unwrap_or_else(|| DMatrix::identity(n, n));
+    for &place in freed {
+        if matrix[place] == 0.0 {
+            matrix[place] = ENTRY_START;
+        }
+    }
+    Some(matrix)
+}
+
+/// Entries of V that the problem file gives stay known where only others of their row become free.
+fn keep_declared_entries(
+    model: &mut Model,
+    problem: &ProblemFile,
+    (robot, freed): (&Robot, &[(usize, usize)]),
+) -> Result<(), SetupError> {
+    if freed.is_empty() {
+        return Ok(());
+    }
+    let declared = effects_of_joints(problem, robot, &problem.drive.effects)?;
+    let id = effect::kinematic_coupling::EFFECT.id;
+    for index in 0..model.parameters().len() {
+        let parameter = &model.parameters()[index];
+        let Role::Coupling { row, column } = parameter.role else {
+            continue;
+        };
+        let estimated = declared[row].iter().any(|e| e.id == id);
+        if !estimated && !freed.contains(&(row, column)) {
+            let value = parameter.value;
+            let place = problem_place(problem);
+            model.fix(index, value).map_err(|e| at(&place, e))?;
+        }
+    }
+    Ok(())
 }
 
 /// Offsets of `q = V m + offset`; a locked joint's motor stands at zero, so its offset is its position.
@@ -246,155 +372,6 @@ fn possible_bodies(robot: &Robot) -> Result<(), SetupError> {
                 },
             ));
         }
-    }
-    Ok(())
-}
-
-/// Parameters that are zero by construction. A product of inertia about the centre of mass is zero about
-/// the origin too only where one of its axes has no first moment; elsewhere it says nothing linear.
-fn zero_parameters(model: &mut Model, problem: &ProblemFile) -> Result<(), SetupError> {
-    let listed: Vec<(Reference, &Place)> = problem
-        .robot
-        .zero
-        .iter()
-        .map(|name| Ok((resolve(model, &name.value, &name.place)?, &name.place)))
-        .collect::<Result<_, SetupError>>()?;
-    let has_zero_centre = |first: usize, axis: usize| {
-        let wanted = Reference::Body(first, BodyQuantity::Centre(axis));
-        listed.iter().any(|(reference, _)| *reference == wanted)
-    };
-    for (reference, place) in &listed {
-        let raw = match *reference {
-            Reference::Parameter(parameter) => Some(parameter),
-            Reference::Body(first, BodyQuantity::Mass) => Some(first),
-            Reference::Body(first, BodyQuantity::Centre(axis)) => Some(first + 1 + axis),
-            Reference::Body(first, BodyQuantity::Inertia(a, b)) => {
-                let free = a != b && (has_zero_centre(first, a) || has_zero_centre(first, b));
-                free.then(|| first + raw_inertia(a, b))
-            }
-        };
-        if let Some(raw) = raw {
-            model.fix(raw, 0.0).map_err(|e| at(place, e))?;
-        }
-    }
-    Ok(())
-}
-
-/// Position of an inertia entry among the ten raw parameters.
-fn raw_inertia(a: usize, b: usize) -> usize {
-    const POSITIONS: [[usize; 3]; 3] = [[4, 5, 7], [5, 6, 8], [7, 8, 9]];
-    POSITIONS[a][b]
-}
-
-pub(crate) fn resolve(model: &Model, name: &str, place: &Place) -> Result<Reference, SetupError> {
-    names::resolve(model, name).ok_or_else(|| {
-        SetupError::mismatch(
-            place,
-            Mismatch::UnknownParameter {
-                found: name.to_string(),
-                nearest: names::nearest(model, name),
-            },
-        )
-    })
-}
-
-/// Makes given values known; quantities of one body are taken together.
-pub fn fix_all(model: &mut Model, given: &[Named<f64>]) -> Result<(), SetupError> {
-    let mut bodies: Vec<(usize, Vec<(BodyQuantity, f64)>)> = Vec::new();
-    for entry in given {
-        let (value, place) = (entry.value.value, &entry.value.place);
-        match resolve(model, &entry.name, place)? {
-            Reference::Parameter(p) => model.fix(p, value).map_err(|e| at(place, e))?,
-            Reference::Body(first, quantity) => {
-                match bodies.iter_mut().find(|(f, _)| *f == first) {
-                    Some((_, list)) => list.push((quantity, value)),
-                    None => bodies.push((first, vec![(quantity, value)])),
-                }
-            }
-        }
-    }
-    for (first, quantities) in bodies {
-        fix_body(model, first, &quantities).map_err(|name| {
-            let place = given.iter().find(|e| e.name.ends_with(&name));
-            let place = place.map_or_else(Place::default, |e| e.value.place.clone());
-            SetupError::mismatch(&place, Mismatch::NeedsMass { found: name })
-        })?;
-    }
-    Ok(())
-}
-
-/// Fixes the raw parameters that the given quantities determine; the error is the quantity that needs more.
-fn fix_body(model: &mut Model, first: usize, given: &[(BodyQuantity, f64)]) -> Result<(), String> {
-    let current = Inertia(std::array::from_fn(|k| model.parameters()[first + k].value));
-    let body = names::with_quantities(&current, given);
-    let known = |model: &Model, k: usize| !model.parameters()[first + k].is_free();
-    let has = |quantity: BodyQuantity| given.iter().any(|(q, _)| *q == quantity);
-    let mass = has(BodyQuantity::Mass) || known(model, 0);
-    let centre = |axis: usize, model: &Model| {
-        mass && (has(BodyQuantity::Centre(axis)) || known(model, 1 + axis))
-    };
-    for &(quantity, _) in given {
-        let (raw, determined, name) = match quantity {
-            BodyQuantity::Mass => (0, true, "mass".to_string()),
-            BodyQuantity::Centre(axis) => {
-                (1 + axis, mass, format!("com_{}", ["x", "y", "z"][axis]))
-            }
-            BodyQuantity::Inertia(a, b) => {
-                let axes: Vec<usize> = if a == b {
-                    (0..3).filter(|&k| k != a).collect()
-                } else {
-                    vec![a, b]
-                };
-                let letters = ["x", "y", "z"];
-                (
-                    raw_inertia(a, b),
-                    axes.into_iter().all(|axis| centre(axis, model)),
-                    format!("inertia_{}{}", letters[a], letters[b]),
-                )
-            }
-        };
-        if !determined {
-            return Err(name);
-        }
-        // Raw inertial parameters have no bounds to lie outside of.
-        model.fix(first + raw, body.0[raw]).map_err(|_| name)?;
-    }
-    Ok(())
-}
-
-fn bound_all(model: &mut Model, problem: &ProblemFile) -> Result<(), SetupError> {
-    for entry in &problem.fit.bounds {
-        let place = &entry.value.place;
-        let parameter = match resolve(model, &entry.name, place)? {
-            Reference::Parameter(parameter) => parameter,
-            Reference::Body(first, BodyQuantity::Mass) => first,
-            Reference::Body(..) => {
-                return Err(SetupError::mismatch(
-                    place,
-                    Mismatch::NotYet {
-                        what: format!("a bound on `{}`", entry.name),
-                        instead: "bound masses and parameters of effects".to_string(),
-                    },
-                ));
-            }
-        };
-        let interval = &entry.value.value;
-        let current = &model.parameters()[parameter];
-        let (lower, upper) = (
-            interval.lower.max(current.lower),
-            interval.upper.min(current.upper),
-        );
-        if lower > upper {
-            return Err(SetupError::mismatch(
-                place,
-                Mismatch::OutOfBounds {
-                    found: interval.upper,
-                    lower: current.lower,
-                    upper: current.upper,
-                },
-            ));
-        }
-        model.bound(parameter, lower, upper);
     }
     Ok(())
 }

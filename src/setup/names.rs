@@ -76,7 +76,7 @@ pub fn nearest(model: &Model, name: &str) -> Option<String> {
     let effects = model
         .parameters()
         .iter()
-        .filter(|p| matches!(p.role, Role::Effect { .. } | Role::Coupling { .. }))
+        .filter(|p| !matches!(p.role, Role::Inertial { .. } | Role::Payload { .. }))
         .map(|p| p.name.clone());
     let bodies = model.tree().joints().iter().map(|j| j.link.clone());
     let payload = model.payload().map(|_| "payload".to_string());

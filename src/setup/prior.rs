@@ -8,8 +8,7 @@ use crate::outcome::{Outcome, Part};
 use crate::problem_file::ProblemFile;
 use crate::problem_file::choices::Inertials;
 use crate::setup::error::{Mismatch, SetupError};
-use crate::setup::model::resolve;
-use crate::setup::names::{BodyQuantity, Reference};
+use crate::setup::known::single;
 use nalgebra::{DMatrix, DVector};
 
 /// The prior of a problem file; values of an earlier fit go into the model as starts, or as known values
@@ -98,21 +97,9 @@ fn single_values(problem: &ProblemFile, model: &Model) -> Result<Prior, SetupErr
     let mut covariance = DMatrix::zeros(given.len(), given.len());
     for (k, entry) in given.iter().enumerate() {
         let place = &entry.value.place;
-        let parameter = match resolve(model, &entry.name, place)? {
-            Reference::Parameter(parameter) => parameter,
-            Reference::Body(first, BodyQuantity::Mass) => first,
-            Reference::Body(..) => {
-                return Err(SetupError::mismatch(
-                    place,
-                    Mismatch::NotYet {
-                        what: format!("a prior on `{}`", entry.name),
-                        instead: "give priors of masses and of parameters of effects; an earlier \
-                                  fit under `robot.parameters` carries all of a body"
-                            .to_string(),
-                    },
-                ));
-            }
-        };
+        let instead = "give priors of masses and of parameters of effects; an earlier fit under \
+                       `robot.parameters` carries all of a body";
+        let parameter = single(model, (&entry.name, place), ("a prior", instead))?;
         rows[(k, parameter)] = 1.0;
         mean[k] = entry.value.value.value;
         covariance[(k, k)] = entry.value.value.std_dev.powi(2);

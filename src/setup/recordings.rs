@@ -1,7 +1,7 @@
 //! The recordings of a problem file: read, made ready, and brought to motor coordinates at joint scale.
 //!
 //! ```text
-//! position_side = "joint"   m = q_enc                    signal "motor_torque"   τ = ratio · τ_rec
+//! position_side = "joint"   m = V⁻¹ (q_enc − offset)                  signal "motor_torque"   τ = ratio · τ_rec
 //! position_side = "motor"   m = q_enc / ratio
 //! position_side = "link"    m = V⁻¹ (q_enc − offset)
 //! ```
@@ -11,12 +11,13 @@ use crate::chain::model::Model;
 use crate::fault::Place;
 use crate::problem_file::choices::{DifferentiationMethod, PositionSide, Signal};
 use crate::problem_file::{FilePath, Located, ProblemFile, RecordingsTable};
-use crate::recording::columns::{ColumnMap, RecordedJoint, Recording, SignalKind, read};
+use crate::recording::columns::{ColumnMap, RecordedJoint, Recording, read};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::experiment::{Bandwidth, Experiment, Noise, prepare};
 use crate::recording::settings::{Differentiation, Method, Preparation};
 use crate::recording::split::Split;
 use crate::setup::error::{Mismatch, SetupError};
+use crate::setup::loops;
 use crate::setup::robot::Robot;
 use nalgebra::{DMatrix, DVector};
 
@@ -25,6 +26,7 @@ use nalgebra::{DMatrix, DVector};
 pub struct Named<'a> {
     pub path: &'a FilePath,
     pub split: Split,
+    /// A load that the model has hangs on the robot.
     pub loaded: bool,
 }
 
@@ -32,7 +34,7 @@ pub struct Named<'a> {
 pub fn open(problem: &ProblemFile, robot: &Robot, model: &Model) -> Result<Dataset, SetupError> {
     let table = problem.recordings()?;
     let mut dataset = Dataset::default();
-    for named in list(table, problem.robot.payload.is_some()) {
+    for named in list(table) {
         let recording = read_one(table, robot, named.path)?;
         dataset
             .recordings
@@ -47,27 +49,29 @@ pub fn prepare_one(
     named: &Named<'_>,
     (table, robot, model): (&RecordingsTable, &Robot, &Model),
 ) -> Result<Prepared, SetupError> {
+    let kept = robot.mechanism.is_some().then(|| recording.clone());
     let experiment =
         prepare(recording, &preparation(table)).map_err(|e| at_request(table, named.path, e))?;
-    let experiment = to_motors(experiment, (table, robot, model))?;
-    Ok(Prepared::new(
-        named.path.written.clone(),
-        named.split,
-        named.loaded,
-        experiment,
-    ))
+    let mut experiment = to_motors(experiment, (table, robot, model))?;
+    let mut forces = Vec::new();
+    if let (Some(mechanism), Some(recording)) = (&robot.mechanism, kept) {
+        let bandwidth = experiment.bandwidth.clone();
+        let sensed = loops::sensed(&recording, table, (model, &bandwidth), &experiment)?;
+        loops::complete(&mut experiment, mechanism, &sensed)?;
+        forces = sensed.forces;
+    }
+    let (name, split) = (named.path.written.clone(), named.split);
+    Ok(Prepared::new(name, split, named.loaded, experiment).with_forces(&forces))
 }
 
-/// The recordings in the order of the problem file; one that is listed twice counts once.
-pub fn list(table: &RecordingsTable, payload: bool) -> Vec<Named<'_>> {
-    let loaded = |path: &FilePath| {
-        payload
-            && (table.loaded.is_empty()
-                || table
-                    .loaded
-                    .iter()
-                    .any(|l| l.value.resolved == path.resolved))
+/// The recordings in the order of the problem file; one that is listed twice counts once. A load, where the
+/// model has one, hangs on the robot in those that are listed as loaded, and in all if none is.
+pub fn list(table: &RecordingsTable) -> Vec<Named<'_>> {
+    let listed = |path: &FilePath| {
+        let mut loaded = table.loaded.iter();
+        loaded.any(|l| l.value.resolved == path.resolved)
     };
+    let loaded = |path: &FilePath| table.loaded.is_empty() || listed(path);
     let mut named: Vec<Named<'_>> = Vec::new();
     let groups: [(&Vec<Located<FilePath>>, Split); 3] = [
         (&table.train, Split::Train),
@@ -117,14 +121,7 @@ pub fn read_one(
     robot: &Robot,
     path: &FilePath,
 ) -> Result<Recording, SetupError> {
-    let kind = match table.signal.value {
-        Signal::Current => SignalKind::Current,
-        Signal::Torque => SignalKind::Torque,
-        Signal::MotorTorque => SignalKind::MotorTorque,
-        Signal::LinkTorque => SignalKind::LinkTorque,
-        Signal::BaseWrench => SignalKind::BaseWrench,
-        Signal::Both => SignalKind::Both,
-    };
+    let kind = table.signal.value;
     let joints = recorded_joints(robot);
     read(&path.resolved, &column_map(table), &joints, kind).map_err(|e| at_request(table, path, e))
 }
@@ -269,8 +266,8 @@ fn to_motors(
             }
         }
     }
-    if table.position_side.value == PositionSide::Link {
-        from_links(&mut experiment, model);
+    if table.position_side.value != PositionSide::Motor {
+        from_joints(&mut experiment, model);
     }
     Ok(experiment)
 }
@@ -359,8 +356,8 @@ fn spread_covariance(noise: &mut Noise, moving: &[usize], n: usize) {
     noise.autocovariance = autocovariance;
 }
 
-/// `m = V⁻¹ (q − offset)` for encoders behind the gears.
-fn from_links(experiment: &mut Experiment, model: &Model) {
+/// `m = V⁻¹ (q − offset)` for positions of the joints.
+fn from_joints(experiment: &mut Experiment, model: &Model) {
     let n = model.tree().len();
     let coupling = model.coupling(&model.values());
     let identity = DMatrix::<f64>::identity(n, n);
@@ -379,7 +376,11 @@ fn from_links(experiment: &mut Experiment, model: &Model) {
     ];
     for (series, shift) in series.into_iter().zip([&shift, &none, &none]) {
         for row in 0..series.first().map_or(0, Vec::len) {
-            let joints = DVector::from_fn(n, |j, _| series[j][row]) - shift;
+            // The motor of a locked joint stands at zero; its offset is where the joint is held.
+            let joints = DVector::from_fn(n, |j, _| match model.joints()[j].locked {
+                true => 0.0,
+                false => series[j][row] - shift[j],
+            });
             let motors = &inverse * joints;
             for j in 0..n {
                 series[j][row] = motors[j];

@@ -1,12 +1,13 @@
 //! Effects that only the truth has: names in `[simulate.values]` that the declared model does not know
 //! add their effect to the joint that they name.
 
-use crate::chain::effect::{EFFECTS, kinematic_coupling, unmodelled_payload};
+use crate::chain::effect::{EFFECTS, base_tilt, kinematic_coupling, unmodelled_payload};
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
 use crate::problem_file::{Located, Named, ProblemFile};
 use crate::robot::inertia::PER_LINK;
-use crate::setup::model::{self, resolve};
+use crate::setup::known::resolve;
+use crate::setup::model;
 use crate::setup::names::Reference;
 use crate::setup::robot::Robot;
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
@@ -170,12 +171,13 @@ fn owner(model: &Model, reference: Reference) -> Option<(usize, &'static str)> {
         Reference::Body(first, _) if first < PER_LINK * model.tree().len() => None,
         Reference::Body(..) => load,
         Reference::Parameter(p) => match model.parameters()[p].role {
-            Role::Inertial { .. } => None,
+            Role::Inertial { .. } | Role::Tare { .. } => None,
             Role::Payload { .. } => load,
             Role::Effect { joint, effect, .. } => {
                 Some((joint, model.joints()[joint].effects[effect].0.id))
             }
             Role::Coupling { row, .. } => Some((row, kinematic_coupling::EFFECT.id)),
+            Role::Tilt { .. } => Some((0, base_tilt::EFFECT.id)),
         },
     }
 }

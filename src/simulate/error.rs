@@ -49,9 +49,6 @@ pub enum SimulateErrorKind {
         found: f64,
         limit: f64,
     },
-    NoRange {
-        joint: String,
-    },
     PeriodConflict {
         file: f64,
         recordings: f64,
@@ -188,11 +185,6 @@ fn of_motion(kind: &SimulateErrorKind) -> Option<Description> {
             ),
             "raise design.limits.torque, or shift the middle by design.limits.position_lower and \
              position_upper",
-        ),
-        Kind::NoRange { joint } => Description::new(
-            "no-range",
-            format!("joint `{joint}` has no room to move between its position limits"),
-            "correct the limits, or hold the joint under robot.locked",
         ),
         Kind::PeriodConflict { file, recordings } => Description::new(
             "period-conflict",

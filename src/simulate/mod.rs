@@ -7,10 +7,9 @@
 mod closed_loop;
 mod concealed;
 pub mod error;
-pub mod limits;
 pub mod path;
 mod path_file;
-mod plant;
+pub mod plant;
 mod random_path;
 pub mod sensors;
 pub mod truth;
@@ -19,6 +18,7 @@ mod write;
 #[cfg(test)]
 mod tests;
 
+use crate::chain::effect::Memory;
 use crate::fault::Place;
 use crate::outcome::parameter::Parameter;
 use crate::outcome::simulation::RealisedNoise;
@@ -28,12 +28,12 @@ use crate::problem_file::simulate::Trajectory;
 use crate::problem_file::{Located, ProblemFile};
 use crate::recording::table::LEAST_ROWS;
 use crate::robot::random::generator;
+use crate::setup::limits::{self, JointLimits};
 use crate::setup::robot;
 use crate::simulate::closed_loop::{Loop, Schedule};
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
-use crate::simulate::limits::JointLimits;
 use crate::simulate::path::{Motion, Path};
-use crate::simulate::random_path::Frame;
+use crate::simulate::random_path::{Course, Frame, torques};
 use crate::simulate::sensors::{Sensors, Table, joints_of};
 use crate::simulate::truth::Truth;
 use rand_chacha::ChaCha8Rng;
@@ -41,6 +41,10 @@ use rayon::prelude::*;
 use std::path::{Component, Path as FilePath, PathBuf};
 
 pub use crate::simulate::write::write_csv;
+
+/// Steps of laws with memory between two samples: their errors fall below a tenth of a percent of the
+/// law's torque.
+const FINER: usize = 8;
 
 /// Rate of a recording where none is stated, Hz.
 pub const DEFAULT_RATE: f64 = 200.0;
@@ -164,7 +168,7 @@ fn planned(problem: &ProblemFile, truth: &Truth) -> Result<Vec<Plan>, SimulateEr
         };
         return Ok(vec![plan("train.csv"), plan("validation.csv")]);
     };
-    let listed = crate::setup::recordings::list(table, problem.robot.payload.is_some());
+    let listed = crate::setup::recordings::list(table);
     let place = Place::file(&problem.path).key("recordings");
     let mut plans: Vec<Plan> = Vec::new();
     let mut sources: Vec<&FilePath> = Vec::new();
@@ -219,10 +223,11 @@ impl Task<'_> {
         let path = self.path(number, plan.loaded)?;
         let motion = self.motion(&path, plan.loaded, control)?;
         let model = &self.truth.recorded;
+        let signals = self.signals(&path, &motion, plan.loaded);
         let streams = |channel: usize| self.generator(number, 1 + channel as u64);
         let (table, noise) = self
             .sensors
-            .record((model, plan.loaded), &motion, self.rate, streams);
+            .record((model, self.rate), &motion, signals, streams);
         Ok(Made {
             recording: SimulatedRecording {
                 name: plan.name.clone(),
@@ -232,6 +237,31 @@ impl Task<'_> {
             noise,
             repeats: path.repeats(),
         })
+    }
+
+    /// Signals of the channels along a motion. Laws with memory are solved on a finer grid than the
+    /// recording's where the motion between its samples is known.
+    fn signals(&self, path: &Path, motion: &Motion, loaded: bool) -> Vec<Vec<f64>> {
+        let model = &self.truth.recorded;
+        let channels: Vec<usize> = self.sensors.channels.iter().map(|c| c.index).collect();
+        let follows = self.problem.simulate.mode.value == SimulationMode::Inverse;
+        let finer = match model.memory() {
+            Memory::Course if follows => FINER,
+            _ => 1,
+        };
+        let course = Course {
+            rate: finer as f64 * self.rate,
+            cyclic: path.repeats(),
+            loaded,
+        };
+        if finer == 1 {
+            return torques(model, motion, course, &channels);
+        }
+        let count = finer * motion[0].first().map_or(0, Vec::len);
+        let fine = path.sample((0.0, course.rate), count);
+        let signals = torques(model, &fine, course, &channels);
+        let thin = |series: Vec<f64>| series.into_iter().step_by(finer).collect();
+        signals.into_iter().map(thin).collect()
     }
 
     /// The path of the motors that is commanded.
@@ -244,7 +274,7 @@ impl Task<'_> {
                     plant: &truth.plant,
                     nominal: &truth.nominal,
                     limits: &self.limits,
-                    harmonics: problem.design.harmonics.value,
+                    harmonics: problem.design.harmonics.value.most(),
                     period: stated.unwrap_or(&problem.design.period).value,
                 };
                 let place = &problem.simulate.trajectory.place;

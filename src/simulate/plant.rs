@@ -90,7 +90,9 @@ impl<'m> Plant<'m> {
         let [q, dq, ddq] = &self.states;
         let motors = Trajectory { q, dq, ddq };
         let loaded = self.loaded;
-        let block = self.evaluator.evaluate(Segment { motors, loaded }, 0..1);
+        let block = self
+            .evaluator
+            .evaluate(Segment::states(motors, loaded), 0..1);
         for (slot, &j) in out.iter_mut().zip(&self.moving) {
             *slot = block.value(j)[0];
         }
@@ -113,10 +115,7 @@ impl<'m> Plant<'m> {
         }
         let [q, dq, ddq] = &self.states;
         let motors = Trajectory { q, dq, ddq };
-        let segment = Segment {
-            motors,
-            loaded: self.loaded,
-        };
+        let segment = Segment::states(motors, self.loaded);
         let block = self.evaluator.evaluate(segment, 0..width);
         let mut out = Linearised {
             at: self.about.clone(),

@@ -4,12 +4,13 @@
 //! joint at the same speed. Each joint moves about the middle of its range; all amplitudes then shrink
 //! together until the torques keep to their limits.
 
+use crate::chain::effect::Memory;
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
 use crate::chain::model::Model;
 use crate::fault::Place;
 use crate::robot::batch::Trajectory;
+use crate::setup::limits::JointLimits;
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
-use crate::simulate::limits::JointLimits;
 use crate::simulate::path::{Fourier, Motion, Path};
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
@@ -143,10 +144,16 @@ impl Frame<'_> {
             return worst;
         }
         let count = self.instants();
-        let motion = path.sample((0.0, count as f64 / self.period), count);
+        let rate = count as f64 / self.period;
+        let motion = path.sample((0.0, rate), count);
+        let course = Course {
+            rate,
+            cyclic: true,
+            loaded,
+        };
         for (j, torque) in joints
             .iter()
-            .zip(torques(self.plant, &motion, loaded, &joints))
+            .zip(torques(self.plant, &motion, course, &joints))
         {
             let limit = self.limits[*j].torque.unwrap_or(f64::INFINITY);
             let peak = torque.iter().fold(0.0_f64, |peak, x| peak.max(x.abs()));
@@ -158,19 +165,38 @@ impl Frame<'_> {
     }
 }
 
+/// What a recording is made under, besides the motion.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Course {
+    pub rate: f64,
+    /// The last sample is followed by the first.
+    pub cyclic: bool,
+    pub loaded: bool,
+}
+
 /// Signals of some channels of a model along a motion of the motors.
 pub(super) fn torques(
     model: &Model,
     motion: &Motion,
-    loaded: bool,
+    course: Course,
     channels: &[usize],
 ) -> Vec<Vec<f64>> {
     let [q, dq, ddq] = motion;
+    let motors = Trajectory { q, dq, ddq };
+    let count = motors.len();
+    let time: Vec<f64> = (0..count).map(|k| k as f64 / course.rate).collect();
     let segment = Segment {
-        motors: Trajectory { q, dq, ddq },
-        loaded,
+        motors,
+        forces: &[],
+        time: &time,
+        cyclic: course.cyclic,
+        loaded: course.loaded,
     };
-    let count = segment.motors.len();
+    if model.memory() == Memory::Course {
+        let mut evaluator = Evaluator::along(model, &model.values(), &[], count);
+        let whole = evaluator.evaluate_course(segment);
+        return channels.iter().map(|&c| whole.value(c).to_vec()).collect();
+    }
     let mut evaluator = Evaluator::new(model, &model.values(), &[]);
     let mut out = vec![Vec::with_capacity(count); channels.len()];
     for start in (0..count).step_by(BLOCK) {

@@ -2,7 +2,7 @@
 //! the column names that a fit of the same problem file reads.
 //!
 //! ```text
-//! position_side = "joint"   q_rec = m                     step 2π / counts (1 / counts of a metre)
+//! position_side = "joint"   q_rec = V m + offset         step 2π / counts (1 / counts of a metre)
 //! position_side = "motor"   q_rec = ratio · m
 //! position_side = "link"    q_rec = V m + offset
 //! signal = "motor_torque"   τ_rec = τ / ratio
@@ -17,7 +17,6 @@ use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::robot::Robot;
 use crate::simulate::error::SimulateError;
 use crate::simulate::path::Motion;
-use crate::simulate::random_path::torques;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
@@ -50,7 +49,7 @@ pub struct Channel {
     pub column: String,
     pub unit: String,
     /// Index in the model.
-    index: usize,
+    pub index: usize,
     scale: f64,
     noise: f64,
 }
@@ -159,12 +158,12 @@ impl Sensors {
 
     /// Records a motion of the motors: the table, and the noise that was added, per channel.
     ///
-    /// `noise` gives the generator of each channel.
+    /// `signals` are those of the channels along the motion; `noise` gives the generator of each channel.
     pub fn record(
         &self,
-        (model, loaded): (&Model, bool),
+        (model, rate): (&Model, f64),
         motion: &Motion,
-        rate: f64,
+        signals: Vec<Vec<f64>>,
         noise: impl Fn(usize) -> ChaCha8Rng,
     ) -> (Table, Vec<Vec<f64>>) {
         let rows = motion[0].first().map_or(0, Vec::len);
@@ -183,8 +182,6 @@ impl Sensors {
                 self.push_motion(&mut table, &column.value, self.on_side(model, series));
             }
         }
-        let indices: Vec<usize> = self.channels.iter().map(|c| c.index).collect();
-        let signals = torques(model, motion, loaded, &indices);
         let mut added = Vec::with_capacity(signals.len());
         for (number, (channel, mut series)) in self.channels.iter().zip(signals).enumerate() {
             let errors = normal(noise(number), channel.noise, rows);
@@ -213,7 +210,7 @@ impl Sensors {
     /// Positions as the encoders give them.
     fn position(&self, model: &Model, motors: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let mut out = self.on_side(model, motors);
-        if self.side == PositionSide::Link {
+        if self.side != PositionSide::Motor {
             for (series, offset) in out.iter_mut().zip(model.offset().iter()) {
                 series.iter_mut().for_each(|x| *x += offset);
             }
@@ -231,14 +228,13 @@ impl Sensors {
     /// Motions of the motors on the side of the encoders, without offset.
     fn on_side(&self, model: &Model, motors: &[Vec<f64>]) -> Vec<Vec<f64>> {
         match self.side {
-            PositionSide::Joint => motors.to_vec(),
             PositionSide::Motor => {
                 let pairs = motors.iter().zip(&self.ratio);
                 pairs
                     .map(|(series, ratio)| series.iter().map(|x| ratio * x).collect())
                     .collect()
             }
-            PositionSide::Link => joints_of(model, motors),
+            PositionSide::Joint | PositionSide::Link => joints_of(model, motors),
         }
     }
 }

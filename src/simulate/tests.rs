@@ -7,12 +7,12 @@ use crate::fault::Fault;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::recording::experiment::prepare;
+use crate::setup::limits::of_joints;
 use crate::setup::robot;
 use crate::setup::robot::Robot;
 use crate::simulate::error::SimulateError;
-use crate::simulate::limits::of_joints;
 use crate::simulate::path::Motion;
-use crate::simulate::random_path::torques;
+use crate::simulate::random_path::{Course, torques};
 use crate::simulate::truth::{DEFAULT_WIDTH, Truth, build};
 use crate::simulate::{Simulated, run, write_csv};
 use std::f64::consts::TAU;
@@ -226,7 +226,12 @@ fn recovers_the_motion_and_the_truth_through_files_and_the_recordings_of_a_probl
             motion.velocity.clone(),
             motion.acceleration.clone(),
         ];
-        let predicted = torques(&truth.recorded, &motion, false, &[0, 1, 2, 3, 4, 5]);
+        let course = Course {
+            rate: prepared.experiment.rate_hz,
+            cyclic: true,
+            loaded: false,
+        };
+        let predicted = torques(&truth.recorded, &motion, course, &[0, 1, 2, 3, 4, 5]);
         for (j, predicted) in predicted.iter().enumerate() {
             for (a, b) in predicted.iter().zip(prepared.signal(j)) {
                 // Without noise only the accelerations' rounding and reversals remain.

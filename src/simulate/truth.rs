@@ -14,7 +14,8 @@ use crate::problem_file::{Located, Named, ProblemFile};
 use crate::robot::inertia::{Inertia, PER_LINK};
 use crate::robot::tree::Tree;
 use crate::setup::error::{Mismatch, SetupError};
-use crate::setup::model::{self, resolve};
+use crate::setup::known::resolve;
+use crate::setup::model;
 use crate::setup::names::{BodyQuantity, Reference, with_quantities};
 use crate::setup::robot::Robot;
 use crate::simulate::concealed;
@@ -170,9 +171,10 @@ impl Earlier {
 fn initially_assigned(model: &Model, problem: &ProblemFile) -> Vec<bool> {
     let (rotor, coupling) = (&problem.drive.rotor_inertia, &problem.drive.coupling);
     let has = |parameter: &crate::chain::parameter::Parameter| match parameter.role {
-        Role::Inertial { .. } => true,
+        Role::Inertial { .. } | Role::Tare { .. } => true,
         Role::Payload { .. } => false,
         Role::Coupling { .. } => coupling.is_some(),
+        Role::Tilt { .. } => false,
         Role::Effect { joint, effect, .. } => {
             rotor.is_some() && model.joints()[joint].effects[effect].0.id == "rotor_inertia"
         }
@@ -363,6 +365,7 @@ fn named(model: &Model) -> Vec<Parameter> {
     let effects = model.parameters().iter().filter(|p| match p.role {
         Role::Effect { joint, .. } => !model.joints()[joint].locked,
         Role::Coupling { row, .. } => !model.joints()[row].locked,
+        Role::Tilt { .. } => true,
         _ => false,
     });
     out.extend(effects.map(|p| Parameter::known(&p.name, &p.unit, p.value)));

@@ -9,8 +9,10 @@ use crate::solve::error::{SolveError, SolveErrorKind};
 pub mod bounded;
 pub mod conic;
 pub mod error;
+pub mod interior;
 pub mod levenberg_marquardt;
 pub mod linear;
+pub mod sqp;
 
 /// The start projected on the bounds, or what is wrong with it.
 fn admissible_start(form: &Form, start: &DVector<f64>) -> Result<DVector<f64>, SolveError> {

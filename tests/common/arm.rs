@@ -84,6 +84,9 @@ cutoff_hz = 12.0
 estimator = "wls"
 "#;
 
+/// Keeps every sample of the recordings, which repeat their motion.
+pub const EVERY_SAMPLE: &str = "recordings.differentiation.method=\"lowpass\"";
+
 /// A folder with `arm.urdf`, `train.csv`, `validation.csv` and `problem.toml`, removed in the end.
 pub struct Arm {
     folder: TempDir,

@@ -1,8 +1,8 @@
 //! Friction that differs between the two directions: `dFc + dFv·|v|`.
 
 use crate::chain::effect::{
-    Confounder, Contribution, Dependence, Effect, Law, Linearity, ParameterInfo, Power, Samples,
-    TorqueLaw, Unit,
+    Confounder, Contribution, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Power,
+    Samples, Search, TorqueLaw, Unit,
 };
 
 /// The table's entry.
@@ -20,6 +20,7 @@ pub const EFFECT: Effect = Effect {
             upper: f64::INFINITY,
             typical: 0.1,
             linearity: Linearity::Linear,
+            search: Search::Typical,
         },
         ParameterInfo {
             name: "dFv",
@@ -29,6 +30,7 @@ pub const EFFECT: Effect = Effect {
             upper: f64::INFINITY,
             typical: 0.1,
             linearity: Linearity::Linear,
+            search: Search::Typical,
         },
     ],
     depends_on: &[Dependence::Direction, Dependence::Speed],
@@ -37,6 +39,7 @@ pub const EFFECT: Effect = Effect {
         separated_by: "nothing for dFc: it is the same torque; dFv by motion at several speeds",
     }],
     law: Law::Motor(&AsymmetricFriction),
+    needs: Needs::NOTHING,
 };
 
 #[derive(Debug)]

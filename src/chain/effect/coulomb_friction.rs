@@ -1,8 +1,8 @@
 //! Coulomb friction: `Fc·v/(|v| + w)`.
 
 use crate::chain::effect::{
-    Confounder, Contribution, Dependence, Effect, Law, Linearity, ParameterInfo, Power, Samples,
-    TorqueLaw, Unit,
+    Confounder, Contribution, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Power,
+    Samples, Search, TorqueLaw, Unit,
 };
 
 /// The table's entry.
@@ -20,6 +20,7 @@ pub const EFFECT: Effect = Effect {
             upper: f64::INFINITY,
             typical: 1.0,
             linearity: Linearity::Linear,
+            search: Search::Typical,
         },
         ParameterInfo {
             name: "w",
@@ -29,6 +30,7 @@ pub const EFFECT: Effect = Effect {
             upper: 1.0,
             typical: 0.005,
             linearity: Linearity::Nonlinear,
+            search: Search::Typical,
         },
     ],
     depends_on: &[Dependence::Direction, Dependence::Speed],
@@ -37,6 +39,7 @@ pub const EFFECT: Effect = Effect {
         separated_by: "motion at several speeds, slow ones among them",
     }],
     law: Law::Motor(&CoulombFriction),
+    needs: Needs::NOTHING,
 };
 
 /// Positions of the parameters within the effect's.

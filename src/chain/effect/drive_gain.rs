@@ -1,6 +1,8 @@
 //! An unknown factor of the torque constant: `true constant = gain · declared constant`.
 
-use crate::chain::effect::{Confounder, Dependence, Effect, Law, Linearity, ParameterInfo, Unit};
+use crate::chain::effect::{
+    Confounder, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Search, Unit,
+};
 
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
@@ -16,6 +18,7 @@ pub const EFFECT: Effect = Effect {
         upper: 20.0,
         typical: 1.0,
         linearity: Linearity::Nonlinear,
+        search: Search::Typical,
     }],
     depends_on: &[Dependence::Load],
     confounded_with: &[Confounder {
@@ -23,4 +26,5 @@ pub const EFFECT: Effect = Effect {
         separated_by: "a known load, known link inertials or a known rotor inertia",
     }],
     law: Law::Gain,
+    needs: Needs::NOTHING,
 };

@@ -3,7 +3,9 @@
 //! The row of V that belongs to the effect's joint is estimated: entries that the problem file's
 //! `coupling` declares as other than zero, or the entry of the joint before where it declares none.
 
-use crate::chain::effect::{Confounder, Dependence, Effect, Law, Linearity, ParameterInfo, Unit};
+use crate::chain::effect::{
+    Confounder, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Search, Unit,
+};
 
 /// Name of the parameter in this table; a model names it after the other joint.
 pub const OTHER_JOINT: &str = "<other joint>";
@@ -22,6 +24,7 @@ pub const EFFECT: Effect = Effect {
         upper: 10.0,
         typical: 0.01,
         linearity: Linearity::Nonlinear,
+        search: Search::Typical,
     }],
     depends_on: &[Dependence::OtherJoints],
     confounded_with: &[Confounder {
@@ -29,4 +32,5 @@ pub const EFFECT: Effect = Effect {
         separated_by: "reversals of the two joints at different times",
     }],
     law: Law::Coupling,
+    needs: Needs::NOTHING,
 };

@@ -4,15 +4,34 @@
 //! transition speed w of the joint's Coulomb friction, 0 where it has none.
 
 pub mod asymmetric_friction;
+pub mod backlash;
+pub mod base_tilt;
 pub mod coulomb_friction;
 pub mod drive_gain;
+pub mod external_contact;
+pub mod joint_elasticity;
+pub mod joint_spring;
 pub mod kinematic_coupling;
+pub mod law;
+pub mod load_dependent_friction;
+pub mod position_dependent_friction;
+pub mod presliding_hysteresis;
 pub mod rotor_inertia;
+pub mod sigmoid_friction;
+pub mod stribeck_friction;
+pub mod thermal_drift;
+pub mod time_delay;
+pub mod torque_current_nonlinearity;
 pub mod torque_offset;
+pub mod torque_ripple;
+pub mod transmission_efficiency;
+pub mod unit;
 pub mod unmodelled_payload;
 pub mod viscous_friction;
+pub mod viscous_nonlinearity;
 
-use crate::robot::tree::JointKind;
+pub use law::{Contribution, Power, Samples, TorqueLaw, TransmissionLaw, Transmitted};
+pub use unit::Unit;
 
 /// A physical effect of the vocabulary.
 #[derive(Debug, Clone, Copy)]
@@ -30,6 +49,46 @@ pub struct Effect {
     pub depends_on: &'static [Dependence],
     pub confounded_with: &'static [Confounder],
     pub law: Law,
+    pub needs: Needs,
+}
+
+/// What an effect needs beside its own parameters and the state at one sample.
+#[derive(Debug, Clone, Copy)]
+pub struct Needs {
+    pub memory: Memory,
+    /// Parameters of other effects of the same joint, `(effect, parameter)`.
+    pub borrows: &'static [(&'static str, &'static str)],
+    /// The effect of the same joint whose torque this one takes the place of.
+    pub replaces: Option<&'static str>,
+    pub lasts: Lasts,
+}
+
+impl Needs {
+    /// The state at one sample is enough, and the effect belongs to the robot.
+    pub const NOTHING: Self = Self {
+        memory: Memory::None,
+        borrows: &[],
+        replaces: None,
+        lasts: Lasts::Always,
+    };
+}
+
+/// What of the past a law has to know.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Memory {
+    None,
+    /// The time of the sample: averages over periods hide the effect.
+    Time,
+    /// The whole course of the motion, in order.
+    Course,
+}
+
+/// Whether an effect belongs to the robot or to one recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lasts {
+    Always,
+    /// Its parameters are other ones in the next recording.
+    OneRecording,
 }
 
 /// Where in the chain an effect acts, and how.
@@ -37,12 +96,40 @@ pub struct Effect {
 pub enum Law {
     /// A torque at the motor.
     Motor(&'static dyn TorqueLaw),
+    /// A torque at the joint.
+    Joint(&'static dyn TorqueLaw),
+    /// A loss between motor and joint.
+    Transmission(&'static dyn TransmissionLaw),
     /// A factor of the signal.
     Gain,
+    /// The polynomial from current to torque.
+    Current,
     /// Entries of the matrix V.
     Coupling,
     /// A body on a link.
     Body,
+    /// The direction of gravity.
+    Tilt,
+    /// A lag of the link behind the motor.
+    Lag,
+    /// A delay of the signal.
+    Delay,
+}
+
+impl Law {
+    /// Whether the torque stays affine in the inertial parameters when the effect's own are fixed.
+    pub fn keeps_affine(self) -> bool {
+        matches!(
+            self,
+            Self::Motor(_)
+                | Self::Joint(_)
+                | Self::Gain
+                | Self::Coupling
+                | Self::Body
+                | Self::Tilt
+                | Self::Delay
+        )
+    }
 }
 
 /// A parameter of an effect.
@@ -56,6 +143,70 @@ pub struct ParameterInfo {
     /// Value from which a nonlinear estimate starts, and a size at which it matters.
     pub typical: f64,
     pub linearity: Linearity,
+    pub search: Search,
+}
+
+impl ParameterInfo {
+    /// A parameter in which the signal is affine, of any sign.
+    pub const fn linear(
+        (name, unit): (&'static str, Unit),
+        meaning: &'static str,
+        typical: f64,
+    ) -> Self {
+        Self {
+            name,
+            unit,
+            meaning,
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            typical,
+            linearity: Linearity::Linear,
+            search: Search::Typical,
+        }
+    }
+
+    /// A parameter in which the signal is not affine, between limits.
+    pub const fn nonlinear(
+        (name, unit): (&'static str, Unit),
+        meaning: &'static str,
+        (lower, typical, upper): (f64, f64, f64),
+        search: Search,
+    ) -> Self {
+        Self {
+            name,
+            unit,
+            meaning,
+            lower,
+            upper,
+            typical,
+            linearity: Linearity::Nonlinear,
+            search,
+        }
+    }
+
+    /// The same with other limits.
+    pub const fn within(mut self, lower: f64, upper: f64) -> Self {
+        (self.lower, self.upper) = (lower, upper);
+        self
+    }
+}
+
+/// Values from which a search for a nonlinear parameter starts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Search {
+    /// The typical value is good enough.
+    Typical,
+    Values(&'static [f64]),
+    /// Shares of the way from the least to the greatest position of the joint.
+    Position(&'static [f64]),
+    /// Shares of the range of the joint's positions.
+    Range(&'static [f64]),
+    /// Shares of the greatest speed of the joint.
+    Speed(&'static [f64]),
+    /// Shares of the duration of the recording.
+    Duration(&'static [f64]),
+    /// Cycles over the range of the joint's positions, from one to what the sampling resolves.
+    Cycles,
 }
 
 /// Whether the signal is affine in a parameter while the others stay.
@@ -63,33 +214,6 @@ pub struct ParameterInfo {
 pub enum Linearity {
     Linear,
     Nonlinear,
-}
-
-/// Units that depend on whether the joint turns or slides.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unit {
-    One,
-    Torque,
-    TorquePerSpeed,
-    Inertia,
-    Speed,
-}
-
-impl Unit {
-    /// The unit for a joint of the given kind.
-    pub fn of(self, kind: JointKind) -> &'static str {
-        let turns = kind == JointKind::Revolute;
-        match self {
-            Self::One => "1",
-            Self::Torque => kind.effort_unit(),
-            Self::TorquePerSpeed if turns => "N·m·s/rad",
-            Self::TorquePerSpeed => "N·s/m",
-            Self::Inertia if turns => "kg·m²",
-            Self::Inertia => "kg",
-            Self::Speed if turns => "rad/s",
-            Self::Speed => "m/s",
-        }
-    }
 }
 
 /// A variable that an effect's torque varies with.
@@ -102,6 +226,7 @@ pub enum Dependence {
     Load,
     OtherJoints,
     Gravity,
+    Time,
     Nothing,
 }
 
@@ -115,6 +240,7 @@ impl Dependence {
             Self::Load => "transmitted torque",
             Self::OtherJoints => "motion of other joints",
             Self::Gravity => "gravity",
+            Self::Time => "time",
             Self::Nothing => "nothing: constant",
         }
     }
@@ -127,56 +253,32 @@ pub struct Confounder {
     pub separated_by: &'static str,
 }
 
-/// One joint over a block of samples, as a torque law sees it.
-#[derive(Debug, Clone, Copy)]
-pub struct Samples<'a> {
-    /// m, ṁ, m̈ of the motor at joint scale.
-    pub position: &'a [f64],
-    pub velocity: &'a [f64],
-    pub acceleration: &'a [f64],
-    /// `ṁ/(|ṁ| + w)`.
-    pub sign: &'a [f64],
-}
-
-/// Where a torque law puts its torque and derivatives.
-#[derive(Debug)]
-pub struct Contribution<'a> {
-    /// The law's torque is added.
-    pub torque: &'a mut [f64],
-    /// ∂torque/∂parameter is written, one series per parameter of the effect.
-    pub by_parameter: &'a mut [Vec<f64>],
-    /// ∂torque/∂sign is added: the chain carries it on to w.
-    pub by_sign: &'a mut [f64],
-}
-
-/// A torque that the motor exerts in addition.
-pub trait TorqueLaw: Sync + std::fmt::Debug {
-    /// Adds the torque of a block of samples for the effect's parameters.
-    fn add(&self, samples: Samples<'_>, parameters: &[f64], out: &mut Contribution<'_>);
-
-    /// What the law does with mechanical power.
-    fn power(&self) -> Power;
-}
-
-/// What a law does with mechanical power.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Power {
-    /// Never gives power for parameters within their bounds.
-    Dissipates,
-    /// Stores power and gives it back, or may do either.
-    Exchanges,
-}
-
 /// Every effect that the tool knows, in the order in which it lists them.
 pub const EFFECTS: &[&Effect] = &[
     &coulomb_friction::EFFECT,
     &viscous_friction::EFFECT,
     &asymmetric_friction::EFFECT,
+    &stribeck_friction::EFFECT,
+    &viscous_nonlinearity::EFFECT,
+    &sigmoid_friction::EFFECT,
+    &presliding_hysteresis::EFFECT,
+    &position_dependent_friction::EFFECT,
+    &transmission_efficiency::EFFECT,
+    &load_dependent_friction::EFFECT,
+    &torque_current_nonlinearity::EFFECT,
+    &drive_gain::EFFECT,
     &torque_offset::EFFECT,
     &rotor_inertia::EFFECT,
-    &drive_gain::EFFECT,
     &kinematic_coupling::EFFECT,
+    &joint_elasticity::EFFECT,
+    &backlash::EFFECT,
+    &torque_ripple::EFFECT,
+    &joint_spring::EFFECT,
     &unmodelled_payload::EFFECT,
+    &base_tilt::EFFECT,
+    &time_delay::EFFECT,
+    &thermal_drift::EFFECT,
+    &external_contact::EFFECT,
 ];
 
 /// An effect by its identifier.

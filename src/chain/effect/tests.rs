@@ -2,7 +2,7 @@
 
 use crate::chain::effect::coulomb_friction::sign;
 use crate::chain::effect::{
-    Contribution, EFFECTS, Effect, Law, Linearity, Power, Samples, TorqueLaw,
+    Contribution, EFFECTS, Effect, Law, Linearity, ParameterInfo, Power, Samples, TorqueLaw, find,
 };
 use crate::robot::random::{generator, symmetric};
 use rand_chacha::ChaCha8Rng;
@@ -14,21 +14,28 @@ struct Motion {
     velocity: Vec<f64>,
     acceleration: Vec<f64>,
     sign: Vec<f64>,
+    time: Vec<f64>,
 }
 
+/// s between samples.
+const STEP: f64 = 0.02;
+
 impl Motion {
+    /// Two sines of random amplitude and phase.
     fn random(rng: &mut ChaCha8Rng) -> Self {
-        let mut draw = |range: f64| {
-            (0..SAMPLES)
-                .map(|_| symmetric(rng, range))
-                .collect::<Vec<_>>()
+        let time: Vec<f64> = (0..SAMPLES).map(|k| STEP * k as f64).collect();
+        let waves = [3.0, 11.0].map(|w| (w, symmetric(rng, 1.5) / w, symmetric(rng, 3.0)));
+        let sum = |f: &dyn Fn(f64, f64, f64) -> f64| -> Vec<f64> {
+            let at = |t: &f64| waves.iter().map(|&(w, a, p)| f(w, a, w * t + p)).sum();
+            time.iter().map(at).collect()
         };
-        let velocity = draw(1.5);
+        let velocity = sum(&|w, a, x| a * w * x.cos());
         Self {
-            position: draw(3.0),
+            position: sum(&|_, a, x| a * x.sin()),
+            acceleration: sum(&|w, a, x| -a * w * w * x.sin()),
             sign: velocity.iter().map(|v| sign(*v, 0.01)).collect(),
             velocity,
-            acceleration: draw(5.0),
+            time,
         }
     }
 
@@ -38,6 +45,8 @@ impl Motion {
             velocity: &self.velocity,
             acceleration: &self.acceleration,
             sign: &self.sign,
+            time: &self.time,
+            cyclic: false,
         }
     }
 }
@@ -46,6 +55,7 @@ struct Evaluated {
     torque: Vec<f64>,
     by_parameter: Vec<Vec<f64>>,
     by_sign: Vec<f64>,
+    by_position: Vec<f64>,
 }
 
 fn evaluate(law: &dyn TorqueLaw, samples: Samples<'_>, parameters: &[f64]) -> Evaluated {
@@ -53,11 +63,13 @@ fn evaluate(law: &dyn TorqueLaw, samples: Samples<'_>, parameters: &[f64]) -> Ev
         torque: vec![0.0; SAMPLES],
         by_parameter: vec![vec![0.0; SAMPLES]; parameters.len()],
         by_sign: vec![0.0; SAMPLES],
+        by_position: vec![0.0; SAMPLES],
     };
     let mut contribution = Contribution {
         torque: &mut out.torque,
         by_parameter: &mut out.by_parameter,
         by_sign: &mut out.by_sign,
+        by_position: &mut out.by_position,
     };
     law.add(samples, parameters, &mut contribution);
     out
@@ -65,17 +77,27 @@ fn evaluate(law: &dyn TorqueLaw, samples: Samples<'_>, parameters: &[f64]) -> Ev
 
 fn laws() -> impl Iterator<Item = (&'static Effect, &'static dyn TorqueLaw)> {
     EFFECTS.iter().filter_map(|effect| match effect.law {
-        Law::Motor(law) => Some((*effect, law)),
+        Law::Motor(law) | Law::Joint(law) => Some((*effect, law)),
         _ => None,
     })
 }
 
+/// Parameters of an effect, borrowed ones behind its own.
+fn infos(effect: &Effect) -> Vec<ParameterInfo> {
+    let lent = |(lender, name): &(&str, &str)| {
+        let lender = find(lender).unwrap();
+        *lender.parameters.iter().find(|p| p.name == *name).unwrap()
+    };
+    let borrowed = effect.needs.borrows.iter().map(lent);
+    effect.parameters.iter().copied().chain(borrowed).collect()
+}
+
 fn random_parameters(effect: &Effect, rng: &mut ChaCha8Rng) -> Vec<f64> {
-    let draw = |info: &crate::chain::effect::ParameterInfo| {
+    let draw = |info: ParameterInfo| {
         let value = info.typical * (1.0 + symmetric(rng, 0.9));
         value.clamp(info.lower, info.upper)
     };
-    effect.parameters.iter().map(draw).collect()
+    infos(effect).into_iter().map(draw).collect()
 }
 
 #[test]
@@ -88,7 +110,7 @@ fn matches_differences_in_every_parameter_and_in_sign() {
         let difference = |high: &Evaluated, low: &Evaluated, k: usize, h: f64| {
             (high.torque[k] - low.torque[k]) / (2.0 * h)
         };
-        for (index, info) in effect.parameters.iter().enumerate() {
+        for (index, info) in infos(effect).into_iter().enumerate() {
             let h = 1e-6 * info.typical;
             let at = |step: f64| {
                 let mut moved = parameters.clone();

@@ -1,8 +1,8 @@
 //! A constant torque: zero error of sensor or amplifier.
 
 use crate::chain::effect::{
-    Confounder, Contribution, Dependence, Effect, Law, Linearity, ParameterInfo, Power, Samples,
-    TorqueLaw, Unit,
+    Confounder, Contribution, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Power,
+    Samples, Search, TorqueLaw, Unit,
 };
 
 /// The table's entry.
@@ -19,6 +19,7 @@ pub const EFFECT: Effect = Effect {
         upper: f64::INFINITY,
         typical: 0.1,
         linearity: Linearity::Linear,
+        search: Search::Typical,
     }],
     depends_on: &[Dependence::Nothing],
     confounded_with: &[Confounder {
@@ -26,6 +27,7 @@ pub const EFFECT: Effect = Effect {
         separated_by: "nothing for its dFc: it is the same torque",
     }],
     law: Law::Motor(&TorqueOffset),
+    needs: Needs::NOTHING,
 };
 
 #[derive(Debug)]

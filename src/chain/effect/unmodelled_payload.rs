@@ -1,6 +1,8 @@
 //! A load on a link: ten inertial parameters more.
 
-use crate::chain::effect::{Confounder, Dependence, Effect, Law, Linearity, ParameterInfo, Unit};
+use crate::chain::effect::{
+    Confounder, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Search, Unit,
+};
 
 const fn free(name: &'static str, meaning: &'static str) -> ParameterInfo {
     ParameterInfo {
@@ -11,6 +13,7 @@ const fn free(name: &'static str, meaning: &'static str) -> ParameterInfo {
         upper: f64::INFINITY,
         typical: 1.0,
         linearity: Linearity::Linear,
+        search: Search::Typical,
     }
 }
 
@@ -42,4 +45,5 @@ pub const EFFECT: Effect = Effect {
         separated_by: "known link inertials, or recordings with and without the load",
     }],
     law: Law::Body,
+    needs: Needs::NOTHING,
 };

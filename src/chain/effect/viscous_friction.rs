@@ -1,8 +1,8 @@
 //! Viscous friction: `Fv·v`.
 
 use crate::chain::effect::{
-    Confounder, Contribution, Dependence, Effect, Law, Linearity, ParameterInfo, Power, Samples,
-    TorqueLaw, Unit,
+    Confounder, Contribution, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Power,
+    Samples, Search, TorqueLaw, Unit,
 };
 
 /// The table's entry.
@@ -19,6 +19,7 @@ pub const EFFECT: Effect = Effect {
         upper: f64::INFINITY,
         typical: 1.0,
         linearity: Linearity::Linear,
+        search: Search::Typical,
     }],
     depends_on: &[Dependence::Speed],
     confounded_with: &[Confounder {
@@ -26,6 +27,7 @@ pub const EFFECT: Effect = Effect {
         separated_by: "motion at several speeds",
     }],
     law: Law::Motor(&ViscousFriction),
+    needs: Needs::NOTHING,
 };
 
 #[derive(Debug)]

@@ -177,10 +177,7 @@ fn torques([q, dq, ddq]: &[Vec<Vec<f64>>; 3], rng: &mut rand_chacha::ChaCha8Rng)
     let samples = q[0].len();
     let mut tau = vec![Vec::new(); JOINTS];
     let mut evaluator = Evaluator::new(&model, &values, &[]);
-    let segment = Segment {
-        motors: Trajectory { q, dq, ddq },
-        loaded: false,
-    };
+    let segment = Segment::states(Trajectory { q, dq, ddq }, false);
     for start in (0..samples).step_by(BLOCK) {
         let block = evaluator.evaluate(segment, start..samples.min(start + BLOCK));
         for (c, series) in tau.iter_mut().enumerate() {
@@ -203,6 +200,7 @@ fn model() -> Model {
         signal: Signal::Torque,
         inertials: Inertials::Estimate,
         torque_constant: None,
+        current_polynomial: None,
         rotor_inertia: None,
         coupling: None,
         offset: None,

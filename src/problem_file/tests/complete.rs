@@ -7,7 +7,7 @@ use crate::problem_file::choices::{
     Criterion, DesignKind, DifferentiationMethod, Estimator, Inertials, Mechanism, PositionSide,
     PriorKind, Scaling, Signal, SimulationMode,
 };
-use crate::problem_file::design::DesignParameters;
+use crate::problem_file::design::{DesignParameters, Harmonics};
 use crate::problem_file::diagnose::SoughtEffects;
 use crate::problem_file::drive::CurrentLaw;
 use crate::problem_file::fit::{Interval, PriorValue, Strength};
@@ -166,7 +166,8 @@ fn fit_of_the_complete_file() {
 fn design_of_the_complete_file() {
     let design = full().design;
     assert_eq!(design.kind.value, DesignKind::ConstantVelocity);
-    assert_eq!(design.harmonics.value, 7);
+    assert_eq!(design.harmonics.value, Harmonics::Each(vec![7, 5, 3]));
+    assert_eq!(design.harmonics.value.most(), 7);
     assert_eq!(design.period.value, 20.0);
     assert_eq!(design.criterion.value, Criterion::EOptimal);
     assert_eq!(design.scaling.value, Scaling::Whitened);
@@ -236,7 +237,7 @@ fn a_file_with_a_robot_alone_has_the_documented_defaults() {
     assert_eq!(file.fit.estimator.value, Estimator::MaximumLikelihood);
     assert!(file.fit.prior.kind.is_none());
     assert_eq!(file.design.kind.value, DesignKind::Fourier);
-    assert_eq!(file.design.harmonics.value, 5);
+    assert_eq!(file.design.harmonics.value, Harmonics::All(5));
     assert_eq!(file.design.period.value, 10.0);
     assert_eq!(file.design.criterion.value, Criterion::DOptimal);
     assert_eq!(file.design.scaling.value, Scaling::Columns);
@@ -293,7 +294,7 @@ fn polynomials_of_the_current_have_four_coefficients_per_joint() {
 fn json_is_the_file_as_read() {
     let json = full().json;
     assert_eq!(json["robot"]["locked"]["a4"], 0.25);
-    assert_eq!(json["design"]["harmonics"], 7);
+    assert_eq!(json["design"]["harmonics"], serde_json::json!([7, 5, 3]));
     assert_eq!(json["drive"]["rotor_inertia"][1], 60);
     assert_eq!(json["fit"]["compare"][0]["name"], "Stribeck");
     assert_eq!(json["fit"]["bounds"]["total_mass"][1], "inf");

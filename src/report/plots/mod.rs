@@ -2,6 +2,9 @@
 //!
 //! The drawing library places points on whole units, so twice the size gives lines half as coarse.
 
+pub(super) mod bars;
+pub(super) mod boxes;
+pub(super) mod curves;
 pub(super) mod rows;
 pub(super) mod scatter;
 pub(super) mod signals;

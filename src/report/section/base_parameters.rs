@@ -1,5 +1,6 @@
 //! The combinations of parameters that the motion determines; long ones fold.
 
+use crate::outcome::fit::BaseParameter;
 use crate::report::facts::count;
 use crate::report::html::breakable;
 use crate::report::number::{ABSENT, optional, percent};
@@ -10,13 +11,30 @@ use crate::report::table::{Cell, Table};
 const SHOWN: usize = 120;
 
 pub(super) fn section(source: &Source) -> Option<Section> {
-    let fit = source.fit()?;
-    if fit.base_parameters.is_empty() {
+    let table = table(&source.fit()?.base_parameters)?;
+    Some(Section::new("base-parameters", "Base parameters", table))
+}
+
+/// The joint-torque model that follows from base reactions.
+pub(super) fn of_joint_torques(source: &Source) -> Option<Section> {
+    let table = table(&source.fit()?.joint_torque_parameters)?;
+    let lead = "<p>The parameters of the joint torques, as combinations of those above: no force inside the \
+                robot, friction neither, is in them.</p>";
+    Some(Section::new(
+        "joint-torque-parameters",
+        "Joint-torque model",
+        format!("{lead}{table}"),
+    ))
+}
+
+/// HTML of a list of combinations; `None` where it is empty.
+fn table(combinations: &[BaseParameter]) -> Option<String> {
+    if combinations.is_empty() {
         return None;
     }
     let headers = ["", "Combination", "Value", "Unit", "Std. dev.", "Relative"];
     let mut table = Table::new(&headers);
-    for (index, base) in fit.base_parameters.iter().enumerate() {
+    for (index, base) in combinations.iter().enumerate() {
         let relative = match (base.value, base.std_dev) {
             (Some(value), Some(std_dev)) if value != 0.0 => percent(std_dev / value.abs()),
             _ => ABSENT.to_string(),
@@ -30,11 +48,7 @@ pub(super) fn section(source: &Source) -> Option<Section> {
             Cell::Number(relative),
         ]);
     }
-    Some(Section::new(
-        "base-parameters",
-        "Base parameters",
-        table.html(),
-    ))
+    Some(table.html())
 }
 
 /// The expression, folded after its first terms where it is long.

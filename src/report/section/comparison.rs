@@ -1,5 +1,6 @@
 //! The same fit with other lists of effects, side by side.
 
+use crate::outcome::contest::{Contest, ErrorFigure, ModelErrors};
 use crate::outcome::fit::Comparison;
 use crate::outcome::joint::JointFigures;
 use crate::report::html::{breakable, escape};
@@ -35,15 +36,81 @@ pub(super) fn section(source: &Source) -> Option<Section> {
         "of training, nothing was held out"
     };
     let body = format!(
-        "<p class=\"hint\">RMSE, {which}.</p>\n{}<ul>\n{}</ul>\n",
+        "<p class=\"hint\">RMSE, {which}.</p>\n{}<ul>\n{}</ul>\n{}{}",
         table.html(),
-        fit.comparison.iter().map(effects).collect::<String>()
+        fit.comparison.iter().map(effects).collect::<String>(),
+        MEASURES
+            .map(|measure| errors(&fit.contests, measure))
+            .concat(),
+        verdicts(&fit.contests)
     );
     Some(Section::new("comparison", "Comparison of models", body))
 }
 
 fn error(joint: &JointFigures) -> String {
     significant(joint.rmse_validation.unwrap_or(joint.rmse_train))
+}
+
+/// What a table of errors shows, and the error of a model.
+type Measure = (&'static str, fn(&ModelErrors) -> Option<ErrorFigure>);
+
+const MEASURES: [Measure; 4] = [
+    ("RMSE, identification", |m| Some(m.rmse_train)),
+    ("RMSE, validation", |m| m.rmse_validation),
+    ("MAE, identification", |m| Some(m.mae_train)),
+    ("MAE, validation", |m| m.mae_validation),
+];
+
+/// Errors of every model with their 95 % intervals, joint by joint; empty where there are none.
+fn errors(contests: &[Contest], (title, of): Measure) -> String {
+    let joints = || contests.iter().filter(|c| c.joint.is_some());
+    let Some(first) = joints().next() else {
+        return String::new();
+    };
+    if first.models.iter().any(|model| of(model).is_none()) {
+        return String::new();
+    }
+    let mut headers = vec!["Joint", "Unit"];
+    headers.extend(first.models.iter().map(|model| model.name.as_str()));
+    let mut table = Table::new(&headers);
+    for contest in joints() {
+        let joint = contest.joint.as_deref().unwrap_or_default();
+        let mut cells = vec![Cell::name(joint), Cell::text(&contest.unit)];
+        let figures = contest.models.iter().filter_map(of);
+        cells.extend(figures.map(|figure| Cell::Number(with_interval(figure))));
+        table.row(cells);
+    }
+    format!(
+        "<p class=\"hint\">{title}, with 95 % intervals.</p>\n{}",
+        table.html()
+    )
+}
+
+fn with_interval(figure: ErrorFigure) -> String {
+    let value = significant(figure.value);
+    match figure.ci95 {
+        Some([low, high]) => format!("{value} ({} to {})", significant(low), significant(high)),
+        None => value,
+    }
+}
+
+/// Which model predicts best, joint by joint.
+fn verdicts(contests: &[Contest]) -> String {
+    let line = |contest: &Contest| {
+        let joint = contest.joint.as_deref().unwrap_or("all joints together");
+        format!(
+            "<li>{}: {}</li>\n",
+            escape(joint),
+            escape(&contest.sentence)
+        )
+    };
+    match contests {
+        [] => String::new(),
+        _ => format!(
+            "<ul>\n{}</ul>\n",
+            contests.iter().map(line).collect::<String>()
+        ),
+    }
 }
 
 fn effects(variant: &Comparison) -> String {

@@ -8,13 +8,15 @@ use crate::report::section::{Section, Source};
 use crate::report::table::{Cell, Table};
 
 pub(super) fn section(source: &Source) -> Option<Section> {
-    let Part::Check(check) = &source.outcome.part else {
-        return None;
+    let (title, found) = match &source.outcome.part {
+        Part::Check(check) => ("Findings", &check.findings),
+        Part::Diagnose(diagnosis) => ("Mistakes in the inputs", &diagnosis.mistakes),
+        _ => return None,
     };
-    if check.findings.is_empty() {
+    if found.is_empty() {
         return None;
     }
-    let mut findings: Vec<&Finding> = check.findings.iter().collect();
+    let mut findings: Vec<&Finding> = found.iter().collect();
     findings.sort_by_key(|finding| finding.severity);
     let mut table = Table::new(&["", "Where", "What, and what to do", "Code"]);
     for finding in findings {
@@ -29,5 +31,5 @@ pub(super) fn section(source: &Source) -> Option<Section> {
             Cell::text(&finding.code),
         ]);
     }
-    Some(Section::new("findings", "Findings", table.html()))
+    Some(Section::new("mistakes", title, table.html()))
 }

@@ -2,9 +2,14 @@
 
 mod base_parameters;
 mod comparison;
+mod design;
+mod diagnosis;
+mod evidence;
 mod findings;
 mod inputs;
 mod joints;
+mod load;
+mod motors;
 mod notes;
 mod parameters;
 mod preprocessing;
@@ -15,6 +20,7 @@ mod summary;
 
 use crate::outcome::Outcome;
 use crate::outcome::Part;
+use crate::outcome::diagnose::Diagnosis;
 use crate::outcome::fit::Fit;
 use crate::report::series::Series;
 
@@ -47,18 +53,34 @@ impl<'a> Source<'a> {
             _ => None,
         }
     }
+
+    /// The part of `diagnose`, if that is the verb.
+    fn diagnosis(&self) -> Option<&'a Diagnosis> {
+        match &self.outcome.part {
+            Part::Diagnose(diagnosis) => Some(diagnosis),
+            _ => None,
+        }
+    }
 }
 
 /// Every section in the order of the page; each is absent where it has nothing to say.
-const SECTIONS: [fn(&Source) -> Option<Section>; 12] = [
+const SECTIONS: [fn(&Source) -> Option<Section>; 20] = [
     summary::section,
+    diagnosis::missing,
+    diagnosis::before_and_after,
+    evidence::located,
     findings::section,
     joints::section,
     signals::section,
+    load::section,
     parameters::section,
     base_parameters::section,
+    base_parameters::of_joint_torques,
+    evidence::tried,
     comparison::section,
+    motors::section,
     simulation::section,
+    design::section,
     preprocessing::section,
     notes::section,
     solver::section,

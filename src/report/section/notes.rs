@@ -8,6 +8,8 @@ pub(super) fn section(source: &Source) -> Option<Section> {
     let notes = match &source.outcome.part {
         Part::Fit(fit) => &fit.notes,
         Part::Simulate(simulation) => &simulation.notes,
+        Part::Design(design) => &design.notes,
+        Part::Diagnose(diagnosis) => &diagnosis.notes,
         Part::Check(_) => return None,
     };
     if notes.is_empty() {

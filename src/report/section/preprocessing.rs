@@ -1,10 +1,15 @@
 //! What was done to the recordings before the fit.
 
+use crate::outcome::Part;
 use crate::report::section::{Section, Source};
 use crate::report::table::{Cell, Table};
 
 pub(super) fn section(source: &Source) -> Option<Section> {
-    let lines = &source.fit()?.preprocessing;
+    let lines = match &source.outcome.part {
+        Part::Fit(fit) => &fit.preprocessing,
+        Part::Diagnose(diagnosis) => &diagnosis.preprocessing,
+        _ => return None,
+    };
     if lines.is_empty() {
         return None;
     }

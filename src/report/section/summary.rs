@@ -40,6 +40,13 @@ fn sentence(outcome: &Outcome) -> String {
             let files = count(simulation.files.len(), "file");
             format!("The model was simulated and {files} written.")
         }
+        Part::Design(design) => format!(
+            "A motion within the limits was sought from {}; the best has a {} of {}.",
+            count(design.starts as usize, "start"),
+            design.criterion_meaning,
+            number::significant(design.criterion_value)
+        ),
+        Part::Diagnose(diagnosis) => diagnosis.summary.clone(),
     }
 }
 
@@ -75,7 +82,7 @@ fn figures(outcome: &Outcome, fit: &Fit) -> String {
     let parameters = &outcome.estimate.parameters;
     let mut figures = vec![
         ("Parameters", parameters.len().to_string()),
-        ("Independent combinations (rank)", fit.rank.to_string()),
+        ("Independent combinations (rank)", facts::rank_in_words(fit)),
         (
             "Condition number",
             number::significant(fit.condition_number),

@@ -1,12 +1,19 @@
 //! Dynamics: agreement of the two modes, of motion and torque, of power and losses; the integrator.
 
 use crate::simulate::plant::{Plant, State};
-use crate::simulate::random_path::torques;
+use crate::simulate::random_path::{Course, torques};
 use crate::simulate::tests::{
     ALL_MOTION, FRICTION, arm, columns, motion_of, panda, parse, simulated, truth_of,
 };
 use crate::simulate::truth::DEFAULT_WIDTH;
 use std::path::Path;
+
+/// Samples of a motion without a load; the rate does not matter to laws without memory.
+const ALONE: Course = Course {
+    rate: 200.0,
+    cyclic: false,
+    loaded: false,
+};
 
 #[test]
 fn invariant_the_commanded_torque_of_a_closed_loop_is_that_of_the_chain_at_the_true_motion() {
@@ -19,8 +26,8 @@ fn invariant_the_commanded_torque_of_a_closed_loop_is_that_of_the_chain_at_the_t
     let (_, truth) = truth_of(&problem);
     let motion = motion_of(&result, 0);
     let all: Vec<usize> = (0..7).collect();
-    let chain = torques(&truth.plant, &motion, false, &all);
-    let nominal = torques(&truth.nominal, &motion, false, &all);
+    let chain = torques(&truth.plant, &motion, ALONE, &all);
+    let nominal = torques(&truth.nominal, &motion, ALONE, &all);
     let tau = columns(&result, 0, "tau");
     for j in 0..7 {
         for k in 0..tau[j].len() {
@@ -116,7 +123,7 @@ fn invariant_power_of_the_motors_over_whole_periods_is_what_friction_takes() {
 }
 
 #[test]
-fn a_coupled_motor_moves_both_joints_and_link_encoders_see_it() {
+fn a_coupled_motor_moves_both_joints_and_positions_of_joints_show_it() {
     let drive = FRICTION.replace(
         "[drive]",
         "[drive]\ncoupling = [[1.0,0.0,0.0,0.0,0.0,0.0,0.0],[0.0,1.0,0.0,0.0,0.0,0.0,0.0],\
@@ -128,22 +135,23 @@ fn a_coupled_motor_moves_both_joints_and_link_encoders_see_it() {
             "signal = \"torque\"",
             &format!("signal = \"torque\"\nposition_side = \"{side}\""),
         );
+        let drive = drive.replace("[drive]", "[drive]\nratio = 1.0");
         let rest =
             format!("{columns}[simulate]\nperiods = 1\nwarmup_periods = 0\nmode = \"{mode}\"");
         panda(&drive, &rest)
     };
     for mode in ["inverse", "closed_loop"] {
-        let motors = motion_of(&simulated(&side("joint", mode), 6), 0);
-        let links = motion_of(&simulated(&side("link", mode), 6), 0);
+        let motors = motion_of(&simulated(&side("motor", mode), 6), 0);
+        let links = motion_of(&simulated(&side("joint", mode), 6), 0);
         for k in 0..links[0][5].len() {
             let expected = motors[0][5][k] + 0.3 * motors[0][4][k];
             assert!((links[0][5][k] - expected).abs() <= 1e-12);
         }
     }
-    let problem = side("joint", "closed_loop");
+    let problem = side("motor", "closed_loop");
     let (_, truth) = truth_of(&problem);
     let result = simulated(&problem, 6);
-    let chain = torques(&truth.plant, &motion_of(&result, 0), false, &[4, 5]);
+    let chain = torques(&truth.plant, &motion_of(&result, 0), ALONE, &[4, 5]);
     let tau = columns(&result, 0, "tau");
     for k in 0..tau[4].len() {
         assert!((chain[0][k] - tau[4][k]).abs() <= 1e-9);

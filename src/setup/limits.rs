@@ -1,10 +1,10 @@
-//! What random trajectories keep to: `[design.limits]`, else the robot file, else usual figures.
+//! What motions keep to: `[design.limits]`, else the robot file, else usual figures.
 
 use crate::fault::Place;
 use crate::problem_file::ProblemFile;
 use crate::robot::tree::JointKind;
+use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::robot::Robot;
-use crate::simulate::error::{SimulateError, SimulateErrorKind};
 use std::f64::consts::FRAC_PI_2;
 
 /// Limits of one joint, rad or m and seconds.
@@ -17,6 +17,18 @@ pub struct JointLimits {
     pub jerk: Option<f64>,
     /// Of the motor torque at joint scale, N·m or N.
     pub torque: Option<f64>,
+}
+
+impl JointLimits {
+    /// The middle of the positions.
+    pub fn middle(&self) -> f64 {
+        0.5 * (self.lower + self.upper)
+    }
+
+    /// Half of the range of positions.
+    pub fn half_range(&self) -> f64 {
+        0.5 * (self.upper - self.lower)
+    }
 }
 
 /// Figures for joints of which nothing is known.
@@ -45,7 +57,7 @@ const SLIDING: Usual = Usual {
 ///
 /// # Errors
 /// A list of the wrong length; a range without width.
-pub fn of_joints(problem: &ProblemFile, robot: &Robot) -> Result<Vec<JointLimits>, SimulateError> {
+pub fn of_joints(problem: &ProblemFile, robot: &Robot) -> Result<Vec<JointLimits>, SetupError> {
     let given = &problem.design.limits;
     let lower = robot.per_joint(&given.position_lower)?;
     let upper = robot.per_joint(&given.position_upper)?;
@@ -72,9 +84,9 @@ pub fn of_joints(problem: &ProblemFile, robot: &Robot) -> Result<Vec<JointLimits
             (None, None) => (-usual.half_range, usual.half_range),
         };
         if lower >= upper && robot.locked[k].is_none() {
-            return Err(SimulateError::new(
+            return Err(SetupError::mismatch(
                 &Place::file(&problem.path).key("design.limits"),
-                SimulateErrorKind::NoRange {
+                Mismatch::NoRange {
                     joint: joint.name.clone(),
                 },
             ));

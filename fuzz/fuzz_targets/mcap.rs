@@ -1,0 +1,6 @@
+//! Any bytes as an MCAP bag.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| exid_fuzz::recording::is_sound(".mcap", bytes));

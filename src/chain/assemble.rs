@@ -1,0 +1,319 @@
+//! Lists the parameters of a model: of links, effects, coupling, tilt and load.
+
+use crate::chain::effect::{
+    Effect, Law, Linearity, base_tilt, coulomb_friction, kinematic_coupling, rotor_inertia,
+    torque_current_nonlinearity,
+};
+use crate::chain::error::ModelError;
+use crate::chain::model::{Channel, Inertials, JointModel, ModelSettings, Signal, WRENCH};
+use crate::chain::parameter::{Parameter, Role, State};
+use crate::robot::inertia::{PER_LINK, QUANTITIES, UNITS};
+use crate::robot::tree::{Joint, JointKind};
+use nalgebra::DMatrix;
+
+pub(super) fn unbounded(name: String, unit: &str, role: Role) -> Parameter {
+    Parameter {
+        name,
+        unit: unit.to_string(),
+        role,
+        state: State::Free,
+        value: 0.0,
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+        bounded: false,
+        scale: 1.0,
+        linearity: Linearity::Linear,
+    }
+}
+
+pub(super) fn inertial_parameters(settings: &ModelSettings) -> Vec<Parameter> {
+    let mut parameters = Vec::new();
+    for (link, joint) in settings.tree.joints().iter().enumerate() {
+        for quantity in 0..PER_LINK {
+            let mut parameter = unbounded(
+                format!("{}.{}", joint.link, QUANTITIES[quantity]),
+                UNITS[quantity],
+                Role::Inertial { link, quantity },
+            );
+            if settings.inertials == Inertials::Known {
+                parameter.value = joint.inertia.0[quantity];
+                parameter.state = State::Known;
+            }
+            parameters.push(parameter);
+        }
+    }
+    parameters
+}
+
+pub(super) fn joint_model(
+    settings: &ModelSettings,
+    j: usize,
+    parameters: &mut Vec<Parameter>,
+) -> Result<JointModel, ModelError> {
+    let joint = &settings.tree.joints()[j];
+    let mut model = JointModel {
+        name: joint.name.clone(),
+        kind: joint.kind,
+        torque_constant: torque_constant(settings, j),
+        locked: settings.locked[j],
+        effects: Vec::new(),
+        borrowed: Vec::new(),
+        replaced: Vec::new(),
+        width: None,
+        gain: None,
+        polynomial: None,
+        delay: None,
+        elasticity: None,
+        backlash: None,
+    };
+    for effect in effects_with_known_values(settings, j) {
+        if !has_own_parameters(effect, settings.signal) {
+            continue;
+        }
+        let first = parameters.len();
+        let place = (j, model.effects.len());
+        parameters.extend(effect_parameters(joint, effect, place));
+        remember(&mut model, effect, first);
+        known_values(settings, (j, effect), &mut parameters[first..]);
+        model.effects.push((effect, first));
+    }
+    lend(&mut model, parameters)?;
+    Ok(model)
+}
+
+fn torque_constant(settings: &ModelSettings, j: usize) -> f64 {
+    match (&settings.current_polynomial, &settings.torque_constant) {
+        (Some(polynomial), _) => polynomial[j][1],
+        (None, Some(constant)) => constant[j],
+        (None, None) => 1.0,
+    }
+}
+
+/// The listed effects, and those that act because their values are declared.
+fn effects_with_known_values(settings: &ModelSettings, j: usize) -> Vec<&'static Effect> {
+    let mut effects = settings.effects[j].clone();
+    let mut declare = |effect: &'static Effect| {
+        if effects.iter().all(|e| e.id != effect.id) {
+            effects.push(effect);
+        }
+    };
+    if settings.rotor_inertia.is_some() {
+        declare(&rotor_inertia::EFFECT);
+    }
+    if settings.current_polynomial.is_some() {
+        declare(&torque_current_nonlinearity::EFFECT);
+    }
+    effects
+}
+
+/// V has entries, the load has bodies and the base has angles, which are not per joint; behind the gear
+/// neither rotors nor losses of the gear nor laws of the current are seen.
+fn has_own_parameters(effect: &Effect, signal: Signal) -> bool {
+    match effect.law {
+        Law::Coupling | Law::Body | Law::Tilt => false,
+        Law::Current => signal == Signal::Current,
+        Law::Transmission(_) => signal != Signal::LinkTorque,
+        _ => !(signal == Signal::LinkTorque && effect.id == rotor_inertia::EFFECT.id),
+    }
+}
+
+/// Positions of the parameters that the chain looks up.
+fn remember(model: &mut JointModel, effect: &Effect, first: usize) {
+    let slot = match effect.id {
+        "coulomb_friction" => {
+            model.width = Some(first + coulomb_friction::WIDTH);
+            return;
+        }
+        "drive_gain" => &mut model.gain,
+        "torque_current_nonlinearity" => &mut model.polynomial,
+        "time_delay" => &mut model.delay,
+        "joint_elasticity" => &mut model.elasticity,
+        "backlash" => &mut model.backlash,
+        _ => return,
+    };
+    *slot = Some(first);
+}
+
+/// Declared values: known, or where the effect is listed as well, where the estimate starts.
+fn known_values(
+    settings: &ModelSettings,
+    (j, effect): (usize, &Effect),
+    parameters: &mut [Parameter],
+) {
+    let declared: Vec<f64> = match (effect.law, &settings.rotor_inertia) {
+        (Law::Current, _) => match &settings.current_polynomial {
+            Some(polynomial) => polynomial[j].to_vec(),
+            None => {
+                let straight = [0.0, torque_constant(settings, j), 0.0, 0.0];
+                for (parameter, value) in parameters.iter_mut().zip(straight) {
+                    parameter.value = value;
+                }
+                return;
+            }
+        },
+        (_, Some(inertia)) if effect.id == rotor_inertia::EFFECT.id => vec![inertia[j]],
+        _ => return,
+    };
+    let listed = settings.effects[j].iter().any(|e| e.id == effect.id);
+    for (parameter, value) in parameters.iter_mut().zip(declared) {
+        parameter.value = value;
+        if !listed {
+            parameter.state = State::Known;
+        }
+    }
+}
+
+/// Finds the parameters that effects borrow and the effects whose place is taken.
+fn lend(model: &mut JointModel, parameters: &mut [Parameter]) -> Result<(), ModelError> {
+    let effects = model.effects.clone();
+    for (effect, _) in &effects {
+        let taken = |other: &(&'static Effect, usize)| {
+            effects
+                .iter()
+                .any(|(e, _)| e.needs.replaces == Some(other.0.id))
+        };
+        model.replaced = effects.iter().map(taken).collect();
+        let mut borrowed = Vec::new();
+        for (lender, name) in effect.needs.borrows {
+            let found = effects.iter().find(|(e, _)| e.id == *lender);
+            let Some((lender, first)) = found else {
+                return Err(ModelError::NeedsEffect {
+                    joint: model.name.clone(),
+                    effect: effect.id,
+                    needs: lender,
+                });
+            };
+            let index = lender.parameters.iter().position(|p| p.name == *name);
+            let position = first + index.unwrap_or(0);
+            if effect.needs.replaces == Some(lender.id) {
+                // Inside the other law it is no longer a factor of its own.
+                parameters[position].linearity = Linearity::Nonlinear;
+            }
+            borrowed.push(position);
+        }
+        model.borrowed.push(borrowed);
+    }
+    Ok(())
+}
+
+/// The angles of the base, where any joint lists its tilt.
+pub(super) fn tilt_parameters(
+    settings: &ModelSettings,
+    parameters: &mut Vec<Parameter>,
+) -> Option<usize> {
+    let effect = &base_tilt::EFFECT;
+    let listed = |list: &Vec<&'static Effect>| list.iter().any(|e| e.id == effect.id);
+    if !settings.effects.iter().any(listed) {
+        return None;
+    }
+    let first = parameters.len();
+    for (angle, info) in effect.parameters.iter().enumerate() {
+        parameters.push(Parameter {
+            name: format!("{}.{}", effect.id, info.name),
+            unit: info.unit.of(JointKind::Revolute).to_string(),
+            role: Role::Tilt { angle },
+            state: State::Free,
+            value: 0.0,
+            lower: info.lower,
+            upper: info.upper,
+            bounded: false,
+            scale: info.typical,
+            linearity: info.linearity,
+        });
+    }
+    Some(first)
+}
+
+/// The parameters of an effect; `place` is the joint and the position among its effects.
+fn effect_parameters(
+    joint: &Joint,
+    effect: &'static Effect,
+    place: (usize, usize),
+) -> impl Iterator<Item = Parameter> {
+    let (name, kind) = (joint.name.clone(), joint.kind);
+    effect
+        .parameters
+        .iter()
+        .enumerate()
+        .map(move |(index, info)| Parameter {
+            name: format!("{name}.{}.{}", effect.id, info.name),
+            unit: info.unit.of(kind).to_string(),
+            role: Role::Effect {
+                joint: place.0,
+                effect: place.1,
+                parameter: index,
+            },
+            state: State::Free,
+            value: match info.linearity {
+                Linearity::Linear => 0.0,
+                Linearity::Nonlinear => info.typical,
+            },
+            lower: info.lower,
+            upper: info.upper,
+            bounded: false,
+            scale: info.typical,
+            linearity: info.linearity,
+        })
+}
+
+pub(super) fn coupling_parameters(
+    settings: &ModelSettings,
+    coupling: &DMatrix<f64>,
+    parameters: &mut Vec<Parameter>,
+) {
+    let effect = &kinematic_coupling::EFFECT;
+    let info = &effect.parameters[0];
+    let joints = settings.tree.joints();
+    for row in 0..joints.len() {
+        if settings.effects[row].iter().all(|e| e.id != effect.id) {
+            continue;
+        }
+        let declared: Vec<usize> = (0..joints.len())
+            .filter(|&column| column != row && coupling[(row, column)] != 0.0)
+            .collect();
+        let columns = match (declared.is_empty(), row.checked_sub(1)) {
+            (true, Some(before)) => vec![before],
+            _ => declared,
+        };
+        for column in columns {
+            parameters.push(Parameter {
+                name: format!("{}.{}.{}", joints[row].name, effect.id, joints[column].name),
+                unit: info.unit.of(joints[row].kind).to_string(),
+                role: Role::Coupling { row, column },
+                state: State::Free,
+                value: coupling[(row, column)],
+                lower: info.lower,
+                upper: info.upper,
+                bounded: false,
+                scale: info.typical,
+                linearity: info.linearity,
+            });
+        }
+    }
+}
+
+pub(super) fn channels(settings: &ModelSettings) -> Vec<Channel> {
+    let of_joints = settings.tree.joints().iter().enumerate().map(|(j, joint)| {
+        let unit = match settings.signal {
+            Signal::Current => "A",
+            _ => joint.kind.effort_unit(),
+        };
+        Channel {
+            name: joint.name.clone(),
+            unit,
+            joint: Some(j),
+            active: !settings.locked[j],
+        }
+    });
+    let of_base = WRENCH.iter().map(|&(name, unit)| Channel {
+        name: name.to_string(),
+        unit,
+        joint: None,
+        active: true,
+    });
+    match settings.signal {
+        Signal::BaseWrench => of_base.collect(),
+        Signal::Both => of_joints.chain(of_base).collect(),
+        _ => of_joints.collect(),
+    }
+}

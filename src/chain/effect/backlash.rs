@@ -1,0 +1,41 @@
+//! Play of the gear: the link lags the motor by δ, and torque passes only at the ends of the play.
+//!
+//! ```text
+//! τ = K_c (δ ∓ gap/2) + D_c δ̇  beyond ± gap/2, 0 between
+//! ```
+//!
+//! K_c and D_c are those of a contact that is stiff against everything the recording resolves.
+
+use crate::chain::effect::{
+    Confounder, Dependence, Effect, Law, Memory, Needs, ParameterInfo, Search, Unit,
+};
+
+/// The table's entry.
+pub const EFFECT: Effect = Effect {
+    id: "backlash",
+    sentence: "Teeth have play: when the transmitted torque changes sign, the link falls from one flank to the other.",
+    equation: "|δ| < gap/2: τ = 0; link position = motor position − δ",
+    source: "Nordin and Gutman 2002, dead zone with a stiff shaft",
+    parameters: &[ParameterInfo::nonlinear(
+        ("gap", Unit::Position),
+        "total play between motor and link",
+        (0.0, 0.005, 1.0),
+        Search::Values(&[0.002, 0.006, 0.02]),
+    )],
+    depends_on: &[Dependence::Load, Dependence::Direction],
+    confounded_with: &[
+        Confounder {
+            with: "joint_elasticity",
+            separated_by: "loads of several sizes: play does not grow with the load",
+        },
+        Confounder {
+            with: "coulomb_friction",
+            separated_by: "changes of the sign of the load without a reversal of the motion",
+        },
+    ],
+    law: Law::Lag,
+    needs: Needs {
+        memory: Memory::Course,
+        ..Needs::NOTHING
+    },
+};

@@ -1,0 +1,57 @@
+//! A spring at the joint: `k·(q − q0)`.
+
+use crate::chain::effect::{
+    Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
+    Search, TorqueLaw, Unit,
+};
+
+/// The table's entry.
+pub const EFFECT: Effect = Effect {
+    id: "joint_spring",
+    sentence: "A spring pulls the joint towards one position: gravity compensator, hose, cable.",
+    equation: "k·(q − q0)",
+    source: "Hooke 1678",
+    parameters: &[
+        ParameterInfo::linear(("k", Unit::TorquePerPosition), "stiffness", 10.0),
+        ParameterInfo::nonlinear(
+            ("q0", Unit::Position),
+            "position without torque",
+            (-1e3, 0.1, 1e3),
+            Search::Position(&[0.0, 0.5, 1.0]),
+        ),
+    ],
+    depends_on: &[Dependence::Position],
+    confounded_with: &[
+        Confounder {
+            with: "torque_ripple",
+            separated_by: "motion over more than half a cycle of the ripple",
+        },
+        Confounder {
+            with: "gravity of the link",
+            separated_by: "motion over a wide range, or with other joints in other positions",
+        },
+    ],
+    law: Law::Joint(&Spring),
+    needs: Needs::NOTHING,
+};
+
+#[derive(Debug)]
+struct Spring;
+
+impl TorqueLaw for Spring {
+    fn add(&self, samples: Samples<'_>, parameters: &[f64], out: &mut Contribution<'_>) {
+        let [stiffness, rest] = *parameters else {
+            return;
+        };
+        for (k, q) in samples.position.iter().enumerate() {
+            out.torque[k] += stiffness * (q - rest);
+            out.by_parameter[0][k] = q - rest;
+            out.by_parameter[1][k] = -stiffness;
+            out.by_position[k] += stiffness;
+        }
+    }
+
+    fn power(&self) -> Power {
+        Power::Exchanges
+    }
+}

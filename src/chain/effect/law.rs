@@ -1,0 +1,72 @@
+//! What a law sees of the motion, and where it puts its torque and derivatives.
+
+/// One joint over successive samples, as a torque law sees it.
+#[derive(Debug, Clone, Copy)]
+pub struct Samples<'a> {
+    /// m, ṁ, m̈ of the motor at joint scale; q, q̇, q̈ of the joint for a law at the joint.
+    pub position: &'a [f64],
+    pub velocity: &'a [f64],
+    pub acceleration: &'a [f64],
+    /// `ṁ/(|ṁ| + w)`.
+    pub sign: &'a [f64],
+    /// s from the start of the recording; empty for states that stand alone.
+    pub time: &'a [f64],
+    /// The last sample is followed by the first: one period of a motion that repeats.
+    pub cyclic: bool,
+}
+
+/// Where a torque law puts its torque and derivatives.
+#[derive(Debug)]
+pub struct Contribution<'a> {
+    /// The law's torque is added.
+    pub torque: &'a mut [f64],
+    /// ∂torque/∂parameter is written, one series per parameter of the effect, borrowed ones behind.
+    pub by_parameter: &'a mut [Vec<f64>],
+    /// ∂torque/∂sign is added: the chain carries it on to w.
+    pub by_sign: &'a mut [f64],
+    /// ∂torque/∂position is added; looked at for laws at the joint.
+    pub by_position: &'a mut [f64],
+}
+
+/// A torque that the motor exerts in addition, or that acts on the joint.
+pub trait TorqueLaw: Sync + std::fmt::Debug {
+    /// Adds the torque of successive samples for the effect's parameters, borrowed ones behind its own.
+    fn add(&self, samples: Samples<'_>, parameters: &[f64], out: &mut Contribution<'_>);
+
+    /// What the law does with mechanical power.
+    fn power(&self) -> Power;
+}
+
+/// Where a law of the transmission puts its torque and derivatives.
+#[derive(Debug)]
+pub struct Transmitted<'a> {
+    /// What the law adds to the transmitted torque is added.
+    pub torque: &'a mut [f64],
+    /// ∂(added torque)/∂τ_M is added.
+    pub by_load: &'a mut [f64],
+    /// ∂(added torque)/∂parameter is written.
+    pub by_parameter: &'a mut [Vec<f64>],
+    /// ∂(added torque)/∂sign is added.
+    pub by_sign: &'a mut [f64],
+}
+
+/// A loss that depends on the torque τ_M which the gear transmits.
+pub trait TransmissionLaw: Sync + std::fmt::Debug {
+    /// Adds what the motor has to exert beyond `load` = τ_M, where `sign` is the smoothed sign of ṁ.
+    fn add(&self, load: &[f64], sign: &[f64], parameters: &[f64], out: &mut Transmitted<'_>);
+}
+
+/// What a law does with mechanical power.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Power {
+    /// Never gives power for parameters within their bounds.
+    Dissipates,
+    /// Stores power and gives it back, or may do either.
+    Exchanges,
+}
+
+/// sgn x, 0 at 0.
+#[inline]
+pub fn signum(x: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { x.signum() }
+}

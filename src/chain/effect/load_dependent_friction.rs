@@ -1,0 +1,43 @@
+//! Friction in proportion to the transmitted torque: `mu·|τ_M|·sign(v)`.
+
+use crate::chain::effect::law::signum;
+use crate::chain::effect::{
+    Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Search, TransmissionLaw,
+    Transmitted, Unit,
+};
+
+/// The table's entry.
+pub const EFFECT: Effect = Effect {
+    id: "load_dependent_friction",
+    sentence: "Friction of teeth and bearings grows with the torque that they carry.",
+    equation: "mu·|τ_M|·sign(v)",
+    source: "Hamon, Gautier and Garrec 2010",
+    parameters: &[ParameterInfo::nonlinear(
+        ("mu", Unit::One),
+        "friction torque per transmitted torque",
+        (-1.0, 0.05, 5.0),
+        Search::Values(&[0.05]),
+    )],
+    depends_on: &[Dependence::Load, Dependence::Direction],
+    confounded_with: &[Confounder {
+        with: "transmission_efficiency",
+        separated_by: "known link inertials or a known load: an efficiency has the gain (1/R + R)/2 as well",
+    }],
+    law: Law::Transmission(&LoadFriction),
+    needs: Needs::NOTHING,
+};
+
+#[derive(Debug)]
+struct LoadFriction;
+
+impl TransmissionLaw for LoadFriction {
+    fn add(&self, load: &[f64], sign: &[f64], parameters: &[f64], out: &mut Transmitted<'_>) {
+        let [mu] = *parameters else { return };
+        for (k, (load, sign)) in load.iter().zip(sign).enumerate() {
+            out.torque[k] += mu * load.abs() * sign;
+            out.by_load[k] += mu * signum(*load) * sign;
+            out.by_parameter[0][k] = load.abs() * sign;
+            out.by_sign[k] += mu * load.abs();
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! Presliding hysteresis (LuGre): bristles bend before the surfaces slide.
+//!
+//! ```text
+//! ż = v − sigma0·|v|·z/g(v),   g = Fc + Fs·exp(−(v/vs)²)
+//! torque = sigma0·z + sigma1·ż     in the place of Coulomb friction, beside viscous friction
+//! ```
+//!
+//! Between samples v is linear. Over a part of a step, with v at its middle, the equation is solved
+//! exactly, `z⁺ = z e^(−a h) + v h φ(a h)`, `a = sigma0·|v|/g`, `φ(x) = (1 − e^(−x))/x`, and the same
+//! recursion is differentiated for the sensitivities. A motion that repeats is run through twice: the
+//! bristles forget where they started within a few times their deflection g/sigma0.
+//!
+//! File 003 eq. 12 has a linear filter for z, which does not bound it by g; its eqs 16 and 21 have
+//! the wrong signs. The law here is the one of Canudas de Wit, Olsson, Åström and Lischinsky.
+
+use crate::chain::effect::{
+    Confounder, Contribution, Dependence, Effect, Law, Memory, Needs, ParameterInfo, Power,
+    Samples, Search, TorqueLaw, Unit,
+};
+
+/// The table's entry.
+pub const EFFECT: Effect = Effect {
+    id: "presliding_hysteresis",
+    sentence: "Before it slides, dry friction acts like a spring with memory (LuGre).",
+    equation: "dz/dt = v − sigma0·|v|·z/g, g = Fc + Fs·exp(−(v/vs)²); sigma0·z + sigma1·dz/dt instead of Coulomb friction",
+    source: "Canudas de Wit, Olsson, Åström and Lischinsky 1995, eqs 2 to 4",
+    parameters: &[
+        ParameterInfo::nonlinear(
+            ("sigma0", Unit::TorquePerPosition),
+            "stiffness of the bristles",
+            (1e-3, 300.0, 1e9),
+            Search::Values(&[1e2, 1e3, 1e4]),
+        ),
+        ParameterInfo::nonlinear(
+            ("sigma1", Unit::TorquePerSpeed),
+            "damping of the bristles",
+            (0.0, 1.0, 1e6),
+            Search::Typical,
+        ),
+        ParameterInfo::nonlinear(
+            ("Fs", Unit::Torque),
+            "friction at standstill beyond Coulomb friction",
+            (-1e6, 0.2, 1e6),
+            Search::Typical,
+        ),
+        ParameterInfo::nonlinear(
+            ("vs", Unit::Speed),
+            "speed at which that excess has fallen to 37 %",
+            (1e-5, 0.1, 100.0),
+            Search::Speed(&[0.03, 0.1]),
+        ),
+    ],
+    depends_on: &[
+        Dependence::Speed,
+        Dependence::Direction,
+        Dependence::Position,
+    ],
+    confounded_with: &[
+        Confounder {
+            with: "stribeck_friction",
+            separated_by: "reversals of small amplitude",
+        },
+        Confounder {
+            with: "coulomb_friction with a wide transition w",
+            separated_by: "reversals at several accelerations: w is a speed, g/sigma0 a distance",
+        },
+    ],
+    law: Law::Motor(&Bristles),
+    needs: Needs {
+        memory: Memory::Course,
+        borrows: &[("coulomb_friction", "Fc")],
+        replaces: Some("coulomb_friction"),
+        ..Needs::NOTHING
+    },
+};
+
+#[derive(Debug)]
+struct Bristles;
+
+/// Parts of a step between two samples.
+const PARTS: usize = 4;
+
+/// Number of parameters: the law's own and Fc.
+const COUNT: usize = 5;
+
+/// Least g, as a share of |Fc| + |Fs|: a trial step may make it vanish.
+const LEAST_LEVEL: f64 = 1e-3;
+
+#[derive(Clone, Copy)]
+struct State {
+    z: f64,
+    by: [f64; COUNT],
+}
+
+/// `a/sigma0 = |v|/g` and g with its derivatives.
+struct Level {
+    g: f64,
+    by: [f64; COUNT],
+}
+
+fn level(p: &[f64; COUNT], v: f64) -> Level {
+    let [_, _, fs, vs, fc] = *p;
+    let x = (v / vs).powi(2);
+    let excess = (-x).exp();
+    let g = fc + fs * excess;
+    let least = LEAST_LEVEL * (fc.abs() + fs.abs()) + f64::MIN_POSITIVE;
+    if g < least {
+        return Level {
+            g: least,
+            by: [0.0; COUNT],
+        };
+    }
+    Level {
+        g,
+        by: [0.0, 0.0, excess, fs * excess * 2.0 * x / vs, 1.0],
+    }
+}
+
+/// `φ(x) = (1 − e^(−x))/x` and its derivative.
+fn phi(x: f64) -> (f64, f64) {
+    if x < 1e-4 {
+        return (1.0 - 0.5 * x + x * x / 6.0, -0.5 + x / 3.0);
+    }
+    let e = (-x).exp();
+    let value = (1.0 - e) / x;
+    (value, (e - value) / x)
+}
+
+impl State {
+    /// One part of a step of length h with speed v.
+    fn advance(&mut self, p: &[f64; COUNT], v: f64, h: f64) {
+        let level = level(p, v);
+        let rate = p[0] * v.abs() / level.g;
+        let (decay, (fill, fill_slope)) = ((-rate * h).exp(), phi(rate * h));
+        // ∂z⁺/∂a of the exact solution.
+        let by_rate = -h * self.z * decay + v * h * h * fill_slope;
+        for k in 0..COUNT {
+            let own = if k == 0 { v.abs() / level.g } else { 0.0 };
+            let rate_by = own - rate / level.g * level.by[k];
+            self.by[k] = self.by[k] * decay + by_rate * rate_by;
+        }
+        self.z = self.z * decay + v * h * fill;
+    }
+
+    /// The sliding state at speed v: `z = g·sgn(v)/sigma0`.
+    fn sliding(p: &[f64; COUNT], v: f64) -> Self {
+        if v == 0.0 {
+            return Self {
+                z: 0.0,
+                by: [0.0; COUNT],
+            };
+        }
+        let level = level(p, v);
+        let sign = v.signum();
+        let mut by = level.by.map(|g| sign * g / p[0]);
+        by[0] -= sign * level.g / (p[0] * p[0]);
+        Self {
+            z: sign * level.g / p[0],
+            by,
+        }
+    }
+
+    /// Advances from one sample to the next.
+    fn step(&mut self, p: &[f64; COUNT], (from, to): (f64, f64), duration: f64) {
+        let h = duration / PARTS as f64;
+        for part in 0..PARTS {
+            let share = (part as f64 + 0.5) / PARTS as f64;
+            self.advance(p, from + share * (to - from), h);
+        }
+    }
+}
+
+impl TorqueLaw for Bristles {
+    fn add(&self, samples: Samples<'_>, parameters: &[f64], out: &mut Contribution<'_>) {
+        let Ok(p) = <&[f64; COUNT]>::try_from(parameters) else {
+            return;
+        };
+        let (v, t) = (samples.velocity, samples.time);
+        if v.len() < 2 || t.len() < v.len() {
+            return;
+        }
+        let usual = t[1] - t[0];
+        let mut state = State::sliding(p, v[0]);
+        if samples.cyclic {
+            for k in 0..v.len() {
+                let next = (k + 1) % v.len();
+                state.step(p, (v[k], v[next]), usual);
+            }
+        }
+        for k in 0..v.len() {
+            if k > 0 {
+                state.step(p, (v[k - 1], v[k]), t[k] - t[k - 1]);
+            }
+            put(p, &state, (v[k], k), out);
+        }
+    }
+
+    /// Passive only for sigma1 below a bound that depends on v (Barabanov and Ortega 2000).
+    fn power(&self) -> Power {
+        Power::Exchanges
+    }
+}
+
+/// Torque and derivatives of one sample.
+fn put(p: &[f64; COUNT], state: &State, (v, k): (f64, usize), out: &mut Contribution<'_>) {
+    let level = level(p, v);
+    let [sigma0, sigma1, ..] = *p;
+    let rate = sigma0 * v.abs() / level.g;
+    let bending = v - rate * state.z;
+    out.torque[k] += sigma0 * state.z + sigma1 * bending;
+    for i in 0..COUNT {
+        let own = if i == 0 { v.abs() / level.g } else { 0.0 };
+        let rate_by = own - rate / level.g * level.by[i];
+        let mut by = (sigma0 - sigma1 * rate) * state.by[i] - sigma1 * rate_by * state.z;
+        match i {
+            0 => by += state.z,
+            1 => by += bending,
+            _ => {}
+        }
+        out.by_parameter[i][k] = by;
+    }
+}

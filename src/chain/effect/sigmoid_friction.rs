@@ -1,0 +1,83 @@
+//! Sigmoid friction: `ψ1/(1 + exp(−ψ2 (v + ψ3))) − ψ1/(1 + exp(−ψ2 ψ3))`.
+
+use crate::chain::effect::{
+    Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
+    Search, TorqueLaw, Unit,
+};
+
+/// The table's entry.
+pub const EFFECT: Effect = Effect {
+    id: "sigmoid_friction",
+    sentence: "Friction follows a sigmoid of speed that passes through zero: Coulomb friction with a smooth, shifted switch.",
+    equation: "psi1/(1 + exp(−psi2·(v + psi3))) − psi1/(1 + exp(−psi2·psi3))",
+    source: "Gaz, Cognetti, Oliva, Robuffo Giordano and De Luca 2019; file 003 eq. 14",
+    parameters: &[
+        ParameterInfo::linear(
+            ("psi1", Unit::Torque),
+            "difference between friction at high speed in both directions",
+            1.0,
+        )
+        .within(0.0, f64::INFINITY),
+        ParameterInfo::nonlinear(
+            ("psi2", Unit::PerSpeed),
+            "steepness of the switch",
+            (1e-3, 20.0, 1e6),
+            Search::Values(&[2.0, 10.0, 50.0, 250.0]),
+        ),
+        ParameterInfo::nonlinear(
+            ("psi3", Unit::Speed),
+            "shift of the switch",
+            (-10.0, 0.01, 10.0),
+            Search::Values(&[-0.05, 0.0, 0.05]),
+        ),
+    ],
+    depends_on: &[Dependence::Speed, Dependence::Direction],
+    confounded_with: &[
+        Confounder {
+            with: "coulomb_friction",
+            separated_by: "slow motion: the two differ only where |v|·psi2 is of the order of one",
+        },
+        Confounder {
+            with: "asymmetric_friction",
+            separated_by: "slow motion in both directions",
+        },
+    ],
+    law: Law::Motor(&Sigmoid),
+    needs: Needs::NOTHING,
+};
+
+#[derive(Debug)]
+struct Sigmoid;
+
+/// `1/(1 + e^(−x))`, without overflow.
+fn logistic(x: f64) -> f64 {
+    if x >= 0.0 {
+        1.0 / (1.0 + (-x).exp())
+    } else {
+        let e = x.exp();
+        e / (1.0 + e)
+    }
+}
+
+impl TorqueLaw for Sigmoid {
+    fn add(&self, samples: Samples<'_>, parameters: &[f64], out: &mut Contribution<'_>) {
+        let [psi1, psi2, psi3] = *parameters else {
+            return;
+        };
+        let rest = logistic(psi2 * psi3);
+        let rest_slope = rest * (1.0 - rest);
+        for (k, v) in samples.velocity.iter().enumerate() {
+            let s = logistic(psi2 * (v + psi3));
+            let slope = s * (1.0 - s);
+            out.torque[k] += psi1 * (s - rest);
+            out.by_parameter[0][k] = s - rest;
+            out.by_parameter[1][k] = psi1 * (slope * (v + psi3) - rest_slope * psi3);
+            out.by_parameter[2][k] = psi1 * psi2 * (slope - rest_slope);
+        }
+    }
+
+    /// For psi1 and psi2 of one sign the torque has the sign of v, whatever the shift.
+    fn power(&self) -> Power {
+        Power::Dissipates
+    }
+}

@@ -1,0 +1,64 @@
+//! Warming up: viscous friction changes by `gain·(1 − exp(−t/T))` of its value at the start.
+
+use crate::chain::effect::{
+    Confounder, Contribution, Dependence, Effect, Lasts, Law, Memory, Needs, ParameterInfo, Power,
+    Samples, Search, TorqueLaw, Unit,
+};
+
+/// The table's entry.
+pub const EFFECT: Effect = Effect {
+    id: "thermal_drift",
+    sentence: "Viscous friction changes while the gears warm up.",
+    equation: "Fv·gain·(1 − exp(−t/time_constant))·v",
+    source: "Bittencourt and Gunnarsson 2012 for friction over temperature; first-order warming",
+    parameters: &[
+        ParameterInfo::nonlinear(
+            ("gain", Unit::One),
+            "relative change of viscous friction after a long time",
+            (-1.0, 0.1, 20.0),
+            Search::Typical,
+        ),
+        ParameterInfo::nonlinear(
+            ("time_constant", Unit::Time),
+            "of the warming",
+            (0.1, 30.0, 1e5),
+            Search::Duration(&[0.05, 0.15, 0.4, 1.0, 3.0]),
+        ),
+    ],
+    depends_on: &[Dependence::Speed, Dependence::Time],
+    confounded_with: &[Confounder {
+        with: "viscous_friction",
+        separated_by: "several periods of the same motion, not averaged",
+    }],
+    law: Law::Motor(&Warming),
+    needs: Needs {
+        memory: Memory::Time,
+        borrows: &[("viscous_friction", "Fv")],
+        lasts: Lasts::OneRecording,
+        ..Needs::NOTHING
+    },
+};
+
+#[derive(Debug)]
+struct Warming;
+
+impl TorqueLaw for Warming {
+    fn add(&self, samples: Samples<'_>, parameters: &[f64], out: &mut Contribution<'_>) {
+        let [gain, constant, viscous] = *parameters else {
+            return;
+        };
+        for (k, (t, v)) in samples.time.iter().zip(samples.velocity).enumerate() {
+            let left = (-t / constant).exp();
+            let warmth = 1.0 - left;
+            out.torque[k] += viscous * gain * warmth * v;
+            out.by_parameter[0][k] = viscous * warmth * v;
+            out.by_parameter[1][k] = -viscous * gain * left * t / constant.powi(2) * v;
+            out.by_parameter[2][k] = gain * warmth * v;
+        }
+    }
+
+    /// Beside viscous friction; alone it may give power.
+    fn power(&self) -> Power {
+        Power::Exchanges
+    }
+}

@@ -1,0 +1,78 @@
+//! Torque ripple: `amplitude·sin(order·m + phase) + amplitude2·sin(2·order·m + phase2)`.
+
+use crate::chain::effect::{
+    Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
+    Search, TorqueLaw, Unit,
+};
+
+/// Quarter turns: a sine of either sign at these phases lies within 45° of any phase.
+const PHASES: Search = Search::Values(&[0.0, std::f64::consts::FRAC_PI_2]);
+
+/// The table's entry.
+pub const EFFECT: Effect = Effect {
+    id: "torque_ripple",
+    sentence: "Torque varies with the position of the motor: cogging, commutation, teeth and eccentricity of gears.",
+    equation: "amplitude·sin(order·q + phase) + amplitude2·sin(2·order·q + phase2)",
+    source: "Gandhi, Ghorbel and Dabney 2002 for harmonic drives; the first two terms of its series",
+    parameters: &[
+        ParameterInfo::nonlinear(
+            ("order", Unit::Order),
+            "cycles per turn of the joint",
+            (0.0, 20.0, 1e5),
+            Search::Cycles,
+        ),
+        ParameterInfo::linear(("amplitude", Unit::Torque), "of the first harmonic", 1.0),
+        ParameterInfo::nonlinear(
+            ("phase", Unit::Angle),
+            "of the first harmonic at q = 0",
+            (-10.0, 0.5, 10.0),
+            PHASES,
+        ),
+        ParameterInfo::linear(("amplitude2", Unit::Torque), "of the second harmonic", 0.3),
+        ParameterInfo::nonlinear(
+            ("phase2", Unit::Angle),
+            "of the second harmonic at q = 0",
+            (-10.0, 0.5, 10.0),
+            PHASES,
+        ),
+    ],
+    depends_on: &[Dependence::Position],
+    confounded_with: &[
+        Confounder {
+            with: "joint_spring",
+            separated_by: "motion over more than half a cycle",
+        },
+        Confounder {
+            with: "gravity of the link",
+            separated_by: "an order other than one, or poses in which gravity acts differently",
+        },
+    ],
+    law: Law::Motor(&Ripple),
+    needs: Needs::NOTHING,
+};
+
+#[derive(Debug)]
+struct Ripple;
+
+impl TorqueLaw for Ripple {
+    fn add(&self, samples: Samples<'_>, parameters: &[f64], out: &mut Contribution<'_>) {
+        let [order, amplitude, phase, amplitude2, phase2] = *parameters else {
+            return;
+        };
+        for (k, q) in samples.position.iter().enumerate() {
+            let (first, first_slope) = (order * q + phase).sin_cos();
+            let (second, second_slope) = (2.0 * order * q + phase2).sin_cos();
+            out.torque[k] += amplitude * first + amplitude2 * second;
+            out.by_parameter[0][k] =
+                q * (amplitude * first_slope + 2.0 * amplitude2 * second_slope);
+            out.by_parameter[1][k] = first;
+            out.by_parameter[2][k] = amplitude * first_slope;
+            out.by_parameter[3][k] = second;
+            out.by_parameter[4][k] = amplitude2 * second_slope;
+        }
+    }
+
+    fn power(&self) -> Power {
+        Power::Exchanges
+    }
+}

@@ -1,0 +1,53 @@
+//! Efficiency of the gear: the motor gives `τ_M/R` when it drives and `R·τ_M` when it is driven.
+//!
+//! ```text
+//! τ_in = a τ_M + b |τ_M| sign(ṁ),   a = (1/R + R)/2,   b = (1/R − R)/2
+//! ```
+//!
+//! is the same law in one line. It is continuous in τ_M, and with a transition speed w in ṁ; its
+//! slope jumps where τ_M changes sign, and the derivatives below are those of the side on which a sample
+//! lies.
+
+use crate::chain::effect::law::signum;
+use crate::chain::effect::{
+    Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Search, TransmissionLaw,
+    Transmitted, Unit,
+};
+
+/// The table's entry.
+pub const EFFECT: Effect = Effect {
+    id: "transmission_efficiency",
+    sentence: "The gear loses a share of the torque that it transmits, in either direction of power.",
+    equation: "τ_in = τ_M/R where the motor drives (τ_M·ṁ > 0), R·τ_M where it is driven",
+    source: "file 001 eq. 8",
+    parameters: &[ParameterInfo::nonlinear(
+        ("R", Unit::One),
+        "share of the torque that arrives",
+        (0.05, 0.9, 1.0),
+        Search::Values(&[0.95, 0.85]),
+    )],
+    depends_on: &[Dependence::Load, Dependence::Direction],
+    confounded_with: &[Confounder {
+        with: "load_dependent_friction",
+        separated_by: "known link inertials or a known load: with these the gain (1/R + R)/2 shows",
+    }],
+    law: Law::Transmission(&Efficiency),
+    needs: Needs::NOTHING,
+};
+
+#[derive(Debug)]
+struct Efficiency;
+
+impl TransmissionLaw for Efficiency {
+    fn add(&self, load: &[f64], sign: &[f64], parameters: &[f64], out: &mut Transmitted<'_>) {
+        let [r] = *parameters else { return };
+        let (mean, half) = (0.5 * (1.0 / r + r), 0.5 * (1.0 / r - r));
+        let (mean_slope, half_slope) = (0.5 * (1.0 - 1.0 / (r * r)), -0.5 * (1.0 + 1.0 / (r * r)));
+        for (k, (load, sign)) in load.iter().zip(sign).enumerate() {
+            out.torque[k] += (mean - 1.0) * load + half * load.abs() * sign;
+            out.by_load[k] += mean - 1.0 + half * signum(*load) * sign;
+            out.by_parameter[0][k] = mean_slope * load + half_slope * load.abs() * sign;
+            out.by_sign[k] += half * load.abs();
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! Viscous friction that is not proportional to speed: `Fn·|v|^p·sgn(v)`, beside viscous friction.
+//!
+//! p < 1 with Fn > 0 saturates, p > 1 grows; p = 1 is viscous friction itself.
+
+use crate::chain::effect::{
+    Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
+    Search, TorqueLaw, Unit, law,
+};
+
+/// The table's entry.
+pub const EFFECT: Effect = Effect {
+    id: "viscous_nonlinearity",
+    sentence: "Viscous friction saturates or grows with speed: thinning grease, churning oil, drag of air.",
+    equation: "Fn·|v|^p·sgn(v)",
+    source: "power law of a non-Newtonian film; Waiboer, Aarts and Jonker 2005 for its place in robot joints",
+    parameters: &[
+        ParameterInfo::linear(
+            ("Fn", Unit::TorquePerSpeedPower),
+            "torque at unit speed beyond viscous friction",
+            1.0,
+        ),
+        ParameterInfo::nonlinear(
+            ("p", Unit::One),
+            "power of speed",
+            (0.1, 2.0, 4.0),
+            Search::Values(&[0.5, 2.0, 3.0]),
+        ),
+    ],
+    depends_on: &[Dependence::Speed],
+    confounded_with: &[
+        Confounder {
+            with: "viscous_friction",
+            separated_by: "motion at several speeds up to the limit",
+        },
+        Confounder {
+            with: "stribeck_friction",
+            separated_by: "more samples at low speed and at high speed",
+        },
+    ],
+    law: Law::Motor(&PowerLaw),
+    needs: Needs::NOTHING,
+};
+
+#[derive(Debug)]
+struct PowerLaw;
+
+impl TorqueLaw for PowerLaw {
+    fn add(&self, samples: Samples<'_>, parameters: &[f64], out: &mut Contribution<'_>) {
+        let [size, p] = *parameters else { return };
+        for (k, v) in samples.velocity.iter().enumerate() {
+            let speed = v.abs();
+            if speed == 0.0 {
+                continue;
+            }
+            let power = speed.powf(p) * law::signum(*v);
+            out.torque[k] += size * power;
+            out.by_parameter[0][k] = power;
+            out.by_parameter[1][k] = size * power * speed.ln();
+        }
+    }
+
+    /// Fn is negative where friction saturates beside viscous friction.
+    fn power(&self) -> Power {
+        Power::Exchanges
+    }
+}

@@ -1,0 +1,394 @@
+//! Links that lag their motors: elastic gears and gears with play.
+//!
+//! ```text
+//! q = V m + offset − δ,   c(δ, δ̇) = τ(q, q̇, q̈)     at the joints that lag
+//! c = K (δ ∓ gap/2) + D δ̇  where |δ| > gap/2, else 0
+//! ```
+//!
+//! The equation holds at every sample, with δ̇ and δ̈ from δ by backward differences ([`march`]); before
+//! the first sample of a motion that does not repeat, δ is at rest. Torque and contact are linearised
+//! about the last δ, which is Newton's method over the whole course; the same matrices carry the columns
+//! of the derivatives, which are exact for the solution as computed.
+//!
+//! [`march`]: super::march
+
+use crate::chain::effect::law::signum;
+use crate::chain::effect::{Contribution, Law, Samples};
+use crate::chain::evaluate::march::{Coefficients, Course, March, solve_with};
+use crate::chain::evaluate::{Evaluator, Segment};
+use crate::robot::derivatives::Derivatives;
+use nalgebra::DMatrix;
+use std::rc::Rc;
+
+/// Stiffness of the flanks where only play is in the model, N·m/rad or N/m: links of robots swing on it
+/// above 20 Hz, and a usual load bends it by less than a tenth of a usual play.
+const FLANK_STIFFNESS: f64 = 1e6;
+
+/// Damping of the flanks, N·m·s/rad or N·s/m: about critical for a link of 1 kg·m².
+const FLANK_DAMPING: f64 = 1e3;
+
+/// Newton passes over the course; the matrices change little with δ, so three usually do.
+const PASSES: usize = 12;
+
+/// Passes end when δ moves by less than this share of its largest value.
+const PASS_TOLERANCE: f64 = 1e-11;
+
+/// Width over which a flank comes into contact, rad or m: a small part of any play that matters.
+const FLANK_WIDTH: f64 = 1e-4;
+
+/// A joint that lags.
+#[derive(Debug, Clone, Copy)]
+struct Lagging {
+    joint: usize,
+    stiffness: f64,
+    damping: f64,
+    half_gap: f64,
+    /// Positions of K, D and gap among the columns.
+    columns: [Option<usize>; 3],
+}
+
+/// c and its derivatives.
+#[derive(Debug, Clone, Copy)]
+struct Contact {
+    torque: f64,
+    by_lag: f64,
+    by_rate: f64,
+    /// ∂c/∂K, ∂c/∂D, ∂c/∂gap.
+    by_parameters: [f64; 3],
+}
+
+impl Lagging {
+    /// `c = K z + D z′ δ̇` with the smooth dead zone
+    /// `z = ½(δ − g + s₋) − ½(−δ − g + s₊)`, `s∓ = √((δ ∓ g)² + ε²)`, g half the play: δ itself for g = 0.
+    fn contact(&self, lag: f64, rate: f64) -> Contact {
+        let g = self.half_gap;
+        let (near, far) = (lag - g, lag + g);
+        let (s, r) = (near.hypot(FLANK_WIDTH), far.hypot(FLANK_WIDTH));
+        let (near_share, far_share) = (near / s, far / r);
+        let (near_bend, far_bend) = (
+            FLANK_WIDTH.powi(2) / s.powi(3),
+            FLANK_WIDTH.powi(2) / r.powi(3),
+        );
+        let stretch = 0.5 * (near + s) + 0.5 * (far - r);
+        let slope = 1.0 + 0.5 * (near_share - far_share);
+        let bend = 0.5 * (near_bend - far_bend);
+        let by_half_gap = -0.5 * (near_share + far_share);
+        let slope_by_half_gap = -0.5 * (near_bend + far_bend);
+        Contact {
+            torque: self.stiffness * stretch + self.damping * slope * rate,
+            by_lag: self.stiffness * slope + self.damping * bend * rate,
+            by_rate: self.damping * slope,
+            by_parameters: [
+                stretch,
+                slope * rate,
+                0.5 * (self.stiffness * by_half_gap + self.damping * slope_by_half_gap * rate),
+            ],
+        }
+    }
+}
+
+/// The lag along a course, and what carries derivatives through it.
+#[derive(Debug)]
+pub(super) struct Lag {
+    members: Vec<Lagging>,
+    motion: Course,
+    /// Derivatives of every row of the rigid body with respect to q, q̇ and q̈ of the members:
+    /// `[sample][order]`, rows x members.
+    slopes: Vec<[DMatrix<f64>; 3]>,
+    march: Option<March>,
+}
+
+impl Lag {
+    fn rows(&self) -> Vec<usize> {
+        self.members.iter().map(|m| m.joint).collect()
+    }
+
+    /// M, V and Q of the bodies at every sample.
+    fn bodies(&self) -> Vec<Coefficients> {
+        let (rows, count) = (self.rows(), self.members.len());
+        let at = |slopes: &[DMatrix<f64>; 3]| {
+            let of =
+                |order: usize| DMatrix::from_fn(count, count, |f, g| slopes[order][(rows[f], g)]);
+            Coefficients {
+                mass: of(2),
+                damping: of(1),
+                stiffness: of(0),
+            }
+        };
+        self.slopes.iter().map(at).collect()
+    }
+
+    /// The equation of a change of δ about the present one.
+    fn equation(&self, step: f64, cyclic: bool) -> Option<March> {
+        let mut coefficients = self.bodies();
+        for (k, c) in coefficients.iter_mut().enumerate() {
+            for (f, member) in self.members.iter().enumerate() {
+                let contact = member.contact(self.motion[0][f][k], self.motion[1][f][k]);
+                c.stiffness[(f, f)] += contact.by_lag;
+                c.damping[(f, f)] += contact.by_rate;
+            }
+        }
+        March::new(coefficients, step, cyclic)
+    }
+
+    /// δ where the bodies stay linearised about the present one; `None` where there is no solution.
+    fn next(&self, torque: &[Vec<f64>], (step, cyclic): (f64, bool)) -> Option<Course> {
+        if self.members.iter().all(|member| member.half_gap == 0.0) {
+            let march = self.equation(step, cyclic)?;
+            return Some(march.solve(&self.drive(torque, true)));
+        }
+        let resistance = |f: usize, lag: f64, rate: f64| {
+            let contact = self.members[f].contact(lag, rate);
+            [contact.torque, contact.by_lag, contact.by_rate]
+        };
+        let source = self.drive(torque, false);
+        Some(solve_with(
+            (&self.bodies(), step, cyclic),
+            &source,
+            &resistance,
+            &self.motion,
+        ))
+    }
+
+    /// Right-hand side of the equation of δ, `τ* + Q δ* + V δ̇* + M δ̈*`, and with contacts that are linearised too
+    /// `− c* + ∂c/∂δ δ* + ∂c/∂δ̇ δ̇*`.
+    fn drive(&self, torque: &[Vec<f64>], with_contact: bool) -> Vec<Vec<f64>> {
+        let rows = self.rows();
+        let of = |(f, member): (usize, &Lagging)| {
+            let at = |(k, torque): (usize, &f64)| {
+                let [lag, rate, _] = [0, 1, 2].map(|order: usize| self.motion[order][f][k]);
+                let mut drive = *torque;
+                if with_contact {
+                    let contact = member.contact(lag, rate);
+                    drive += contact.by_lag * lag + contact.by_rate * rate - contact.torque;
+                }
+                for (order, slope) in self.slopes[k].iter().enumerate() {
+                    for (g, series) in self.motion[order].iter().enumerate() {
+                        drive += slope[(rows[f], g)] * series[k];
+                    }
+                }
+                drive
+            };
+            torque[f].iter().enumerate().map(at).collect()
+        };
+        self.members.iter().enumerate().map(of).collect()
+    }
+
+    /// With play, the flank on which the torque of the motion without lag rests.
+    fn rest_on_flanks(&mut self, torque: &[Vec<f64>]) {
+        for (f, member) in self.members.iter().enumerate() {
+            if member.half_gap == 0.0 {
+                continue;
+            }
+            for (lag, torque) in self.motion[0][f].iter_mut().zip(&torque[f]) {
+                *lag = member.half_gap * signum(*torque) + torque / member.stiffness;
+            }
+        }
+    }
+}
+
+impl Evaluator<'_> {
+    /// Finds the lag of the links and moves the joints by it; `None` where no link lags.
+    pub(super) fn lag_of_links(&mut self, segment: Segment<'_>, samples: usize) -> Option<Lag> {
+        let members = self.lagging();
+        if !self.along || members.is_empty() || segment.time.len() < 2 || self.torque_rows() == 0 {
+            return None;
+        }
+        let (step, cyclic) = (segment.time[1] - segment.time[0], segment.cyclic);
+        let series = || vec![vec![0.0; samples]; members.len()];
+        let mut lag = Lag {
+            motion: [series(), series(), series()],
+            slopes: Vec::new(),
+            march: None,
+            members,
+        };
+        let without = self.joint_motion.clone();
+        for pass in 0..PASSES {
+            let torque = self.linearise(segment, samples, &mut lag);
+            if pass == 0 {
+                lag.rest_on_flanks(&torque);
+            }
+            let Some(next) = lag.next(&torque, (step, cyclic)) else {
+                break;
+            };
+            let change = largest_difference(&next[0], &lag.motion[0]);
+            let size = next[0]
+                .iter()
+                .flatten()
+                .fold(0.0_f64, |m, x| m.max(x.abs()));
+            lag.motion = next;
+            for (order, moved) in self.joint_motion.iter_mut().enumerate() {
+                for (f, member) in lag.members.iter().enumerate() {
+                    let from = without[order][member.joint]
+                        .iter()
+                        .zip(&lag.motion[order][f]);
+                    let to = moved[member.joint].iter_mut().zip(from);
+                    to.for_each(|(to, (q, lag))| *to = q - lag);
+                }
+            }
+            if change <= PASS_TOLERANCE * size {
+                break;
+            }
+        }
+        self.linearise(segment, samples, &mut lag);
+        lag.march = lag.equation(step, cyclic);
+        Some(lag)
+    }
+
+    fn lagging(&self) -> Vec<Lagging> {
+        let joints = self.model.joints().iter().enumerate();
+        joints
+            .filter(|(_, joint)| !joint.locked)
+            .filter_map(|(j, joint)| {
+                let elastic = joint
+                    .elasticity
+                    .map(|at| [self.values[at], self.values[at + 1]]);
+                let gap = joint.backlash.map(|at| self.values[at]);
+                if elastic.is_none() && gap.is_none() {
+                    return None;
+                }
+                let [stiffness, damping] = elastic.unwrap_or([FLANK_STIFFNESS, FLANK_DAMPING]);
+                Some(Lagging {
+                    joint: j,
+                    stiffness,
+                    damping,
+                    half_gap: 0.5 * gap.unwrap_or(0.0),
+                    columns: [
+                        joint.elasticity.and_then(|at| self.column[at]),
+                        joint.elasticity.and_then(|at| self.column[at + 1]),
+                        joint.backlash.and_then(|at| self.column[at]),
+                    ],
+                })
+            })
+            .collect()
+    }
+
+    /// Torques at the joints that lag, and the derivatives of all rows by their motion, where the joints
+    /// are now.
+    fn linearise(&mut self, segment: Segment<'_>, samples: usize, lag: &mut Lag) -> Vec<Vec<f64>> {
+        let n = self.model.joints().len();
+        let bodies = Rc::clone(&self.bodies[usize::from(segment.loaded)]);
+        let torque_rows = self.torque_rows();
+        let all_rows = self.rigid.values.len();
+        let members: Vec<usize> = lag.members.iter().map(|m| m.joint).collect();
+        let springs = self.springs(segment, samples, &members);
+        let mut torque = vec![vec![0.0; samples]; members.len()];
+        let mut state = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
+        lag.slopes.clear();
+        let mut derivatives =
+            std::mem::replace(&mut self.derivatives, Derivatives::new(&self.tree));
+        for k in 0..samples {
+            self.state_at(k, &mut state);
+            let slices = [&state[0][..], &state[1], &state[2]];
+            derivatives.evaluate(&self.tree, &bodies, slices);
+            std::mem::swap(&mut self.derivatives, &mut derivatives);
+            let mut slopes: [DMatrix<f64>; 3] =
+                std::array::from_fn(|_| DMatrix::zeros(all_rows, members.len()));
+            for (f, &joint) in members.iter().enumerate() {
+                torque[f][k] = self.derivatives.torque[joint] + springs[f].0[k];
+                for row in 0..all_rows {
+                    let by = self.by_motion(row, torque_rows, joint);
+                    for (slope, by) in slopes.iter_mut().zip(by) {
+                        slope[(row, f)] = by;
+                    }
+                }
+                slopes[0][(joint, f)] += springs[f].1[k];
+            }
+            lag.slopes.push(slopes);
+            std::mem::swap(&mut self.derivatives, &mut derivatives);
+        }
+        self.derivatives = derivatives;
+        torque
+    }
+
+    /// Torque and stiffness of laws at the given joints.
+    fn springs(
+        &self,
+        segment: Segment<'_>,
+        samples: usize,
+        joints: &[usize],
+    ) -> Vec<(Vec<f64>, Vec<f64>)> {
+        let of = |&j: &usize| {
+            let (mut torque, mut stiffness) = (vec![0.0; samples], vec![0.0; samples]);
+            let mut by_sign = vec![0.0; samples];
+            for &(effect, first) in &self.model.joints()[j].effects {
+                let Law::Joint(law) = effect.law else {
+                    continue;
+                };
+                let count = effect.parameters.len();
+                let [q, dq, ddq] = &self.joint_motion;
+                let input = Samples {
+                    position: &q[j][..samples],
+                    velocity: &dq[j][..samples],
+                    acceleration: &ddq[j][..samples],
+                    sign: &dq[j][..samples],
+                    time: segment.times(0..samples),
+                    cyclic: segment.cyclic,
+                };
+                let mut out = Contribution {
+                    torque: &mut torque,
+                    by_parameter: &mut vec![vec![0.0; samples]; count],
+                    by_sign: &mut by_sign,
+                    by_position: &mut stiffness,
+                };
+                law.add(
+                    input,
+                    &self.values.as_slice()[first..first + count],
+                    &mut out,
+                );
+            }
+            (torque, stiffness)
+        };
+        joints.iter().map(of).collect()
+    }
+
+    /// Carries every column through the lag: what changes the torque changes the lag, which changes the
+    /// motion of the link.
+    pub(super) fn lag_columns(&mut self, lag: &Lag, samples: usize) {
+        let Some(march) = &lag.march else { return };
+        for column in 0..self.rigid.columns {
+            let mut present = false;
+            let source: Vec<Vec<f64>> = lag
+                .members
+                .iter()
+                .enumerate()
+                .map(|(f, member)| {
+                    let at = member.joint * self.rigid.columns + column;
+                    let series = &self.rigid.derivatives[at];
+                    let mut source = match series.is_empty() {
+                        true => vec![0.0; samples],
+                        false => series[..samples].to_vec(),
+                    };
+                    present |= !series.is_empty();
+                    if let Some(which) = member.columns.iter().position(|c| *c == Some(column)) {
+                        present = true;
+                        for (k, to) in source.iter_mut().enumerate() {
+                            let contact = member.contact(lag.motion[0][f][k], lag.motion[1][f][k]);
+                            *to -= contact.by_parameters[which];
+                        }
+                    }
+                    source
+                })
+                .collect();
+            if !present {
+                continue;
+            }
+            let change = march.solve(&source);
+            for row in 0..self.rigid.values.len() {
+                let series = self.rigid.series(row, column);
+                for (k, to) in series[..samples].iter_mut().enumerate() {
+                    for (order, slope) in lag.slopes[k].iter().enumerate() {
+                        for (f, by) in change[order].iter().enumerate() {
+                            *to -= slope[(row, f)] * by[k];
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn largest_difference(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
+    let pairs = a.iter().flatten().zip(b.iter().flatten());
+    pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()))
+}

@@ -1,0 +1,296 @@
+//! Predicts the signal and its derivatives with respect to parameters.
+//!
+//! Each stage of the chain transforms a value and the columns of its derivatives alike, so that a sum,
+//! a product with Vᵀ or a division is written once for both. A column that a channel cannot depend on
+//! is absent and costs nothing.
+//!
+//! Laws without memory are evaluated block by block; a law that has to know the course of the motion
+//! (bristles, elasticity, play, delay) needs the whole recording at once, [`Evaluator::along`].
+
+mod block;
+mod coupling;
+mod delay;
+mod lag;
+mod loops;
+mod march;
+mod motor;
+mod platform;
+mod recorded_joints;
+mod rigid;
+
+pub use block::Block;
+
+use crate::chain::effect::base_tilt::tilted;
+use crate::chain::effect::{Law, Memory};
+use crate::chain::model::{Model, Signal};
+use crate::chain::parameter::Role;
+use crate::robot::batch::{RegressorBatch, Trajectory};
+use crate::robot::derivatives::Derivatives;
+use crate::robot::inertia::PER_LINK;
+use crate::robot::tree::Tree;
+use nalgebra::{DMatrix, DVector, SMatrix};
+use std::ops::Range;
+use std::rc::Rc;
+
+/// Samples that an evaluator takes at once: the block stays in the second-level cache.
+pub const BLOCK: usize = 64;
+
+/// Motion of the motors at joint scale, `[joint][sample]`, and what the robot carries.
+#[derive(Debug, Clone, Copy)]
+pub struct Segment<'a> {
+    pub motors: Trajectory<'a>,
+    /// Known forces of the surroundings on the links along their joints, `[joint][sample]`, N·m (N); empty
+    /// where there are none.
+    pub forces: &'a [Vec<f64>],
+    /// s from the start of the recording, one per sample; empty for states that stand alone.
+    pub time: &'a [f64],
+    /// The samples are one period of a motion that repeats.
+    pub cyclic: bool,
+    /// The load hangs on the robot.
+    pub loaded: bool,
+}
+
+impl<'a> Segment<'a> {
+    /// States that stand alone.
+    pub fn states(motors: Trajectory<'a>, loaded: bool) -> Self {
+        Self {
+            motors,
+            forces: &[],
+            time: &[],
+            cyclic: false,
+            loaded,
+        }
+    }
+
+    /// Times of some samples, empty where there are none.
+    fn times(&self, range: Range<usize>) -> &'a [f64] {
+        self.time.get(range).unwrap_or(&[])
+    }
+}
+
+/// Evaluates a model over blocks or along recordings; one per thread.
+#[derive(Debug)]
+pub struct Evaluator<'m> {
+    model: &'m Model,
+    /// Column of each parameter, if it has one.
+    column: Vec<Option<usize>>,
+    values: DVector<f64>,
+    /// The robot with gravity as the tilt of its base leaves it.
+    tree: Tree,
+    coupling: Option<DMatrix<f64>>,
+    transfer: Option<SMatrix<f64, PER_LINK, PER_LINK>>,
+    /// Inertial parameters of the links without and with the load.
+    bodies: [Rc<[f64]>; 2],
+    regressor: RegressorBatch,
+    derivatives: Derivatives,
+    /// Whether the samples are the whole course of a motion.
+    along: bool,
+    joint_motion: [Vec<Vec<f64>>; 3],
+    /// ∂τ_j/∂q_j of laws at the joints; empty without such laws.
+    stiffness: Vec<Vec<f64>>,
+    rigid: Block,
+    block: Block,
+    scratch: Scratch,
+}
+
+#[derive(Debug)]
+struct Scratch {
+    sign: Vec<f64>,
+    by_sign: Vec<f64>,
+    by_load: Vec<f64>,
+    by_position: Vec<f64>,
+    by_parameter: Vec<Vec<f64>>,
+    /// Values of the parameters of one law, borrowed ones behind its own.
+    parameters: Vec<f64>,
+}
+
+impl<'m> Evaluator<'m> {
+    /// An evaluator of `model` at parameter `values`, with derivatives with respect to `columns`
+    /// (positions of parameters), over blocks of states. Laws that need the course of the motion do not
+    /// act: [`Evaluator::along`] has them.
+    pub fn new(model: &'m Model, values: &DVector<f64>, columns: &[usize]) -> Self {
+        Self::with_room(model, values, columns, (BLOCK, false))
+    }
+
+    /// An evaluator over whole recordings of at most `samples` samples.
+    pub fn along(
+        model: &'m Model,
+        values: &DVector<f64>,
+        columns: &[usize],
+        samples: usize,
+    ) -> Self {
+        Self::with_room(model, values, columns, (samples, true))
+    }
+
+    fn with_room(
+        model: &'m Model,
+        values: &DVector<f64>,
+        columns: &[usize],
+        (room, along): (usize, bool),
+    ) -> Self {
+        let (n, channels) = (model.tree().len(), model.channels().len());
+        let rows = model.signal().rows();
+        let mut column = vec![None; model.parameters().len()];
+        for (k, &parameter) in columns.iter().enumerate() {
+            column[parameter] = Some(k);
+        }
+        let tree = match model.tilt() {
+            None => model.tree().clone(),
+            Some(at) => {
+                let gravity = tilted(&model.tree().gravity(), [values[at], values[at + 1]]);
+                model.tree().clone().with_gravity(gravity.into())
+            }
+        };
+        let has_joint_laws = model.joints().iter().any(|joint| {
+            joint
+                .effects
+                .iter()
+                .any(|(e, _)| matches!(e.law, Law::Joint(_)))
+        });
+        let motion = || vec![vec![0.0; room]; n];
+        Self {
+            model,
+            column,
+            values: values.clone(),
+            coupling: (!model.is_uncoupled()).then(|| model.coupling(values)),
+            transfer: model.payload().map(|(payload, _)| payload.transfer()),
+            bodies: [false, true].map(|loaded| bodies(model, values, loaded).into()),
+            regressor: RegressorBatch::new(&tree, rows, BLOCK),
+            derivatives: Derivatives::new(&tree),
+            along,
+            joint_motion: [motion(), motion(), motion()],
+            stiffness: if has_joint_laws { motion() } else { Vec::new() },
+            rigid: Block::new(rows.count(n), columns.len(), room),
+            block: Block::new(channels, columns.len(), room),
+            scratch: Scratch {
+                sign: vec![0.0; room],
+                by_sign: vec![0.0; room],
+                by_load: vec![0.0; room],
+                by_position: vec![0.0; room],
+                by_parameter: vec![vec![0.0; room]; PER_LINK],
+                parameters: Vec::with_capacity(PER_LINK),
+            },
+            tree,
+        }
+    }
+
+    /// The signal of the samples of `range` (at most [`BLOCK`]) and its derivatives.
+    pub fn evaluate(&mut self, segment: Segment<'_>, range: Range<usize>) -> &Block {
+        self.states(segment, range);
+        &self.block
+    }
+
+    /// The signal along a whole recording and its derivatives.
+    pub fn evaluate_course(&mut self, segment: Segment<'_>) -> &Block {
+        let range = 0..segment.motors.len();
+        let delayed = self
+            .model
+            .joints()
+            .iter()
+            .any(|joint| joint.delay.is_some());
+        if delayed && self.along && !segment.time.is_empty() {
+            self.delayed(segment);
+        } else {
+            self.states(segment, range);
+        }
+        &self.block
+    }
+
+    fn states(&mut self, segment: Segment<'_>, range: Range<usize>) {
+        match self.transfer_of_recorded() {
+            None => self.states_of_motors(segment, range.clone()),
+            Some(transfer) => {
+                let [q, dq, ddq] = Self::motors(&transfer, segment.motors, range.clone());
+                let moved = Segment {
+                    motors: Trajectory {
+                        q: &q,
+                        dq: &dq,
+                        ddq: &ddq,
+                    },
+                    time: segment.times(range.clone()),
+                    ..segment
+                };
+                self.states_of_motors(moved, 0..range.len());
+            }
+        }
+        self.entry_columns(segment, range);
+    }
+
+    fn states_of_motors(&mut self, segment: Segment<'_>, range: Range<usize>) {
+        let samples = range.len();
+        self.block.clear(samples);
+        self.rigid.clear(samples);
+        self.move_joints(segment.motors, range.clone());
+        let lag = self.lag_of_links(segment, samples);
+        self.rigid_body(segment.loaded, samples);
+        self.push_links(segment.forces, range.clone());
+        self.tilt_columns(segment.loaded, samples);
+        self.joint_laws(segment, range.clone());
+        self.coupling_motion_columns(segment, range.clone());
+        if let Some(lag) = lag {
+            self.lag_columns(&lag, samples);
+        }
+        self.spin_rotors(segment.motors, range.clone());
+        self.close_loops(samples);
+        self.carry_to_motors();
+        self.add_tare();
+        self.coupling_torque_columns(samples);
+        for j in 0..self.model.joints().len() {
+            if !self.model.joints()[j].locked && self.channel_of(j).is_some() {
+                self.motor_sign(j, segment.motors, range.clone());
+                self.transmission(j, samples);
+                self.motor_laws(j, segment, range.clone());
+                self.width_column(j, segment.motors, range.clone());
+                self.carry_to_signal(j, samples);
+            }
+        }
+    }
+
+    /// Joint torques come first among the channels, if they are measured at all.
+    fn channel_of(&self, joint: usize) -> Option<usize> {
+        self.model.channels().get(joint)?.joint
+    }
+
+    /// Rows of joint torques among those of the rigid body.
+    fn torque_rows(&self) -> usize {
+        match self.model.signal() {
+            Signal::BaseWrench => 0,
+            _ => self.model.joints().len(),
+        }
+    }
+
+    fn trajectory(&self) -> Trajectory<'_> {
+        let [q, dq, ddq] = &self.joint_motion;
+        Trajectory { q, dq, ddq }
+    }
+
+    /// Entries of V that have a column: (column, row of V, column of V).
+    fn coupling_entries(&self) -> Vec<(usize, usize, usize)> {
+        let parameters = self.model.parameters().iter().enumerate();
+        parameters
+            .filter_map(|(p, parameter)| match parameter.role {
+                Role::Coupling { row, column } => Some((self.column[p]?, row, column)),
+                _ => None,
+            })
+            .collect()
+    }
+
+    /// Whether an effect acts on the samples at hand.
+    fn acts(&self, memory: Memory) -> bool {
+        self.along || memory != Memory::Course
+    }
+}
+
+/// Inertial parameters of all links, the load added to its link where it is carried.
+pub fn bodies(model: &Model, values: &DVector<f64>, loaded: bool) -> Vec<f64> {
+    let count = PER_LINK * model.tree().len();
+    let mut bodies = values.as_slice()[..count].to_vec();
+    if let (Some((payload, first)), true) = (model.payload(), loaded) {
+        let load = SMatrix::<f64, PER_LINK, 1>::from_fn(|k, _| values[first + k]);
+        let seen = payload.transfer() * load;
+        for k in 0..PER_LINK {
+            bodies[PER_LINK * payload.link + k] += seen[k];
+        }
+    }
+    bodies
+}

@@ -1,0 +1,180 @@
+//! From the transmitted torque to the signal: losses of the gear, laws of the motor, the current.
+
+use crate::chain::effect::coulomb_friction::{sign, sign_by_width};
+use crate::chain::effect::torque_current_nonlinearity::{COEFFICIENTS, current};
+use crate::chain::effect::{Contribution, Effect, Law, Samples, Transmitted};
+use crate::chain::evaluate::{Evaluator, Segment};
+use crate::robot::batch::Trajectory;
+use std::ops::Range;
+
+impl Evaluator<'_> {
+    /// `v/(|v| + w)` of a motor.
+    pub(super) fn motor_sign(&mut self, j: usize, motors: Trajectory<'_>, range: Range<usize>) {
+        let width = self.model.joints()[j]
+            .width
+            .map_or(0.0, |at| self.values[at]);
+        for (to, v) in self.scratch.sign.iter_mut().zip(&motors.dq[j][range]) {
+            *to = sign(*v, width);
+        }
+        self.scratch.by_sign.fill(0.0);
+    }
+
+    /// `τ_in = τ_M + losses(τ_M)`.
+    pub(super) fn transmission(&mut self, j: usize, samples: usize) {
+        let joint = &self.model.joints()[j];
+        let has = |(effect, _): &(&Effect, usize)| matches!(effect.law, Law::Transmission(_));
+        if !joint.effects.iter().any(has) {
+            return;
+        }
+        let load = self.block.values[j][..samples].to_vec();
+        self.scratch.by_load.fill(0.0);
+        let mut added: Vec<(usize, Vec<f64>)> = Vec::new();
+        for &(effect, first) in &joint.effects {
+            let Law::Transmission(law) = effect.law else {
+                continue;
+            };
+            let count = effect.parameters.len();
+            let scratch = &mut self.scratch;
+            let mut out = Transmitted {
+                torque: &mut self.block.values[j],
+                by_load: &mut scratch.by_load,
+                by_parameter: &mut scratch.by_parameter[..count],
+                by_sign: &mut scratch.by_sign,
+            };
+            let own = &self.values.as_slice()[first..first + count];
+            law.add(&load, &scratch.sign[..samples], own, &mut out);
+            for parameter in 0..count {
+                if let Some(column) = self.column[first + parameter] {
+                    added.push((column, scratch.by_parameter[parameter][..samples].to_vec()));
+                }
+            }
+        }
+        for column in 0..self.block.columns {
+            let series = &mut self.block.derivatives[j * self.block.columns + column];
+            for (x, slope) in series.iter_mut().zip(&self.scratch.by_load) {
+                *x *= 1.0 + slope;
+            }
+        }
+        for (column, series) in added {
+            self.block.add_scaled((j, column), 1.0, &series);
+        }
+    }
+
+    /// `τ_mot = τ_in + Σ laws`.
+    pub(super) fn motor_laws(&mut self, j: usize, segment: Segment<'_>, range: Range<usize>) {
+        let joint = &self.model.joints()[j];
+        let (samples, motors) = (range.len(), segment.motors);
+        for (index, &(effect, first)) in joint.effects.iter().enumerate() {
+            let Law::Motor(law) = effect.law else {
+                continue;
+            };
+            // Of states that stand alone a law with memory says nothing: what it replaces stays.
+            let replaced = joint.replaced[index] && self.along;
+            if replaced || !self.acts(effect.needs.memory) {
+                continue;
+            }
+            let scratch = &mut self.scratch;
+            let positions = first..first + effect.parameters.len();
+            let positions = positions.chain(joint.borrowed[index].iter().copied());
+            scratch.parameters.clear();
+            scratch
+                .parameters
+                .extend(positions.clone().map(|p| self.values[p]));
+            let count = scratch.parameters.len();
+            for series in &mut scratch.by_parameter[..count] {
+                series.fill(0.0);
+            }
+            let input = Samples {
+                position: &motors.q[j][range.clone()],
+                velocity: &motors.dq[j][range.clone()],
+                acceleration: &motors.ddq[j][range.clone()],
+                sign: &scratch.sign[..samples],
+                time: segment.times(range.clone()),
+                cyclic: segment.cyclic,
+            };
+            let mut out = Contribution {
+                torque: &mut self.block.values[j],
+                by_parameter: &mut scratch.by_parameter[..count],
+                by_sign: &mut scratch.by_sign,
+                by_position: &mut scratch.by_position,
+            };
+            law.add(input, &scratch.parameters, &mut out);
+            for (parameter, position) in positions.enumerate() {
+                if let Some(column) = self.column[position] {
+                    let series = &self.scratch.by_parameter[parameter];
+                    self.block.add_scaled((j, column), 1.0, series);
+                }
+            }
+        }
+    }
+
+    /// ∂τ_mot/∂w, by way of the sign of ṁ.
+    pub(super) fn width_column(&mut self, j: usize, motors: Trajectory<'_>, range: Range<usize>) {
+        let Some(at) = self.model.joints()[j].width else {
+            return;
+        };
+        let (Some(column), width) = (self.column[at], self.values[at]) else {
+            return;
+        };
+        let series = self.block.series(j, column);
+        for (k, v) in motors.dq[j][range].iter().enumerate() {
+            series[k] += self.scratch.by_sign[k] * sign_by_width(*v, width);
+        }
+    }
+
+    /// `s = τ_mot / (k · gain)`, or the current at which the polynomial gives τ_mot / gain.
+    pub(super) fn carry_to_signal(&mut self, j: usize, samples: usize) {
+        let joint = &self.model.joints()[j];
+        let gain = joint.gain.map_or(1.0, |at| self.values[at]);
+        if let Some(column) = joint.gain.and_then(|at| self.column[at]) {
+            // ∂(τ_mot/gain)/∂gain, before the division by the gain below.
+            let values = std::mem::take(&mut self.block.values[j]);
+            self.block.add_scaled((j, column), -1.0 / gain, &values);
+            self.block.values[j] = values;
+        }
+        let factor = match joint.polynomial {
+            Some(_) => 1.0 / gain,
+            None => 1.0 / (joint.torque_constant * gain),
+        };
+        if factor != 1.0 {
+            for value in &mut self.block.values[j] {
+                *value *= factor;
+            }
+            for column in 0..self.block.columns {
+                for x in &mut self.block.derivatives[j * self.block.columns + column] {
+                    *x *= factor;
+                }
+            }
+        }
+        if let Some(first) = joint.polynomial {
+            self.currents(j, first, samples);
+        }
+    }
+
+    /// Torques become currents.
+    fn currents(&mut self, j: usize, first: usize, samples: usize) {
+        let c: [f64; COEFFICIENTS] = std::array::from_fn(|k| self.values[first + k]);
+        let inverse: Vec<_> = self.block.values[j][..samples]
+            .iter()
+            .map(|torque| current(c, *torque))
+            .collect();
+        for column in 0..self.block.columns {
+            let series = &mut self.block.derivatives[j * self.block.columns + column];
+            for (x, inverse) in series.iter_mut().zip(&inverse) {
+                *x *= inverse.by_torque;
+            }
+        }
+        for k in 0..COEFFICIENTS {
+            let Some(column) = self.column[first + k] else {
+                continue;
+            };
+            let series = self.block.series(j, column);
+            for (x, inverse) in series.iter_mut().zip(&inverse) {
+                *x += inverse.by_coefficient[k];
+            }
+        }
+        for (value, inverse) in self.block.values[j].iter_mut().zip(&inverse) {
+            *value = inverse.current;
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! Joint motion, torques of the bodies and of laws at the joints, and the way to the motors.
+
+use crate::chain::effect::base_tilt::tilted_by_angles;
+use crate::chain::effect::{Contribution, Law, Samples};
+use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
+use crate::robot::batch::{RegressorBatch, Trajectory};
+use crate::robot::inertia::PER_LINK;
+use std::ops::Range;
+use std::rc::Rc;
+
+impl Evaluator<'_> {
+    /// `q = V m + offset`, and the same for the derivatives without the offset.
+    pub(super) fn move_joints(&mut self, motors: Trajectory<'_>, range: Range<usize>) {
+        let n = self.model.joints().len();
+        let last = range.len();
+        let inputs = [motors.q, motors.dq, motors.ddq];
+        for (which, input) in inputs.into_iter().enumerate() {
+            for i in 0..n {
+                let out = &mut self.joint_motion[which][i];
+                let constant = if which == 0 {
+                    self.model.offset()[i]
+                } else {
+                    0.0
+                };
+                match &self.coupling {
+                    None => {
+                        for (to, x) in out.iter_mut().zip(&input[i][range.clone()]) {
+                            *to = x + constant;
+                        }
+                    }
+                    Some(v) => {
+                        out[..last].fill(constant);
+                        for j in (0..n).filter(|&j| v[(i, j)] != 0.0) {
+                            for (to, x) in out.iter_mut().zip(&input[j][range.clone()]) {
+                                *to += v[(i, j)] * x;
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Joint torques and base wrench of the bodies, and the columns of their parameters.
+    pub(super) fn rigid_body(&mut self, loaded: bool, samples: usize) {
+        let mut regressor = self.lend_regressor();
+        for start in (0..samples).step_by(BLOCK) {
+            let range = start..samples.min(start + BLOCK);
+            regressor.evaluate(&self.tree, self.trajectory(), range.clone());
+            self.add_bodies(&regressor, loaded, range);
+        }
+        self.regressor = regressor;
+    }
+
+    fn lend_regressor(&mut self) -> RegressorBatch {
+        let empty = RegressorBatch::new(&self.tree, self.model.signal().rows(), 0);
+        std::mem::replace(&mut self.regressor, empty)
+    }
+
+    fn add_bodies(&mut self, regressor: &RegressorBatch, loaded: bool, range: Range<usize>) {
+        let n = self.tree.len();
+        let torque_rows = self.torque_rows();
+        let bodies = Rc::clone(&self.bodies[usize::from(loaded)]);
+        for row in 0..self.rigid.values.len() {
+            for link in 0..n {
+                if row < torque_rows && !self.tree.moves(row, link) {
+                    continue;
+                }
+                for quantity in 0..PER_LINK {
+                    let parameter = PER_LINK * link + quantity;
+                    let series = &regressor.column(row, parameter)[..range.len()];
+                    let weight = bodies[parameter];
+                    if weight != 0.0 {
+                        let values = &mut self.rigid.values[row][range.clone()];
+                        for (to, y) in values.iter_mut().zip(series) {
+                            *to += weight * y;
+                        }
+                    }
+                    if let Some(column) = self.column[parameter] {
+                        self.rigid
+                            .add_part((row, column), (1.0, range.start), series);
+                    }
+                    if loaded {
+                        self.payload_columns((row, range.start), (link, quantity), series);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The load's parameters enter through the columns of the link that carries it.
+    fn payload_columns(
+        &mut self,
+        (row, start): (usize, usize),
+        (link, entry): (usize, usize),
+        series: &[f64],
+    ) {
+        let (Some((payload, first)), Some(transfer)) = (self.model.payload(), self.transfer) else {
+            return;
+        };
+        if payload.link != link {
+            return;
+        }
+        for quantity in 0..PER_LINK {
+            let weight = transfer[(entry, quantity)];
+            if let (Some(column), true) = (self.column[first + quantity], weight != 0.0) {
+                self.rigid.add_part((row, column), (weight, start), series);
+            }
+        }
+    }
+
+    /// ∂τ/∂roll and ∂τ/∂pitch: the torque that the change of gravity alone would take at rest.
+    pub(super) fn tilt_columns(&mut self, loaded: bool, samples: usize) {
+        let Some(at) = self.model.tilt() else { return };
+        if self.column[at].is_none() && self.column[at + 1].is_none() {
+            return;
+        }
+        let angles = [self.values[at], self.values[at + 1]];
+        let changes = tilted_by_angles(&self.model.tree().gravity(), angles);
+        let bodies = Rc::clone(&self.bodies[usize::from(loaded)]);
+        let still = vec![vec![0.0; samples]; self.tree.len()];
+        let mut regressor = self.lend_regressor();
+        for (angle, change) in changes.into_iter().enumerate() {
+            let Some(column) = self.column[at + angle] else {
+                continue;
+            };
+            let turned = self.model.tree().clone().with_gravity(change.into());
+            for start in (0..samples).step_by(BLOCK) {
+                let range = start..samples.min(start + BLOCK);
+                let motion = Trajectory {
+                    q: &self.joint_motion[0],
+                    dq: &still,
+                    ddq: &still,
+                };
+                regressor.evaluate(&turned, motion, range.clone());
+                for row in 0..self.rigid.values.len() {
+                    for (parameter, weight) in bodies.iter().enumerate() {
+                        if *weight != 0.0 {
+                            let series = &regressor.column(row, parameter)[..range.len()];
+                            let part = (*weight, range.start);
+                            self.rigid.add_part((row, column), part, series);
+                        }
+                    }
+                }
+            }
+        }
+        self.regressor = regressor;
+    }
+
+    /// Torques of laws at the joints.
+    pub(super) fn joint_laws(&mut self, segment: Segment<'_>, range: Range<usize>) {
+        if self.torque_rows() == 0 {
+            return;
+        }
+        let samples = range.len();
+        for series in &mut self.stiffness {
+            series.fill(0.0);
+        }
+        for j in 0..self.model.joints().len() {
+            let joint = &self.model.joints()[j];
+            for &(effect, first) in &joint.effects {
+                let Law::Joint(law) = effect.law else {
+                    continue;
+                };
+                if joint.locked || !self.acts(effect.needs.memory) {
+                    continue;
+                }
+                let count = effect.parameters.len();
+                let scratch = &mut self.scratch;
+                for series in &mut scratch.by_parameter[..count] {
+                    series.fill(0.0);
+                }
+                let [q, dq, ddq] = &self.joint_motion;
+                let input = Samples {
+                    position: &q[j][..samples],
+                    velocity: &dq[j][..samples],
+                    acceleration: &ddq[j][..samples],
+                    sign: &dq[j][..samples],
+                    time: segment.times(range.clone()),
+                    cyclic: segment.cyclic,
+                };
+                let mut out = Contribution {
+                    torque: &mut self.rigid.values[j],
+                    by_parameter: &mut scratch.by_parameter[..count],
+                    by_sign: &mut scratch.by_sign,
+                    by_position: &mut self.stiffness[j],
+                };
+                law.add(
+                    input,
+                    &self.values.as_slice()[first..first + count],
+                    &mut out,
+                );
+                for parameter in 0..count {
+                    if let Some(column) = self.column[first + parameter] {
+                        let series = &self.scratch.by_parameter[parameter];
+                        self.rigid.add_scaled((j, column), 1.0, series);
+                    }
+                }
+            }
+        }
+    }
+
+    /// `τ_M = Vᵀ τ`; a base wrench goes to the frame of its sensor.
+    pub(super) fn carry_to_motors(&mut self) {
+        let n = self.model.joints().len();
+        let torque_rows = self.torque_rows();
+        for row in 0..self.rigid.values.len() {
+            let targets: Vec<(usize, f64)> = match (&self.coupling, row.checked_sub(torque_rows)) {
+                (_, Some(component)) => {
+                    let column = self.model.platform().transfer.column(component);
+                    let weights = column.iter().enumerate();
+                    weights.map(|(c, w)| (torque_rows + c, *w)).collect()
+                }
+                (Some(v), None) => (0..n).map(|r| (r, v[(row, r)])).collect(),
+                (None, None) => vec![(row, 1.0)],
+            };
+            for (channel, weight) in targets {
+                if weight == 0.0 {
+                    continue;
+                }
+                for (to, x) in self.block.values[channel]
+                    .iter_mut()
+                    .zip(&self.rigid.values[row])
+                {
+                    *to += weight * x;
+                }
+                for column in 0..self.block.columns {
+                    let at = row * self.rigid.columns + column;
+                    let series = std::mem::take(&mut self.rigid.derivatives[at]);
+                    if !series.is_empty() {
+                        self.block.add_scaled((channel, column), weight, &series);
+                    }
+                    self.rigid.derivatives[at] = series;
+                }
+            }
+        }
+    }
+}

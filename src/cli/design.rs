@@ -1,0 +1,84 @@
+//! `exid design`: an excitation trajectory.
+
+use crate::cli::args::Run;
+use crate::cli::error::CliError;
+use crate::cli::progress::Progress;
+use crate::cli::{fit, interrupt, output};
+use crate::design::task::{self, Designed, End, NamedTrajectory};
+use crate::outcome::estimate::Estimate;
+use crate::outcome::folder::ResultFolder;
+use crate::outcome::{Outcome, Part};
+use crate::problem::solution::Control;
+use std::io::Write;
+use std::time::Instant;
+
+/// Name of the coefficients' file.
+const COEFFICIENTS: &str = "coefficients.json";
+
+pub fn run(run: &Run) -> Result<u8, CliError> {
+    let started = Instant::now();
+    let problem = output::open(run)?;
+    let target = output::folder(run, &problem, "design");
+    // A folder that cannot be written is refused before the work, not after it.
+    drop(ResultFolder::prepare(&target)?);
+    let control = Control {
+        interrupt: Some(interrupt::flag()),
+        ..Control::default()
+    };
+    let progress = Progress::new(run);
+    progress.say("designing");
+    let mut designed = task::run(&problem, run.seed, &control, |improvement| {
+        progress.say(format!(
+            "designing: {:.6} after {} starts",
+            improvement.value, improvement.starts
+        ));
+    })?;
+    progress.done();
+    designed.design.files = names(&designed);
+    let read: Vec<_> = fit::files(&problem).into_iter().take(2).collect();
+    let outcome = Outcome {
+        name: problem.name.value.clone(),
+        run: output::record(run, &problem, &read, started),
+        estimate: Estimate {
+            solver: Some(designed.solver.clone()),
+            ..Estimate::default()
+        },
+        part: Part::Design(designed.design.clone()),
+    };
+    output::finish(run, &target, &outcome, |folder| {
+        write_all(folder, &designed)
+    })?;
+    Ok(match designed.end {
+        End::Feasible => 0,
+        End::Infeasible => CliError::NO_SOLUTION,
+        End::Interrupted => CliError::INTERRUPTED,
+    })
+}
+
+/// Names of the files in the results folder.
+fn names(designed: &Designed) -> Vec<String> {
+    let all = designed.trajectories.iter().chain(&designed.with_ramps);
+    let mut names: Vec<String> = all.map(|t| format!("{}.csv", t.name)).collect();
+    names.extend(designed.with_ramps.iter().map(yaml));
+    names.push(COEFFICIENTS.to_string());
+    names
+}
+
+fn yaml(trajectory: &NamedTrajectory) -> String {
+    format!("{}.yaml", trajectory.name)
+}
+
+fn write_all(folder: &ResultFolder, designed: &Designed) -> Result<(), CliError> {
+    for trajectory in designed.trajectories.iter().chain(&designed.with_ramps) {
+        let name = format!("{}.csv", trajectory.name);
+        folder.write(&name, |out| trajectory.sampled.write_csv(out))?;
+    }
+    for trajectory in &designed.with_ramps {
+        folder.write(&yaml(trajectory), |out| trajectory.sampled.write_yaml(out))?;
+    }
+    folder.write(COEFFICIENTS, |out| {
+        serde_json::to_writer_pretty(&mut *out, &designed.design.coefficients)?;
+        writeln!(out)
+    })?;
+    Ok(())
+}

@@ -1,0 +1,199 @@
+//! Which columns the observation matrix of a design has, and of what each is made.
+//!
+//! The signal of channel c (a motor) is `k_c (Σ_i V_ic τ_i + laws)`, so its derivative with respect to an
+//! inertial parameter is a weighted sum of regressor entries, and with respect to a parameter of a law
+//! what the law says. Columns are the kept parameters of the base, rows are weighted by the noise.
+
+use nalgebra::{DMatrix, SMatrix};
+
+use crate::chain::model::Model;
+use crate::chain::parameter::Role;
+use crate::design::laws::of_the_state;
+use crate::robot::inertia::PER_LINK;
+
+/// No entry.
+const NONE: u32 = u32::MAX;
+
+/// Entries of the regressor that some column needs, numbered row by row.
+#[derive(Debug, Clone)]
+pub struct Entries {
+    links: usize,
+    /// `[row · links + link][quantity]`: number of the entry, or [`NONE`].
+    at: Vec<[u32; PER_LINK]>,
+    count: usize,
+}
+
+impl Entries {
+    fn none(joints: usize) -> Self {
+        Self {
+            links: joints,
+            at: vec![[NONE; PER_LINK]; joints * joints],
+            count: 0,
+        }
+    }
+
+    fn number(&mut self, row: usize, link: usize, quantity: usize) -> usize {
+        let slot = &mut self.at[row * self.links + link][quantity];
+        if *slot == NONE {
+            *slot = self.count as u32;
+            self.count += 1;
+        }
+        *slot as usize
+    }
+
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Numbers of the entries of a link's ten columns in a row.
+    #[inline(always)]
+    pub fn of(&self, row: usize, link: usize) -> [Option<usize>; PER_LINK] {
+        self.at[row * self.links + link].map(|n| (n != NONE).then_some(n as usize))
+    }
+}
+
+/// What a column is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Recipe {
+    /// Σ weight · entry of the regressor.
+    Bodies(Vec<(usize, f64)>),
+    /// A parameter of a law of the channel's motor, times the channel's weight.
+    Law { effect: usize, parameter: usize },
+}
+
+/// The rows of one motor.
+#[derive(Debug, Clone)]
+pub struct Channel {
+    pub joint: usize,
+    /// 1/(torque constant · standard deviation of the noise).
+    pub weight: f64,
+    /// Columns of the whole matrix that can be other than zero here.
+    pub columns: Vec<usize>,
+    pub recipes: Vec<Recipe>,
+}
+
+/// All columns.
+#[derive(Debug, Clone)]
+pub struct Columns {
+    /// Parameter of the model of each column.
+    pub parameters: Vec<usize>,
+    pub channels: Vec<Channel>,
+    pub entries: Entries,
+    /// In how many of the runs (without and with the load) a product of two columns counts.
+    pub multiplicity: DMatrix<f64>,
+}
+
+impl Columns {
+    /// The columns of `parameters` (linear unknowns of the model) for runs with the given `loads`; `noise`
+    /// is the standard deviation of each joint's signal.
+    pub fn new(model: &Model, parameters: Vec<usize>, loads: &[bool], noise: &[f64]) -> Self {
+        let n = model.joints().len();
+        let coupling = model.coupling(&model.values());
+        let transfer = model.payload().map(|(p, _)| (p.link, p.transfer()));
+        let mut entries = Entries::none(n);
+        let mut channels = Vec::new();
+        for (c, channel) in model.channels().iter().enumerate() {
+            let (Some(joint), true) = (channel.joint, channel.active) else {
+                continue;
+            };
+            let weight = 1.0 / (model.joints()[joint].torque_constant * noise[c]);
+            let mut own = Channel {
+                joint,
+                weight,
+                columns: Vec::new(),
+                recipes: Vec::new(),
+            };
+            let rows: Vec<(usize, f64)> = (0..n)
+                .map(|i| (i, weight * coupling[(i, joint)]))
+                .filter(|(_, v)| *v != 0.0)
+                .collect();
+            for (k, &parameter) in parameters.iter().enumerate() {
+                let recipe = match model.parameters()[parameter].role {
+                    Role::Effect {
+                        joint: of, effect, ..
+                    } if of == joint => of_law(model, (joint, effect), parameter),
+                    Role::Inertial { link, quantity } => {
+                        let parts = [(link, quantity, 1.0)];
+                        of_bodies(model, &mut entries, &rows, &parts)
+                    }
+                    Role::Payload { quantity } => {
+                        let parts = transfer.map(|t| seen(t, quantity)).unwrap_or_default();
+                        of_bodies(model, &mut entries, &rows, &parts)
+                    }
+                    _ => None,
+                };
+                if let Some(recipe) = recipe {
+                    own.columns.push(k);
+                    own.recipes.push(recipe);
+                }
+            }
+            channels.push(own);
+        }
+        Self {
+            multiplicity: multiplicity(model, &parameters, loads),
+            parameters,
+            channels,
+            entries,
+        }
+    }
+
+    /// Number of columns.
+    pub fn len(&self) -> usize {
+        self.parameters.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.parameters.is_empty()
+    }
+}
+
+/// A parameter of a load in terms of the link that carries it.
+fn seen(
+    (link, transfer): (usize, SMatrix<f64, PER_LINK, PER_LINK>),
+    quantity: usize,
+) -> Vec<(usize, usize, f64)> {
+    (0..PER_LINK)
+        .map(|entry| (link, entry, transfer[(entry, quantity)]))
+        .filter(|(_, _, weight)| *weight != 0.0)
+        .collect()
+}
+
+fn of_bodies(
+    model: &Model,
+    entries: &mut Entries,
+    rows: &[(usize, f64)],
+    parts: &[(usize, usize, f64)],
+) -> Option<Recipe> {
+    let mut sum = Vec::new();
+    for &(row, v) in rows {
+        for &(link, quantity, weight) in parts {
+            if model.tree().moves(row, link) {
+                sum.push((entries.number(row, link, quantity), v * weight));
+            }
+        }
+    }
+    (!sum.is_empty()).then_some(Recipe::Bodies(sum))
+}
+
+/// The position of a law's effect among the motor laws of its joint.
+fn of_law(model: &Model, (joint, effect): (usize, usize), parameter: usize) -> Option<Recipe> {
+    let effects = &model.joints()[joint].effects;
+    let motor = |k: &usize| of_the_state(effects[*k].0);
+    motor(&effect).then(|| Recipe::Law {
+        effect: (0..effect).filter(motor).count(),
+        parameter: parameter - effects[effect].1,
+    })
+}
+
+fn multiplicity(model: &Model, parameters: &[usize], loads: &[bool]) -> DMatrix<f64> {
+    let of_load = |p: usize| matches!(model.parameters()[p].role, Role::Payload { .. });
+    let loaded = loads.iter().filter(|l| **l).count() as f64;
+    let all = loads.len() as f64;
+    DMatrix::from_fn(parameters.len(), parameters.len(), |i, j| {
+        if of_load(parameters[i]) || of_load(parameters[j]) {
+            loaded
+        } else {
+            all
+        }
+    })
+}

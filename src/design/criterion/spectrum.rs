@@ -1,0 +1,44 @@
+//! Functions of eigenvalues: `∂φ(λ(M))/∂M = V diag(∂φ/∂λ) Vᵀ`.
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+/// Least eigenvalue as a share of the largest that is not rounding.
+const POSITIVE: f64 = 1e-15;
+
+/// Iterations per matrix; a few per row are usual, and only NaN needs more.
+const ITERATIONS: usize = 10_000;
+
+/// Eigenvalues of a positive definite matrix; `None` where it is not.
+pub(in crate::design) fn eigenvalues(m: &DMatrix<f64>) -> Option<DVector<f64>> {
+    positive(m.clone().symmetric_eigenvalues())
+}
+
+/// Eigenvalues and vectors of a positive definite matrix; `None` where it is not.
+pub(in crate::design) fn decompose(m: &DMatrix<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    let eigen = SymmetricEigen::try_new(m.clone(), f64::EPSILON, ITERATIONS)?;
+    Some((positive(eigen.eigenvalues)?, eigen.eigenvectors))
+}
+
+fn positive(values: DVector<f64>) -> Option<DVector<f64>> {
+    (values.min() > POSITIVE * values.max()).then_some(values)
+}
+
+/// `V diag(slopes) Vᵀ`.
+pub(in crate::design) fn assemble(vectors: &DMatrix<f64>, slopes: &DVector<f64>) -> DMatrix<f64> {
+    let mut scaled = vectors.clone();
+    for (mut column, slope) in scaled.column_iter_mut().zip(slopes.iter()) {
+        column *= *slope;
+    }
+    scaled * vectors.transpose()
+}
+
+/// `(1/ρ) log Σ λ^ρ`, at most `log(p)/ρ` above the largest log λ (below the negated least, for negative
+/// ρ), and its slopes with respect to λ.
+pub(in crate::design) fn log_mean(values: &DVector<f64>, rho: f64) -> (f64, DVector<f64>) {
+    let powers = values.map(|l| rho * l.ln());
+    let largest = powers.max();
+    let shares = powers.map(|p| (p - largest).exp());
+    let sum = shares.sum();
+    let value = (largest + sum.ln()) / rho;
+    (value, shares.zip_map(values, |s, l| s / (sum * l)))
+}

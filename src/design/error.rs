@@ -1,0 +1,128 @@
+//! Why a design cannot be made.
+
+use crate::fault::{Description, Fault, Place, write_fault};
+use crate::setup::error::SetupError;
+use crate::solve::error::SolveError;
+use std::fmt;
+
+/// A fault of what a design is asked for.
+#[derive(Debug)]
+pub enum DesignError {
+    Setup(Box<SetupError>),
+    Solve(SolveError),
+    Unsuitable { place: Place, kind: Unsuitable },
+}
+
+/// What makes a request unsuitable.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Unsuitable {
+    NothingToEstimate,
+    EmptyGroup,
+    NotDetermined { found: String },
+    NoShape { link: String },
+    NoRivals,
+    SameRivals,
+    NotCoefficients { why: String },
+    OtherSeries,
+    TooFast { joint: String },
+}
+
+impl DesignError {
+    pub fn unsuitable(place: &Place, kind: Unsuitable) -> Self {
+        Self::Unsuitable {
+            place: place.clone(),
+            kind,
+        }
+    }
+
+    /// Whether a robot file is at fault, and not the problem file.
+    pub fn concerns_data(&self) -> bool {
+        matches!(self, Self::Setup(e) if e.concerns_data())
+    }
+}
+
+impl From<SetupError> for DesignError {
+    fn from(e: SetupError) -> Self {
+        Self::Setup(Box::new(e))
+    }
+}
+
+impl From<SolveError> for DesignError {
+    fn from(e: SolveError) -> Self {
+        Self::Solve(e)
+    }
+}
+
+impl Fault for DesignError {
+    fn place(&self) -> &Place {
+        match self {
+            Self::Setup(e) => e.place(),
+            Self::Solve(e) => e.place(),
+            Self::Unsuitable { place, .. } => place,
+        }
+    }
+
+    fn describe(&self) -> Description {
+        let kind = match self {
+            Self::Setup(e) => return e.describe(),
+            Self::Solve(e) => return e.describe(),
+            Self::Unsuitable { kind, .. } => kind,
+        };
+        match kind {
+            Unsuitable::NothingToEstimate => Description::new(
+                "nothing-to-estimate",
+                "every parameter of the model is known, so no motion is better than another",
+                "set inertials = \"estimate\", give a payload, or list effects under [drive]",
+            ),
+            Unsuitable::EmptyGroup => Description::new(
+                "empty-parameter-group",
+                "the model has no unknown parameter in this group",
+                "ask for \"all\", or add the load or the effects that the group is about",
+            ),
+            Unsuitable::NotDetermined { found } => Description::new(
+                "parameter-not-determined",
+                format!("no motion determines `{found}` by itself"),
+                "ask for a base parameter of it: `exid check` and `exid fit` list them",
+            ),
+            Unsuitable::NoRivals => Description::new(
+                "no-rivals",
+                "the criterion \"discriminate\" has nothing to tell apart",
+                "state the rival models under [[design.rival]]: effects, values, or the result of a fit",
+            ),
+            Unsuitable::SameRivals => Description::new(
+                "same-rivals",
+                "two rivals predict the same for every motion once they are fitted",
+                "give them effects that differ, and values of these effects that are not zero",
+            ),
+            Unsuitable::NotCoefficients { why } => Description::new(
+                "not-coefficients",
+                format!("no coefficients can be read from this file: {why}"),
+                "name `coefficients.json` or `result.json` of a design, or a file of the same form",
+            ),
+            Unsuitable::OtherSeries => Description::new(
+                "other-series",
+                "the motion of this file has another period or more harmonics than the design",
+                "set design.period and design.harmonics to those of the file",
+            ),
+            Unsuitable::TooFast { joint } => Description::new(
+                "no-room-for-strokes",
+                format!("joint `{joint}` cannot reach two speeds within its range of positions"),
+                "widen its range, raise its acceleration limit, or lock it",
+            ),
+            Unsuitable::NoShape { link } => Description::new(
+                "no-collision-shape",
+                format!("link `{link}` has no collision shape that a clearance can be kept from"),
+                "give one under [[design.workspace.shape]], or add a sphere, cylinder, capsule or box as its collision \
+                 geometry in the URDF",
+            ),
+        }
+    }
+}
+
+impl fmt::Display for DesignError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write_fault(f, self)
+    }
+}
+
+impl std::error::Error for DesignError {}

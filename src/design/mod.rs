@@ -1,0 +1,39 @@
+//! Excitation: motions from which the parameters asked for come out well, within the robot's limits.
+//!
+//! The Fourier coefficients x of the joints minimise a criterion of the information matrix
+//! `M(x) = W(x)ᵀ W(x)` of the observation matrix W, the derivatives of the signal with respect to the
+//! parameters, in units of the noise.
+
+pub mod columns;
+pub mod compare;
+pub mod contenders;
+pub mod coverage;
+pub mod criterion;
+pub mod earlier;
+pub mod error;
+pub mod expected;
+pub mod hold;
+pub mod laws;
+pub mod limits;
+pub mod motion;
+pub mod observation;
+pub mod output;
+pub mod prepare;
+pub mod problem;
+pub mod report;
+pub mod rivals;
+pub mod search;
+pub mod series;
+pub mod shapes;
+pub mod start;
+pub mod steady;
+pub mod strokes;
+pub mod target;
+pub mod task;
+pub mod torque;
+pub mod validation;
+pub mod verify;
+pub mod workspace;
+
+#[cfg(test)]
+mod tests;

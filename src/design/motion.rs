@@ -1,0 +1,158 @@
+//! The motions of a design: which joints move, and their positions, velocities and accelerations over all
+//! trajectories, sample after sample.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::design::series::{Basis, Series};
+use crate::robot::batch::Trajectory;
+
+/// Derivatives of position that the dynamics need.
+pub const MOTION: usize = 3;
+
+/// The joints and their coefficients: x holds trajectory after trajectory, in each moving joint after
+/// moving joint, of each q0, a, b.
+#[derive(Debug, Clone)]
+pub struct Joints {
+    pub series: Series,
+    /// Joints of the robot.
+    pub count: usize,
+    /// Those that move, in the order of the tree.
+    pub moving: Vec<usize>,
+    /// Harmonics of each moving joint, at most those of the series; what is beyond is zero.
+    pub harmonics: Vec<usize>,
+    /// Positions of those that stand still; of no use for the others.
+    pub standing: Vec<f64>,
+    /// Trajectories designed together.
+    pub trajectories: usize,
+}
+
+impl Joints {
+    /// Number of coefficients of all trajectories.
+    pub fn coefficients(&self) -> usize {
+        self.trajectories * self.of_trajectory()
+    }
+
+    /// Number of coefficients of one trajectory.
+    pub fn of_trajectory(&self) -> usize {
+        self.moving.len() * self.series.width()
+    }
+
+    /// First coefficient of the m-th moving joint in a trajectory.
+    pub fn first(&self, trajectory: usize, m: usize) -> usize {
+        trajectory * self.of_trajectory() + m * self.series.width()
+    }
+
+    /// The same joints in one trajectory.
+    pub fn single(&self) -> Self {
+        Self {
+            trajectories: 1,
+            ..self.clone()
+        }
+    }
+}
+
+/// A motion `[order][joint][sample]`, the trajectories one after the other.
+#[derive(Debug, Clone)]
+pub struct Motion {
+    pub values: [Vec<Vec<f64>>; MOTION],
+}
+
+impl Motion {
+    /// Room for a motion at the instants of a basis; joints that stand still do so already.
+    pub fn new(joints: &Joints, samples: usize) -> Self {
+        let length = joints.trajectories * samples;
+        let mut values = std::array::from_fn(|_| vec![vec![0.0; length]; joints.count]);
+        for j in (0..joints.count).filter(|j| !joints.moving.contains(j)) {
+            values[0][j].fill(joints.standing[j]);
+        }
+        Self { values }
+    }
+
+    /// A motion of coefficients x.
+    pub fn of(joints: &Joints, basis: &Basis, x: &DVector<f64>) -> Self {
+        let mut motion = Self::new(joints, basis.samples);
+        motion.set(joints, basis, x);
+        motion
+    }
+
+    pub fn set(&mut self, joints: &Joints, basis: &Basis, x: &DVector<f64>) {
+        let width = joints.series.width();
+        for trajectory in 0..joints.trajectories {
+            let range = trajectory * basis.samples..(trajectory + 1) * basis.samples;
+            for (m, &j) in joints.moving.iter().enumerate() {
+                let first = joints.first(trajectory, m);
+                let own = &x.as_slice()[first..first + width];
+                for order in 0..MOTION {
+                    basis.evaluate(order, own, &mut self.values[order][j][range.clone()]);
+                }
+            }
+        }
+    }
+
+    /// Adds the gradient with respect to the coefficients of a function whose slopes along the motion are
+    /// these.
+    pub fn pull(&self, joints: &Joints, basis: &Basis, gradient: &mut DVector<f64>) {
+        let width = joints.series.width();
+        for trajectory in 0..joints.trajectories {
+            let range = trajectory * basis.samples..(trajectory + 1) * basis.samples;
+            for (m, &j) in joints.moving.iter().enumerate() {
+                let first = joints.first(trajectory, m);
+                let own = &mut gradient.as_mut_slice()[first..first + width];
+                for order in 0..MOTION {
+                    basis.pull(order, &self.values[order][j][range.clone()], own);
+                }
+            }
+        }
+    }
+
+    pub fn clear(&mut self) {
+        for series in self.values.iter_mut().flatten() {
+            series.fill(0.0);
+        }
+    }
+
+    pub fn trajectory(&self) -> Trajectory<'_> {
+        let [q, dq, ddq] = &self.values;
+        Trajectory { q, dq, ddq }
+    }
+
+    pub fn len(&self) -> usize {
+        self.values[0].first().map_or(0, Vec::len)
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// Motion of the motors at joint scale, `m = V⁻¹ (q − offset)`; without V⁻¹ every motor has its joint.
+pub fn of_motors(
+    motion: &Motion,
+    to_motors: Option<&DMatrix<f64>>,
+    offset: &DVector<f64>,
+) -> Motion {
+    let n = offset.len();
+    let shift = |order: usize, i: usize| if order == 0 { offset[i] } else { 0.0 };
+    let values = std::array::from_fn(|order| {
+        let shifted = |i: usize| -> Vec<f64> {
+            let by = shift(order, i);
+            motion.values[order][i].iter().map(|x| x - by).collect()
+        };
+        let joints: Vec<Vec<f64>> = (0..n).map(shifted).collect();
+        let Some(inverse) = to_motors else {
+            return joints;
+        };
+        let mixed = |m: usize| -> Vec<f64> {
+            let mut out = vec![0.0; motion.len()];
+            for (i, series) in joints.iter().enumerate() {
+                let factor = inverse[(m, i)];
+                out.iter_mut()
+                    .zip(series)
+                    .for_each(|(o, x)| *o += factor * x);
+            }
+            out
+        };
+        (0..n).map(mixed).collect()
+    });
+    Motion { values }
+}

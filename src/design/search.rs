@@ -1,0 +1,394 @@
+//! The search: many starts, the promising ones refined, best so far at any time.
+//!
+//! Starts come in rounds. Half of those of later rounds are random, the others disturb the best motion found in
+//! earlier rounds. All starts of a round are improved for a few steps, in parallel; the best of each kind is
+//! carried to the end. What a round does depends on the seed and on earlier rounds only, so the number of
+//! threads changes nothing.
+
+use std::time::{Duration, Instant};
+
+use nalgebra::DVector;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use crate::design::problem::{Excitation, Experiment};
+use crate::design::start::Starts;
+use crate::problem::Problem;
+use crate::problem::linear_rows::LinearRows;
+use crate::problem::solution::{Control, Stop};
+use crate::problem::view::Nlp;
+use crate::robot::random::generator;
+use crate::solve::error::SolveError;
+use crate::solve::sqp::{self, Constrained, Settings as SqpSettings};
+
+/// Starts of a round, and how many of them are carried to the end.
+const ROUND: usize = 6;
+const CARRIED: usize = 2;
+
+/// Steps before the starts of a round are compared.
+const SCREENING: usize = 50;
+
+/// Steps of one exponent of the criterion, at most.
+const REFINING: usize = 250;
+
+/// Sizes by which the best motion is disturbed, in turn.
+const DISTURBANCES: [f64; 4] = [0.05, 0.1, 0.2, 0.4];
+
+/// Σ of violated shares up to which a motion counts as feasible; the dense check decides in the end.
+const FEASIBLE: f64 = 1e-5;
+
+/// When a search ends, and what it starts from.
+#[derive(Debug, Clone, Default)]
+pub struct Settings {
+    /// Number of starts.
+    pub starts: Option<usize>,
+    /// Wall time.
+    pub budget: Option<Duration>,
+    pub seed: u64,
+    /// Coefficients to start from before random ones.
+    pub given: Vec<DVector<f64>>,
+}
+
+/// Starts of a search for which nothing is stated.
+pub const DEFAULT_STARTS: usize = 12;
+
+/// An improvement of the best value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Improvement {
+    /// s since the search began.
+    pub elapsed: f64,
+    /// Starts made by then.
+    pub starts: usize,
+    pub value: f64,
+}
+
+/// The end of a search.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Found {
+    pub x: DVector<f64>,
+    /// The criterion's reported value.
+    pub value: f64,
+    /// Σ of violated shares at the samples; zero where the motion is feasible.
+    pub infeasibility: f64,
+    pub stop: Stop,
+    pub starts: usize,
+    pub iterations: usize,
+    pub evaluations: usize,
+    pub history: Vec<Improvement>,
+}
+
+impl Found {
+    pub fn is_feasible(&self) -> bool {
+        self.infeasibility <= FEASIBLE
+    }
+}
+
+/// A search over one experiment.
+pub struct Search<'a> {
+    pub experiment: &'a Experiment<'a>,
+    pub rows: &'a LinearRows,
+    pub settings: &'a Settings,
+    /// Share of the limits of torque and workspace that is used.
+    pub shrink: f64,
+}
+
+/// Where a candidate comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Random,
+    Disturbed,
+}
+
+/// A motion with what it is worth.
+#[derive(Debug, Clone)]
+struct Candidate {
+    kind: Kind,
+    x: DVector<f64>,
+    cost: f64,
+    infeasibility: f64,
+    iterations: usize,
+    evaluations: usize,
+}
+
+impl Candidate {
+    /// Feasible before infeasible, then by what is minimised.
+    fn rank(&self) -> (bool, f64) {
+        let infeasible = self.infeasibility > FEASIBLE;
+        let key = if infeasible {
+            self.infeasibility
+        } else {
+            self.cost
+        };
+        (infeasible, key)
+    }
+}
+
+fn order(a: &(bool, f64), b: &(bool, f64)) -> std::cmp::Ordering {
+    a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+}
+
+impl Search<'_> {
+    /// Runs until the starts or the budget are used up, or the caller stops it; `watch` hears of every
+    /// improvement.
+    pub fn run(
+        &self,
+        control: &Control,
+        watch: impl Fn(&Improvement) + Sync,
+    ) -> Result<Found, SolveError> {
+        let began = Instant::now();
+        let budget = self.settings.budget;
+        let starts = match (self.settings.starts, budget) {
+            (Some(starts), _) => starts,
+            (None, Some(_)) => usize::MAX,
+            (None, None) => DEFAULT_STARTS,
+        };
+        let mut found: Option<Found> = None;
+        let (mut made, mut iterations, mut evaluations) = (0, 0, 0);
+        let stop = loop {
+            if control.is_interrupted() {
+                break Stop::Interrupted;
+            }
+            if made >= starts {
+                break Stop::IterationLimit;
+            }
+            if budget.is_some_and(|b| began.elapsed() >= b) && found.is_some() {
+                break Stop::TimeLimit;
+            }
+            let round = made..(made + ROUND).min(starts);
+            made = round.end;
+            let best = found.as_ref().map(|f| f.x.clone());
+            for candidate in self.round(round, best.as_ref(), (control, began))? {
+                iterations += candidate.iterations;
+                evaluations += candidate.evaluations;
+                let improvement = Improvement {
+                    elapsed: began.elapsed().as_secs_f64(),
+                    starts: made,
+                    value: self.value(&candidate.x),
+                };
+                if improves(found.as_ref(), &candidate, improvement.value) {
+                    if candidate.infeasibility <= FEASIBLE {
+                        watch(&improvement);
+                    }
+                    found = Some(self.adopt(found, &candidate, improvement));
+                }
+            }
+        };
+        let mut found = found.unwrap_or_else(|| self.nothing());
+        (found.stop, found.starts) = (self.verdict(stop, &found), made);
+        (found.iterations, found.evaluations) = (iterations, evaluations);
+        Ok(found)
+    }
+
+    /// All planned starts made is the end of a search, not a failure of it.
+    fn verdict(&self, stop: Stop, found: &Found) -> Stop {
+        match stop {
+            Stop::Interrupted => Stop::Interrupted,
+            _ if !found.is_feasible() => Stop::Infeasible,
+            Stop::IterationLimit => Stop::CostTolerance,
+            other => other,
+        }
+    }
+
+    /// Standstill, where the search was stopped before the first round.
+    fn nothing(&self) -> Found {
+        let problem = Excitation::new(self.experiment, 1.0, self.shrink);
+        let x = self.starts(&problem).middle();
+        Found {
+            value: f64::INFINITY,
+            infeasibility: f64::INFINITY,
+            x,
+            stop: Stop::Interrupted,
+            starts: 0,
+            iterations: 0,
+            evaluations: 0,
+            history: Vec::new(),
+        }
+    }
+
+    fn adopt(&self, before: Option<Found>, candidate: &Candidate, by: Improvement) -> Found {
+        let mut history = before.map_or_else(Vec::new, |f| f.history);
+        if candidate.infeasibility <= FEASIBLE {
+            history.push(by);
+        }
+        Found {
+            x: candidate.x.clone(),
+            value: by.value,
+            infeasibility: candidate.infeasibility,
+            stop: Stop::IterationLimit,
+            starts: by.starts,
+            iterations: 0,
+            evaluations: 0,
+            history,
+        }
+    }
+
+    /// The criterion's reported value.
+    pub fn value(&self, x: &DVector<f64>) -> f64 {
+        self.experiment.value(x)
+    }
+
+    fn starts<'b>(&'b self, problem: &'b Excitation<'b>) -> Starts<'b> {
+        Starts::of(self.experiment, problem, self.rows)
+    }
+
+    /// The candidates that a round carries to the end.
+    fn round(
+        &self,
+        round: std::ops::Range<usize>,
+        best: Option<&DVector<f64>>,
+        (control, began): (&Control, Instant),
+    ) -> Result<Vec<Candidate>, SolveError> {
+        let mut screened: Vec<Candidate> = round
+            .into_par_iter()
+            .map(|number| self.screen(number, best, (control, began)))
+            .collect::<Result<_, _>>()?;
+        screened.sort_by(|a, b| order(&a.rank(), &b.rank()));
+        // The best of each kind comes first: near the best so far little is found that is far better.
+        if let Some(other) = screened.iter().position(|c| c.kind != screened[0].kind) {
+            let other = screened.remove(other);
+            screened.insert(1, other);
+        }
+        let rest: (usize, usize) = screened
+            .iter()
+            .skip(CARRIED)
+            .fold((0, 0), |s, c| (s.0 + c.iterations, s.1 + c.evaluations));
+        screened.truncate(CARRIED);
+        let mut carried: Vec<Candidate> = screened
+            .into_par_iter()
+            .map(|candidate| self.refine(candidate, (control, began)))
+            .collect::<Result<_, _>>()?;
+        if let Some(first) = carried.first_mut() {
+            first.iterations += rest.0;
+            first.evaluations += rest.1;
+        }
+        Ok(carried)
+    }
+
+    /// The generator of one start.
+    fn generator(&self, number: usize) -> ChaCha8Rng {
+        let mut rng = generator(self.settings.seed);
+        rng.set_stream(number as u64 + 1);
+        rng
+    }
+
+    /// One start, a few steps on.
+    fn screen(
+        &self,
+        number: usize,
+        best: Option<&DVector<f64>>,
+        timing: (&Control, Instant),
+    ) -> Result<Candidate, SolveError> {
+        let exponent = self.experiment.exponents()[0];
+        let problem = Excitation::new(self.experiment, exponent, self.shrink);
+        let starts = self.starts(&problem);
+        let mut rng = self.generator(number);
+        let (x, kind) = match (self.settings.given.get(number), best) {
+            (Some(given), _) => (starts.given(given, &mut rng), Kind::Random),
+            (None, Some(best)) if number % 2 == 1 => {
+                let size = DISTURBANCES[(number / 2) % DISTURBANCES.len()];
+                (starts.disturbed(best, size, &mut rng), Kind::Disturbed)
+            }
+            _ => (starts.random(&mut rng), Kind::Random),
+        };
+        let found = self.improve(&problem, &x, SCREENING, timing)?;
+        Ok(Candidate { kind, ..found })
+    }
+
+    /// A candidate carried through all exponents of the criterion.
+    fn refine(
+        &self,
+        candidate: Candidate,
+        timing: (&Control, Instant),
+    ) -> Result<Candidate, SolveError> {
+        let mut current = candidate;
+        for &exponent in self.experiment.exponents() {
+            let problem = Excitation::new(self.experiment, exponent, self.shrink);
+            let next = self.improve(&problem, &current.x, REFINING, timing)?;
+            current = Candidate {
+                kind: current.kind,
+                iterations: current.iterations + next.iterations,
+                evaluations: current.evaluations + next.evaluations,
+                ..next
+            };
+        }
+        Ok(current)
+    }
+
+    /// Continues from coefficients of an earlier search; a short one, as after a change of the limits.
+    pub fn continued(
+        &self,
+        x: &DVector<f64>,
+        (control, limit): (&Control, Option<Duration>),
+    ) -> Result<Found, SolveError> {
+        let exponents = self.experiment.exponents();
+        let exponent = exponents[exponents.len() - 1];
+        let problem = Excitation::new(self.experiment, exponent, self.shrink);
+        let start = self.starts(&problem).given(x, &mut self.generator(0));
+        let settings = Settings {
+            budget: limit,
+            ..Settings::default()
+        };
+        let limited = Search {
+            settings: &settings,
+            ..*self
+        };
+        let end = limited.improve(&problem, &start, REFINING, (control, Instant::now()))?;
+        Ok(Found {
+            value: self.value(&end.x),
+            infeasibility: end.infeasibility,
+            x: end.x,
+            stop: Stop::CostTolerance,
+            starts: 0,
+            iterations: end.iterations,
+            evaluations: end.evaluations,
+            history: Vec::new(),
+        })
+    }
+
+    fn improve(
+        &self,
+        problem: &Excitation<'_>,
+        x: &DVector<f64>,
+        steps: usize,
+        (control, began): (&Control, Instant),
+    ) -> Result<Candidate, SolveError> {
+        let view = Nlp::try_from(problem as &dyn Problem)?.within(self.rows);
+        let settings = SqpSettings {
+            max_iterations: steps,
+            cost_tolerance: 1e-7,
+            progress_tolerance: 1e-5,
+            ..SqpSettings::default()
+        };
+        let limit = self.settings.budget;
+        let own = Control {
+            interrupt: control.interrupt.clone(),
+            time_limit: limit.map(|b| b.saturating_sub(began.elapsed())),
+            progress: None,
+        };
+        let Constrained {
+            solution,
+            infeasibility,
+        } = sqp::minimize(view, x, &settings, &own)?;
+        Ok(Candidate {
+            kind: Kind::Random,
+            cost: solution.cost,
+            x: solution.x,
+            infeasibility,
+            iterations: solution.iterations,
+            evaluations: solution.evaluations,
+        })
+    }
+}
+
+/// Whether a candidate takes the place of the best so far.
+fn improves(best: Option<&Found>, candidate: &Candidate, value: f64) -> bool {
+    let Some(best) = best else {
+        return true;
+    };
+    match (best.is_feasible(), candidate.infeasibility <= FEASIBLE) {
+        (false, true) => true,
+        (true, false) => false,
+        (false, false) => candidate.infeasibility < best.infeasibility,
+        (true, true) => value < best.value,
+    }
+}

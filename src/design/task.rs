@@ -1,0 +1,318 @@
+//! The task behind `exid design`: from a problem file to motions, what they are worth, and their files.
+
+use std::time::Duration;
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::design::columns::Columns;
+use crate::design::compare;
+use crate::design::contenders;
+use crate::design::earlier::Earlier;
+use crate::design::error::{DesignError, Unsuitable};
+use crate::design::hold::{self, Held};
+use crate::design::limits::{self, Ends};
+use crate::design::motion::{Joints, Motion};
+use crate::design::output::Sampled;
+use crate::design::prepare::{self, Prepared};
+use crate::design::problem::{Excitation, Experiment, Plan};
+use crate::design::search::{Improvement, Search, Settings};
+use crate::design::series::Series;
+use crate::design::start::Starts;
+use crate::design::steady;
+use crate::design::target::{Scale, Target};
+use crate::design::verify;
+use crate::design::{report, validation};
+use crate::outcome::design::Design;
+use crate::outcome::estimate::Solver;
+use crate::problem::linear_rows::LinearRows;
+use crate::problem::solution::{Control, Stop};
+use crate::problem_file::ProblemFile;
+use crate::problem_file::choices::{DesignKind, Scaling};
+use crate::robot::random::generator;
+
+/// Rate of the trajectory where the problem file states none, Hz.
+const DEFAULT_RATE: f64 = 200.0;
+
+/// Instants per cycle of the highest harmonic below which the samples of a design see too little of it.
+const LEAST_PER_CYCLE: usize = 4;
+
+/// Random motions whose columns' norms make the fixed scale.
+const SCALE_MOTIONS: usize = 8;
+
+/// A file of the results folder.
+#[derive(Debug, Clone)]
+pub struct NamedTrajectory {
+    /// Without its end.
+    pub name: String,
+    pub sampled: Sampled,
+}
+
+/// How a design ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    Feasible,
+    Infeasible,
+    Interrupted,
+}
+
+/// What a design gives.
+#[derive(Debug)]
+pub struct Designed {
+    pub design: Design,
+    pub solver: Solver,
+    pub end: End,
+    pub trajectories: Vec<NamedTrajectory>,
+    /// The first trajectory with ramps at both ends.
+    pub with_ramps: Vec<NamedTrajectory>,
+}
+
+/// Designs the motions of a problem file; `watch` hears of every improvement.
+///
+/// # Errors
+/// Faults of the problem file and the files it names; requests that no design can meet.
+pub fn run(
+    problem: &ProblemFile,
+    seed: u64,
+    control: &Control,
+    watch: impl Fn(&Improvement) + Sync,
+) -> Result<Designed, DesignError> {
+    let prepared = Prepared::read(problem)?;
+    prepared.check_unknowns(problem)?;
+    let columns = columns(problem, &prepared);
+    let mut experiment = experiment(problem, &prepared, &columns)?;
+    if problem.design.kind.value == DesignKind::ConstantVelocity {
+        return steady::run(problem, &prepared, &experiment);
+    }
+    let ends = match problem.design.rest_to_rest.value {
+        true => Ends::AtRest,
+        false => Ends::Free,
+    };
+    let rows = limits::rows(&experiment.joints, &experiment.bounds, ends);
+    if problem.design.scaling.value == Scaling::Columns {
+        experiment.target.scale = columns_scale(&experiment, &rows, seed);
+    }
+    if experiment.rivals.is_some() && !experiment.value(&any(&experiment, &rows, seed)).is_finite()
+    {
+        let place = &problem.design.criterion.place;
+        return Err(DesignError::unsuitable(place, Unsuitable::SameRivals));
+    }
+    let reference = reference(problem, &prepared, &experiment)?;
+    let settings = settings(
+        problem,
+        (&prepared, &experiment),
+        (reference.as_ref(), seed),
+    )?;
+    let search = Search {
+        experiment: &experiment,
+        rows: &rows,
+        settings: &settings,
+        shrink: 1.0,
+    };
+    let held = hold::run(&search, control, watch)?;
+    let mut designed = conclude(problem, (&prepared, &search), held, seed)?;
+    designed.design.reference =
+        reference.map(|r| compare::outcome(problem, (&prepared, &experiment), &r));
+    Ok(designed)
+}
+
+/// The motion to compare with.
+fn reference(
+    problem: &ProblemFile,
+    prepared: &Prepared,
+    experiment: &Experiment<'_>,
+) -> Result<Option<Earlier>, DesignError> {
+    let path = problem.design.reference.as_ref();
+    path.map(|path| Earlier::read(path, &experiment.joints, &prepared.names()))
+        .transpose()
+}
+
+fn settings(
+    problem: &ProblemFile,
+    (prepared, experiment): (&Prepared, &Experiment<'_>),
+    (reference, seed): (Option<&Earlier>, u64),
+) -> Result<Settings, DesignError> {
+    let table = &problem.design;
+    let mut given = Vec::new();
+    if let Some(path) = &table.start_from {
+        let earlier = Earlier::read(path, &experiment.joints, &prepared.names())?;
+        let own = earlier.within(&experiment.joints);
+        given.push(
+            own.ok_or_else(|| DesignError::unsuitable(&path.place, Unsuitable::OtherSeries))?,
+        );
+    }
+    given.extend(reference.and_then(|r| r.within(&experiment.joints)));
+    Ok(Settings {
+        starts: table.starts.as_ref().map(|s| s.value),
+        budget: table
+            .budget_s
+            .as_ref()
+            .map(|b| Duration::from_secs_f64(b.value)),
+        seed,
+        given,
+    })
+}
+
+/// A random motion within the limits.
+fn any(experiment: &Experiment<'_>, rows: &LinearRows, seed: u64) -> DVector<f64> {
+    let problem = Excitation::new(experiment, 1.0, 1.0);
+    Starts::of(experiment, &problem, rows).random(&mut generator(seed))
+}
+
+/// The columns; a bare regressor has no weights.
+fn columns(problem: &ProblemFile, prepared: &Prepared) -> Columns {
+    let bare = vec![1.0; prepared.noise.len()];
+    let noise = match problem.design.scaling.value {
+        Scaling::None => &bare,
+        Scaling::Columns | Scaling::Whitened => &prepared.noise,
+    };
+    let kept = prepared.base.kept();
+    Columns::new(&prepared.model, kept, &prepared.loads, noise)
+}
+
+fn experiment<'a>(
+    problem: &ProblemFile,
+    prepared: &'a Prepared,
+    columns: &'a Columns,
+) -> Result<Experiment<'a>, DesignError> {
+    let table = &problem.design;
+    let model = &prepared.model;
+    let n = model.joints().len();
+    let standing = |j: usize| prepared.robot.locked[j].unwrap_or(0.0);
+    let moving: Vec<usize> = (0..n).filter(|&j| !model.joints()[j].locked).collect();
+    let harmonics = prepared.harmonics(problem)?;
+    let joints = Joints {
+        series: Series {
+            harmonics: table.harmonics.value.most(),
+            period: table.period.value,
+        },
+        count: n,
+        harmonics: moving.iter().map(|&j| harmonics[j]).collect(),
+        moving,
+        standing: (0..n).map(standing).collect(),
+        trajectories: table.trajectories.value,
+    };
+    let least = LEAST_PER_CYCLE * joints.series.harmonics;
+    let plan = Plan {
+        model,
+        columns,
+        values: &prepared.values,
+        loads: &prepared.loads,
+        samples: table.samples.value.max(least),
+        joints,
+        bounds: prepared.limits.clone(),
+        rules: prepared.rules(problem)?,
+        target: Target {
+            criterion: prepare::criterion(problem),
+            wanted: prepared.wanted(problem)?,
+            prior: match table.scaling.value {
+                Scaling::None => DMatrix::zeros(columns.len(), columns.len()),
+                Scaling::Columns | Scaling::Whitened => prepared.prior_information(),
+            },
+            scale: Scale::None,
+        },
+        rivals: contenders::of(problem, prepared)?,
+    };
+    Ok(plan.experiment())
+}
+
+/// The condition number sees columns of unit norm along the motion itself; the other criteria would lose
+/// what the norms say, so for them each column is divided by its norm over random motions.
+fn columns_scale(experiment: &Experiment<'_>, rows: &LinearRows, seed: u64) -> Scale {
+    if experiment.target.criterion.id() == "condition" {
+        return Scale::Own;
+    }
+    let problem = Excitation::new(experiment, 1.0, 1.0);
+    let starts = Starts::of(experiment, &problem, rows);
+    let count = experiment.observation.columns().len();
+    let mut sum = DMatrix::zeros(count, count);
+    for number in 0..SCALE_MOTIONS {
+        let mut rng = generator(seed);
+        rng.set_stream(u64::MAX - number as u64);
+        sum += experiment.information(&starts.random(&mut rng));
+    }
+    let diagonal = sum.diagonal() / SCALE_MOTIONS as f64;
+    let scale = diagonal.map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 1.0 });
+    Scale::Fixed(match &experiment.target.wanted {
+        Some(wanted) => scale.select_rows(wanted),
+        None => scale,
+    })
+}
+
+/// Rate of the trajectory's file.
+pub(super) fn rate(problem: &ProblemFile) -> f64 {
+    let recorded = problem.recordings.as_ref().and_then(|r| r.rate.as_ref());
+    let simulated = problem.simulate.rate.as_ref();
+    recorded.or(simulated).map_or(DEFAULT_RATE, |r| r.value)
+}
+
+fn conclude(
+    problem: &ProblemFile,
+    (prepared, search): (&Prepared, &Search<'_>),
+    (found, margins): Held,
+    seed: u64,
+) -> Result<Designed, DesignError> {
+    let experiment = search.experiment;
+    let end = match found.stop {
+        Stop::Interrupted => End::Interrupted,
+        _ if !found.is_feasible() || verify::violation(&margins) > verify::TOLERANCE => {
+            End::Infeasible
+        }
+        _ => End::Feasible,
+    };
+    let motion = Motion::of(&experiment.joints, &experiment.basis, &found.x);
+    let (trajectories, with_ramps) = files(problem, (prepared, search), &found.x, seed)?;
+    let mut design = report::of(problem, (prepared, experiment), (&found, &margins));
+    prepared.judge(experiment, &motion, &mut design);
+    if end == End::Infeasible {
+        design.notes.insert(0, report::obstacle(&margins));
+    }
+    Ok(Designed {
+        solver: report::solver(&found, end),
+        design,
+        end,
+        trajectories,
+        with_ramps,
+    })
+}
+
+/// The trajectories, one for validation, and the same with ramps.
+fn files(
+    problem: &ProblemFile,
+    (prepared, search): (&Prepared, &Search<'_>),
+    x: &DVector<f64>,
+    seed: u64,
+) -> Result<(Vec<NamedTrajectory>, Vec<NamedTrajectory>), DesignError> {
+    let experiment = search.experiment;
+    let joints = &experiment.joints;
+    let single = joints.single();
+    let names = prepared.names();
+    let mut pieces: Vec<(String, DVector<f64>)> = (0..joints.trajectories)
+        .map(|k| {
+            let own = x.rows(k * joints.of_trajectory(), joints.of_trajectory());
+            let name = match k {
+                0 => "trajectory".to_string(),
+                _ => format!("trajectory_{}", k + 1),
+            };
+            (name, own.into_owned())
+        })
+        .collect();
+    if let Some(other) = validation::far_from(search, x, seed) {
+        pieces.push(("validation_trajectory".to_string(), other));
+    }
+    let rest = prepared.rest(problem)?;
+    let holds = |motion: &Motion| {
+        let margins = verify::of_dynamics(experiment, (motion, 0.0), 0);
+        verify::violation(&margins) <= verify::TOLERANCE
+    };
+    let mut plain = Vec::new();
+    let mut ramped = Vec::new();
+    for (name, own) in pieces {
+        let sampled = Sampled::period(&single, &own, rate(problem), &names);
+        ramped.push(NamedTrajectory {
+            name: format!("{name}_with_ramps"),
+            sampled: sampled.with_ramps(&rest, &prepared.limits, holds),
+        });
+        plain.push(NamedTrajectory { name, sampled });
+    }
+    Ok((plain, ramped))
+}

@@ -1,0 +1,256 @@
+//! From a grown model to what is reported: findings, what they explain, what is left, the verdict.
+
+use crate::chain::model::Model;
+use crate::diagnose::explain;
+use crate::diagnose::hypothesis::Hypothesis;
+use crate::diagnose::refit::Refit;
+use crate::diagnose::rivals::Contest;
+use crate::diagnose::rows::rms;
+use crate::diagnose::search::{self, MATTERS, Trial};
+use crate::diagnose::smooth::Smooth;
+use crate::outcome::diagnose::{Evidence, Finding, Rival, Spoiled, Verdict};
+use crate::outcome::parameter::Parameter;
+
+/// Least excess over the noise that shares are taken of.
+const LEAST_EXCESS: f64 = 0.05;
+
+/// Share of the excess that findings explain where they explain the misfit.
+const MOSTLY: f64 = 0.9;
+
+/// Share of the excess that findings explain where they explain part of it.
+const PARTLY: f64 = 0.5;
+
+/// Share of what a finding explains that other physics has to explain to be its rival.
+const RIVALLING: f64 = 0.5;
+
+/// Mean square of one row that is noise, per channel, and where it comes from.
+#[derive(Debug, Clone)]
+pub struct Floor {
+    pub rms: Vec<f64>,
+    /// Evidence between periods; otherwise the least residual of any model.
+    pub measured: bool,
+}
+
+impl Floor {
+    /// Lack of fit pooled over channels: mean of the squared residual over the squared noise.
+    pub fn lack_of_fit(&self, residuals: &[Vec<f64>], channels: &[usize]) -> f64 {
+        let (mut sum, mut rows) = (0.0, 0.0);
+        for &c in channels.iter().filter(|&&c| !residuals[c].is_empty()) {
+            let count = residuals[c].len() as f64;
+            sum += count * (rms(&residuals[c]) / self.rms[c]).powi(2);
+            rows += count;
+        }
+        if rows > 0.0 { sum / rows } else { 1.0 }
+    }
+
+    fn share(&self, (before, after): (&[Vec<f64>], &[Vec<f64>]), channels: &[usize]) -> f64 {
+        let (before, after) = (
+            self.lack_of_fit(before, channels),
+            self.lack_of_fit(after, channels),
+        );
+        ((before - after) / (before - 1.0).max(LEAST_EXCESS)).clamp(0.0, 1.0)
+    }
+}
+
+/// A step of the explanation: the model before, the model with one finding more, and the evidence.
+pub struct Step<'a> {
+    pub before: &'a Refit,
+    pub after: &'a Refit,
+    pub needed: &'a Trial,
+    pub contest: &'a Contest,
+}
+
+/// Findings of the vocabulary in the order found.
+pub fn findings(steps: &[Step<'_>], floor: &Floor, parameters: &[Parameter]) -> Vec<Finding> {
+    let of = |step: &Step<'_>| finding(step, floor, parameters);
+    steps.iter().map(of).collect()
+}
+
+fn finding(step: &Step<'_>, floor: &Floor, parameters: &[Parameter]) -> Finding {
+    let hypothesis = &step.needed.hypothesis;
+    let model = &step.after.model;
+    let joints = hypothesis.named_joints();
+    let names = joint_names(model, &joints);
+    let own: Vec<Parameter> = parameters
+        .iter()
+        .filter(|p| step.before.model.find(&p.name).is_err() && belongs(p, hypothesis, &names))
+        .cloned()
+        .collect();
+    let channels = channels_of(model, &joints);
+    let pooled = |e: &[Vec<f64>]| {
+        let squares: f64 = channels.iter().map(|&c| rms(&e[c]).powi(2)).sum();
+        (squares / channels.len().max(1) as f64).sqrt()
+    };
+    let (before, after) = (
+        pooled(&step.before.validation),
+        pooled(&step.after.validation),
+    );
+    let unit = channels.first().map_or("", |&c| model.channels()[c].unit);
+    Finding {
+        effect: hypothesis.effect.id.to_string(),
+        rmse_validation_before: before,
+        rmse_validation_after: after,
+        explained_share: floor.share((&step.before.validation, &step.after.validation), &channels),
+        p_value: step.needed.p_value,
+        sentence: format!(
+            "{}; {}.",
+            explain::sentence(hypothesis, &names, &own),
+            explain::improvement(before, after, unit)
+        ),
+        parameters: own,
+        joints: names,
+        rivals: rivals(step.contest, floor, &channels),
+    }
+}
+
+fn belongs(parameter: &Parameter, hypothesis: &Hypothesis, joints: &[String]) -> bool {
+    let effect = hypothesis.effect.id;
+    let of_joint = |joint: &String| parameter.name.starts_with(&format!("{joint}.{effect}."));
+    let own = joints.iter().any(of_joint);
+    let shared = parameter.name.starts_with(&format!("{effect}."));
+    own || shared || (effect == "unmodelled_payload" && parameter.name.starts_with("payload."))
+}
+
+fn rivals(contest: &Contest, floor: &Floor, channels: &[usize]) -> Vec<Rival> {
+    let share =
+        |refit: &Refit| floor.share((&contest.without.validation, &refit.validation), channels);
+    let mut rivals: Vec<Rival> = contest
+        .alternatives
+        .iter()
+        .map(|alternative| {
+            let refit = &alternative.trial.refit;
+            let hypothesis = &alternative.trial.hypothesis;
+            Rival {
+                effect: hypothesis.effect.id.to_string(),
+                joints: joint_names(&refit.model, &hypothesis.named_joints()),
+                explained_share: share(refit),
+                separable: alternative.separable,
+            }
+        })
+        .collect();
+    let most = rivals.iter().map(|r| r.explained_share).fold(0.0, f64::max);
+    rivals.retain(|r| !r.separable || r.explained_share >= RIVALLING * most && most > 0.0);
+    rivals.sort_by(|a, b| {
+        let by_share = b.explained_share.total_cmp(&a.explained_share);
+        a.separable.cmp(&b.separable).then(by_share)
+    });
+    rivals
+}
+
+/// The finding of what no effect of the vocabulary explains.
+pub fn unnamed(smooth: &Smooth, refit: &Refit, (floor, tried): (&Floor, usize)) -> Finding {
+    let c = smooth.channel;
+    let channel = &refit.model.channels()[c];
+    let left: Vec<f64> = refit.validation[c]
+        .iter()
+        .zip(&smooth.validation)
+        .map(|(e, f)| e - f)
+        .collect();
+    let (before, after) = (rms(&refit.validation[c]), rms(&left));
+    let mut residuals = refit.validation.clone();
+    residuals[c] = left;
+    Finding {
+        effect: "unnamed".to_string(),
+        joints: vec![channel.name.clone()],
+        parameters: Vec::new(),
+        rmse_validation_before: before,
+        rmse_validation_after: after,
+        explained_share: floor.share((&refit.validation, &residuals), &[c]),
+        p_value: (smooth.evidence.p_value * tried as f64).min(1.0),
+        sentence: format!(
+            "Something is missing on {} that no effect of the vocabulary explains; a smooth correction \
+             over speed, position and load takes its place, and {}.",
+            channel.name,
+            explain::improvement(before, after, channel.unit)
+        ),
+        rivals: Vec::new(),
+    }
+}
+
+/// Whether a smooth model says something that is significant and matters.
+pub fn is_needed(smooth: &Smooth, (significance, tried): (f64, usize)) -> bool {
+    smooth.evidence.p_value * (tried as f64) < significance && smooth.relief >= MATTERS
+}
+
+/// The verdict from the lack of fit of the joints that findings name, before and after, and from what is
+/// left without a name.
+pub fn verdict(findings: &[Finding], (before, after): (f64, f64)) -> Verdict {
+    if findings.is_empty() {
+        return Verdict::NothingMissing;
+    }
+    let named = findings.iter().filter(|f| f.effect != "unnamed").count();
+    if named == 0 {
+        return Verdict::Unexplained;
+    }
+    let share = (before - after) / (before - 1.0).max(LEAST_EXCESS);
+    let all_named = named == findings.len();
+    if all_named && (share >= MOSTLY || after - 1.0 <= LEAST_EXCESS) {
+        Verdict::Explained
+    } else if share >= PARTLY {
+        Verdict::PartlyExplained
+    } else {
+        Verdict::Unexplained
+    }
+}
+
+/// Parameters that both models determine and that moved by more than their uncertainty.
+pub fn spoiled(before: &[Parameter], after: &[Parameter]) -> Vec<Spoiled> {
+    /// Standard deviations of the later estimate beyond which a change is one.
+    const MOVED: f64 = 3.0;
+    let mut spoiled: Vec<(f64, Spoiled)> = after
+        .iter()
+        .filter_map(|new| {
+            let old = before.iter().find(|p| p.name == new.name)?;
+            let (from, to, deviation) = (old.value?, new.value?, new.std_dev?);
+            let moved = (to - from).abs() / deviation;
+            let entry = Spoiled {
+                name: new.name.clone(),
+                unit: new.unit.clone(),
+                before: from,
+                after: to,
+                std_dev: deviation,
+            };
+            (moved > MOVED).then_some((moved, entry))
+        })
+        .collect();
+    spoiled.sort_by(|a, b| b.0.total_cmp(&a.0));
+    spoiled.into_iter().map(|(_, entry)| entry).collect()
+}
+
+pub fn joint_names(model: &Model, joints: &[usize]) -> Vec<String> {
+    joints
+        .iter()
+        .map(|&j| model.joints()[j].name.clone())
+        .collect()
+}
+
+/// Channels of joints; all channels where the signal is the wrench of the base.
+pub fn channels_of(model: &Model, joints: &[usize]) -> Vec<usize> {
+    let channels = model.channels().iter().enumerate();
+    let of = |c: &crate::chain::model::Channel| c.joint.is_none_or(|j| joints.contains(&j));
+    channels
+        .filter(|(_, c)| c.active && of(c))
+        .map(|(k, _)| k)
+        .collect()
+}
+
+/// What was tried, for the table of evidence.
+pub fn evidence(steps: &[search::Step]) -> Vec<Evidence> {
+    let mut evidence = Vec::new();
+    for step in steps {
+        for (k, trial) in step.trials.iter().enumerate() {
+            let hypotheses = &trial.refit.hypotheses;
+            evidence.push(Evidence {
+                step: hypotheses.len().saturating_sub(1),
+                effect: trial.hypothesis.effect.id.to_string(),
+                joints: joint_names(&trial.refit.model, &trial.hypothesis.named_joints()),
+                slope: trial.evidence.slope,
+                p_value: trial.p_value,
+                relief: trial.relief,
+                score: trial.refit.held_out_score() - step.score,
+                accepted: step.accepted && k == 0,
+            });
+        }
+    }
+    evidence
+}

@@ -1,0 +1,20 @@
+//! Why a diagnosis gives no result.
+
+use crate::estimate::error::EstimateError;
+use crate::setup::error::SetupError;
+use thiserror::Error;
+
+/// A diagnosis that cannot start or finish.
+#[derive(Debug, Error)]
+pub enum DiagnoseError {
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    #[error(transparent)]
+    Refit(Box<EstimateError>),
+}
+
+impl From<EstimateError> for DiagnoseError {
+    fn from(error: EstimateError) -> Self {
+        Self::Refit(Box::new(error))
+    }
+}

@@ -1,0 +1,136 @@
+//! What may be missing: an effect of the vocabulary on a joint, on a pair of joints, or on all of them.
+
+use crate::chain::effect::{EFFECTS, Effect, Law, Memory};
+use crate::chain::model::Model;
+use crate::chain::parameter::Role;
+use crate::setup::model::Addition;
+
+/// An effect with the joints that it acts on.
+#[derive(Debug, Clone)]
+pub struct Hypothesis {
+    pub effect: &'static Effect,
+    /// Joints in whose lists the effect stands.
+    pub joints: Vec<usize>,
+    /// Column of the entry of V, for a coupling: the motor that moves the joint too.
+    pub other: Option<usize>,
+}
+
+impl PartialEq for Hypothesis {
+    fn eq(&self, other: &Self) -> bool {
+        self.effect.id == other.effect.id
+            && self.joints == other.joints
+            && self.other == other.other
+    }
+}
+
+impl Hypothesis {
+    fn on(effect: &'static Effect, joints: Vec<usize>) -> Self {
+        Self {
+            effect,
+            joints,
+            other: None,
+        }
+    }
+
+    /// Joints that a finding names: both of a coupling.
+    pub fn named_joints(&self) -> Vec<usize> {
+        let mut joints = self.joints.clone();
+        joints.extend(self.other);
+        joints.sort_unstable();
+        joints
+    }
+
+    /// The same physics on some of the same joints.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.effect.id == other.effect.id && self.joints.iter().any(|j| other.joints.contains(j))
+    }
+}
+
+/// What a model has to be given for hypotheses to be in it.
+pub fn addition(hypotheses: &[Hypothesis]) -> Addition {
+    let mut addition = Addition::default();
+    for hypothesis in hypotheses {
+        for &joint in &hypothesis.joints {
+            match hypothesis.other {
+                Some(other) => addition.coupling.push((joint, other)),
+                None => addition.effects.push((joint, hypothesis.effect)),
+            }
+        }
+    }
+    addition
+}
+
+/// Every hypothesis that a model leaves open; `sought` are the effects to look for, all if `None`.
+/// What changes with time shows only `in_time`.
+pub fn open(model: &Model, (sought, in_time): (Option<&[String]>, bool)) -> Vec<Hypothesis> {
+    let wanted = |e: &&&Effect| {
+        let shows = in_time || e.needs.memory != Memory::Time;
+        shows && sought.is_none_or(|ids| ids.iter().any(|id| id == e.id))
+    };
+    let joints: Vec<usize> = (0..model.joints().len())
+        .filter(|&j| !model.joints()[j].locked)
+        .collect();
+    let mut open = Vec::new();
+    for effect in EFFECTS.iter().filter(wanted) {
+        match effect.law {
+            Law::Coupling => open.extend(couplings(model, effect, &joints)),
+            Law::Body => open.extend(bodies(model, effect, &joints)),
+            Law::Tilt if model.tilt().is_none() => {
+                open.push(Hypothesis::on(effect, joints.clone()));
+            }
+            Law::Tilt => {}
+            _ => {
+                let single = joints.iter().filter(|j| may_have(model, **j, effect));
+                open.extend(single.map(|&j| Hypothesis::on(effect, vec![j])));
+                let all = joints.iter().all(|&j| may_have(model, j, effect));
+                // One cable or one clock carries the channels of all joints.
+                if matches!(effect.law, Law::Delay) && all && joints.len() > 1 {
+                    open.push(Hypothesis::on(effect, joints.clone()));
+                }
+            }
+        }
+    }
+    open
+}
+
+/// Whether a joint may have the effect and does not: no joint has it twice, a rotor inertia that is
+/// given is known, a parameter that it takes from another effect is there, and another law does not
+/// already stand in the place that it would take.
+fn may_have(model: &Model, joint: usize, effect: &Effect) -> bool {
+    let listed = &model.joints()[joint].effects;
+    let has = |id: &str| listed.iter().any(|(e, _)| e.id == id);
+    let lent = effect.needs.borrows.iter().all(|(lender, _)| has(lender));
+    !has(effect.id) && lent
+}
+
+fn couplings(model: &Model, effect: &'static Effect, joints: &[usize]) -> Vec<Hypothesis> {
+    let taken = |row: usize, column: usize| {
+        let here = Role::Coupling { row, column };
+        model.parameters().iter().any(|p| p.role == here)
+    };
+    let mut open = Vec::new();
+    for &row in joints {
+        for &column in joints.iter().filter(|&&c| c != row && !taken(row, c)) {
+            open.push(Hypothesis {
+                effect,
+                joints: vec![row],
+                other: Some(column),
+            });
+        }
+    }
+    open
+}
+
+/// A load on a link shows only where the links' own inertials are known.
+fn bodies(model: &Model, effect: &'static Effect, joints: &[usize]) -> Vec<Hypothesis> {
+    let known = |link: usize| {
+        let own = |role: Role| matches!(role, Role::Inertial { link: l, .. } if l == link);
+        let mut entries = model.parameters().iter().filter(|p| own(p.role));
+        entries.any(|p| !p.is_free())
+    };
+    if model.payload().is_some() {
+        return Vec::new();
+    }
+    let on = |&j: &usize| Hypothesis::on(effect, vec![j]);
+    joints.iter().filter(|&&j| known(j)).map(on).collect()
+}

@@ -1,0 +1,198 @@
+//! Where the misfit of a joint lies: the variables over which its residual is not zero on average.
+//!
+//! The mean residual in bins of a variable, of equally many fitted rows each, forecasts the residual of rows that
+//! were not fitted; the share of energy that it takes from them is what the variable explains.
+
+use crate::diagnose::bench::Bench;
+use crate::diagnose::evidence::encompassing;
+use crate::diagnose::refit::Refit;
+use crate::diagnose::regime::{Regimes, Variable};
+use crate::diagnose::rows::Series;
+use crate::outcome::diagnose::{CurvePoint, Located};
+use crate::recording::split::Split;
+
+/// Bins of a variable, for either direction.
+const BINS: usize = 16;
+
+/// Variables that explain less of the residual's energy say little about where it lies.
+const LEAST_SHARE: f64 = 0.05;
+
+/// Variables that are named for one joint.
+const MOST_VARIABLES: usize = 4;
+
+/// Share of what a variable explains that the range named for it holds.
+const BULK: f64 = 0.6;
+
+/// Regimes in which the residuals of a model lie, the largest share of each joint first.
+pub fn locate(bench: &Bench<'_>, refit: &Refit, significance: f64) -> Vec<Located> {
+    let (train, held_out) = (
+        bench.recordings(Split::Train),
+        bench.recordings(Split::Validation),
+    );
+    let model = &refit.model;
+    let fitted = Series::of(model, &refit.values, &[], &train);
+    let tested = Series::of(model, &refit.values, &[], &held_out);
+    let mut located = Vec::new();
+    for (c, channel) in model.channels().iter().enumerate() {
+        let Some(joint) = channel.joint.filter(|_| channel.active) else {
+            continue;
+        };
+        let of_train = Regimes::of(model, (joint, &fitted.predicted[c]), &train);
+        let of_held_out = Regimes::of(model, (joint, &tested.predicted[c]), &held_out);
+        let count = of_train.variables.len();
+        let mut found: Vec<Located> = (0..count)
+            .filter_map(|k| {
+                let seen = Seen {
+                    variable: &of_train.variables[k],
+                    direction: &of_train.direction,
+                    residual: &refit.train[c],
+                };
+                let unseen = Seen {
+                    variable: &of_held_out.variables[k],
+                    direction: &of_held_out.direction,
+                    residual: &refit.validation[c],
+                };
+                one(&channel.name, (&seen, &unseen), significance / count as f64)
+            })
+            .collect();
+        found.sort_by(|a, b| b.share.total_cmp(&a.share));
+        found.truncate(MOST_VARIABLES);
+        located.extend(found);
+    }
+    located
+}
+
+/// A variable with the residual over the same rows.
+struct Seen<'a> {
+    variable: &'a Variable,
+    direction: &'a [f64],
+    residual: &'a [f64],
+}
+
+fn one(joint: &str, (train, held_out): (&Seen<'_>, &Seen<'_>), level: f64) -> Option<Located> {
+    let edges = edges(&train.variable.values);
+    let curve = Curve::of(train, &edges);
+    let forecast: Vec<f64> = (0..held_out.residual.len())
+        .map(|k| held_out.residual[k] - curve.at(held_out, (k, &edges)))
+        .collect();
+    let energy = |e: &[f64]| e.iter().map(|x| x * x).sum::<f64>();
+    let share = 1.0 - energy(&forecast) / energy(held_out.residual);
+    let evidence = encompassing(&[held_out.residual.to_vec()], &[forecast]);
+    if share < LEAST_SHARE || evidence.p_value > level {
+        return None;
+    }
+    let (first, last) = curve.bulk();
+    let (low, high) = (edges[first], edges[last + 1]);
+    let variable = train.variable;
+    let sentence = format!(
+        "{joint}: {} explains {:.0} % of what the declared model leaves, most of it between {low:.3} and {high:.3} {}",
+        words(&variable.name),
+        100.0 * share,
+        variable.unit
+    );
+    Some(Located {
+        joint: joint.to_string(),
+        variable: variable.name.clone(),
+        unit: variable.unit.to_string(),
+        low,
+        high,
+        share,
+        sentence,
+        curve: curve.points(&edges),
+    })
+}
+
+fn words(variable: &str) -> &str {
+    match variable {
+        "time" => "the time within the recording",
+        "reversal" => "the distance since the last reversal",
+        "load" => "the transmitted load",
+        other => other,
+    }
+}
+
+/// Bounds of bins that hold equally many values.
+fn edges(values: &[f64]) -> Vec<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let last = sorted.len().saturating_sub(1);
+    (0..=BINS)
+        .map(|b| sorted.get(b * last / BINS).copied().unwrap_or(0.0))
+        .collect()
+}
+
+fn bin(edges: &[f64], value: f64) -> usize {
+    let above = edges[1..BINS].iter().filter(|edge| value >= **edge).count();
+    above.min(BINS - 1)
+}
+
+/// Sums of the residual in the bins of both directions.
+struct Curve {
+    /// `[direction][bin]`: sum, sum of squares, rows.
+    sums: [[(f64, f64, f64); BINS]; 2],
+}
+
+impl Curve {
+    fn of(seen: &Seen<'_>, edges: &[f64]) -> Self {
+        let mut sums = [[(0.0, 0.0, 0.0); BINS]; 2];
+        for (k, e) in seen.residual.iter().enumerate() {
+            let place = &mut sums[side(seen, k)][bin(edges, seen.variable.values[k])];
+            *place = (place.0 + e, place.1 + e * e, place.2 + 1.0);
+        }
+        Self { sums }
+    }
+
+    fn mean(&self, side: usize, bin: usize) -> f64 {
+        let (sum, _, rows) = self.sums[side][bin];
+        if rows > 0.0 { sum / rows } else { 0.0 }
+    }
+
+    fn at(&self, seen: &Seen<'_>, (k, edges): (usize, &[f64])) -> f64 {
+        self.mean(side(seen, k), bin(edges, seen.variable.values[k]))
+    }
+
+    /// The shortest run of bins with the bulk of what the means explain.
+    fn bulk(&self) -> (usize, usize) {
+        let energy = |b: usize| -> f64 {
+            let of = |side: usize| self.sums[side][b].2 * self.mean(side, b).powi(2);
+            of(0) + of(1)
+        };
+        let total: f64 = (0..BINS).map(energy).sum();
+        for length in 1..BINS {
+            let best = (0..=BINS - length)
+                .map(|first| (first, (first..first + length).map(energy).sum::<f64>()))
+                .max_by(|a, b| a.1.total_cmp(&b.1));
+            if let Some((first, sum)) = best.filter(|(_, sum)| *sum >= BULK * total) {
+                let _ = sum;
+                return (first, first + length - 1);
+            }
+        }
+        (0, BINS - 1)
+    }
+
+    /// Recorded minus predicted over the middles of the bins, both directions together.
+    fn points(&self, edges: &[f64]) -> Vec<CurvePoint> {
+        let of = |b: usize| {
+            let (sum, squares, rows) = [0, 1].iter().fold((0.0, 0.0, 0.0), |t, &side| {
+                let s = self.sums[side][b];
+                // Without regard to direction a friction would cancel: it is turned along the motion.
+                let sign = if side == 0 { -1.0 } else { 1.0 };
+                (t.0 - sign * s.0, t.1 + s.1, t.2 + s.2)
+            });
+            let rows: f64 = f64::max(rows, 1.0);
+            CurvePoint {
+                at: 0.5 * (edges[b] + edges[b + 1]),
+                mean: sum / rows,
+                std_error: (squares / rows).sqrt() / rows.sqrt(),
+            }
+        };
+        (0..BINS).map(of).collect()
+    }
+}
+
+fn side(seen: &Seen<'_>, k: usize) -> usize {
+    match seen.variable.by_direction {
+        true if seen.direction[k] < 0.0 => 0,
+        _ => 1,
+    }
+}

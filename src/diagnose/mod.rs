@@ -1,0 +1,33 @@
+//! Where model and recordings differ, what physics is missing, and the model with it.
+//!
+//! ```text
+//! e = ŝ(θ) − s                       residual of the declared model, all parameters free
+//! e_h = ŝ_h(θ_h) − s                 residual of the model with hypothesis h, all parameters fitted again
+//! e = b (e − e_h) + ε,  H0: b = 0    on recordings that were not fitted: does h forecast the residual?
+//! ```
+//!
+//! Hypotheses are screened by what they would take from the residual beyond what all other parameters can
+//! take (Frisch and Waugh 1933, Lovell 1963), the leading ones are fitted exactly, the best that passes the
+//! test of forecast encompassing (Chong and Hendry 1986; Harvey, Leybourne and Newbold 1998) joins the
+//! model, and so on until none does; then each is dropped on trial.
+
+pub mod bench;
+pub mod conclude;
+pub mod drift;
+pub mod error;
+pub mod evidence;
+pub mod explain;
+pub mod grid;
+pub mod holdout;
+pub mod hypothesis;
+pub mod locate;
+pub mod periods;
+pub mod refit;
+pub mod regime;
+pub mod rivals;
+pub mod rows;
+pub mod screen;
+pub mod search;
+pub mod smooth;
+pub mod summary;
+pub mod task;

@@ -1,0 +1,263 @@
+//! What each hypothesis could take from the residual beyond what all other parameters can take.
+//!
+//! ```text
+//! gain = ‖r‖² − min_{δ, γ} ‖r_g + J δ + C γ‖²
+//! ```
+//!
+//! with the weighted residual r and derivatives J of the model as it stands (r is orthogonal to J), the
+//! residual r_g of the model with the hypothesis at a point g of its nonlinear parameters, and the
+//! derivatives C with respect to its own parameters there. By the theorem of Frisch, Waugh and Lovell this
+//! is the gain of one Gauss-Newton step of all parameters, for the price of projecting a few columns.
+
+use crate::chain::dataset::Prepared;
+use crate::chain::model::Model;
+use crate::diagnose::bench::Bench;
+use crate::diagnose::error::DiagnoseError;
+use crate::diagnose::grid::{Grid, Motion};
+use crate::diagnose::hypothesis::Hypothesis;
+use crate::diagnose::refit::{Refit, Start};
+use crate::diagnose::rows::Series;
+use crate::linalg::triangular::Triangular;
+use crate::recording::split::Split;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// A hypothesis with the point from which it promises most.
+#[derive(Debug, Clone)]
+pub struct Lead {
+    pub hypothesis: Hypothesis,
+    /// Weighted sum of squares that one step of all parameters takes away.
+    pub gain: f64,
+    /// Values of the hypothesis' own parameters.
+    pub start: Start,
+}
+
+/// The model as it stands, linearised over the fitted recordings.
+pub struct Linearised<'a> {
+    refit: &'a Refit,
+    recordings: Vec<&'a Prepared>,
+    scale: Vec<f64>,
+    predicted: Vec<Vec<f64>>,
+    /// Weighted: `[channel][column]`.
+    columns: Vec<Vec<Option<Vec<f64>>>>,
+    residual: Vec<Vec<f64>>,
+    /// R⁻ᵀ of the factor of J.
+    inverse: DMatrix<f64>,
+}
+
+/// A column of the weighted derivatives: the channels that it enters.
+type Column = Vec<(usize, Vec<f64>)>;
+
+/// Share of a column that the model as it stands must leave: less is rounding.
+const INDEPENDENT: f64 = 1e-8;
+
+impl<'a> Linearised<'a> {
+    pub fn new(bench: &'a Bench<'_>, refit: &'a Refit) -> Self {
+        let recordings = bench.recordings(Split::Train);
+        let scale = refit.deviations();
+        let positions = refit.unknowns.positions();
+        let series = Series::of(&refit.model, &refit.values, &positions, &recordings);
+        let mut columns = series.columns;
+        for (c, of_channel) in columns.iter_mut().enumerate() {
+            for column in of_channel.iter_mut().flatten() {
+                column.iter_mut().for_each(|x| *x /= scale[c]);
+            }
+        }
+        let residual = weighted_difference(&series.predicted, &series.recorded, &scale);
+        let inverse = inverse_factor(&columns, positions.len());
+        Self {
+            refit,
+            recordings,
+            scale,
+            predicted: series.predicted,
+            columns,
+            residual,
+            inverse,
+        }
+    }
+
+    /// The best point of a hypothesis; `None` where it cannot be in the model or takes nothing.
+    pub fn examine(&self, bench: &Bench<'_>, hypothesis: &Hypothesis) -> Option<Lead> {
+        let mut all = self.refit.hypotheses.clone();
+        all.push(hypothesis.clone());
+        let (model, _) = bench.model(&all).ok()?;
+        let own: Vec<usize> = (0..model.parameters().len())
+            .filter(|&p| {
+                let parameter = &model.parameters()[p];
+                parameter.is_free() && self.refit.model.find(&parameter.name).is_err()
+            })
+            .collect();
+        let base = self.transfer(&model);
+        let motion = Motion::of(&self.recordings, hypothesis.joints[0]);
+        let grid = Grid::new(&model, &own, (hypothesis.effect, &motion));
+        let best_of = |points: Vec<Vec<f64>>| {
+            let gains = points.into_par_iter().map(|point| {
+                let mut values = base.clone();
+                own.iter().zip(&point).for_each(|(&p, x)| values[p] = *x);
+                (self.gain(&model, &values, &own), point)
+            });
+            let gains: Vec<(f64, Vec<f64>)> = gains.collect();
+            gains.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let scanned = best_of(grid.scan());
+        let of_scan = scanned.as_ref().map_or(0.0, |(gain, _)| *gain);
+        let (gain, point) = best_of(grid.all(scanned.as_ref().map(|(_, at)| at.as_slice())))?;
+        let names = own.iter().map(|&p| model.parameters()[p].name.clone());
+        Some(Lead {
+            hypothesis: hypothesis.clone(),
+            gain: gain.max(of_scan),
+            start: names.zip(point).collect(),
+        })
+    }
+
+    /// The fitted values in a larger model.
+    fn transfer(&self, model: &Model) -> DVector<f64> {
+        let mut values = model.values();
+        for (k, parameter) in model.parameters().iter().enumerate() {
+            if let Ok(index) = self.refit.model.find(&parameter.name) {
+                values[k] = self.refit.values[index];
+            }
+        }
+        values
+    }
+
+    fn gain(&self, model: &Model, values: &DVector<f64>, own: &[usize]) -> f64 {
+        let series = Series::of(model, values, own, &self.recordings);
+        let mut change: Column = Vec::new();
+        let mut columns: Vec<Column> = vec![Vec::new(); own.len()];
+        for (c, predicted) in series.predicted.iter().enumerate() {
+            let pairs = predicted.iter().zip(&self.predicted[c]);
+            let moved: Vec<f64> = pairs.map(|(a, b)| (a - b) / self.scale[c]).collect();
+            if moved.iter().any(|x| *x != 0.0) {
+                change.push((c, moved));
+            }
+            for (column, of_channel) in columns.iter_mut().zip(&series.columns[c]) {
+                if let Some(column_series) = of_channel {
+                    let scaled = column_series.iter().map(|x| x / self.scale[c]).collect();
+                    column.push((c, scaled));
+                }
+            }
+        }
+        self.one_step(&change, &columns)
+    }
+
+    /// The gain of one step from a residual that is changed, along further columns.
+    fn one_step(&self, change: &Column, columns: &[Column]) -> f64 {
+        let whitened: Vec<DVector<f64>> = columns.iter().map(|c| self.project(c)).collect();
+        let shift = self.project(change);
+        // r is orthogonal to J, so the changed residual loses only what J takes of the change.
+        let before: f64 =
+            -2.0 * self.against_residual(change) - inner(change, change) + shift.norm_squared();
+        let k = columns.len();
+        let mut normal = DMatrix::zeros(k, k);
+        let mut right = DVector::zeros(k);
+        let mut kept = Vec::new();
+        for i in 0..k {
+            let norm = inner(&columns[i], &columns[i]);
+            let left = norm - whitened[i].norm_squared();
+            if norm > 0.0 && left > INDEPENDENT * norm {
+                kept.push(i);
+            }
+            right[i] = self.against_residual(&columns[i]) + inner(&columns[i], change)
+                - whitened[i].dot(&shift);
+            for j in 0..=i {
+                normal[(i, j)] = inner(&columns[i], &columns[j]) - whitened[i].dot(&whitened[j]);
+                normal[(j, i)] = normal[(i, j)];
+            }
+        }
+        before
+            + explained(
+                &normal.select_rows(&kept).select_columns(&kept),
+                &right.select_rows(&kept),
+            )
+    }
+
+    /// R⁻ᵀ Jᵀ c.
+    fn project(&self, column: &Column) -> DVector<f64> {
+        let count = self.inverse.nrows();
+        let mut product = DVector::zeros(count);
+        for (c, series) in column {
+            for (k, own) in self.columns[*c].iter().enumerate() {
+                if let Some(own) = own {
+                    product[k] += dot(own, series);
+                }
+            }
+        }
+        self.inverse.tr_mul(&product)
+    }
+
+    fn against_residual(&self, column: &Column) -> f64 {
+        let of = |(c, series): &(usize, Vec<f64>)| dot(&self.residual[*c], series);
+        column.iter().map(of).sum()
+    }
+}
+
+/// `bᵀ A⁻¹ b` over the directions of A that are not rounding.
+fn explained(normal: &DMatrix<f64>, right: &DVector<f64>) -> f64 {
+    if right.is_empty() {
+        return 0.0;
+    }
+    let size = normal.diagonal().map(|d| 1.0 / d.sqrt());
+    let scaled = DMatrix::from_fn(normal.nrows(), normal.ncols(), |i, j| {
+        normal[(i, j)] * size[i] * size[j]
+    });
+    let eigen = scaled.symmetric_eigen();
+    let rotated = eigen.eigenvectors.tr_mul(&right.component_mul(&size));
+    let pairs = rotated.iter().zip(eigen.eigenvalues.iter());
+    pairs
+        .filter(|(_, value)| **value > INDEPENDENT)
+        .map(|(x, value)| x * x / value)
+        .sum()
+}
+
+/// R⁻¹ of the weighted derivatives, directions that are rounding left out.
+fn inverse_factor(columns: &[Vec<Option<Vec<f64>>>], count: usize) -> DMatrix<f64> {
+    let mut factor = Triangular::new(count);
+    for of_channel in columns {
+        let rows = of_channel.iter().flatten().map(Vec::len).max().unwrap_or(0);
+        let zero = vec![0.0; rows];
+        let slices: Vec<&[f64]> = of_channel
+            .iter()
+            .map(|column| column.as_deref().unwrap_or(&zero))
+            .collect();
+        factor.absorb_columns(&slices);
+    }
+    factor
+        .inverse()
+        .unwrap_or_else(|| DMatrix::zeros(count, count))
+}
+
+fn weighted_difference(a: &[Vec<f64>], b: &[Vec<f64>], scale: &[f64]) -> Vec<Vec<f64>> {
+    let of = |((a, b), scale): ((&Vec<f64>, &Vec<f64>), &f64)| {
+        a.iter().zip(b).map(|(a, b)| (a - b) / scale).collect()
+    };
+    a.iter().zip(b).zip(scale).map(of).collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn inner(a: &Column, b: &Column) -> f64 {
+    let of = |(c, x): &(usize, Vec<f64>)| {
+        let other = b.iter().find(|(d, _)| d == c);
+        other.map_or(0.0, |(_, y)| dot(x, y))
+    };
+    a.iter().map(of).sum()
+}
+
+/// The leads among hypotheses, the most promising first.
+pub fn leads(
+    bench: &Bench<'_>,
+    refit: &Refit,
+    open: &[Hypothesis],
+) -> Result<Vec<Lead>, DiagnoseError> {
+    let linearised = Linearised::new(bench, refit);
+    let examined = open
+        .par_iter()
+        .filter(|_| !bench.control.is_interrupted())
+        .filter_map(|hypothesis| linearised.examine(bench, hypothesis));
+    let mut leads: Vec<Lead> = examined.filter(|lead| lead.gain > 0.0).collect();
+    leads.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    Ok(leads)
+}

@@ -1,0 +1,138 @@
+//! A smooth model of what no effect of the vocabulary explains: a sum of piecewise linear functions of speed, of
+//! position and of load, the latter two for either direction of motion.
+//!
+//! ```text
+//! e ≈ Σ_k a_k h_k(v) + Σ_k b_k h_k(q) + c_k h_k(q) d + Σ_k p_k h_k(τ) + r_k h_k(τ) d,    d = sign(v)
+//! ```
+//!
+//! with hat functions h over knots at quantiles; a generalised additive model (Hastie and Tibshirani 1986)
+//! with a ridge that keeps what the rows do not determine at zero.
+
+use crate::diagnose::bench::Bench;
+use crate::diagnose::evidence::{Evidence, encompassing};
+use crate::diagnose::refit::Refit;
+use crate::diagnose::regime::Regimes;
+use crate::diagnose::rows::{Series, rms};
+use crate::linalg::triangular::Triangular;
+use crate::recording::split::Split;
+use nalgebra::{DMatrix, DVector};
+
+/// Knots of a variable.
+const KNOTS: usize = 12;
+
+/// Ridge as a share of the mean square of a column.
+const RIDGE: f64 = 1e-3;
+
+/// Variables that the smooth model takes: the first three of a joint's regimes.
+const VARIABLES: usize = 3;
+
+/// A smooth model of one channel.
+#[derive(Debug, Clone)]
+pub struct Smooth {
+    pub channel: usize,
+    pub evidence: Evidence,
+    /// Share by which the held-out RMS error falls.
+    pub relief: f64,
+    /// To be subtracted from the residual, over the fitted and over the held-out rows.
+    pub train: Vec<f64>,
+    pub validation: Vec<f64>,
+}
+
+/// Smooth models of what a fit leaves, one per channel of a joint.
+pub fn of_all(bench: &Bench<'_>, refit: &Refit) -> Vec<Smooth> {
+    let recordings = [Split::Train, Split::Validation].map(|split| bench.recordings(split));
+    let model = &refit.model;
+    let series = [0, 1].map(|k| Series::of(model, &refit.values, &[], &recordings[k]));
+    let mut all = Vec::new();
+    for (c, channel) in model.channels().iter().enumerate() {
+        let Some(joint) = channel.joint.filter(|_| channel.active) else {
+            continue;
+        };
+        let regimes =
+            [0, 1].map(|k| Regimes::of(model, (joint, &series[k].predicted[c]), &recordings[k]));
+        if let Some(smooth) = one(
+            (&regimes[0], &refit.train[c]),
+            (&regimes[1], &refit.validation[c]),
+        ) {
+            all.push(Smooth {
+                channel: c,
+                ..smooth
+            });
+        }
+    }
+    all
+}
+
+fn one(train: (&Regimes, &[f64]), held_out: (&Regimes, &[f64])) -> Option<Smooth> {
+    let knots: Vec<Vec<f64>> = train.0.variables[..VARIABLES]
+        .iter()
+        .map(|v| knots(&v.values))
+        .collect();
+    let design = design(train.0, &knots);
+    let coefficients = ridge(&design, train.1)?;
+    let fitted = &design * &coefficients;
+    let forecast = self::design(held_out.0, &knots) * &coefficients;
+    let pairs = held_out.1.iter().zip(forecast.iter());
+    let after: Vec<f64> = pairs.map(|(e, f)| e - f).collect();
+    Some(Smooth {
+        channel: 0,
+        relief: 1.0 - rms(&after) / rms(held_out.1),
+        evidence: encompassing(&[held_out.1.to_vec()], &[after]),
+        train: fitted.as_slice().to_vec(),
+        validation: forecast.as_slice().to_vec(),
+    })
+}
+
+fn knots(values: &[f64]) -> Vec<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let last = sorted.len().saturating_sub(1);
+    let mut knots: Vec<f64> = (0..KNOTS)
+        .map(|k| sorted.get(k * last / (KNOTS - 1)).copied().unwrap_or(0.0))
+        .collect();
+    knots.dedup();
+    knots
+}
+
+/// Hat functions at all rows; outside the knots the outermost hats are 1.
+fn design(regimes: &Regimes, knots: &[Vec<f64>]) -> DMatrix<f64> {
+    let rows = regimes.direction.len();
+    let mut columns: Vec<DVector<f64>> = Vec::new();
+    for (variable, knots) in regimes.variables.iter().zip(knots) {
+        for k in 0..knots.len() {
+            let hat = DVector::from_fn(rows, |row, _| hat(knots, k, variable.values[row]));
+            if variable.by_direction {
+                let turned = DVector::from_fn(rows, |row, _| hat[row] * regimes.direction[row]);
+                columns.push(turned);
+            }
+            columns.push(hat);
+        }
+    }
+    DMatrix::from_columns(&columns)
+}
+
+fn hat(knots: &[f64], k: usize, x: f64) -> f64 {
+    let x = x.clamp(knots[0], knots[knots.len() - 1]);
+    if k > 0 && x < knots[k] {
+        return ((x - knots[k - 1]) / (knots[k] - knots[k - 1])).max(0.0);
+    }
+    if k + 1 < knots.len() && x > knots[k] {
+        return ((knots[k + 1] - x) / (knots[k + 1] - knots[k])).max(0.0);
+    }
+    1.0
+}
+
+/// `min ‖D x − e‖² + λ ‖x‖²`.
+fn ridge(design: &DMatrix<f64>, residual: &[f64]) -> Option<DVector<f64>> {
+    let count = design.ncols();
+    let weight = (RIDGE * design.norm_squared() / count as f64).sqrt();
+    let right = DVector::from_column_slice(residual);
+    let mut factor = Triangular::of_system(design, &right);
+    let mut rows = DMatrix::zeros(count, count + 1);
+    for k in 0..count {
+        rows[(k, k)] = weight;
+    }
+    factor.absorb(rows.as_slice());
+    let system = factor.system()?;
+    system.matrix.solve_upper_triangular(&system.right)
+}

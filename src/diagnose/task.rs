@@ -1,0 +1,349 @@
+//! The task behind `exid diagnose`: from a problem file to findings.
+
+use crate::chain::dataset::{Dataset, Prepared};
+use crate::chain::model::Model;
+use crate::check;
+use crate::diagnose::bench::Bench;
+use crate::diagnose::conclude::{self, Floor, Step};
+use crate::diagnose::drift;
+use crate::diagnose::error::DiagnoseError;
+use crate::diagnose::holdout;
+use crate::diagnose::locate::locate;
+use crate::diagnose::refit::{Refit, refit};
+use crate::diagnose::rivals::{Contest, contest, exchange};
+use crate::diagnose::rows::{Series, rms};
+use crate::diagnose::search::{self, Grown, Rules, Trial, fit_without, grow, prune};
+use crate::diagnose::smooth::{self, Smooth};
+use crate::diagnose::summary;
+use crate::estimate::figures::{Predictions, noise_rms, predictions};
+use crate::estimate::fit::{Fitted, outcome};
+use crate::estimate::task::{notes, preprocessing};
+use crate::outcome::diagnose::{Baseline, Diagnosis, Final};
+use crate::outcome::estimate::Estimate;
+use crate::problem::solution::Control;
+use crate::problem_file::ProblemFile;
+use crate::problem_file::diagnose::SoughtEffects;
+use crate::recording::split::Split;
+use crate::setup;
+
+/// A diagnosis with the recordings that it was made from.
+#[derive(Debug)]
+pub struct DiagnoseRun {
+    pub diagnosis: Diagnosis,
+    pub estimate: Estimate,
+    pub model: Model,
+    pub data: Dataset,
+    /// Predictions of the declared and of the final model, `[recording][channel][row]`.
+    pub baseline: Predictions,
+    pub finally: Predictions,
+}
+
+/// Steps of a diagnosis, as progress shows them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    Reading,
+    Checking,
+    Fitting,
+    Searching { found: usize },
+    Comparing,
+    Drift,
+}
+
+impl Stage {
+    pub fn words(self) -> String {
+        match self {
+            Self::Reading => "reading and differentiating the recordings".to_string(),
+            Self::Checking => "looking for mistakes in the inputs".to_string(),
+            Self::Fitting => "fitting the declared model".to_string(),
+            Self::Searching { found } => {
+                format!("trying what may be missing ({found} found so far)")
+            }
+            Self::Drift => "looking at what changes from period to period".to_string(),
+            Self::Comparing => "comparing what was found with its rivals".to_string(),
+        }
+    }
+}
+
+/// The grown model with the evidence for each finding.
+struct Explanation {
+    full: Refit,
+    needed: Vec<Trial>,
+    contests: Vec<Contest>,
+    /// Models with the first 0, 1, ... findings.
+    prefixes: Vec<Refit>,
+    examined: usize,
+    /// Every hypothesis that was fitted while the model grew.
+    tried: Vec<search::Step>,
+}
+
+impl Explanation {
+    /// One finding after the other.
+    fn steps(&self) -> Vec<Step<'_>> {
+        let step = |k: usize| Step {
+            before: &self.prefixes[k],
+            after: &self.prefixes[k + 1],
+            needed: &self.needed[k],
+            contest: &self.contests[k],
+        };
+        (0..self.full.hypotheses.len()).map(step).collect()
+    }
+}
+
+/// Runs a diagnosis; `watch` hears of every stage.
+pub fn run(
+    problem: &ProblemFile,
+    control: &Control<'_>,
+    watch: &(dyn Fn(Stage) + Sync),
+) -> Result<DiagnoseRun, DiagnoseError> {
+    watch(Stage::Reading);
+    let robot = setup::robot::open(problem)?;
+    let mut model = setup::model::build(problem, &robot)?;
+    setup::prior::build(problem, &mut model)?;
+    let data = setup::recordings::open(problem, &robot, &model)?;
+    let (data, held_out) = holdout::with_held_out(data);
+    watch(Stage::Checking);
+    let mistakes = check::run(problem, control);
+    let averaged = |r: &Prepared| r.experiment.periods.is_some();
+    let mut bench = Bench {
+        problem,
+        robot: &robot,
+        data: &data,
+        control,
+        in_time: !data.recordings.iter().any(averaged),
+        noise: None,
+    };
+    watch(Stage::Fitting);
+    let declared = baseline(&bench, &model)?;
+    bench.noise = noise_rms(&declared.model, &declared.values, &data);
+    let sought = sought(problem);
+    let rules = Rules {
+        sought: sought.as_deref(),
+        significance: problem.diagnose.significance.value,
+    };
+    let explanation = explain(&bench, &declared, (rules, watch))?;
+    let unrolled = drift::unrolled(&data);
+    let over_time = Bench {
+        data: &unrolled,
+        in_time: true,
+        noise: bench.noise.clone(),
+        ..bench
+    };
+    let drifting = over_periods(&over_time, (&data, &explanation.full), (rules, watch))?;
+    let drifts = drifting.is_some();
+    let (mut diagnosis, fitted, before, after) = match drifting {
+        Some(grown) => {
+            let declared = baseline(&over_time, &model)?;
+            let explanation = conclude_search(&over_time, grown, (rules, watch))?;
+            report(&over_time, &declared, (&explanation, rules))?
+        }
+        None => report(&bench, &declared, (&explanation, rules))?,
+    };
+    diagnosis.mistakes = mistakes;
+    let note = held_out.then(|| HELD_OUT.to_string());
+    diagnosis.notes.extend(note);
+    Ok(DiagnoseRun {
+        diagnosis,
+        estimate: fitted.estimate,
+        model: fitted.model,
+        baseline: before,
+        finally: after,
+        data: if drifts { unrolled } else { data },
+    })
+}
+
+const HELD_OUT: &str = "No recording is kept for validation: every third of twelve blocks of each training \
+                        recording was held out of the fits and is what the held-out figures are of.";
+
+/// The model grown by what changes from period to period, if anything does.
+fn over_periods(
+    bench: &Bench<'_>,
+    (data, full): (&Dataset, &Refit),
+    (rules, watch): (Rules<'_>, &(dyn Fn(Stage) + Sync)),
+) -> Result<Option<Grown>, DiagnoseError> {
+    let Some(effects) = drift::sought(data, rules) else {
+        return Ok(None);
+    };
+    watch(Stage::Drift);
+    let rules = Rules {
+        sought: Some(&effects),
+        ..rules
+    };
+    drift::found(bench, (full, rules))
+}
+
+fn sought(problem: &ProblemFile) -> Option<Vec<String>> {
+    match &problem.diagnose.effects.value {
+        SoughtEffects::All => None,
+        SoughtEffects::Listed(ids) => Some(ids.iter().map(|id| id.value.clone()).collect()),
+    }
+}
+
+fn baseline(bench: &Bench<'_>, model: &Model) -> Result<Refit, DiagnoseError> {
+    let train = bench.recordings(Split::Train);
+    let signal = Series::of(model, &model.values(), &[], &train).recorded;
+    let first: Vec<f64> = signal
+        .iter()
+        .map(|s| rms(s).max(f64::MIN_POSITIVE))
+        .collect();
+    refit(bench, &[], (&Vec::new(), &first))
+}
+
+/// Rounds in which a finding may be exchanged for a better rival.
+const EXCHANGES: usize = 3;
+
+fn explain(
+    bench: &Bench<'_>,
+    baseline: &Refit,
+    (rules, watch): (Rules<'_>, &(dyn Fn(Stage) + Sync)),
+) -> Result<Explanation, DiagnoseError> {
+    let searching = |found| watch(Stage::Searching { found });
+    let grown = grow(bench, baseline.clone(), (rules, &searching))?;
+    conclude_search(bench, grown, (rules, watch))
+}
+
+/// Prunes a grown model, has rivals contest each finding, and exchanges what is bettered.
+fn conclude_search(
+    bench: &Bench<'_>,
+    mut grown: Grown,
+    (rules, watch): (Rules<'_>, &(dyn Fn(Stage) + Sync)),
+) -> Result<Explanation, DiagnoseError> {
+    let searching = |found| watch(Stage::Searching { found });
+    let examined = grown.examined;
+    watch(Stage::Comparing);
+    let mut tried = grown.steps.clone();
+    let mut round = 0;
+    loop {
+        let (full, needed) = prune(bench, grown.refit.clone(), (rules, examined))?;
+        let contests = (0..full.hypotheses.len())
+            .map(|k| contest(bench, &full, (k, rules)))
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut exchanged = None;
+        for (k, contest) in contests.iter().enumerate() {
+            if exchanged.is_none() && round < EXCHANGES {
+                exchanged = exchange(bench, (contest, k))?;
+            }
+        }
+        match exchanged {
+            Some(refit) => {
+                grown = grow(bench, refit, (rules, &searching))?;
+                tried.extend(grown.steps.iter().cloned());
+                round += 1;
+            }
+            None => {
+                return Ok(Explanation {
+                    prefixes: prefixes(bench, &full)?,
+                    full,
+                    needed,
+                    contests,
+                    examined,
+                    tried,
+                });
+            }
+        }
+    }
+}
+
+/// Models with the first 0, 1, ... of the findings of a model.
+fn prefixes(bench: &Bench<'_>, full: &Refit) -> Result<Vec<Refit>, DiagnoseError> {
+    let mut prefixes = vec![full.clone()];
+    for count in (0..full.hypotheses.len()).rev() {
+        let shorter = fit_without(bench, &prefixes[0], count)?;
+        prefixes.insert(0, shorter);
+    }
+    Ok(prefixes)
+}
+
+const UNMEASURED: &str = "Nothing repeats, so the noise is not known apart from the misfit: shares are of what the \
+                          best model found takes away, and what it leaves counts as noise.";
+
+type Reported = (Diagnosis, Fitted, Predictions, Predictions);
+
+fn report(
+    bench: &Bench<'_>,
+    baseline: &Refit,
+    (explanation, rules): (&Explanation, Rules<'_>),
+) -> Result<Reported, DiagnoseError> {
+    let full = &explanation.full;
+    let recordings = bench.recordings(Split::Train);
+    let fitted = |refit: &Refit| outcome(&refit.problem(&recordings), &refit.solution, bench.data);
+    let (before, mut after) = (fitted(baseline), fitted(full));
+    let smooths = smooth::of_all(bench, full);
+    let tried = smooths.len();
+    let needed: Vec<&Smooth> = smooths
+        .iter()
+        .filter(|s| conclude::is_needed(s, (rules.significance, tried)))
+        .collect();
+    let floor = floor(bench, full, &needed);
+    let parameters = after.estimate.parameters.clone();
+    let mut findings = conclude::findings(&explanation.steps(), &floor, &parameters);
+    findings.extend(
+        needed
+            .iter()
+            .map(|s| conclude::unnamed(s, full, (&floor, tried))),
+    );
+    let corrected = summary::correct(bench, (full, &mut after), &needed);
+    let left = summary::left(full, &needed);
+    let named = |c: &usize| {
+        let name = &full.model.channels()[*c].name;
+        findings.iter().any(|f| f.joints.contains(name))
+    };
+    let joints: Vec<usize> = (0..left.len()).filter(named).collect();
+    let lack = |refit: &Refit| floor.lack_of_fit(&refit.validation, &joints);
+    let verdict = conclude::verdict(&findings, (lack(baseline), lack(full)));
+    let mut notes = notes(&after.model, bench.data);
+    notes.extend((!floor.measured).then(|| UNMEASURED.to_string()));
+    let diagnosis = Diagnosis {
+        verdict,
+        summary: summary::paragraph(verdict, &findings, explanation.examined),
+        located: locate(bench, baseline, rules.significance),
+        findings,
+        mistakes: Vec::new(),
+        spoiled: conclude::spoiled(&before.estimate.parameters, &parameters),
+        baseline: Baseline {
+            joints: before.estimate.joints,
+        },
+        outcome: Final {
+            joints: after.estimate.joints.clone(),
+            parameters,
+        },
+        next_experiment: None,
+        preprocessing: preprocessing(&after.model, bench.data),
+        notes,
+        fit: Some(after.fit.clone()),
+        evidence: conclude::evidence(&explanation.tried),
+    };
+    let first = predictions(&baseline.model, &baseline.values, bench.data);
+    Ok((diagnosis, after, first, corrected))
+}
+
+/// Deviation of noise that forgets from row to row, from the differences of successive rows, `E (e(k+1) − e(k))²/2`,
+/// which what changes slowly does not enter (von Neumann 1941).
+fn of_steps(series: &[f64]) -> f64 {
+    let steps = series
+        .windows(2)
+        .map(|w| (w[1] - w[0]).powi(2))
+        .sum::<f64>();
+    (0.5 * steps / (series.len().max(2) - 1) as f64).sqrt()
+}
+
+/// The noise of one row: between periods where there are some, of successive rows where rows are in the order of
+/// time, else what the best model leaves.
+fn floor(bench: &Bench<'_>, full: &Refit, needed: &[&Smooth]) -> Floor {
+    let repeats = |r: &Prepared| r.experiment.noise.is_some();
+    if bench.in_time && bench.data.recordings.iter().all(repeats) {
+        return Floor {
+            rms: full.validation.iter().map(|e| of_steps(e)).collect(),
+            measured: true,
+        };
+    }
+    match noise_rms(&full.model, &full.values, bench.data) {
+        Some(rms) => Floor {
+            rms,
+            measured: true,
+        },
+        None => Floor {
+            rms: summary::left(full, needed).iter().map(|e| rms(e)).collect(),
+            measured: false,
+        },
+    }
+}

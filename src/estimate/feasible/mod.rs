@@ -1,0 +1,189 @@
+//! Feasible estimation: every body physically possible, friction with its sign, limits kept.
+//!
+//! ```text
+//! minimise ½ ‖W (ŝ(x) − s)‖² + γ d(x)   subject to   D J_k(x) D ⪰ margin·1,  rows(x) >= 0,  lower <= x <= upper
+//! ```
+//!
+//! x are the standard parameters; J_k is the 4 x 4 pseudo-inertia, which is positive semidefinite exactly for
+//! bodies of nonnegative density (Wensing, Kim and Slotine 2018). A positive definite inertia about the centre
+//! of mass alone admits bodies that break the triangle inequality. The residual is compressed by QR. Nonlinear
+//! parameters are found by sequential conic steps: each round linearises the residual and keeps the cones.
+
+use crate::chain::dataset::{Dataset, Prepared};
+use crate::chain::model::Model;
+use crate::chain::prior::Prior;
+use crate::estimate::error::EstimateError;
+use crate::estimate::feasible::prior::InertialPrior;
+use crate::estimate::feasible::program::Constraints;
+use crate::estimate::feasible::solve::{Compressed, Feasible, Setting};
+use crate::estimate::feasible::standard::Standard;
+use crate::estimate::feasible::strength::Chosen;
+use crate::estimate::fit::{self, Estimator, Fitted};
+use crate::estimate::problem::FitProblem;
+use crate::estimate::unknowns::Unknowns;
+use crate::estimate::weights::Weights;
+use crate::problem::Problem;
+use crate::problem::solution::Control;
+use crate::problem_file::choices::PriorKind;
+use crate::problem_file::fit::Strength;
+use crate::recording::split::Split;
+use crate::setup::combined_limits::Limit;
+use nalgebra::DVector;
+
+mod edge;
+mod outcome;
+pub mod prior;
+pub mod program;
+mod sequential;
+pub mod solve;
+pub mod standard;
+mod strength;
+
+/// Smallest eigenvalue of a scaled pseudo-inertia, kg: a milligram, and ten square millimetres of it.
+pub const MARGIN: f64 = 1e-6;
+
+/// Rounds of reweighting.
+const MAX_ROUNDS: usize = 10;
+
+/// Reweighting ends when no deviation of a residual changes by more than this share.
+const ROUND_TOLERANCE: f64 = 1e-3;
+
+/// Which parameters are estimated, and how residuals are weighted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// Linear parameters; every channel by the deviation of its residual.
+    Linear,
+    /// All parameters; the covariance of the residuals across channels.
+    MaximumLikelihood,
+}
+
+/// What a feasible fit keeps and prefers.
+#[derive(Debug, Clone)]
+pub struct Settings {
+    pub form: Form,
+    pub prior: Option<(PriorKind, Strength)>,
+    pub limits: Vec<Limit>,
+}
+
+/// A feasible fit before it is reported.
+struct Found<'a> {
+    problem: FitProblem<'a>,
+    standard: &'a Standard<'a>,
+    constraints: &'a Constraints,
+    prior: Option<(&'a InertialPrior, Chosen)>,
+    feasible: Feasible,
+    /// Base unknowns of least squares with the same weights.
+    free: DVector<f64>,
+}
+
+impl Found<'_> {
+    fn setting(&self) -> Setting<'_> {
+        Setting {
+            standard: self.standard,
+            constraints: self.constraints,
+            margin: MARGIN,
+            prior: self.prior.as_ref().map(|(p, chosen)| (*p, chosen.strength)),
+        }
+    }
+}
+
+/// Fits a model to the training recordings of a dataset under its physical constraints.
+pub fn fit(
+    model: &Model,
+    data: &Dataset,
+    (prior, settings): (&Prior, &Settings),
+    control: &Control<'_>,
+) -> Result<Fitted, EstimateError> {
+    let estimator = match settings.form {
+        Form::Linear => Estimator::Weighted,
+        Form::MaximumLikelihood => Estimator::MaximumLikelihood,
+    };
+    let model = fit::with_transition_speeds(model, estimator)?;
+    let recordings: Vec<&Prepared> = data.of(Split::Train).collect();
+    if recordings.is_empty() {
+        return Err(EstimateError::NoTraining);
+    }
+    let unknowns = Unknowns::find(&model, data, prior);
+    fit::check_counts(&model, &unknowns, &recordings)?;
+    let training = (&recordings[..], prior);
+    let (first, mut problem) = fit::minimise(&model, &unknowns, training, (estimator, control))?;
+    let standard = Standard::new(&model, &unknowns);
+    let constraints = Constraints::new(&standard, &settings.limits);
+    let bodies = settings
+        .prior
+        .map(|(kind, _)| InertialPrior::new(kind, &standard, MARGIN));
+    let mut chosen = match (&bodies, settings.prior) {
+        (Some(bodies), Some((_, strength))) => {
+            let at = (&problem, &first.x);
+            let setting = Setting {
+                standard: &standard,
+                constraints: &constraints,
+                margin: MARGIN,
+                prior: Some((bodies, 1.0)),
+            };
+            Some(strength::choose(setting, at, (strength, data), control)?)
+        }
+        _ => None,
+    };
+    let setting = Setting {
+        standard: &standard,
+        constraints: &constraints,
+        margin: MARGIN,
+        prior: bodies.as_ref().zip(chosen.as_ref().map(|c| c.strength)),
+    };
+    let (feasible, free) = rounds(setting, &mut problem, (&first.x, settings.form), control)?;
+    let found = Found {
+        problem,
+        standard: &standard,
+        constraints: &constraints,
+        prior: bodies.as_ref().zip(chosen.take()),
+        feasible,
+        free,
+    };
+    Ok(outcome::report(&found, data, control))
+}
+
+/// Estimate and weights in turn until the weights settle.
+fn rounds(
+    setting: Setting<'_>,
+    problem: &mut FitProblem<'_>,
+    (first, form): (&DVector<f64>, Form),
+    control: &Control<'_>,
+) -> Result<(Feasible, DVector<f64>), EstimateError> {
+    let mut feasible = sequential::minimise(setting, problem, first, control)?;
+    let mut at = &setting.standard.to_base * &feasible.x;
+    for _ in 0..MAX_ROUNDS {
+        let covariance = fit::covariance_at(problem, &at);
+        let weights = match form {
+            Form::MaximumLikelihood => Weights::by_covariance(&covariance)?,
+            Form::Linear => Weights::by_deviation(covariance.diagonal().map(f64::sqrt).as_slice()),
+        };
+        let before = problem.weights.matrix();
+        let change = (weights.matrix() - &before).amax() / before.amax();
+        if change <= ROUND_TOLERANCE || control.is_interrupted() {
+            break;
+        }
+        problem.weights = weights;
+        let next = sequential::minimise(setting, problem, &at, control)?;
+        at = &setting.standard.to_base * &next.x;
+        feasible = Feasible {
+            iterations: feasible.iterations + next.iterations,
+            ..next
+        };
+    }
+    let free = compressed(problem, &at)?.least_squares();
+    Ok((feasible, free.unwrap_or_else(|| first.clone())))
+}
+
+/// The residual linearised at base unknowns.
+fn compressed(problem: &FitProblem<'_>, at: &DVector<f64>) -> Result<Compressed, EstimateError> {
+    let outside = |e: crate::problem::OutsideDomain| EstimateError::Solve(e.into());
+    let root = problem.linearize(at).map_err(outside)?.square_root;
+    let Some(root) = root else {
+        return Err(EstimateError::NothingUnknown);
+    };
+    Ok(Compressed {
+        offset: root.residual - &root.matrix * at,
+        matrix: root.matrix,
+    })
+}

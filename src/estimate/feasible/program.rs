@@ -1,0 +1,389 @@
+//! The fit as a cone program in the standard parameters x, and the choice among members of a class:
+//!
+//! ```text
+//! minimise ½ ‖R T x + b‖² + prior(x)      subject to   D J_k(x) D − margin·1 ⪰ 0,  rows(x) >= 0,  lower <= x <= upper
+//! minimise ½ ‖D (J_k(x) − J_k,ref) D‖²    over   x = x_0 + N z  (the same base parameters), same constraints
+//! ```
+
+use crate::estimate::feasible::standard::{ROWS, Standard, svec4};
+use crate::linalg::svec::smat;
+use crate::linalg::triangular::Triangular;
+use crate::problem::form::{Constraint, Form, Objective, Set, Structure, Variable};
+use crate::problem::solution::{Control, Stop};
+use crate::problem::view::ConeProgram;
+use crate::problem::{Linearization, OutsideDomain, Problem, SquareRoot, Values};
+use crate::setup::combined_limits::Limit;
+use crate::solve::error::SolveError;
+use crate::solve::interior::{self, InteriorSolution, Settings, Terms};
+use nalgebra::{DMatrix, DVector, Matrix4, SymmetricEigen};
+
+/// Weight of the pull towards the reference that keeps undetermined directions from running away, in
+/// standard deviations of the residual per kg: a tonne costs 5e-7.
+const PULL: f64 = 1e-6;
+
+/// Margin beyond which a body is as good as any, kg.
+const LARGEST_MARGIN: f64 = 0.05;
+
+/// Share of a distance from the reference that counts while a possible member is looked for.
+const NEARBY: f64 = 1e-3;
+
+/// Constraints on the unknowns: affine rows by x, and limits of x.
+#[derive(Debug, Clone)]
+pub struct Constraints {
+    pub variables: Vec<Variable>,
+    pub blocks: Vec<Constraint>,
+    /// Rows of all blocks at x = 0 and per unit of x, before the margin.
+    pub constant: DVector<f64>,
+    pub slopes: DMatrix<f64>,
+    bodies: usize,
+}
+
+impl Constraints {
+    pub fn new(standard: &Standard<'_>, limits: &[Limit]) -> Self {
+        let (bodies, body_slopes) = standard.pseudo_inertias();
+        let first = bodies.len();
+        let mut constant = bodies.resize_vertically(first + limits.len(), 0.0);
+        let mut slopes = body_slopes.resize_vertically(first + limits.len(), 0.0);
+        let known = standard.values(&DVector::zeros(standard.len()));
+        for (k, limit) in limits.iter().enumerate() {
+            constant[first + k] = limit.constant;
+            for &(parameter, coefficient) in &limit.terms {
+                match standard.parameters.iter().position(|&p| p == parameter) {
+                    Some(column) => slopes[(first + k, column)] += coefficient,
+                    None => constant[first + k] += coefficient * known[parameter],
+                }
+            }
+        }
+        let of_body = |&b: &usize| Constraint {
+            name: format!("pseudo-inertia of {}", standard.body_name(b)),
+            unit: "kg".to_string(),
+            rows: ROWS,
+            set: Set::Psd { order: 4 },
+        };
+        let of_limit = |limit: &Limit| Constraint {
+            name: limit.name.clone(),
+            unit: limit.unit.clone(),
+            rows: 1,
+            set: Set::Nonnegative,
+        };
+        let blocks = standard.bodies.iter().map(of_body);
+        Self {
+            variables: standard.variables(),
+            blocks: blocks.chain(limits.iter().map(of_limit)).collect(),
+            constant,
+            slopes,
+            bodies: standard.bodies.len(),
+        }
+    }
+
+    /// Rows at zero with the margin taken off every body.
+    fn shifted(&self, margin: f64) -> DVector<f64> {
+        let identity = svec4(&Matrix4::identity());
+        let mut constant = self.constant.clone();
+        for body in 0..self.bodies {
+            for (row, value) in identity.iter().enumerate() {
+                constant[ROWS * body + row] -= margin * value;
+            }
+        }
+        constant
+    }
+
+    /// The constraints without that of one body.
+    pub fn without(&self, body: usize) -> Self {
+        let mut fewer = self.clone();
+        fewer.blocks.remove(body);
+        fewer.constant = fewer.constant.remove_rows(ROWS * body, ROWS);
+        fewer.slopes = fewer.slopes.remove_rows(ROWS * body, ROWS);
+        fewer.bodies -= 1;
+        fewer
+    }
+}
+
+/// An affine sum of squares or a linear cost with affine cones.
+pub struct Program {
+    form: Form,
+    matrix: DMatrix<f64>,
+    offset: DVector<f64>,
+    linear: DVector<f64>,
+    constant: DVector<f64>,
+    slopes: DMatrix<f64>,
+}
+
+impl Program {
+    /// `½ ‖matrix x + offset‖²` under constraints with a margin.
+    pub fn fit(
+        constraints: &Constraints,
+        margin: f64,
+        (matrix, offset): (DMatrix<f64>, DVector<f64>),
+    ) -> Self {
+        Self {
+            form: Form {
+                variables: constraints.variables.clone(),
+                objective: Objective::SumOfSquares {
+                    rows: matrix.nrows(),
+                },
+                constraints: constraints.blocks.clone(),
+                structure: Structure::Affine,
+            },
+            linear: DVector::zeros(matrix.ncols()),
+            constant: constraints.shifted(margin),
+            slopes: constraints.slopes.clone(),
+            matrix,
+            offset,
+        }
+    }
+
+    pub fn solve(
+        &self,
+        start: &DVector<f64>,
+        terms: &Terms,
+        control: &Control<'_>,
+    ) -> Result<InteriorSolution, SolveError> {
+        let view = ConeProgram::try_from(self as &dyn Problem)?;
+        interior::solve(view, start, (&Settings::default(), terms), control)
+    }
+}
+
+/// Rows that pull weakly towards a reference: `PULL · (pseudo-inertias, others by their scale)`.
+pub fn pull(standard: &Standard<'_>, reference: &DVector<f64>) -> (DMatrix<f64>, DVector<f64>) {
+    let (_, slopes) = standard.pseudo_inertias();
+    let first = slopes.nrows();
+    let mut rows = slopes.resize_vertically(first + standard.len(), 0.0);
+    for (k, variable) in standard.variables().iter().enumerate() {
+        if rows.column(k).rows(0, first).amax() == 0.0 {
+            rows[(first + k, k)] = 1.0 / variable.scale;
+        }
+    }
+    rows *= PULL;
+    let offset = -&rows * reference;
+    (rows, offset)
+}
+
+/// Members x = x_0 + N z of a class, within constraints.
+pub struct Class<'a> {
+    pub constraints: &'a Constraints,
+    pub null: &'a DMatrix<f64>,
+    pub member: &'a DVector<f64>,
+}
+
+impl Class<'_> {
+    /// A member with the margin, closest to the reference in the scaled pseudo-inertias; `None` where the
+    /// class has no member with twice the margin.
+    pub fn closest(&self, margin: f64, reference: &DVector<f64>) -> Option<DVector<f64>> {
+        let bodies = ROWS * self.constraints.bodies;
+        let slopes = (&self.constraints.slopes * self.null)
+            .rows(0, bodies)
+            .into_owned();
+        // Around the closest member of all, possible or not: the given one may have huge entries that cancel.
+        let member = self.member + self.null * self.towards(&slopes, reference);
+        let around = Class {
+            member: &member,
+            ..*self
+        };
+        let rows = around.rows(margin)?;
+        if rows.least() >= 0.0 {
+            return Some(member);
+        }
+        let away = (&self.constraints.slopes * (&member - reference))
+            .rows(0, bodies)
+            .into_owned();
+        let start = rows.interior(margin, (&slopes, &away))?;
+        let program = Program {
+            form: Form {
+                variables: free(slopes.ncols()),
+                objective: Objective::SumOfSquares { rows: bodies },
+                constraints: rows.blocks,
+                structure: Structure::Affine,
+            },
+            linear: DVector::zeros(slopes.ncols()),
+            offset: away,
+            matrix: slopes,
+            constant: rows.constant,
+            slopes: rows.slopes,
+        };
+        let found = program
+            .solve(&start, &Terms::default(), &Control::default())
+            .ok()?;
+        let usable = found.solution.stop == Stop::Optimal || found.gap.is_finite();
+        usable.then(|| member + self.null * found.solution.x)
+    }
+
+    /// z that brings the pseudo-inertias closest to those of a reference, whatever the constraints say.
+    fn towards(&self, slopes: &DMatrix<f64>, reference: &DVector<f64>) -> DVector<f64> {
+        let away = &self.constraints.slopes * (reference - self.member);
+        let away = away.rows(0, slopes.nrows()).into_owned();
+        let count = slopes.ncols();
+        let factor = Triangular::of_system(slopes, &away).matrix();
+        let whole = factor.view((0, 0), (count, count));
+        whole
+            .solve_upper_triangular(&factor.view((0, count), (count, 1)).column(0).into_owned())
+            .filter(|z| z.iter().all(|v| v.is_finite()))
+            .unwrap_or_else(|| DVector::zeros(count))
+    }
+
+    /// Constraints over z; rows that z does not move must hold as they are.
+    fn rows(&self, margin: f64) -> Option<Rows> {
+        let constraints = self.constraints;
+        let whole = constraints.shifted(margin) + &constraints.slopes * self.member;
+        let moved = &constraints.slopes * self.null;
+        let mut rows = Rows::default();
+        let mut first = 0;
+        for block in &constraints.blocks {
+            let part = (
+                whole.rows(first, block.rows).into_owned(),
+                moved.rows(first, block.rows).into_owned(),
+            );
+            first += block.rows;
+            rows.add(block.clone(), part)?;
+        }
+        for (k, variable) in constraints.variables.iter().enumerate() {
+            for (sign, limit) in [(1.0, variable.lower), (-1.0, variable.upper)] {
+                if limit.is_finite() {
+                    let block = Constraint {
+                        name: variable.name.clone(),
+                        unit: variable.unit.clone(),
+                        rows: 1,
+                        set: Set::Nonnegative,
+                    };
+                    let room = DVector::from_element(1, sign * (self.member[k] - limit));
+                    let slopes = self.null.rows(k, 1) * sign;
+                    rows.add(block, (room, slopes))?;
+                }
+            }
+        }
+        Some(rows)
+    }
+}
+
+#[derive(Default)]
+struct Rows {
+    blocks: Vec<Constraint>,
+    constant: DVector<f64>,
+    slopes: DMatrix<f64>,
+}
+
+impl Rows {
+    /// The smallest eigenvalue of a block and the smallest other row, at z = 0.
+    fn least(&self) -> f64 {
+        let mut first = 0;
+        let mut least = f64::INFINITY;
+        for block in &self.blocks {
+            let rows = self.constant.rows(first, block.rows);
+            let own = match block.set {
+                Set::Psd { .. } => SymmetricEigen::new(smat(rows.clone_owned().as_slice()))
+                    .eigenvalues
+                    .min(),
+                _ => rows.min(),
+            };
+            least = least.min(own);
+            first += block.rows;
+        }
+        least
+    }
+
+    /// z with at least the margin t that all blocks have beyond their own, not much further from the reference
+    /// than need be:
+    ///
+    /// ```text
+    /// minimise ½ (t − LARGEST_MARGIN)² + ½ ‖NEARBY (slopes z + away)‖²   subject to   S(z) − t·1 ⪰ 0
+    /// ```
+    fn interior(
+        &self,
+        margin: f64,
+        (slopes, away): (&DMatrix<f64>, &DVector<f64>),
+    ) -> Option<DVector<f64>> {
+        let (count, bodies) = (slopes.ncols(), slopes.nrows());
+        let mut with_margin = self.slopes.clone().resize_horizontally(count + 1, 0.0);
+        let identity = svec4(&Matrix4::identity());
+        let mut first = 0;
+        for block in &self.blocks {
+            if matches!(block.set, Set::Psd { .. }) {
+                for (row, value) in identity.iter().enumerate() {
+                    with_margin[(first + row, count)] = -value;
+                }
+            }
+            first += block.rows;
+        }
+        let mut matrix = (slopes * NEARBY).resize(bodies + 1, count + 1, 0.0);
+        matrix[(bodies, count)] = 1.0;
+        let mut offset = (away * NEARBY).resize_vertically(bodies + 1, 0.0);
+        offset[bodies] = -LARGEST_MARGIN;
+        let program = Program {
+            form: Form {
+                variables: free(count + 1),
+                objective: Objective::SumOfSquares { rows: bodies + 1 },
+                constraints: self.blocks.clone(),
+                structure: Structure::Affine,
+            },
+            matrix,
+            offset,
+            linear: DVector::zeros(count + 1),
+            constant: self.constant.clone(),
+            slopes: with_margin,
+        };
+        let mut start = DVector::zeros(count + 1);
+        let least = self.least();
+        start[count] = least - least.abs().max(LARGEST_MARGIN);
+        let found = program
+            .solve(&start, &Terms::default(), &Control::default())
+            .ok()?;
+        let x = found.solution.x;
+        (found.gap.is_finite() && x[count] >= margin).then(|| x.rows(0, count).into_owned())
+    }
+
+    /// `None` where a row that nothing moves is violated.
+    fn add(
+        &mut self,
+        block: Constraint,
+        (constant, slopes): (DVector<f64>, DMatrix<f64>),
+    ) -> Option<()> {
+        if slopes.amax() == 0.0 && block.set == Set::Nonnegative {
+            return (constant[0] >= 0.0).then_some(());
+        }
+        let at = self.constant.len();
+        let size = at + block.rows;
+        self.constant = std::mem::take(&mut self.constant).resize_vertically(size, 0.0);
+        self.constant.rows_mut(at, block.rows).copy_from(&constant);
+        self.slopes = std::mem::take(&mut self.slopes).resize(size, slopes.ncols(), 0.0);
+        self.slopes.rows_mut(at, block.rows).copy_from(&slopes);
+        self.blocks.push(block);
+        Some(())
+    }
+}
+
+fn free(count: usize) -> Vec<Variable> {
+    (0..count)
+        .map(|_| Variable::free("direction", ""))
+        .collect()
+}
+
+impl Problem for Program {
+    fn form(&self) -> &Form {
+        &self.form
+    }
+
+    fn values(&self, x: &DVector<f64>) -> Result<Values, OutsideDomain> {
+        let squares = 0.5 * (&self.matrix * x + &self.offset).norm_squared();
+        Ok(Values {
+            cost: squares + self.linear.dot(x),
+            constraints: &self.constant + &self.slopes * x,
+        })
+    }
+
+    fn linearize(&self, x: &DVector<f64>) -> Result<Linearization, OutsideDomain> {
+        let Values { cost, constraints } = self.values(x)?;
+        let residual = &self.matrix * x + &self.offset;
+        let root = SquareRoot {
+            matrix: self.matrix.clone(),
+            residual,
+        };
+        Ok(Linearization {
+            cost,
+            gradient: &self.linear + root.matrix.tr_mul(&root.residual),
+            square_root: matches!(self.form.objective, Objective::SumOfSquares { .. })
+                .then_some(root),
+            constraints,
+            jacobian: self.slopes.clone(),
+        })
+    }
+}

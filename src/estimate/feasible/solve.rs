@@ -1,0 +1,197 @@
+//! One feasible estimate from a compressed residual `½ ‖R β + b‖²` of base unknowns.
+//!
+//! Without a prior on the bodies the least squares solution is kept where its class has a physical member;
+//! the member closest to the robot file's bodies is the answer. Otherwise the cone program decides, and the
+//! class of its answer is searched for the closest member in the same way.
+
+use crate::estimate::feasible::prior::InertialPrior;
+use crate::estimate::feasible::program::{Class, Constraints, Program, pull};
+use crate::estimate::feasible::standard::{Standard, scaled_body};
+use crate::problem::solution::{Control, Stop};
+use crate::solve::error::SolveError;
+use nalgebra::{DMatrix, DVector};
+
+/// A prior on the bodies and how strong it is.
+pub type Strong<'a> = Option<(&'a InertialPrior, f64)>;
+
+/// The compressed residual over base unknowns.
+#[derive(Debug, Clone)]
+pub struct Compressed {
+    pub matrix: DMatrix<f64>,
+    /// Residual at β = 0.
+    pub offset: DVector<f64>,
+}
+
+impl Compressed {
+    pub fn cost(&self, base: &DVector<f64>) -> f64 {
+        0.5 * (&self.matrix * base + &self.offset).norm_squared()
+    }
+
+    /// The least squares solution; `None` where the base unknowns are not determined.
+    pub fn least_squares(&self) -> Option<DVector<f64>> {
+        let factor =
+            crate::linalg::triangular::Triangular::of_system(&self.matrix, &(-&self.offset));
+        let system = factor.system()?;
+        system.matrix.solve_upper_triangular(&system.right)
+    }
+}
+
+/// An estimate in the standard parameters with its certificate.
+#[derive(Debug, Clone)]
+pub struct Feasible {
+    pub x: DVector<f64>,
+    /// ½ ‖R β + b‖² there and at the least squares solution.
+    pub cost: f64,
+    pub unconstrained: f64,
+    /// The constraints change nothing.
+    pub inactive: bool,
+    pub gap: f64,
+    pub stationarity: f64,
+    pub stop: Stop,
+    pub iterations: usize,
+}
+
+/// What an estimate is made of beside the residual.
+#[derive(Clone, Copy)]
+pub struct Setting<'a> {
+    pub standard: &'a Standard<'a>,
+    pub constraints: &'a Constraints,
+    /// Smallest eigenvalue of a scaled pseudo-inertia, kg.
+    pub margin: f64,
+    pub prior: Strong<'a>,
+}
+
+pub fn estimate(
+    setting: Setting<'_>,
+    residual: &Compressed,
+    control: &Control<'_>,
+) -> Result<Feasible, SolveError> {
+    let free = residual.least_squares();
+    let unconstrained = free.as_ref().map_or(0.0, |b| residual.cost(b));
+    if let (Some(free), None) = (&free, setting.prior)
+        && let Some(x) = member(setting, free)
+    {
+        return Ok(Feasible {
+            x,
+            cost: unconstrained,
+            unconstrained,
+            inactive: true,
+            gap: 0.0,
+            stationarity: 0.0,
+            stop: Stop::Optimal,
+            iterations: 1,
+        });
+    }
+    let found = constrained(setting, setting.constraints, (residual, control))?;
+    let base = &setting.standard.to_base * &found.solution.x;
+    let class = Class {
+        constraints: setting.constraints,
+        null: &setting.standard.null,
+        member: &found.solution.x,
+    };
+    let closest = match setting.prior {
+        None => class.closest(setting.margin, &setting.standard.reference()),
+        Some(_) => None,
+    };
+    Ok(Feasible {
+        cost: residual.cost(&base),
+        x: closest.unwrap_or(found.solution.x),
+        unconstrained,
+        inactive: false,
+        gap: found.gap,
+        stationarity: found.stationarity,
+        stop: found.solution.stop,
+        iterations: found.solution.iterations,
+    })
+}
+
+/// The physical member of the class of base unknowns that is closest to the reference.
+pub fn member(setting: Setting<'_>, base: &DVector<f64>) -> Option<DVector<f64>> {
+    let standard = setting.standard;
+    // A member: what base parameters stand for is zero, the kept parameters carry them.
+    let mut x = DVector::zeros(standard.len());
+    for (row, value) in base.iter().enumerate() {
+        let leading = |k: &usize| {
+            standard.to_base[(row, *k)] == 1.0
+                && standard
+                    .to_base
+                    .column(*k)
+                    .iter()
+                    .filter(|c| **c != 0.0)
+                    .count()
+                    == 1
+                && standard.null.row(*k).iter().all(|n| *n != 1.0)
+        };
+        let kept = (0..standard.len()).find(leading)?;
+        x[kept] = *value;
+    }
+    let class = Class {
+        constraints: setting.constraints,
+        null: &standard.null,
+        member: &x,
+    };
+    class.closest(setting.margin, &standard.reference())
+}
+
+/// The cone program with twice the margin, so that its class has members with once the margin.
+pub fn constrained(
+    setting: Setting<'_>,
+    constraints: &Constraints,
+    (residual, control): (&Compressed, &Control<'_>),
+) -> Result<crate::solve::interior::InteriorSolution, SolveError> {
+    let standard = setting.standard;
+    let start = standard.reference();
+    let data = &residual.matrix * &standard.to_base;
+    let (weak, weak_offset) = pull(standard, &start);
+    let (rows, offset, terms) = match setting.prior {
+        Some((prior, strength)) => {
+            let (rows, offset) = prior.rows(strength);
+            (rows, offset, prior.terms(strength))
+        }
+        None => (
+            DMatrix::zeros(0, standard.len()),
+            DVector::zeros(0),
+            Default::default(),
+        ),
+    };
+    let matrix = stack(&[&data, &rows, &weak]);
+    let parts = [&residual.offset, &offset, &weak_offset];
+    let whole: Vec<f64> = parts.iter().flat_map(|p| p.iter().copied()).collect();
+    let margin = match setting.prior {
+        Some(_) => setting.margin,
+        None => 2.0 * setting.margin,
+    };
+    let program = Program::fit(constraints, margin, (matrix, DVector::from_vec(whole)));
+    program.solve(&start, &terms, control)
+}
+
+fn stack(parts: &[&DMatrix<f64>]) -> DMatrix<f64> {
+    let rows = parts.iter().map(|p| p.nrows()).sum();
+    let mut whole = DMatrix::zeros(rows, parts[0].ncols());
+    let mut at = 0;
+    for part in parts {
+        whole.rows_mut(at, part.nrows()).copy_from(part);
+        at += part.nrows();
+    }
+    whole
+}
+
+/// What the prior on the bodies adds to the cost.
+pub fn prior_cost(setting: Setting<'_>, x: &DVector<f64>) -> f64 {
+    let Some((prior, strength)) = setting.prior else {
+        return 0.0;
+    };
+    let (rows, offset) = prior.rows(strength);
+    let terms = prior.terms(strength);
+    let mut cost = 0.5 * (rows * x + offset).norm_squared();
+    if !terms.linear.is_empty() {
+        cost += terms.linear.dot(x);
+        let values = setting.standard.values(x);
+        for &first in &setting.standard.bodies {
+            let identity = nalgebra::Matrix4::identity() * setting.margin;
+            let shifted = scaled_body(&values, first) - identity;
+            cost -= strength * shifted.determinant().max(f64::MIN_POSITIVE).ln();
+        }
+    }
+    cost
+}

@@ -1,0 +1,64 @@
+//! Why a result cannot be exported.
+
+use crate::fault::{Description, Fault, Place, write_fault};
+use crate::robot::error::RobotError;
+use std::fmt;
+use std::path::Path;
+
+/// A fault of an export.
+#[derive(Debug)]
+pub enum ExportError {
+    /// The verb identifies no robot, or the result is of a version that did not keep it.
+    NoRobot { name: String, verb: &'static str },
+    /// The robot file in the result does not read.
+    Description(Box<RobotError>),
+    /// The document cannot be encoded.
+    NotEncodable { place: Place, reason: String },
+}
+
+impl ExportError {
+    pub(crate) fn not_encodable(file: &str, reason: impl fmt::Display) -> Self {
+        Self::NotEncodable {
+            place: Place::file(Path::new(file)),
+            reason: reason.to_string(),
+        }
+    }
+
+    fn describe(&self) -> Description {
+        match self {
+            Self::NoRobot { name, verb } => Description::new(
+                "no-robot-in-result",
+                format!("`{name}`, a result of `{verb}`, holds no identified robot"),
+                "give the results folder of `exid fit`, made by this version",
+            ),
+            Self::Description(error) => error.describe(),
+            Self::NotEncodable { reason, .. } => Description::new(
+                "not-encodable",
+                format!("the model cannot be written: {reason}"),
+                "report this as a defect of the program",
+            ),
+        }
+    }
+}
+
+impl fmt::Display for ExportError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Description(error) => write_fault(f, error.as_ref()),
+            _ => {
+                let Description {
+                    message, remedy, ..
+                } = self.describe();
+                write!(f, "{message}; {remedy}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for ExportError {}
+
+impl From<RobotError> for ExportError {
+    fn from(error: RobotError) -> Self {
+        Self::Description(Box::new(error))
+    }
+}

@@ -1,0 +1,103 @@
+//! The identified robot in the formats of others: URDF, MJCF, TOML, and code of its inverse dynamics.
+//!
+//! Each format takes what it has a place for; what it has none for stands in a side file or in the notes,
+//! never silently left out.
+
+mod code;
+mod dress;
+pub mod error;
+mod language;
+mod law;
+mod mjcf;
+mod regroup;
+mod side_file;
+mod symbol;
+pub mod table;
+mod tape;
+mod urdf;
+mod xml;
+
+use crate::export::error::ExportError;
+use crate::export::language::Language;
+use crate::outcome::Outcome;
+use crate::outcome::machine::Machine;
+
+/// Formats of `--to`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    Urdf,
+    Mjcf,
+    Toml,
+    Rust,
+    C,
+}
+
+/// A file of an export.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct File {
+    /// Name without folder.
+    pub name: String,
+    pub text: String,
+}
+
+/// The files of an export, and what a reader has to know of them.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Export {
+    pub files: Vec<File>,
+    /// What the format has no place for, one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Writes the robot of a result in a format.
+///
+/// # Errors
+/// Where the result identified no robot, or the robot's own file does not read any more.
+pub fn export(outcome: &Outcome, format: Format) -> Result<Export, ExportError> {
+    let machine = outcome.machine().ok_or_else(|| ExportError::NoRobot {
+        name: outcome.name.clone(),
+        verb: outcome.part.verb(),
+    })?;
+    let name = outcome.name.as_str();
+    let mut export = match format {
+        Format::Urdf => urdf::write(machine, name)?,
+        Format::Mjcf => mjcf::write(machine, name),
+        Format::Toml => table::write(machine, (name, &outcome.estimate.parameters))?,
+        Format::Rust => code::write(machine, (name, Language::Rust)),
+        Format::C => code::write(machine, (name, Language::C)),
+    };
+    export.notes.extend(caveats(machine));
+    Ok(export)
+}
+
+/// What holds of the model in every format.
+fn caveats(machine: &Machine) -> Vec<String> {
+    let mut notes = Vec::new();
+    if machine.feasible == Some(false) {
+        notes.push(
+            "no set of real bodies has these base parameters: torques are right, but simulators may refuse \
+             the bodies or become unstable with them; fit with estimator = \"feasible\" for bodies"
+                .to_string(),
+        );
+    }
+    for joint in &machine.joints {
+        if let Some(position) = joint.locked {
+            notes.push(format!(
+                "{} stood still at {position} in every recording: the model holds at that position only",
+                joint.name
+            ));
+        }
+    }
+    match machine.signal.as_str() {
+        "base_wrench" => notes.push(
+            "the signal was the base wrench, which says nothing of friction, rotors and drives"
+                .to_string(),
+        ),
+        "link_torque" => notes.push(
+            "the signal was of joint torque sensors: rotors are not in it, and friction is what acts \
+             behind the sensors"
+                .to_string(),
+        ),
+        _ => {}
+    }
+    notes
+}

@@ -1,0 +1,107 @@
+//! What a robot description has no place for, as a problem file of this program: drives with their values,
+//! gravity, coupling, load. `exid simulate` and `exid fit` read it as it is.
+
+use crate::export::File;
+use crate::export::error::ExportError;
+use crate::outcome::machine::{Machine, MachineLoad};
+use crate::robot::inertia::Inertia;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+#[derive(Serialize)]
+struct Document<'a> {
+    name: &'a str,
+    robot: Robot<'a>,
+    drive: Drive<'a>,
+}
+
+#[derive(Serialize)]
+struct Robot<'a> {
+    urdf: &'a str,
+    gravity: [f64; 3],
+    inertials: &'static str,
+    payload: Option<&'a str>,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    locked: BTreeMap<&'a str, f64>,
+}
+
+#[derive(Serialize)]
+struct Drive<'a> {
+    torque_constant: Option<Vec<f64>>,
+    offset: Option<Vec<f64>>,
+    coupling: Option<&'a Vec<Vec<f64>>>,
+    effects_of: BTreeMap<&'a str, Vec<&'a str>>,
+    values: BTreeMap<String, f64>,
+}
+
+/// The problem file beside the robot description `urdf`.
+///
+/// # Errors
+/// Where the document cannot be encoded.
+pub fn write(machine: &Machine, (name, urdf): (&str, &str)) -> Result<File, ExportError> {
+    let file = format!("{name}.problem.toml");
+    let joints = &machine.joints;
+    let locked = joints
+        .iter()
+        .filter_map(|j| Some((j.name.as_str(), j.locked?)));
+    let shifted = joints.iter().any(|j| j.locked.is_none() && j.offset != 0.0);
+    let effects = joints.iter().map(|joint| {
+        let ids = joint.effects.iter().map(|e| e.id.as_str());
+        (joint.name.as_str(), ids.collect())
+    });
+    let document = Document {
+        name,
+        robot: Robot {
+            urdf,
+            gravity: machine.gravity,
+            inertials: "known",
+            payload: machine.payload.as_ref().map(|load| load.frame.as_str()),
+            locked: locked.collect(),
+        },
+        drive: Drive {
+            torque_constant: joints.iter().map(|j| j.torque_constant).collect(),
+            offset: shifted.then(|| joints.iter().map(|j| j.offset).collect()),
+            coupling: machine.coupling.as_ref(),
+            effects_of: effects.collect(),
+            values: values(machine),
+        },
+    };
+    let text = toml::to_string(&document).map_err(|e| ExportError::not_encodable(&file, e))?;
+    let text = format!(
+        "# What {urdf} has no place for. `exid simulate` and `exid fit` read this file.\n{text}"
+    );
+    Ok(File { name: file, text })
+}
+
+fn values(machine: &Machine) -> BTreeMap<String, f64> {
+    let mut values = BTreeMap::new();
+    for joint in &machine.joints {
+        for effect in &joint.effects {
+            for parameter in &effect.parameters {
+                let name = format!("{}.{}.{}", joint.name, effect.id, parameter.name);
+                values.insert(name, parameter.value);
+            }
+        }
+    }
+    if let Some(load) = &machine.payload {
+        values.extend(of_load(load));
+    }
+    values
+}
+
+/// Mass, centre of mass and inertia about it; a load of no mass has nothing to say.
+fn of_load(load: &MachineLoad) -> Vec<(String, f64)> {
+    let Some(body) = Inertia(load.body).central() else {
+        return Vec::new();
+    };
+    let mut values = vec![("payload.mass".to_string(), body.mass)];
+    let letters = ["x", "y", "z"];
+    for (k, letter) in letters.iter().enumerate() {
+        values.push((format!("payload.com_{letter}"), body.centre[k]));
+        for (l, other) in letters.iter().enumerate().skip(k) {
+            let name = format!("payload.inertia_{letter}{other}");
+            values.push((name, body.tensor[(k, l)]));
+        }
+    }
+    values
+}

@@ -1,0 +1,35 @@
+//! Why motor constants cannot be fitted.
+
+use thiserror::Error;
+
+use crate::setup::error::SetupError;
+
+/// A fault of the problem file or of what it names.
+#[derive(Debug, Error)]
+pub enum MotorsError {
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The problem file asks for what this fit does not do.
+    #[error("{place}: {message}; {remedy}")]
+    Setting {
+        place: String,
+        message: String,
+        remedy: String,
+    },
+    #[error(
+        "{file}: no part of the recording is steady, one joint at constant speed while all others stand; \
+         record such motions, or lower fit.constant_velocity.least_speed from {least_speed}"
+    )]
+    NothingSteady { file: String, least_speed: f64 },
+}
+
+impl MotorsError {
+    /// Whether a recording or robot file is at fault, or the problem file.
+    pub fn concerns_data(&self) -> bool {
+        match self {
+            Self::Setup(error) => error.concerns_data(),
+            Self::Setting { .. } => false,
+            Self::NothingSteady { .. } => true,
+        }
+    }
+}

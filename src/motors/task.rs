@@ -1,0 +1,387 @@
+//! The task behind `exid fit` with the estimator `constant_velocity`: recordings to steady parts, parts to
+//! constants.
+
+use crate::chain::model::Model;
+use crate::fault::Place;
+use crate::motors::compare::{Constant, of_same_type};
+use crate::motors::constants::{FirstStage, Part, SecondStage, Term, first_stage, second_stage};
+use crate::motors::error::MotorsError;
+use crate::motors::figures::{self, Predicted};
+use crate::motors::outcome;
+use crate::motors::segments::{Segment, Steadiness, steady};
+use crate::outcome::estimate::Estimate;
+use crate::outcome::fit::Fit;
+use crate::problem_file::choices::{Inertials, PositionSide, Signal};
+use crate::problem_file::drive::CurrentLaw;
+use crate::problem_file::{Located, PerJoint, ProblemFile, RecordingsTable};
+use crate::recording::columns::Recording;
+use crate::recording::error::{RecordingError, RecordingErrorKind};
+use crate::recording::split::Split;
+use crate::robot::newton_euler::NewtonEuler;
+use crate::setup;
+use crate::setup::error::SetupError;
+use crate::setup::recordings::{list, read_one};
+use crate::setup::robot::Robot;
+
+/// What the fit gives.
+#[derive(Debug)]
+pub struct MotorRun {
+    pub estimate: Estimate,
+    pub fit: Fit,
+    /// Names of the joints, in the order of the columns of `predictions`.
+    pub joints: Vec<String>,
+    pub predictions: Vec<Predicted>,
+}
+
+/// The steady parts of one recording.
+pub(super) struct Steady {
+    pub name: String,
+    pub split: Split,
+    pub time: Vec<f64>,
+    pub segments: Vec<Segment>,
+    pub parts: Vec<Part>,
+}
+
+/// The constants of one joint.
+pub(super) struct JointFit {
+    /// Index in the tree.
+    pub index: usize,
+    pub name: String,
+    /// Unit of its torques, N·m or N.
+    pub torque_unit: &'static str,
+    pub position_unit: &'static str,
+    pub parts: Vec<Part>,
+    pub stage: FirstStage,
+    pub constant: Source,
+    pub friction: Option<SecondStage>,
+    /// Gravity is parallel to the axis, so that no load acts on the joint.
+    pub vertical: bool,
+}
+
+/// What the torque constant rests on; values are of k_ct, N·m/A, with its standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Source {
+    Data(Constant),
+    Given(f64),
+    SameType(Constant),
+    Undetermined,
+}
+
+impl Source {
+    pub fn constant(self) -> Option<Constant> {
+        match self {
+            Self::Data(constant) | Self::SameType(constant) => Some(constant),
+            Self::Given(value) => Some((value, 0.0)),
+            Self::Undetermined => None,
+        }
+    }
+
+    /// a = 1/k_ct with its variance, for the second stage; 0 where nothing is known and nothing needed.
+    pub fn inverse(self) -> (f64, f64) {
+        match self.constant() {
+            Some((k, sigma)) => (1.0 / k, (sigma / (k * k)).powi(2)),
+            None => (0.0, 0.0),
+        }
+    }
+}
+
+/// Fits the motor constants of every joint that moves.
+pub fn run(problem: &ProblemFile) -> Result<MotorRun, MotorsError> {
+    let table = problem.recordings().map_err(SetupError::from)?;
+    check_settings(problem, table)?;
+    let robot = setup::robot::open(problem)?;
+    check_names(problem, &robot)?;
+    let model = setup::model::build(&with_unit_constant(problem), &robot)?;
+    let rule = Steadiness {
+        least_speed: problem.fit.constant_velocity.least_speed.value,
+        ..Steadiness::default()
+    };
+    let mut recordings = Vec::new();
+    for named in list(table) {
+        let recording = read_one(table, &robot, named.path)?;
+        let parameters = link_parameters(problem, &model, named.loaded)?;
+        let mut steady = steady_parts(&recording, table, (&robot, &parameters), &rule)?;
+        steady.name = named.path.written.clone();
+        steady.split = named.split;
+        recordings.push(steady);
+    }
+    let joints = fit_joints(problem, &robot, &recordings);
+    let figures = figures::joints(&joints, &recordings);
+    let predictions = figures::predictions(&joints, &recordings);
+    let (mut estimate, fit) = outcome::build(problem, &joints);
+    estimate.joints = figures;
+    Ok(MotorRun {
+        estimate,
+        fit,
+        joints: joints.into_iter().map(|joint| joint.name).collect(),
+        predictions,
+    })
+}
+
+fn check_settings(problem: &ProblemFile, table: &RecordingsTable) -> Result<(), MotorsError> {
+    let fault = |place: &Place, message: &str, remedy: &str| {
+        Err(MotorsError::Setting {
+            place: place.to_string(),
+            message: message.into(),
+            remedy: remedy.into(),
+        })
+    };
+    if table.signal.value != Signal::Current {
+        let message = "motor constants at constant speed come from motor currents";
+        return fault(&table.signal.place, message, "set signal = \"current\"");
+    }
+    if table.position_side.value != PositionSide::Joint {
+        let message = "the fit at constant speed wants positions of the joints";
+        return fault(
+            &table.position_side.place,
+            message,
+            "set position_side = \"joint\"",
+        );
+    }
+    if problem.robot.inertials.value != Inertials::Known {
+        let message = "torque constants follow from known masses only";
+        let remedy = "set inertials = \"known\" under [robot]";
+        return fault(&problem.robot.inertials.place, message, remedy);
+    }
+    Ok(())
+}
+
+/// Every joint that the settings name has to exist.
+fn check_names(problem: &ProblemFile, robot: &Robot) -> Result<(), MotorsError> {
+    let settings = &problem.fit.constant_velocity;
+    let given = settings
+        .torque_constant
+        .iter()
+        .map(|e| (&e.name, &e.value.place));
+    let listed = settings
+        .same_type
+        .iter()
+        .flatten()
+        .map(|e| (&e.value, &e.place));
+    for (name, place) in given.chain(listed) {
+        if robot.tree.joint_index(name).is_none() {
+            return Err(setup::robot::unknown(place, name, &robot.order).into());
+        }
+    }
+    Ok(())
+}
+
+/// The problem with torque constants of one where it gives none: the model wants some, and only its
+/// bodies are used here.
+fn with_unit_constant(problem: &ProblemFile) -> ProblemFile {
+    let mut problem = problem.clone();
+    if problem.drive.current_law.is_none() {
+        let place = Place::file(&problem.path);
+        let one = Located {
+            value: PerJoint::All(1.0),
+            place,
+        };
+        problem.drive.current_law = Some(CurrentLaw::Constant(one));
+    }
+    problem
+}
+
+/// Inertial parameters of the links, with the known load where it hangs on the robot.
+fn link_parameters(
+    problem: &ProblemFile,
+    model: &Model,
+    loaded: bool,
+) -> Result<Vec<f64>, MotorsError> {
+    let mut parameters = model.tree().parameters();
+    let (true, Some((payload, first))) = (loaded, model.payload()) else {
+        return Ok(parameters);
+    };
+    // The inertia about its centre of mass has no effect at constant speed.
+    if model.parameters()[first..first + 4]
+        .iter()
+        .any(|p| p.is_free())
+    {
+        let place = Place::file(&problem.path).key("robot.payload");
+        return Err(MotorsError::Setting {
+            place: place.to_string(),
+            message: "the load is not known, and torque constants follow from known masses only"
+                .into(),
+            remedy: "give payload.mass, payload.com_x, payload.com_y and payload.com_z under \
+                     [drive.values]"
+                .into(),
+        });
+    }
+    let body = nalgebra::SVector::<f64, 10>::from_fn(|k, _| match model.parameters()[first + k] {
+        ref parameter if parameter.is_free() => 0.0,
+        ref parameter => parameter.value,
+    });
+    let carried = payload.transfer() * body;
+    for (k, value) in carried.iter().enumerate() {
+        parameters[10 * payload.link + k] += value;
+    }
+    Ok(parameters)
+}
+
+fn steady_parts(
+    recording: &Recording,
+    table: &RecordingsTable,
+    (robot, parameters): (&Robot, &[f64]),
+    rule: &Steadiness,
+) -> Result<Steady, MotorsError> {
+    let time = times(recording, table)?;
+    let tree = &robot.tree;
+    let moving: Vec<usize> = (0..tree.len())
+        .filter(|&k| robot.locked[k].is_none())
+        .collect();
+    let segments = steady(&time, &recording.position, rule);
+    let mut dynamics = NewtonEuler::new(tree);
+    let mut q: Vec<f64> = robot.locked.iter().map(|l| l.unwrap_or(0.0)).collect();
+    let (rest, mut torque) = (vec![0.0; tree.len()], vec![0.0; tree.len()]);
+    let mut parts = Vec::new();
+    for segment in &segments {
+        let mut dq = rest.clone();
+        dq[moving[segment.joint]] = segment.speed;
+        let mut part = Part {
+            speed: segment.speed,
+            torque: Vec::new(),
+            current: Vec::new(),
+        };
+        for k in segment.samples.clone() {
+            for (j, &joint) in moving.iter().enumerate() {
+                q[joint] = recording.position[j][k];
+            }
+            dynamics.torque(tree, parameters, [&q, &dq, &rest], &mut torque);
+            part.torque.push(torque[moving[segment.joint]]);
+            part.current.push(recording.signal[segment.joint][k]);
+        }
+        parts.push(part);
+    }
+    if segments.is_empty() {
+        return Err(MotorsError::NothingSteady {
+            file: recording.file.display().to_string(),
+            least_speed: rule.least_speed,
+        });
+    }
+    let in_tree = |mut segment: Segment| {
+        segment.joint = moving[segment.joint];
+        segment
+    };
+    Ok(Steady {
+        name: String::new(),
+        split: Split::Train,
+        time,
+        segments: segments.into_iter().map(in_tree).collect(),
+        parts,
+    })
+}
+
+/// Time of every sample, s, increasing.
+fn times(recording: &Recording, table: &RecordingsTable) -> Result<Vec<f64>, MotorsError> {
+    let place = Place::file(&recording.file);
+    let fault = |place, kind| SetupError::from(RecordingError { place, kind }).into();
+    let samples = recording.position.first().map_or(0, Vec::len);
+    let time = match (&recording.time, &table.rate) {
+        (Some(time), _) => time.clone(),
+        (None, Some(rate)) => (0..samples).map(|k| k as f64 / rate.value).collect(),
+        (None, None) => return Err(fault(place, RecordingErrorKind::NoTimeBase)),
+    };
+    match (1..time.len()).find(|&k| time[k] <= time[k - 1]) {
+        None => Ok(time),
+        Some(k) => {
+            let (before, found) = (time[k - 1], time[k]);
+            let kind = RecordingErrorKind::TimeNotIncreasing { before, found };
+            Err(fault(place.line(recording.first_line + k), kind))
+        }
+    }
+}
+
+fn fit_joints(problem: &ProblemFile, robot: &Robot, recordings: &[Steady]) -> Vec<JointFit> {
+    let moving = (0..robot.tree.len()).filter(|&k| robot.locked[k].is_none());
+    let mut joints: Vec<JointFit> = moving
+        .map(|joint| first(problem, robot, joint, recordings))
+        .collect();
+    let known: Vec<(String, Source)> = joints
+        .iter()
+        .map(|joint| (joint.name.clone(), joint.constant))
+        .collect();
+    for joint in &mut joints {
+        if joint.constant == Source::Undetermined
+            && let Some(constant) = of_same_type(&others(problem, &joint.name, &known))
+        {
+            joint.constant = Source::SameType(constant);
+        }
+        joint.friction = second_stage(&joint.stage, &terms(problem), joint.constant.inverse());
+    }
+    joints
+}
+
+fn first(problem: &ProblemFile, robot: &Robot, index: usize, recordings: &[Steady]) -> JointFit {
+    let joint = &robot.tree.joints()[index];
+    let trained = recordings.iter().filter(|r| r.split == Split::Train);
+    let parts: Vec<Part> = trained
+        .flat_map(|r| r.segments.iter().zip(&r.parts))
+        .filter(|(segment, _)| segment.joint == index)
+        .map(|(_, part)| part.clone())
+        .collect();
+    let stage = first_stage(&parts);
+    let given = &problem.fit.constant_velocity.torque_constant;
+    let constant = match given.iter().find(|entry| entry.name == joint.name) {
+        Some(entry) => Source::Given(entry.value.value),
+        None => stage.inverse.map_or(Source::Undetermined, |(a, variance)| {
+            Source::Data((1.0 / a, variance.sqrt() / (a * a)))
+        }),
+    };
+    JointFit {
+        index,
+        name: joint.name.clone(),
+        torque_unit: joint.kind.effort_unit(),
+        position_unit: joint.kind.position_unit(),
+        parts,
+        stage,
+        constant,
+        friction: None,
+        vertical: is_vertical(robot, index),
+    }
+}
+
+/// Whether the axis is parallel to gravity: such a joint is the first one, or one after joints that
+/// stand at zero.
+fn is_vertical(robot: &Robot, index: usize) -> bool {
+    let tree = &robot.tree;
+    let joint = &tree.joints()[index];
+    if joint.parent.is_some() {
+        return false;
+    }
+    let at_zero = tree.forward_kinematics(&vec![0.0; tree.len()]);
+    let axis = at_zero[index].rotation * joint.axis;
+    axis.cross(&tree.gravity()).norm() <= 1e-6 * tree.gravity().norm()
+}
+
+/// Terms of the friction law: those of the paper, and an offset where the problem lists one.
+fn terms(problem: &ProblemFile) -> Vec<Term> {
+    let mut terms = vec![Term::Coulomb, Term::Viscous];
+    if problem
+        .drive
+        .effects
+        .iter()
+        .any(|e| e.value == "torque_offset")
+    {
+        terms.push(Term::Offset);
+    }
+    terms
+}
+
+/// Constants that the data give for the other joints of a joint's type.
+fn others(problem: &ProblemFile, name: &str, known: &[(String, Source)]) -> Vec<Constant> {
+    let groups = &problem.fit.constant_velocity.same_type;
+    let group = groups
+        .iter()
+        .find(|group| group.iter().any(|joint| joint.value == name));
+    let Some(group) = group else {
+        return Vec::new();
+    };
+    let listed = known
+        .iter()
+        .filter(|(joint, _)| joint != name && group.iter().any(|other| other.value == *joint));
+    listed
+        .filter_map(|(_, source)| match source {
+            Source::Data(constant) => Some(*constant),
+            _ => None,
+        })
+        .collect()
+}

@@ -1,0 +1,182 @@
+//! What `diagnose` adds: where model and recordings differ, what physics is missing, what is left.
+
+use serde::{Deserialize, Serialize};
+
+use crate::outcome::check::Finding as Mistake;
+use crate::outcome::fit::{Fit, Preprocessing};
+use crate::outcome::joint::JointFigures;
+use crate::outcome::number;
+use crate::outcome::parameter::Parameter;
+
+/// The part of `diagnose`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Diagnosis {
+    pub verdict: Verdict,
+    /// A paragraph in plain words.
+    pub summary: String,
+    pub baseline: Baseline,
+    /// Where the misfit of the declared model lies, the largest share first.
+    pub located: Vec<Located>,
+    /// Strongest first.
+    pub findings: Vec<Finding>,
+    /// A mismatch that is a mistake in the input, not physics.
+    pub mistakes: Vec<Mistake>,
+    #[serde(rename = "final")]
+    pub outcome: Final,
+    /// The recording that would tell rivals apart.
+    pub next_experiment: Option<NextExperiment>,
+    /// Hypotheses that were fitted with all other parameters, step by step.
+    #[serde(default)]
+    pub evidence: Vec<Evidence>,
+    /// Parameters of the declared model that the missing physics had spoiled.
+    #[serde(default)]
+    pub spoiled: Vec<Spoiled>,
+    #[serde(default)]
+    pub preprocessing: Vec<Preprocessing>,
+    /// Anything a reader should know, one sentence each.
+    #[serde(default)]
+    pub notes: Vec<String>,
+    /// The final model as a fit gives it, for later fits and for export.
+    #[serde(default)]
+    pub fit: Option<Fit>,
+}
+
+/// What the findings amount to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    NothingMissing,
+    Explained,
+    PartlyExplained,
+    Unexplained,
+}
+
+impl Verdict {
+    /// The verdict as people read it.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::NothingMissing => "nothing is missing",
+            Self::Explained => "explained",
+            Self::PartlyExplained => "partly explained",
+            Self::Unexplained => "unexplained",
+        }
+    }
+}
+
+/// The declared model.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Baseline {
+    pub joints: Vec<JointFigures>,
+}
+
+/// The model with all findings.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Final {
+    pub joints: Vec<JointFigures>,
+    pub parameters: Vec<Parameter>,
+}
+
+/// A regime in which the misfit of a joint lies.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Located {
+    pub joint: String,
+    /// What the residual depends on.
+    pub variable: String,
+    pub unit: String,
+    /// Range of the variable in which the misfit is largest.
+    #[serde(with = "number::nullable")]
+    pub low: f64,
+    #[serde(with = "number::nullable")]
+    pub high: f64,
+    /// Share of the residual's energy beyond the noise that the variable explains on held-out rows.
+    #[serde(with = "number::nullable")]
+    pub share: f64,
+    pub sentence: String,
+    /// Mean residual over the variable, for the picture.
+    #[serde(default)]
+    pub curve: Vec<CurvePoint>,
+}
+
+/// Mean residual in a bin of a variable.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CurvePoint {
+    #[serde(with = "number::nullable")]
+    pub at: f64,
+    /// Recorded minus predicted.
+    #[serde(with = "number::nullable")]
+    pub mean: f64,
+    #[serde(with = "number::nullable")]
+    pub std_error: f64,
+}
+
+/// Physics that the declared model lacks.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    pub effect: String,
+    pub joints: Vec<String>,
+    pub parameters: Vec<Parameter>,
+    #[serde(with = "number::nullable")]
+    pub rmse_validation_before: f64,
+    #[serde(with = "number::nullable")]
+    pub rmse_validation_after: f64,
+    #[serde(with = "number::nullable")]
+    pub explained_share: f64,
+    #[serde(with = "number::nullable")]
+    pub p_value: f64,
+    pub sentence: String,
+    pub rivals: Vec<Rival>,
+}
+
+/// Other physics that explains the same misfit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Rival {
+    pub effect: String,
+    pub joints: Vec<String>,
+    #[serde(with = "number::nullable")]
+    pub explained_share: f64,
+    /// Whether these recordings tell it from the finding.
+    pub separable: bool,
+}
+
+/// A recording that would tell rivals apart.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NextExperiment {
+    pub sentence: String,
+    /// A problem file for `exid design`.
+    pub problem: String,
+}
+
+/// A parameter that was wrong in the declared model because physics was missing.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Spoiled {
+    pub name: String,
+    pub unit: String,
+    #[serde(with = "number::nullable")]
+    pub before: f64,
+    #[serde(with = "number::nullable")]
+    pub after: f64,
+    #[serde(with = "number::nullable")]
+    pub std_dev: f64,
+}
+
+/// A hypothesis that was fitted beside what was found before.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Evidence {
+    /// Findings that were in the model already.
+    pub step: usize,
+    pub effect: String,
+    pub joints: Vec<String>,
+    /// Share of the held-out residual's forecast that is true: 0 where nothing is, 1 where all is.
+    #[serde(with = "number::nullable")]
+    pub slope: f64,
+    /// Corrected for all hypotheses tried.
+    #[serde(with = "number::nullable")]
+    pub p_value: f64,
+    /// Largest share by which the held-out error of a joint falls.
+    #[serde(with = "number::nullable")]
+    pub relief: f64,
+    /// Change of minus twice the logarithm of the held-out likelihood: negative is better.
+    #[serde(with = "number::nullable")]
+    pub score: f64,
+    pub accepted: bool,
+}

@@ -1,0 +1,152 @@
+//! What is missing in the declared model: findings with their rivals, and the errors before and after.
+
+use crate::outcome::diagnose::{Diagnosis, Finding};
+use crate::report::html::escape;
+use crate::report::number::{optional, percent, significant};
+use crate::report::plots::rows::{Bars, bars};
+use crate::report::plots::{PREDICTED, RECORDED, figure, key};
+use crate::report::section::{Section, Source};
+use crate::report::table::{Cell, Table};
+
+pub(super) fn missing(source: &Source) -> Option<Section> {
+    let diagnosis = source.diagnosis()?;
+    if diagnosis.findings.is_empty() {
+        return None;
+    }
+    let mut body = String::new();
+    for finding in &diagnosis.findings {
+        body.push_str(&one(finding));
+    }
+    body.push_str(&spoiled(diagnosis));
+    if let Some(next) = &diagnosis.next_experiment {
+        body.push_str(&format!(
+            "<h3>What to record next</h3>\n<p>{}</p>\n<pre>{}</pre>\n",
+            escape(&next.sentence),
+            escape(&next.problem)
+        ));
+    }
+    Some(Section::new("missing", "What is missing", body))
+}
+
+fn one(finding: &Finding) -> String {
+    let mut html = format!(
+        "<h3>{}</h3>\n<p>{}</p>\n<p>It explains {} of the misfit there; a finding as strong as this \
+         by chance: p = {}.</p>\n",
+        escape(&finding.effect),
+        escape(&finding.sentence),
+        percent(finding.explained_share),
+        significant(finding.p_value)
+    );
+    if !finding.parameters.is_empty() {
+        let mut table = Table::new(&["Parameter", "Value", "Unit", "95 % from", "to"]);
+        for parameter in &finding.parameters {
+            table.row(vec![
+                Cell::name(&parameter.name),
+                Cell::Number(optional(parameter.value)),
+                Cell::text(&parameter.unit),
+                Cell::Number(optional(parameter.ci95.map(|ends| ends[0]))),
+                Cell::Number(optional(parameter.ci95.map(|ends| ends[1]))),
+            ]);
+        }
+        html.push_str(&table.html());
+    }
+    if !finding.rivals.is_empty() {
+        let mut table = Table::new(&["Rival", "Joints", "Explains", "These recordings"]);
+        for rival in &finding.rivals {
+            let told = if rival.separable {
+                "tell it apart"
+            } else {
+                "cannot tell it apart"
+            };
+            table.row(vec![
+                Cell::text(&rival.effect),
+                Cell::text(rival.joints.join(", ")),
+                Cell::Number(percent(rival.explained_share)),
+                Cell::text(told),
+            ]);
+        }
+        html.push_str(&table.html());
+    }
+    html
+}
+
+/// What the missing physics had done to the other parameters.
+fn spoiled(diagnosis: &Diagnosis) -> String {
+    if diagnosis.spoiled.is_empty() {
+        return String::new();
+    }
+    let mut table = Table::new(&[
+        "Parameter",
+        "Declared model",
+        "With what was missing",
+        "Std. dev.",
+        "Unit",
+    ]);
+    for entry in &diagnosis.spoiled {
+        table.row(vec![
+            Cell::name(&entry.name),
+            Cell::Number(significant(entry.before)),
+            Cell::Number(significant(entry.after)),
+            Cell::Number(significant(entry.std_dev)),
+            Cell::text(&entry.unit),
+        ]);
+    }
+    format!(
+        "<h3>What it had done to the other parameters</h3>\n<p class=\"hint\">Parameters that move by \
+         more than three standard deviations when the model has what it lacked.</p>\n{}",
+        table.html()
+    )
+}
+
+pub(super) fn before_and_after(source: &Source) -> Option<Section> {
+    let diagnosis = source.diagnosis()?;
+    let pairs = || {
+        diagnosis
+            .baseline
+            .joints
+            .iter()
+            .zip(&diagnosis.outcome.joints)
+    };
+    let mut table = Table::new(&[
+        "Joint",
+        "Unit",
+        "RMSE held out, declared",
+        "final",
+        "Noise",
+        "Lack of fit, declared",
+        "final",
+    ]);
+    for (before, after) in pairs() {
+        table.row(vec![
+            Cell::name(&before.joint),
+            Cell::text(&before.unit),
+            Cell::Number(optional(before.rmse_validation)),
+            Cell::Number(optional(after.rmse_validation)),
+            Cell::Number(optional(after.noise_rms)),
+            Cell::Number(optional(before.lack_of_fit)),
+            Cell::Number(optional(after.lack_of_fit)),
+        ]);
+    }
+    let rows: Vec<Bars> = pairs()
+        .filter_map(|(before, after)| {
+            let scale = after
+                .noise_rms
+                .filter(|n| *n > 0.0)
+                .or(after.rmse_validation)?;
+            Some(Bars {
+                label: before.joint.clone(),
+                train: before.rmse_validation? / scale,
+                validation: after.rmse_validation.map(|e| e / scale),
+            })
+        })
+        .collect();
+    let legend = format!(
+        "{}{}",
+        key(RECORDED, "declared model"),
+        key(PREDICTED, "final model")
+    );
+    let caption = format!("<b>Held-out RMSE in multiples of the noise</b>{legend}");
+    let plot = figure(&caption, &bars(&rows, Some(1.0), "RMSE / noise"));
+    let body = format!("<div class=\"plots\">{plot}</div>\n{}", table.html());
+    Some(Section::new("before-and-after", "Before and after", body))
+}

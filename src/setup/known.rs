@@ -1,0 +1,185 @@
+//! What a problem file says of single parameters of a model: zero, known, bounded.
+
+use crate::chain::model::Model;
+use crate::fault::Place;
+use crate::problem_file::choices::Estimator;
+use crate::problem_file::{Named, ProblemFile};
+use crate::robot::inertia::Inertia;
+use crate::setup::error::{Mismatch, SetupError};
+use crate::setup::model::at;
+use crate::setup::names::{self, BodyQuantity, Reference};
+
+/// Parameters that are zero by construction. A product of inertia about the centre of mass is zero about
+/// the origin too only where one of its axes has no first moment; elsewhere it says nothing linear.
+pub(super) fn zero_parameters(model: &mut Model, problem: &ProblemFile) -> Result<(), SetupError> {
+    let listed: Vec<(Reference, &Place)> = problem
+        .robot
+        .zero
+        .iter()
+        .map(|name| Ok((resolve(model, &name.value, &name.place)?, &name.place)))
+        .collect::<Result<_, SetupError>>()?;
+    let has_zero_centre = |first: usize, axis: usize| {
+        let wanted = Reference::Body(first, BodyQuantity::Centre(axis));
+        listed.iter().any(|(reference, _)| *reference == wanted)
+    };
+    for (reference, place) in &listed {
+        let raw = match *reference {
+            Reference::Parameter(parameter) => Some(parameter),
+            Reference::Body(first, BodyQuantity::Mass) => Some(first),
+            Reference::Body(first, BodyQuantity::Centre(axis)) => Some(first + 1 + axis),
+            Reference::Body(first, BodyQuantity::Inertia(a, b)) => {
+                let free = a != b && (has_zero_centre(first, a) || has_zero_centre(first, b));
+                free.then(|| first + raw_inertia(a, b))
+            }
+        };
+        if let Some(raw) = raw {
+            model.fix(raw, 0.0).map_err(|e| at(place, e))?;
+        }
+    }
+    Ok(())
+}
+
+/// Position of an inertia entry among the ten raw parameters.
+fn raw_inertia(a: usize, b: usize) -> usize {
+    const POSITIONS: [[usize; 3]; 3] = [[4, 5, 7], [5, 6, 8], [7, 8, 9]];
+    POSITIONS[a][b]
+}
+
+pub(crate) fn resolve(model: &Model, name: &str, place: &Place) -> Result<Reference, SetupError> {
+    names::resolve(model, name).ok_or_else(|| {
+        SetupError::mismatch(
+            place,
+            Mismatch::UnknownParameter {
+                found: name.to_string(),
+                nearest: names::nearest(model, name),
+            },
+        )
+    })
+}
+
+/// Makes given values known; quantities of one body are taken together.
+pub(crate) fn fix_all(model: &mut Model, given: &[Named<f64>]) -> Result<(), SetupError> {
+    let mut bodies: Vec<(usize, Vec<(BodyQuantity, f64)>)> = Vec::new();
+    for entry in given {
+        let (value, place) = (entry.value.value, &entry.value.place);
+        match resolve(model, &entry.name, place)? {
+            Reference::Parameter(p) => model.fix(p, value).map_err(|e| at(place, e))?,
+            Reference::Body(first, quantity) => {
+                match bodies.iter_mut().find(|(f, _)| *f == first) {
+                    Some((_, list)) => list.push((quantity, value)),
+                    None => bodies.push((first, vec![(quantity, value)])),
+                }
+            }
+        }
+    }
+    for (first, quantities) in bodies {
+        fix_body(model, first, &quantities).map_err(|name| {
+            let place = given.iter().find(|e| e.name.ends_with(&name));
+            let place = place.map_or_else(Place::default, |e| e.value.place.clone());
+            SetupError::mismatch(&place, Mismatch::NeedsMass { found: name })
+        })?;
+    }
+    Ok(())
+}
+
+/// Fixes the raw parameters that the given quantities determine; the error is the quantity that needs more.
+fn fix_body(model: &mut Model, first: usize, given: &[(BodyQuantity, f64)]) -> Result<(), String> {
+    let current = Inertia(std::array::from_fn(|k| model.parameters()[first + k].value));
+    let body = names::with_quantities(&current, given);
+    let known = |model: &Model, k: usize| !model.parameters()[first + k].is_free();
+    let has = |quantity: BodyQuantity| given.iter().any(|(q, _)| *q == quantity);
+    let mass = has(BodyQuantity::Mass) || known(model, 0);
+    let centre = |axis: usize, model: &Model| {
+        mass && (has(BodyQuantity::Centre(axis)) || known(model, 1 + axis))
+    };
+    for &(quantity, _) in given {
+        let (raw, determined, name) = match quantity {
+            BodyQuantity::Mass => (0, true, "mass".to_string()),
+            BodyQuantity::Centre(axis) => {
+                (1 + axis, mass, format!("com_{}", ["x", "y", "z"][axis]))
+            }
+            BodyQuantity::Inertia(a, b) => {
+                let axes: Vec<usize> = if a == b {
+                    (0..3).filter(|&k| k != a).collect()
+                } else {
+                    vec![a, b]
+                };
+                let letters = ["x", "y", "z"];
+                (
+                    raw_inertia(a, b),
+                    axes.into_iter().all(|axis| centre(axis, model)),
+                    format!("inertia_{}{}", letters[a], letters[b]),
+                )
+            }
+        };
+        if !determined {
+            return Err(name);
+        }
+        // Raw inertial parameters have no bounds to lie outside of.
+        model.fix(first + raw, body.0[raw]).map_err(|_| name)?;
+    }
+    Ok(())
+}
+
+/// The one parameter of the model that a name stands for: of an effect, or a mass. `request` and `instead`
+/// say what is asked of it and what can be asked, where it is a centre of mass or an inertia: those are no
+/// parameters, because torques are linear in first moments and in inertias about the link's origin.
+pub(crate) fn single(
+    model: &Model,
+    (name, place): (&str, &Place),
+    (request, instead): (&str, &str),
+) -> Result<usize, SetupError> {
+    match resolve(model, name, place)? {
+        Reference::Parameter(parameter) => Ok(parameter),
+        Reference::Body(first, BodyQuantity::Mass) => Ok(first),
+        Reference::Body(..) => Err(SetupError::mismatch(
+            place,
+            Mismatch::NotYet {
+                what: format!("{request} on `{name}`"),
+                instead: instead.to_string(),
+            },
+        )),
+    }
+}
+
+/// Whether the estimator keeps constraints on bodies.
+fn keeps_bodies(problem: &ProblemFile) -> bool {
+    matches!(
+        problem.fit.estimator.value,
+        Estimator::Feasible | Estimator::FeasibleMaximumLikelihood
+    )
+}
+
+/// Narrows the bounds of parameters to those of the problem file.
+pub(super) fn bound_all(model: &mut Model, problem: &ProblemFile) -> Result<(), SetupError> {
+    for entry in &problem.fit.bounds {
+        let place = &entry.value.place;
+        let reference = resolve(model, &entry.name, place)?;
+        // A limit of mass and first moment together.
+        if keeps_bodies(problem) && matches!(reference, Reference::Body(_, BodyQuantity::Centre(_)))
+        {
+            continue;
+        }
+        let instead = "bound masses and parameters of effects, and centres of mass with \
+                       `estimator = \"feasible\"`";
+        let parameter = single(model, (&entry.name, place), ("a bound", instead))?;
+        let interval = &entry.value.value;
+        let current = &model.parameters()[parameter];
+        let (lower, upper) = (
+            interval.lower.max(current.lower),
+            interval.upper.min(current.upper),
+        );
+        if lower > upper {
+            return Err(SetupError::mismatch(
+                place,
+                Mismatch::OutOfBounds {
+                    found: interval.upper,
+                    lower: current.lower,
+                    upper: current.upper,
+                },
+            ));
+        }
+        model.bound(parameter, lower, upper);
+    }
+    Ok(())
+}

@@ -1,0 +1,110 @@
+//! The identified robot as a record: geometry of the tree, bodies and drives at parameter values.
+
+use crate::chain::model::{Model, Signal};
+use crate::outcome::machine::{
+    Machine, MachineEffect, MachineFrame, MachineJoint, MachineLoad, MachineValue, Pose,
+    RobotDescription,
+};
+use crate::problem_file::ProblemFile;
+use crate::problem_file::robot::PayloadPlace;
+use crate::robot::inertia::PER_LINK;
+use crate::setup::robot::Robot;
+use nalgebra::DVector;
+
+/// The robot of a model at parameter `values`; bodies are those of `values`, whether possible or not.
+pub fn record(
+    (problem, robot): (&ProblemFile, &Robot),
+    model: &Model,
+    values: &DVector<f64>,
+    feasible: Option<bool>,
+) -> Machine {
+    let tree = model.tree();
+    let frames = tree.frames().iter().map(|frame| MachineFrame {
+        name: frame.name.clone(),
+        joint: frame.joint,
+        pose: Pose::of(&frame.placement),
+    });
+    let joints = (0..tree.len()).map(|j| joint(robot, model, values, j));
+    let coupling = model.coupling(values);
+    let rows = coupling
+        .row_iter()
+        .map(|row| row.iter().copied().collect::<Vec<f64>>());
+    Machine {
+        name: tree.name().to_string(),
+        base: tree.base().to_string(),
+        gravity: tree.gravity().into(),
+        joints: joints.collect(),
+        frames: frames.collect(),
+        coupling: (!model.is_uncoupled()).then(|| rows.collect()),
+        payload: load(problem, model, values),
+        feasible,
+        signal: word(model.signal()).to_string(),
+        description: description(robot),
+    }
+}
+
+fn word(signal: Signal) -> &'static str {
+    match signal {
+        Signal::Current => "current",
+        Signal::Torque => "torque",
+        Signal::LinkTorque => "link_torque",
+        Signal::BaseWrench => "base_wrench",
+        Signal::Both => "both",
+    }
+}
+
+fn joint(robot: &Robot, model: &Model, values: &DVector<f64>, j: usize) -> MachineJoint {
+    let (joint, drive) = (&model.tree().joints()[j], &model.joints()[j]);
+    let effects = drive.effects.iter().map(|&(effect, first)| MachineEffect {
+        id: effect.id.to_string(),
+        parameters: effect
+            .parameters
+            .iter()
+            .enumerate()
+            .map(|(k, info)| MachineValue {
+                name: info.name.to_string(),
+                value: values[first + k],
+            })
+            .collect(),
+    });
+    let first = PER_LINK * j;
+    MachineJoint {
+        name: joint.name.clone(),
+        link: joint.link.clone(),
+        parent: joint.parent,
+        motion: joint.kind.into(),
+        axis: joint.axis.into(),
+        pose: Pose::from_parts(&joint.rotation, &joint.translation),
+        lower: joint.limits.lower,
+        upper: joint.limits.upper,
+        velocity: joint.limits.velocity,
+        effort: joint.limits.effort,
+        body: std::array::from_fn(|k| values[first + k]),
+        locked: robot.locked[j],
+        torque_constant: (model.signal() == Signal::Current).then_some(drive.torque_constant),
+        offset: model.offset()[j],
+        effects: effects.collect(),
+    }
+}
+
+fn load(problem: &ProblemFile, model: &Model, values: &DVector<f64>) -> Option<MachineLoad> {
+    let (payload, first) = model.payload()?;
+    let link = model.tree().joints()[payload.link].link.clone();
+    let frame = match problem.robot.payload.as_ref().map(|p| &p.value) {
+        Some(PayloadPlace::Named(name)) => name.clone(),
+        Some(PayloadPlace::Last) | None => link,
+    };
+    Some(MachineLoad {
+        joint: payload.link,
+        frame,
+        pose: Pose::of(&payload.frame),
+        body: std::array::from_fn(|k| values[first + k]),
+    })
+}
+
+/// The robot file's text; absent where it cannot be read any more.
+fn description(robot: &Robot) -> Option<RobotDescription> {
+    let text = std::fs::read_to_string(&robot.file).ok()?;
+    let file = robot.file.file_name()?.to_string_lossy().into_owned();
+    Some(RobotDescription { file, text })
+}

@@ -1,0 +1,183 @@
+//! A primal-dual interior-point method for many small cones and dense least squares:
+//!
+//! ```text
+//! minimise ½ ‖M x + b‖² + cᵀ x − Σ_k γ_k log det S_k(x)   subject to   S_k(x) = C_k + Σ_j x_j A_kj ⪰ 0
+//! ```
+//!
+//! S_k symmetric of order one to four (order one: rows that are not negative, and bounds), γ_k >= 0. Optimal
+//! where `Mᵀ(M x + b) + c = Σ A_kᵀ Z_k` and `S_k Z_k = γ_k·1`. Newton steps in the scaling of Nesterov and
+//! Todd (1997) with Mehrotra's corrector (as in Vandenberghe 2010, "The CVXOPT linear and quadratic cone
+//! program solvers"). The normal matrix is dense and the cones enter it as small blocks, so that an iteration
+//! costs one Cholesky factorisation. Every answer is strictly inside its cones: S follows from x.
+
+use crate::problem::bounds;
+use crate::problem::solution::{Control, Solution, Stop, Trace, TraceRow};
+use crate::problem::view::ConeProgram;
+use crate::solve::admissible_start;
+use crate::solve::error::{SolveError, SolveErrorKind};
+use crate::solve::interior::iterate::{Iterate, Measure};
+use crate::solve::interior::program::{Origin, Program};
+use nalgebra::DVector;
+use std::time::Instant;
+
+mod block;
+mod iterate;
+mod normal;
+mod program;
+mod small;
+
+/// Accuracy and limits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// Optimal when the duality gap <= tolerance · unit, unit = max(|cost|, 1e-5 · ½‖b‖²), and the stationarity
+    /// <= sqrt(tolerance), which leaves a share of the unit of the order of the tolerance.
+    pub tolerance: f64,
+    /// Where the tolerance is out of reach, as with an infimum that no point attains, optimal when gap <= this ·
+    /// unit and the last iterations have not halved it.
+    pub reduced_tolerance: f64,
+    pub max_iterations: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-10,
+            reduced_tolerance: 1e-6,
+            max_iterations: 100,
+        }
+    }
+}
+
+/// What is added to the cost of a problem.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Terms {
+    /// c; empty for none.
+    pub linear: DVector<f64>,
+    /// γ of every constraint of the form, in its order; those that are missing are zero.
+    pub log_det: Vec<f64>,
+}
+
+/// A solution with its certificate.
+#[derive(Debug, Clone)]
+pub struct InteriorSolution {
+    /// Its cost is the problem's, without the added terms.
+    pub solution: Solution,
+    /// Bound on the cost above the optimum, in units of the cost.
+    pub gap: f64,
+    /// Largest |gradient − Σ A_kᵀ Z_k| of a variable, as a share of the slope at which a change that matters
+    /// costs one unit: `‖M_j‖ sqrt(2 unit) + |c_j| + Σ_k ‖A_kj‖ (‖Z_k‖ + unit/‖S_k‖)`.
+    pub stationarity: f64,
+    /// svec of Z of every constraint, in the order of the rows of the form.
+    pub multipliers: DVector<f64>,
+}
+
+/// Solves from a start, which may miss the constraints; steps are relative to it.
+pub fn solve(
+    view: ConeProgram,
+    start: &DVector<f64>,
+    (settings, terms): (&Settings, &Terms),
+    control: &Control,
+) -> Result<InteriorSolution, SolveError> {
+    if !(settings.tolerance > 0.0 && settings.tolerance < 1.0) {
+        let range = "0 < value < 1";
+        let value = settings.tolerance;
+        let kind = SolveErrorKind::Setting { value, range };
+        return Err(SolveError::at("tolerance", kind));
+    }
+    let problem = view.problem();
+    let form = problem.form();
+    let start = admissible_start(form, start)?;
+    let model = problem.linearize(&start)?;
+    let numbers = model.gradient.iter().chain(model.constraints.iter());
+    if !numbers.chain(model.jacobian.iter()).all(|v| v.is_finite()) {
+        return Err(SolveError::whole(SolveErrorKind::ModelNotFinite));
+    }
+    let rows = model.constraints.len();
+    let program = Program::new(form, &start, (model, terms))?;
+    let run = run(&program, settings, control)?;
+    let x = bounds::project(form, &(&start + &run.step));
+    let mut multipliers = DVector::zeros(rows);
+    for (origin, z) in program.origins.iter().zip(&run.multipliers) {
+        if let Origin::Rows(first) = origin {
+            let z = &z[..z.len().min(rows - first)];
+            multipliers.as_mut_slice()[*first..first + z.len()].copy_from_slice(z);
+        }
+    }
+    let values = problem.values(&x)?;
+    Ok(InteriorSolution {
+        gap: run.measure.gap,
+        stationarity: run.measure.stationarity,
+        multipliers,
+        solution: Solution {
+            active_bounds: bounds::active(form, &x),
+            x,
+            cost: values.cost,
+            stop: run.stop,
+            iterations: run.trace.rows.len(),
+            evaluations: 2,
+            trace: run.trace,
+        },
+    })
+}
+
+/// Iterations over which a gap is halved where there is progress.
+const PATIENCE: usize = 6;
+
+fn stagnates(trace: &Trace, gap: f64) -> bool {
+    let earlier = trace.rows.iter().rev().nth(PATIENCE - 1);
+    earlier.is_some_and(|row| gap > 0.5 * row.regularization)
+}
+
+/// The end of a run.
+struct Run {
+    step: DVector<f64>,
+    measure: Measure,
+    stop: Stop,
+    trace: Trace,
+    multipliers: Vec<Vec<f64>>,
+}
+
+fn run(program: &Program, settings: &Settings, control: &Control) -> Result<Run, SolveError> {
+    let begun = Instant::now();
+    let mut iterate =
+        Iterate::start(program).ok_or_else(|| SolveError::whole(SolveErrorKind::ModelNotFinite))?;
+    let mut trace = Trace::default();
+    let stop = loop {
+        let Some(measure) = iterate.measure() else {
+            break Stop::Stalled;
+        };
+        if measure.is_optimal(settings.tolerance)
+            || measure.is_optimal(settings.reduced_tolerance) && stagnates(&trace, measure.gap)
+        {
+            break Stop::Optimal;
+        }
+        if trace.rows.len() >= settings.max_iterations {
+            break Stop::IterationLimit;
+        }
+        if control.is_interrupted() {
+            break Stop::Interrupted;
+        }
+        if control
+            .time_limit
+            .is_some_and(|limit| begun.elapsed() >= limit)
+        {
+            break Stop::TimeLimit;
+        }
+        let Some(length) = iterate.advance() else {
+            break Stop::Stalled;
+        };
+        let row = TraceRow {
+            iteration: trace.rows.len() + 1,
+            cost: measure.cost,
+            step: length,
+            stationarity: measure.stationarity,
+            regularization: measure.gap,
+        };
+        control.report(&row);
+        trace.rows.push(row);
+    };
+    Ok(iterate.finish(stop, trace, settings))
+}
+
+#[cfg(test)]
+mod tests;

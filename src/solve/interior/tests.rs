@@ -1,0 +1,199 @@
+//! The interior-point method against closed forms, the conic method and an independent barrier method.
+
+use super::*;
+use crate::linalg::svec;
+use crate::problem::Problem;
+use crate::problem::examples::{self, TestProblem, least_squares_form, sum_of_squares};
+use crate::problem::form::{Constraint, Set, Structure, Variable};
+use crate::solve::conic;
+use nalgebra::{Cholesky, DMatrix, dmatrix, dvector};
+
+fn run(problem: &dyn Problem, start: &DVector<f64>, terms: &Terms) -> InteriorSolution {
+    let view = ConeProgram::try_from(problem).unwrap();
+    let settings = (&Settings::default(), terms);
+    solve(view, start, settings, &Control::default()).unwrap()
+}
+
+/// Noisy observations of symmetric 4 x 4 matrices; every third true one has rank two. `unseen` of the ten
+/// entries of every matrix are not observed.
+pub(super) fn matrices(count: usize, unseen: usize, seed: u64) -> TestProblem {
+    let entries = 10 * count;
+    let mut state = seed | 1;
+    let mut uniform = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    };
+    let mut truth = DVector::zeros(entries);
+    for body in 0..count {
+        let mut matrix = DMatrix::zeros(4, 4);
+        for _ in 0..if body % 3 == 0 { 2 } else { 6 } {
+            let point = dvector![0.2 * uniform(), 0.2 * uniform(), 0.2 * uniform(), 1.0];
+            matrix += &point * point.transpose() * (0.8 + 0.5 * uniform());
+        }
+        truth
+            .rows_mut(10 * body, 10)
+            .copy_from(&svec::svec(&matrix));
+    }
+    let mut regressor = DMatrix::from_fn(3 * entries, entries, |_, _| uniform());
+    for body in 0..count {
+        for k in 0..unseen {
+            // Entries of the last column: of what they are, the cone has the say.
+            regressor.column_mut(10 * body + 9 - k).fill(0.0);
+        }
+    }
+    let noise = DVector::from_fn(3 * entries, |_, _| uniform());
+    let measured = &regressor * truth + noise;
+    let names: Vec<String> = (0..entries).map(|i| format!("p{i}")).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let mut form = least_squares_form(&names, 3 * entries, Structure::Affine);
+    form.constraints = (0..count).map(psd).collect();
+    TestProblem {
+        form,
+        model: Box::new(move |x| {
+            let mut model = sum_of_squares(&regressor * x - &measured, regressor.clone());
+            model.constraints = x.clone();
+            model.jacobian = DMatrix::identity(x.len(), x.len());
+            Ok(model)
+        }),
+        spoil: None,
+    }
+}
+
+fn psd(index: usize) -> Constraint {
+    Constraint {
+        name: format!("matrix {index}"),
+        unit: String::new(),
+        rows: 10,
+        set: Set::Psd { order: 4 },
+    }
+}
+
+fn block(x: &DVector<f64>, index: usize) -> DMatrix<f64> {
+    svec::smat(x.rows(10 * index, 10).as_slice())
+}
+
+fn is_inside(x: &DVector<f64>) -> bool {
+    (0..x.len() / 10).all(|k| Cholesky::new(block(x, k)).is_some())
+}
+
+#[test]
+fn matches_the_conic_method_on_matrices_seen_through_noise() {
+    for count in [1, 4, 9] {
+        let problem = matrices(count, 0, 7 + count as u64);
+        let start = DVector::zeros(10 * count);
+        let found = run(&problem, &start, &Terms::default());
+        assert_eq!(found.solution.stop, Stop::Optimal);
+        assert!(is_inside(&found.solution.x));
+        let view = ConeProgram::try_from(&problem as &dyn Problem).unwrap();
+        let settings = conic::Settings::default();
+        let other = conic::solve(view, &start, &settings, &Control::default()).unwrap();
+        // Both gaps are below 1e-10 of the cost, and the conic answer may miss the cones by as much.
+        let (a, b) = (found.solution.cost, other.solution.cost);
+        assert!((a - b).abs() <= 1e-8 * b, "{count}: {a} {b}");
+        assert!(found.gap <= 1e-10 * a);
+    }
+}
+
+#[test]
+fn invariant_gradient_and_multipliers_balance_and_complement() {
+    let problem = matrices(3, 0, 3);
+    let found = run(&problem, &DVector::zeros(30), &Terms::default());
+    let model = problem.linearize(&found.solution.x).unwrap();
+    let balance = &model.gradient - model.jacobian.tr_mul(&found.multipliers);
+    assert!(balance.amax() <= 1e-4 * model.gradient.amax());
+    let product = found.multipliers.dot(&model.constraints);
+    assert!((product - found.gap).abs() <= 1e-12 * model.cost);
+}
+
+#[test]
+fn strictly_inside_where_entries_are_not_observed() {
+    let problem = matrices(5, 4, 11);
+    let found = run(&problem, &DVector::zeros(50), &Terms::default());
+    assert_eq!(found.solution.stop, Stop::Optimal);
+    assert!(is_inside(&found.solution.x));
+}
+
+#[test]
+fn matches_closed_form_of_the_log_determinant() {
+    // ½‖X − A‖² − γ log det X: X = V diag((a + sqrt(a² + 4γ))/2) Vᵀ with A = V diag(a) Vᵀ.
+    let target =
+        dmatrix![1.0, 2.0, 0.0, 0.0; 2.0, -1.0, 0.5, 0.0; 0.0, 0.5, 3.0, 0.1; 0.0, 0.0, 0.1, 0.2];
+    let offset = -svec::svec(&target);
+    let gamma = 0.3;
+    let mut problem = examples::affine(DMatrix::identity(10, 10), offset.clone());
+    problem.form.constraints = vec![psd(0)];
+    problem.model = Box::new(move |x| {
+        let mut model = sum_of_squares(x + &offset, DMatrix::identity(10, 10));
+        model.constraints = x.clone();
+        model.jacobian = DMatrix::identity(10, 10);
+        Ok(model)
+    });
+    let terms = Terms {
+        log_det: vec![gamma],
+        ..Terms::default()
+    };
+    let found = run(&problem, &DVector::zeros(10), &terms);
+    assert_eq!(found.solution.stop, Stop::Optimal);
+    let eigen = target.symmetric_eigen();
+    let values = eigen
+        .eigenvalues
+        .map(|a| 0.5 * (a + (a * a + 4.0 * gamma).sqrt()));
+    let expected =
+        &eigen.eigenvectors * DMatrix::from_diagonal(&values) * eigen.eigenvectors.transpose();
+    // Gap 1e-10 of a cost of order one, quadratic in the distance.
+    assert!((block(&found.solution.x, 0) - expected).amax() <= 1e-4);
+}
+
+#[test]
+fn bounds_hold_strictly_and_a_linear_term_shrinks() {
+    // ½(x + 1)² + ½(y − 2)² + ½ y for x, y >= 0: x = 0, y = 1.5.
+    let mut problem = examples::affine(DMatrix::identity(2, 2), dvector![1.0, -2.0]);
+    for variable in &mut problem.form.variables {
+        *variable = Variable::free("v", "").within(0.0, f64::INFINITY);
+    }
+    let terms = Terms {
+        linear: dvector![0.0, 0.5],
+        log_det: Vec::new(),
+    };
+    let found = run(&problem, &dvector![1.0, 1.0], &terms);
+    assert_eq!(found.solution.stop, Stop::Optimal);
+    let x = &found.solution.x;
+    assert!(x[0] > 0.0 && x[0] <= 1e-6, "{}", x[0]);
+    assert!((x[1] - 1.5).abs() <= 1e-5, "{}", x[1]);
+}
+
+#[test]
+fn refuses_an_equality_and_a_large_block() {
+    for set in [Set::Zero, Set::Psd { order: 5 }] {
+        let rows = if set == Set::Zero { 1 } else { 15 };
+        let mut problem = examples::affine(DMatrix::identity(15, 15), DVector::zeros(15));
+        problem.form.constraints = vec![Constraint {
+            name: "g".to_string(),
+            unit: String::new(),
+            rows,
+            set,
+        }];
+        problem.model = Box::new(move |x| {
+            let mut model = sum_of_squares(x.clone(), DMatrix::identity(15, 15));
+            model.constraints = x.rows(0, rows).into_owned();
+            model.jacobian = DMatrix::identity(rows, 15);
+            Ok(model)
+        });
+        let view = ConeProgram::try_from(&problem as &dyn Problem).unwrap();
+        let settings = (&Settings::default(), &Terms::default());
+        let start = DVector::zeros(15);
+        assert!(solve(view, &start, settings, &Control::default()).is_err());
+    }
+}
+
+#[test]
+fn invariant_the_same_bits_on_every_run() {
+    let x = || {
+        run(&matrices(2, 1, 5), &DVector::zeros(20), &Terms::default())
+            .solution
+            .x
+    };
+    assert_eq!(x(), x());
+}

@@ -1,0 +1,141 @@
+//! Diagnosis of recordings by another simulator in which one effect is concealed: what was left out, on which
+//! joints, and how well the model with it predicts another motion.
+
+mod common;
+
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+/// A fit with the true model leaves about 1.1; differentiation leaves the rest.
+const LACK_OF_FIT: f64 = 1.8;
+
+/// A share of the misfit that is of weight.
+const OF_WEIGHT: f64 = 0.05;
+
+/// Rivals that a finding may list as not separable.
+const RIVALS: usize = 2;
+
+fn numbers(value: &Value) -> Vec<f64> {
+    let list = value.as_array().unwrap();
+    list.iter().map(|x| x.as_f64().unwrap()).collect()
+}
+
+fn joints(value: &Value) -> BTreeSet<String> {
+    let list = value["joints"].as_array().unwrap();
+    list.iter()
+        .map(|j| j.as_str().unwrap().to_string())
+        .collect()
+}
+
+fn read(path: &Path) -> Value {
+    serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// The declared model: rigid body, known rotors, Coulomb and viscous friction.
+fn problem(folder: &Path) -> String {
+    let drive = read(&folder.join("drive.json"));
+    let file = |name: &str| folder.join(name).display().to_string();
+    format!(
+        "name = \"trial\"\n[robot]\nurdf = {:?}\ngravity = {:?}\ninertials = {}\n[drive]\n\
+         torque_constant = {:?}\nrotor_inertia = {:?}\n\
+         effects = [\"coulomb_friction\", \"viscous_friction\"]\n[recordings]\nsignal = \"current\"\n\
+         period = {}\ntrain = [{:?}]\nvalidation = [{:?}]\n",
+        file("robot.urdf"),
+        numbers(&drive["gravity"]),
+        drive["inertials"],
+        numbers(&drive["kt"]),
+        numbers(&drive["rotor_inertia"]),
+        drive["period"],
+        file("train.csv"),
+        file("validation.csv"),
+    )
+}
+
+fn diagnose(folder: &Path) -> Value {
+    let scratch = tempfile::tempdir().unwrap();
+    let (toml, out) = (
+        scratch.path().join("problem.toml"),
+        scratch.path().join("out"),
+    );
+    fs::write(&toml, problem(folder)).unwrap();
+    let run = Command::new(env!("CARGO_BIN_EXE_exid"))
+        .args(["diagnose", "--quiet", "--out"])
+        .args([&out, &toml])
+        .output()
+        .unwrap();
+    let text = String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.success(), "{}: {text}", folder.display());
+    read(&out.join("result.json"))
+}
+
+/// Whether a finding is the concealed effect, or lists it among the few rivals that it cannot set aside.
+fn names(finding: &Value, concealed: &Value) -> bool {
+    let same = |named: &Value| {
+        named["effect"] == concealed["effect"] && joints(named) == joints(concealed)
+    };
+    let rivals = finding["rivals"].as_array().unwrap();
+    let left: Vec<&Value> = rivals
+        .iter()
+        .filter(|rival| rival["separable"] == Value::Bool(false))
+        .collect();
+    same(finding) || (left.len() <= RIVALS && left.iter().any(|rival| same(rival)))
+}
+
+/// What is wrong with a diagnosis; nothing if it is right.
+fn faults(result: &Value, truth: &Value) -> Vec<String> {
+    let findings = result["findings"].as_array().unwrap();
+    let concealed = truth["effects"].as_array().unwrap();
+    let mut faults = Vec::new();
+    for effect in concealed {
+        if !findings.iter().any(|finding| names(finding, effect)) {
+            faults.push(format!("{} is not found", effect["effect"]));
+        }
+    }
+    for finding in findings {
+        let share = finding["explained_share"].as_f64().unwrap();
+        if share > OF_WEIGHT && !concealed.iter().any(|effect| names(finding, effect)) {
+            faults.push(format!(
+                "{} of {:?} is claimed",
+                finding["effect"],
+                joints(finding)
+            ));
+        }
+    }
+    for joint in result["final"]["joints"].as_array().unwrap() {
+        let lack = joint["lack_of_fit"].as_f64().unwrap();
+        if lack > LACK_OF_FIT {
+            faults.push(format!(
+                "{} is left with a lack of fit of {lack:.3}",
+                joint["joint"]
+            ));
+        }
+    }
+    faults
+}
+
+#[test]
+fn names_what_another_simulator_concealed() {
+    let Some(data) = common::data_dir() else {
+        return;
+    };
+    let mut folders: Vec<_> = fs::read_dir(data.join("trials"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.join("truth.json").is_file())
+        .collect();
+    folders.sort();
+    assert!(!folders.is_empty());
+    let mut wrong = 0;
+    for folder in &folders {
+        let result = diagnose(folder);
+        let truth = read(&folder.join("truth.json"));
+        let faults = faults(&result, &truth);
+        let trial = folder.file_name().unwrap().to_string_lossy();
+        eprintln!("{trial}: {} {faults:?}", result["verdict"]);
+        wrong += usize::from(!faults.is_empty());
+    }
+    assert_eq!(wrong, 0, "of {} trials", folders.len());
+}
