@@ -360,7 +360,7 @@ fn solve(seed: u64) -> Found {
 
 #[test]
 fn invariant_answers_are_possible_and_as_good_as_those_of_a_barrier_method() {
-    assert_as_good(30);
+    assert_as_good(300);
 }
 
 /// As many as a night is long.

@@ -125,7 +125,7 @@ fn recovers_known_truth_of_a_linkage() {
 }
 
 #[test]
-fn positions_outside_of_the_workspace_are_refused_with_their_time() {
+fn positions_that_the_mechanism_cannot_have_are_refused_with_their_time() {
     let folder = tempfile::tempdir().unwrap();
     let text = fs::read_to_string(shipped("h4_parallel/problem.toml")).unwrap();
     let bad = text
@@ -144,7 +144,7 @@ fn positions_outside_of_the_workspace_are_refused_with_their_time() {
     let words = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{words}");
     assert!(
-        words.contains("t = ") && words.contains("workspace"),
+        words.contains("t = ") && words.contains("against the mechanism"),
         "{words}"
     );
 }

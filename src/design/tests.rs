@@ -193,7 +193,8 @@ fn assert_slopes(problem: &dyn Problem, x: &DVector<f64>, name: &str) {
         let along = &exact.jacobian * &d;
         for k in 0..rows.len() {
             let size = 1.0 + exact.jacobian.row(k).norm() * d.norm();
-            assert!((rows[k] - along[k]).abs() < 1e-6 * size, "{name}: row {k}");
+            let error = (rows[k] - along[k]).abs();
+            assert!(error < 1e-6 * size, "{name}: row {k}: {error} of {size}");
         }
     }
 }

@@ -79,7 +79,7 @@ pub struct Bench {
     /// The model as a user declares it.
     pub model: Model,
     pub truth: Payload,
-    /// One period of the motors that move.
+    /// One period of the joints that move.
     position: Vec<Vec<f64>>,
     signal: Vec<Vec<f64>>,
     noise: Vec<f64>,
@@ -104,7 +104,10 @@ impl Bench {
                 .iter()
                 .map(|&j| noise.value.get(j).unwrap())
                 .collect(),
-            position: moving.iter().map(|&j| motion[0][j].clone()).collect(),
+            position: moving
+                .iter()
+                .map(|&j| joint(&model, &motion[0], j))
+                .collect(),
             problem,
             robot,
             model,
@@ -168,6 +171,16 @@ impl Bench {
         };
         self.robot.locked.iter().map(|l| own(l.is_some())).collect()
     }
+}
+
+/// Positions of a joint: `q = V m + offset`.
+fn joint(model: &Model, motors: &[Vec<f64>], i: usize) -> Vec<f64> {
+    let coupling = model.coupling(&model.values());
+    let at = |k: usize| -> f64 {
+        let moved = (0..motors.len()).map(|j| coupling[(i, j)] * motors[j][k]);
+        moved.sum::<f64>() + model.offset()[i]
+    };
+    (0..motors[0].len()).map(at).collect()
 }
 
 /// Number, sine and cosine of a harmonic.
