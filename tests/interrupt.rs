@@ -58,19 +58,3 @@ fn an_interrupt_leaves_the_best_so_far() {
         assert!(arm.path("out").join(name).exists(), "{name}");
     }
 }
-
-#[test]
-fn recovers_known_period_where_only_the_series_is_asked_for() {
-    let arm = Arm::new(6);
-    let series = ["--set", "recordings.differentiation.method=fourier"];
-    assert!(arm.fit("out", &series).status().unwrap().success());
-    let result = result(&arm);
-    let lines = result["preprocessing"].as_array().unwrap();
-    let expected = format!("average over 6 periods of {PERIOD:.6} s, found in the motion");
-    let found = lines
-        .iter()
-        .any(|line| line["text"].as_str().unwrap().contains(&expected));
-    assert!(found, "{lines:#?}");
-    // Differences between periods show the noise, which nothing does without them.
-    assert!(result["joints"][0]["noise_rms"].as_f64().is_some());
-}
