@@ -183,8 +183,9 @@ fn assert_slopes_of_cost(problem: &dyn Problem, x: &DVector<f64>, name: &str) {
     let exact = problem.linearize(x).unwrap();
     for seed in 0..4 {
         let d = some_motion(x.len(), 100 + seed);
-        let (cost, _) = slope(problem, (x, &d), 2e-4);
-        // h⁴ times fifth derivatives over w⁴, and rounding 1e-12 / h of a condition number: parts in 10⁸ of the size.
+        let (cost, _) = slope(problem, (x, &d), 4e-5);
+        // The sign v/(|v| + w) bends at once where v changes sign, so the error is of second order in h; rounding
+        // of a condition number is 1e-12 / h.
         let size = exact.gradient.norm() * d.norm();
         let error = (cost - exact.gradient.dot(&d)).abs();
         assert!(error < 1e-6 * size, "{name}: {error} of {size}");
@@ -194,7 +195,7 @@ fn assert_slopes_of_cost(problem: &dyn Problem, x: &DVector<f64>, name: &str) {
 fn assert_slopes_of_constraints(problem: &dyn Problem, x: &DVector<f64>) {
     let exact = problem.linearize(x).unwrap();
     let d = some_motion(x.len(), 100);
-    let (_, rows) = slope(problem, (x, &d), 1e-3);
+    let (_, rows) = slope(problem, (x, &d), 1e-5);
     let along = &exact.jacobian * &d;
     for k in 0..rows.len() {
         let size = 1.0 + exact.jacobian.row(k).norm() * d.norm();
@@ -204,7 +205,6 @@ fn assert_slopes_of_constraints(problem: &dyn Problem, x: &DVector<f64>) {
 }
 
 #[test]
-#[ignore = "one row differs by 2e-5 of its size"]
 fn invariant_slopes_of_constraints_agree_with_differences() {
     let bench = Bench::new(&LAWS);
     let experiment = bench.experiment(CRITERIA[0], None);
