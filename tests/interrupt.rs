@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::arm::{Arm, EVERY_SAMPLE, PERIOD};
+use common::arm::{Arm, EVERY_SAMPLE};
 use serde_json::Value;
 use std::fs;
 use std::process::{Child, Command};

@@ -39,8 +39,8 @@ pub mod solve;
 pub mod standard;
 mod strength;
 
-/// Smallest eigenvalue of a scaled pseudo-inertia, kg: a milligram, and ten square millimetres of it.
-pub const MARGIN: f64 = 1e-6;
+/// Smallest eigenvalue of a scaled pseudo-inertia, kg: a quarter of a milligram.
+pub const MARGIN: f64 = 2.5e-7;
 
 /// Rounds of reweighting.
 const MAX_ROUNDS: usize = 10;
