@@ -1,7 +1,7 @@
 //! Recordings as estimates use them: motor motion at joint scale, signal, weights of rows, the way back
 //! to every recorded sample.
 
-use crate::chain::evaluate::Segment;
+use crate::chain::evaluate::{KnownBodies, Segment};
 use crate::recording::experiment::Experiment;
 use crate::recording::split::Split;
 use crate::robot::batch::Trajectory;
@@ -22,6 +22,8 @@ pub struct Prepared {
     pub stride: usize,
     /// Known forces on the links along their joints, `[joint][row of the experiment]`; none where empty.
     forces: Vec<Vec<f64>>,
+    /// What the bodies do in rows of the experiment, where it is known.
+    bodies: Option<KnownBodies>,
     rows: Option<Rows>,
 }
 
@@ -29,6 +31,7 @@ pub struct Prepared {
 struct Rows {
     t: Vec<f64>,
     forces: Vec<Vec<f64>>,
+    bodies: Option<KnownBodies>,
     motion: [Vec<Vec<f64>>; 3],
     signal: Vec<Vec<f64>>,
 }
@@ -36,13 +39,11 @@ struct Rows {
 impl Prepared {
     pub fn new(name: String, split: Split, loaded: bool, experiment: Experiment) -> Self {
         let stride = stride(&experiment);
-        let every = |series: &[Vec<f64>]| -> Vec<Vec<f64>> {
-            let thin = |s: &Vec<f64>| s.iter().step_by(stride).copied().collect();
-            series.iter().map(thin).collect()
-        };
+        let every = |series: &[Vec<f64>]| thinned(series, stride);
         let rows = (stride > 1).then(|| Rows {
             t: experiment.t.iter().step_by(stride).copied().collect(),
             forces: Vec::new(),
+            bodies: None,
             motion: [
                 every(&experiment.motion.position),
                 every(&experiment.motion.velocity),
@@ -57,6 +58,7 @@ impl Prepared {
             experiment,
             stride,
             forces: Vec::new(),
+            bodies: None,
             rows,
         }
     }
@@ -73,9 +75,17 @@ impl Prepared {
             self.forces[*joint].clone_from(series);
         }
         if let Some(rows) = &mut self.rows {
-            let thin = |series: &Vec<f64>| series.iter().step_by(self.stride).copied().collect();
-            rows.forces = self.forces.iter().map(thin).collect();
+            rows.forces = thinned(&self.forces, self.stride);
         }
+        self
+    }
+
+    /// With what the bodies do in rows of the experiment, which no evaluation along it changes.
+    pub fn with_bodies(mut self, bodies: KnownBodies) -> Self {
+        if let Some(rows) = &mut self.rows {
+            rows.bodies = Some(bodies.thinned(self.stride));
+        }
+        self.bodies = Some(bodies);
         self
     }
 
@@ -102,11 +112,13 @@ impl Prepared {
             Some(Rows {
                 t,
                 forces,
+                bodies,
                 motion: [q, dq, ddq],
                 ..
             }) => Segment {
                 motors: Trajectory { q, dq, ddq },
                 forces,
+                bodies: bodies.as_ref(),
                 time: t,
                 cyclic: false,
                 loaded: self.loaded,
@@ -124,6 +136,7 @@ impl Prepared {
                 ddq: &motion.acceleration,
             },
             forces: &self.forces,
+            bodies: self.bodies.as_ref(),
             time: &self.experiment.t,
             cyclic: self.experiment.periods.is_some(),
             loaded: self.loaded,
@@ -137,6 +150,11 @@ impl Prepared {
             Some(rows) => &rows.signal[channel],
         }
     }
+}
+
+fn thinned(series: &[Vec<f64>], stride: usize) -> Vec<Vec<f64>> {
+    let thin = |s: &Vec<f64>| s.iter().step_by(stride).copied().collect();
+    series.iter().map(thin).collect()
 }
 
 fn stride(experiment: &Experiment) -> usize {

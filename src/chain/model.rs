@@ -211,6 +211,13 @@ impl Model {
         &self.channels
     }
 
+    /// Predicts no other channel than one.
+    pub fn predict_only(&mut self, channel: usize) {
+        for (c, other) in self.channels.iter_mut().enumerate() {
+            other.active &= c == channel;
+        }
+    }
+
     pub fn joints(&self) -> &[JointModel] {
         &self.joints
     }

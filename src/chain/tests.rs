@@ -134,6 +134,7 @@ fn assert_derivatives(effects: &[&'static Effect], signal: Signal, seed: u64) {
             ddq: &ddq,
         },
         forces: &[],
+        bodies: None,
         time: &time,
         cyclic: seed.is_multiple_of(2),
         loaded: true,

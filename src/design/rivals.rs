@@ -219,6 +219,7 @@ impl Rivals<'_> {
                     time: &time,
                     cyclic: true,
                     forces: &[],
+                    bodies: None,
                     loaded,
                 };
                 let unknowns = &rival.unknowns;

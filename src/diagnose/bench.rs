@@ -4,6 +4,7 @@ use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
 use crate::chain::prior::Prior;
 use crate::diagnose::hypothesis::{Hypothesis, addition};
+use crate::diagnose::memory::Memory;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::recording::split::Split;
@@ -21,6 +22,7 @@ pub struct Bench<'a> {
     pub in_time: bool,
     /// RMS noise of one row per channel, averages over periods where there are any; `None` where nothing repeats.
     pub noise: Option<Vec<f64>>,
+    pub memory: Memory,
 }
 
 impl Bench<'_> {

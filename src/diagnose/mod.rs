@@ -21,6 +21,7 @@ pub mod grid;
 pub mod holdout;
 pub mod hypothesis;
 pub mod locate;
+pub mod memory;
 pub mod periods;
 pub mod refit;
 pub mod regime;

@@ -10,7 +10,9 @@
 //! is the gain of one Gauss-Newton step of all parameters, for the price of projecting a few columns.
 
 use crate::chain::dataset::Prepared;
-use crate::chain::model::Model;
+use crate::chain::effect::Law;
+use crate::chain::evaluate::Evaluator;
+use crate::chain::model::{Channel, JointModel, Model};
 use crate::diagnose::bench::Bench;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::grid::{Grid, Motion};
@@ -36,6 +38,9 @@ pub struct Lead {
 pub struct Linearised<'a> {
     refit: &'a Refit,
     recordings: Vec<&'a Prepared>,
+    /// The same with what the bodies do, which laws of drives leave as it is.
+    known: Vec<Prepared>,
+    has_simple_chain: bool,
     scale: Vec<f64>,
     predicted: Vec<Vec<f64>>,
     /// Weighted: `[channel][column]`.
@@ -65,9 +70,12 @@ impl<'a> Linearised<'a> {
         }
         let residual = weighted_difference(&series.predicted, &series.recorded, &scale);
         let inverse = inverse_factor(&columns, positions.len());
+        let known = recordings.iter().map(|r| with_bodies(refit, r)).collect();
         Self {
             refit,
             recordings,
+            known,
+            has_simple_chain: has_simple_chain(&refit.model),
             scale,
             predicted: series.predicted,
             columns,
@@ -80,7 +88,16 @@ impl<'a> Linearised<'a> {
     pub fn examine(&self, bench: &Bench<'_>, hypothesis: &Hypothesis) -> Option<Lead> {
         let mut all = self.refit.hypotheses.clone();
         all.push(hypothesis.clone());
-        let (model, _) = bench.model(&all).ok()?;
+        let (mut model, _) = bench.model(&all).ok()?;
+        let law = hypothesis.effect.law;
+        if self.has_simple_chain && hypothesis.joints.len() == 1 && is_of_drive(law) {
+            model.predict_only(hypothesis.joints[0]);
+        }
+        let leaves_bodies = is_of_drive(law) || matches!(law, Law::Lag);
+        let recordings: Vec<&Prepared> = match self.has_simple_chain && leaves_bodies {
+            true => self.known.iter().collect(),
+            false => self.recordings.clone(),
+        };
         let own: Vec<usize> = (0..model.parameters().len())
             .filter(|&p| {
                 let parameter = &model.parameters()[p];
@@ -94,7 +111,7 @@ impl<'a> Linearised<'a> {
             let gains = points.into_par_iter().map(|point| {
                 let mut values = base.clone();
                 own.iter().zip(&point).for_each(|(&p, x)| values[p] = *x);
-                (self.gain(&model, &values, &own), point)
+                (self.gain(&model, (&values, &own), &recordings), point)
             });
             let gains: Vec<(f64, Vec<f64>)> = gains.collect();
             gains.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))
@@ -121,8 +138,13 @@ impl<'a> Linearised<'a> {
         values
     }
 
-    fn gain(&self, model: &Model, values: &DVector<f64>, own: &[usize]) -> f64 {
-        let series = Series::of(model, values, own, &self.recordings);
+    fn gain(
+        &self,
+        model: &Model,
+        (values, own): (&DVector<f64>, &[usize]),
+        recordings: &[&Prepared],
+    ) -> f64 {
+        let series = Series::of(model, values, own, recordings);
         let mut change: Column = Vec::new();
         let mut columns: Vec<Column> = vec![Vec::new(); own.len()];
         for (c, predicted) in series.predicted.iter().enumerate() {
@@ -190,6 +212,35 @@ impl<'a> Linearised<'a> {
         let of = |(c, series): &(usize, Vec<f64>)| dot(&self.residual[*c], series);
         column.iter().map(of).sum()
     }
+}
+
+/// Whether a law acts on the channel of its own joint alone where motors are not coupled, and leaves motion and
+/// bodies as they are.
+fn is_of_drive(law: Law) -> bool {
+    matches!(
+        law,
+        Law::Motor(_) | Law::Joint(_) | Law::Transmission(_) | Law::Gain | Law::Current
+    )
+}
+
+/// Whether every channel is the torque of one motor that its joint follows at once.
+fn has_simple_chain(model: &Model) -> bool {
+    let follows = |joint: &JointModel| {
+        joint.delay.is_none() && joint.elasticity.is_none() && joint.backlash.is_none()
+    };
+    let own = |(c, channel): (usize, &Channel)| channel.joint == Some(c);
+    model.is_uncoupled()
+        && model.mechanism().is_none()
+        && model.channels().iter().enumerate().all(own)
+        && model.joints().iter().all(follows)
+}
+
+/// A recording with what the bodies of a fitted model do along it.
+fn with_bodies(refit: &Refit, recording: &Prepared) -> Prepared {
+    let rows = recording.experiment.rows();
+    let mut evaluator = Evaluator::along(&refit.model, &refit.values, &[], rows);
+    let bodies = evaluator.known_bodies(recording.whole());
+    recording.clone().with_bodies(bodies)
 }
 
 /// `bᵀ A⁻¹ b` over the directions of A that are not rounding.

@@ -87,7 +87,7 @@ pub fn grow(
         if grown.steps.is_empty() {
             grown.examined = open.len();
         }
-        let mut trials = attempt(bench, &grown.refit, &open)?;
+        let mut trials = attempt(bench, &grown.refit, (rules, &open))?;
         let best = choose(&trials, rules.significance);
         let score = grown.refit.held_out_score();
         if let Some(best) = best {
@@ -110,11 +110,13 @@ pub fn grow(
 pub fn attempt(
     bench: &Bench<'_>,
     refit: &Refit,
-    open: &[Hypothesis],
+    (rules, open): (Rules<'_>, &[Hypothesis]),
 ) -> Result<Vec<Trial>, DiagnoseError> {
     let least = least_gain(refit);
-    let mut leads = leads(bench, refit, open)?;
-    leads.retain(|lead| lead.gain >= least);
+    let all = || hypothesis::open(&refit.model, (rules.sought, bench.in_time));
+    let find = || leads(bench, refit, &all());
+    let mut leads = bench.memory.leads(&refit.hypotheses, find)?;
+    leads.retain(|lead| lead.gain >= least && open.contains(&lead.hypothesis));
     leads.truncate(FITTED);
     let tried = leads.par_iter().filter_map(|lead| {
         // A hypothesis that cannot be fitted is no hypothesis.
@@ -153,7 +155,8 @@ fn try_one(
     hypotheses.push(lead.hypothesis.clone());
     let mut start = before.start();
     start.extend(lead.start.iter().cloned());
-    let refit = refit(bench, &hypotheses, (&start, &before.deviations()))?;
+    let fit = || refit(bench, &hypotheses, (&start, &before.deviations()));
+    let refit = bench.memory.refit(&hypotheses, fit)?;
     let named = (lead.hypothesis.clone(), tried);
     Ok(compare(bench, (before, refit), named))
 }
@@ -260,5 +263,6 @@ fn without(
 pub fn fit_without(bench: &Bench<'_>, full: &Refit, k: usize) -> Result<Refit, DiagnoseError> {
     let mut hypotheses = full.hypotheses.clone();
     hypotheses.remove(k);
-    refit(bench, &hypotheses, (&full.start(), &full.deviations()))
+    let fit = || refit(bench, &hypotheses, (&full.start(), &full.deviations()));
+    bench.memory.refit(&hypotheses, fit)
 }

@@ -9,6 +9,7 @@ use crate::diagnose::drift;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::holdout;
 use crate::diagnose::locate::locate;
+use crate::diagnose::memory::Memory;
 use crate::diagnose::refit::{Refit, refit};
 use crate::diagnose::rivals::{Contest, contest, exchange};
 use crate::diagnose::rows::{Series, rms};
@@ -111,6 +112,7 @@ pub fn run(
         control,
         in_time: !data.recordings.iter().any(averaged),
         noise: None,
+        memory: Memory::default(),
     };
     watch(Stage::Fitting);
     let declared = baseline(&bench, &model)?;
@@ -126,6 +128,7 @@ pub fn run(
         data: &unrolled,
         in_time: true,
         noise: bench.noise.clone(),
+        memory: Memory::default(),
         ..bench
     };
     let drifting = over_periods(&over_time, (&data, &explanation.full), (rules, watch))?;
@@ -185,7 +188,8 @@ fn baseline(bench: &Bench<'_>, model: &Model) -> Result<Refit, DiagnoseError> {
         .iter()
         .map(|s| rms(s).max(f64::MIN_POSITIVE))
         .collect();
-    refit(bench, &[], (&Vec::new(), &first))
+    let fit = || refit(bench, &[], (&Vec::new(), &first));
+    bench.memory.refit(&[], fit)
 }
 
 /// Rounds in which a finding may be exchanged for a better rival.

@@ -188,6 +188,7 @@ pub(super) fn torques(
     let segment = Segment {
         motors,
         forces: &[],
+        bodies: None,
         time: &time,
         cyclic: course.cyclic,
         loaded: course.loaded,

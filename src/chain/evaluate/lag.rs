@@ -14,11 +14,11 @@
 
 use crate::chain::effect::law::signum;
 use crate::chain::effect::{Contribution, Law, Samples};
-use crate::chain::evaluate::march::{Coefficients, Course, March, solve_with};
+use crate::chain::evaluate::bodies::{KnownBodies, Slopes};
+use crate::chain::evaluate::contact_march::solve_with;
+use crate::chain::evaluate::march::{Coefficients, Course, March};
 use crate::chain::evaluate::{Evaluator, Segment};
-use crate::robot::derivatives::Derivatives;
-use nalgebra::DMatrix;
-use std::rc::Rc;
+use crate::robot::batch::torques;
 
 /// Stiffness of the flanks where only play is in the model, N·m/rad or N/m: links of robots swing on it
 /// above 20 Hz, and a usual load bends it by less than a tenth of a usual play.
@@ -27,8 +27,11 @@ const FLANK_STIFFNESS: f64 = 1e6;
 /// Damping of the flanks, N·m·s/rad or N·s/m: about critical for a link of 1 kg·m².
 const FLANK_DAMPING: f64 = 1e3;
 
-/// Newton passes over the course; the matrices change little with δ, so three usually do.
-const PASSES: usize = 12;
+/// Passes over the course; the matrices change little with δ, so that those about the motion without lag usually do.
+const PASSES: usize = 24;
+
+/// Bodies are linearised anew where a pass moves δ by more than this share of the pass before.
+const FAST: f64 = 0.1;
 
 /// Passes end when δ moves by less than this share of its largest value.
 const PASS_TOLERANCE: f64 = 1e-11;
@@ -92,9 +95,7 @@ impl Lagging {
 pub(super) struct Lag {
     members: Vec<Lagging>,
     motion: Course,
-    /// Derivatives of every row of the rigid body with respect to q, q̇ and q̈ of the members:
-    /// `[sample][order]`, rows x members.
-    slopes: Vec<[DMatrix<f64>; 3]>,
+    slopes: Slopes,
     march: Option<March>,
 }
 
@@ -103,29 +104,34 @@ impl Lag {
         self.members.iter().map(|m| m.joint).collect()
     }
 
+    fn samples(&self) -> usize {
+        self.motion[0].first().map_or(0, Vec::len)
+    }
+
     /// M, V and Q of the bodies at every sample.
-    fn bodies(&self) -> Vec<Coefficients> {
+    fn bodies(&self) -> Coefficients {
         let (rows, count) = (self.rows(), self.members.len());
-        let at = |slopes: &[DMatrix<f64>; 3]| {
-            let of =
-                |order: usize| DMatrix::from_fn(count, count, |f, g| slopes[order][(rows[f], g)]);
-            Coefficients {
-                mass: of(2),
-                damping: of(1),
-                stiffness: of(0),
+        let mut bodies = Coefficients::zeros(count, self.samples());
+        for k in 0..self.samples() {
+            for (f, g) in (0..count).flat_map(|f| (0..count).map(move |g| (f, g))) {
+                let (from, to) = (self.slopes.at(k, (rows[f], g)), bodies.at(k, (f, g)));
+                bodies.stiffness[to] = self.slopes.by[0][from];
+                bodies.damping[to] = self.slopes.by[1][from];
+                bodies.mass[to] = self.slopes.by[2][from];
             }
-        };
-        self.slopes.iter().map(at).collect()
+        }
+        bodies
     }
 
     /// The equation of a change of δ about the present one.
     fn equation(&self, step: f64, cyclic: bool) -> Option<March> {
         let mut coefficients = self.bodies();
-        for (k, c) in coefficients.iter_mut().enumerate() {
+        for k in 0..self.samples() {
             for (f, member) in self.members.iter().enumerate() {
                 let contact = member.contact(self.motion[0][f][k], self.motion[1][f][k]);
-                c.stiffness[(f, f)] += contact.by_lag;
-                c.damping[(f, f)] += contact.by_rate;
+                let at = coefficients.at(k, (f, f));
+                coefficients.stiffness[at] += contact.by_lag;
+                coefficients.damping[at] += contact.by_rate;
             }
         }
         March::new(coefficients, step, cyclic)
@@ -162,9 +168,9 @@ impl Lag {
                     let contact = member.contact(lag, rate);
                     drive += contact.by_lag * lag + contact.by_rate * rate - contact.torque;
                 }
-                for (order, slope) in self.slopes[k].iter().enumerate() {
-                    for (g, series) in self.motion[order].iter().enumerate() {
-                        drive += slope[(rows[f], g)] * series[k];
+                for (slope, motion) in self.slopes.by.iter().zip(&self.motion) {
+                    for (g, series) in motion.iter().enumerate() {
+                        drive += slope[self.slopes.at(k, (rows[f], g))] * series[k];
                     }
                 }
                 drive
@@ -188,7 +194,8 @@ impl Lag {
 }
 
 impl Evaluator<'_> {
-    /// Finds the lag of the links and moves the joints by it; `None` where no link lags.
+    /// Finds the lag of the links and moves the joints by it; `None` where no link lags. Where the bodies are known,
+    /// the derivatives are those of bodies linearised about the motion without lag.
     pub(super) fn lag_of_links(&mut self, segment: Segment<'_>, samples: usize) -> Option<Lag> {
         let members = self.lagging();
         if !self.along || members.is_empty() || segment.time.len() < 2 || self.torque_rows() == 0 {
@@ -198,16 +205,19 @@ impl Evaluator<'_> {
         let series = || vec![vec![0.0; samples]; members.len()];
         let mut lag = Lag {
             motion: [series(), series(), series()],
-            slopes: Vec::new(),
+            slopes: Slopes::default(),
             march: None,
             members,
         };
         let without = self.joint_motion.clone();
-        for pass in 0..PASSES {
-            let torque = self.linearise(segment, samples, &mut lag);
-            if pass == 0 {
-                lag.rest_on_flanks(&torque);
-            }
+        let known = segment.bodies.filter(|known| !known.slopes.is_empty());
+        let mut torque = match known {
+            Some(known) => self.recall((segment, samples), known, &mut lag),
+            None => self.linearise(segment, samples, &mut lag),
+        };
+        lag.rest_on_flanks(&torque);
+        let mut before = f64::INFINITY;
+        for _ in 0..PASSES {
             let Some(next) = lag.next(&torque, (step, cyclic)) else {
                 break;
             };
@@ -217,22 +227,49 @@ impl Evaluator<'_> {
                 .flatten()
                 .fold(0.0_f64, |m, x| m.max(x.abs()));
             lag.motion = next;
-            for (order, moved) in self.joint_motion.iter_mut().enumerate() {
-                for (f, member) in lag.members.iter().enumerate() {
-                    let from = without[order][member.joint]
-                        .iter()
-                        .zip(&lag.motion[order][f]);
-                    let to = moved[member.joint].iter_mut().zip(from);
-                    to.for_each(|(to, (q, lag))| *to = q - lag);
-                }
-            }
+            self.move_by_lag(&lag, &without);
             if change <= PASS_TOLERANCE * size {
                 break;
             }
+            torque = match change <= FAST * before {
+                true => self.torque_of_members(segment, samples, &lag),
+                false => self.linearise(segment, samples, &mut lag),
+            };
+            before = change;
         }
-        self.linearise(segment, samples, &mut lag);
-        lag.march = lag.equation(step, cyclic);
+        if self.rigid.columns > 0 {
+            if known.is_none() {
+                self.linearise(segment, samples, &mut lag);
+            }
+            lag.march = lag.equation(step, cyclic);
+        }
         Some(lag)
+    }
+
+    /// Joints where motors and the lag have them.
+    fn move_by_lag(&mut self, lag: &Lag, without: &[Vec<Vec<f64>>; 3]) {
+        for (order, moved) in self.joint_motion.iter_mut().enumerate() {
+            for (f, member) in lag.members.iter().enumerate() {
+                let from = without[order][member.joint]
+                    .iter()
+                    .zip(&lag.motion[order][f]);
+                let to = moved[member.joint].iter_mut().zip(from);
+                to.for_each(|(to, (q, lag))| *to = q - lag);
+            }
+        }
+    }
+
+    /// Torques at the joints that lag where the joints are now.
+    fn torque_of_members(&self, segment: Segment<'_>, samples: usize, lag: &Lag) -> Vec<Vec<f64>> {
+        let bodies = &self.bodies[usize::from(segment.loaded)];
+        let all = torques(&self.tree, bodies, self.trajectory());
+        let members = lag.rows();
+        let springs = self.springs(segment, samples, &members);
+        let of = |(joint, (spring, _)): (&usize, &(Vec<f64>, Vec<f64>))| {
+            let pairs = all[*joint].iter().zip(spring);
+            pairs.map(|(body, spring)| body + spring).collect()
+        };
+        members.iter().zip(&springs).map(of).collect()
     }
 
     fn lagging(&self) -> Vec<Lagging> {
@@ -266,39 +303,42 @@ impl Evaluator<'_> {
     /// Torques at the joints that lag, and the derivatives of all rows by their motion, where the joints
     /// are now.
     fn linearise(&mut self, segment: Segment<'_>, samples: usize, lag: &mut Lag) -> Vec<Vec<f64>> {
-        let n = self.model.joints().len();
-        let bodies = Rc::clone(&self.bodies[usize::from(segment.loaded)]);
-        let torque_rows = self.torque_rows();
-        let all_rows = self.rigid.values.len();
-        let members: Vec<usize> = lag.members.iter().map(|m| m.joint).collect();
-        let springs = self.springs(segment, samples, &members);
-        let mut torque = vec![vec![0.0; samples]; members.len()];
-        let mut state = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
-        lag.slopes.clear();
-        let mut derivatives =
-            std::mem::replace(&mut self.derivatives, Derivatives::new(&self.tree));
-        for k in 0..samples {
-            self.state_at(k, &mut state);
-            let slices = [&state[0][..], &state[1], &state[2]];
-            derivatives.evaluate(&self.tree, &bodies, slices);
-            std::mem::swap(&mut self.derivatives, &mut derivatives);
-            let mut slopes: [DMatrix<f64>; 3] =
-                std::array::from_fn(|_| DMatrix::zeros(all_rows, members.len()));
-            for (f, &joint) in members.iter().enumerate() {
-                torque[f][k] = self.derivatives.torque[joint] + springs[f].0[k];
-                for row in 0..all_rows {
-                    let by = self.by_motion(row, torque_rows, joint);
-                    for (slope, by) in slopes.iter_mut().zip(by) {
-                        slope[(row, f)] = by;
-                    }
-                }
-                slopes[0][(joint, f)] += springs[f].1[k];
-            }
-            lag.slopes.push(slopes);
-            std::mem::swap(&mut self.derivatives, &mut derivatives);
-        }
-        self.derivatives = derivatives;
+        let members = lag.rows();
+        let (mut torque, slopes) = self.slopes(segment.loaded, 0..samples, &members);
+        lag.slopes = slopes;
+        self.add_springs((segment, samples), lag, &mut torque);
         torque
+    }
+
+    /// The same where the bodies are known and no link lags yet.
+    fn recall(
+        &self,
+        (segment, samples): (Segment<'_>, usize),
+        known: &KnownBodies,
+        lag: &mut Lag,
+    ) -> Vec<Vec<f64>> {
+        let members = lag.rows();
+        let mut torque: Vec<Vec<f64>> = members.iter().map(|&j| known.torque[j].clone()).collect();
+        lag.slopes = known.slopes.of_joints(&members);
+        self.add_springs((segment, samples), lag, &mut torque);
+        torque
+    }
+
+    fn add_springs(
+        &self,
+        (segment, samples): (Segment<'_>, usize),
+        lag: &mut Lag,
+        torque: &mut [Vec<f64>],
+    ) {
+        let members = lag.rows();
+        for (f, (spring, stiffness)) in self.springs(segment, samples, &members).iter().enumerate()
+        {
+            for k in 0..samples {
+                torque[f][k] += spring[k];
+                let own = lag.slopes.at(k, (members[f], f));
+                lag.slopes.by[0][own] += stiffness[k];
+            }
+        }
     }
 
     /// Torque and stiffness of laws at the given joints.
@@ -377,9 +417,9 @@ impl Evaluator<'_> {
             for row in 0..self.rigid.values.len() {
                 let series = self.rigid.series(row, column);
                 for (k, to) in series[..samples].iter_mut().enumerate() {
-                    for (order, slope) in lag.slopes[k].iter().enumerate() {
-                        for (f, by) in change[order].iter().enumerate() {
-                            *to -= slope[(row, f)] * by[k];
+                    for (slope, change) in lag.slopes.by.iter().zip(&change) {
+                        for (f, by) in change.iter().enumerate() {
+                            *to -= slope[lag.slopes.at(k, (row, f))] * by[k];
                         }
                     }
                 }

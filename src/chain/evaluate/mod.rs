@@ -8,6 +8,8 @@
 //! (bristles, elasticity, play, delay) needs the whole recording at once, [`Evaluator::along`].
 
 mod block;
+mod bodies;
+mod contact_march;
 mod coupling;
 mod delay;
 mod lag;
@@ -19,6 +21,7 @@ mod recorded_joints;
 mod rigid;
 
 pub use block::Block;
+pub use bodies::KnownBodies;
 
 use crate::chain::effect::base_tilt::tilted;
 use crate::chain::effect::{Law, Memory};
@@ -42,6 +45,8 @@ pub struct Segment<'a> {
     /// Known forces of the surroundings on the links along their joints, `[joint][sample]`, N·m (N); empty
     /// where there are none.
     pub forces: &'a [Vec<f64>],
+    /// What the bodies do, where it is known already.
+    pub bodies: Option<&'a KnownBodies>,
     /// s from the start of the recording, one per sample; empty for states that stand alone.
     pub time: &'a [f64],
     /// The samples are one period of a motion that repeats.
@@ -56,6 +61,7 @@ impl<'a> Segment<'a> {
         Self {
             motors,
             forces: &[],
+            bodies: None,
             time: &[],
             cyclic: false,
             loaded,
@@ -222,7 +228,11 @@ impl<'m> Evaluator<'m> {
         self.rigid.clear(samples);
         self.move_joints(segment.motors, range.clone());
         let lag = self.lag_of_links(segment, samples);
-        self.rigid_body(segment.loaded, samples);
+        let moved = Segment {
+            bodies: segment.bodies.filter(|_| lag.is_none()),
+            ..segment
+        };
+        self.rigid_body(moved, range.clone());
         self.push_links(segment.forces, range.clone());
         self.tilt_columns(segment.loaded, samples);
         self.joint_laws(segment, range.clone());
@@ -236,7 +246,7 @@ impl<'m> Evaluator<'m> {
         self.add_tare();
         self.coupling_torque_columns(samples);
         for j in 0..self.model.joints().len() {
-            if !self.model.joints()[j].locked && self.channel_of(j).is_some() {
+            if self.channel_of(j).is_some() && self.model.channels()[j].active {
                 self.motor_sign(j, segment.motors, range.clone());
                 self.transmission(j, samples);
                 self.motor_laws(j, segment, range.clone());

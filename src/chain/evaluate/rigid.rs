@@ -3,6 +3,7 @@
 use crate::chain::effect::base_tilt::tilted_by_angles;
 use crate::chain::effect::{Contribution, Law, Samples};
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
+use crate::chain::parameter::Role;
 use crate::robot::batch::{RegressorBatch, Trajectory};
 use crate::robot::inertia::PER_LINK;
 use std::ops::Range;
@@ -42,7 +43,14 @@ impl Evaluator<'_> {
     }
 
     /// Joint torques and base wrench of the bodies, and the columns of their parameters.
-    pub(super) fn rigid_body(&mut self, loaded: bool, samples: usize) {
+    pub(super) fn rigid_body(&mut self, segment: Segment<'_>, range: Range<usize>) {
+        let (loaded, samples) = (segment.loaded, range.len());
+        if let (Some(known), false) = (segment.bodies, self.has_inertial_columns()) {
+            for (to, known) in self.rigid.values.iter_mut().zip(&known.torque) {
+                to[..samples].copy_from_slice(&known[range.clone()]);
+            }
+            return;
+        }
         let mut regressor = self.lend_regressor();
         for start in (0..samples).step_by(BLOCK) {
             let range = start..samples.min(start + BLOCK);
@@ -50,6 +58,13 @@ impl Evaluator<'_> {
             self.add_bodies(&regressor, loaded, range);
         }
         self.regressor = regressor;
+    }
+
+    fn has_inertial_columns(&self) -> bool {
+        let pairs = self.model.parameters().iter().zip(&self.column);
+        pairs
+            .filter(|(_, column)| column.is_some())
+            .any(|(p, _)| matches!(p.role, Role::Inertial { .. } | Role::Payload { .. }))
     }
 
     fn lend_regressor(&mut self) -> RegressorBatch {
