@@ -6,6 +6,7 @@
 //! |---|---|
 //! | 6 | `cli` |
 //! | 5 | `report`, `export` |
+//! | 4d | `trials` |
 //! | 4c | `diagnose` |
 //! | 4b | `design`, `estimate`, `motors`, `simulate`, `check` |
 //! | 4a | `setup` |
@@ -42,6 +43,8 @@ pub mod motors;
 pub mod simulate;
 
 pub mod diagnose;
+
+pub mod trials;
 
 pub mod export;
 pub mod report;

@@ -89,6 +89,18 @@ impl Prepared {
         self
     }
 
+    /// The same recording in a part of the data, of which only some used rows count, by their numbers.
+    pub fn part(&self, split: Split, wanted: impl Fn(usize) -> bool) -> Self {
+        let mut part = self.clone();
+        part.split = split;
+        let counted = |row: usize| {
+            let valid = self.experiment.mask.as_ref().is_none_or(|mask| mask[row]);
+            valid && wanted(row / self.stride)
+        };
+        part.experiment.mask = Some((0..self.experiment.rows()).map(counted).collect());
+        part
+    }
+
     /// Number of rows used.
     pub fn rows(&self) -> usize {
         self.experiment.rows().div_ceil(self.stride)

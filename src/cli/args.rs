@@ -23,6 +23,8 @@ pub enum Verb {
     Check(Run),
     /// Recordings from a model, with noise and quantisation
     Simulate(Run),
+    /// Random robots with concealed physics: how often the diagnosis is right
+    Trials(Campaign),
     /// The physics that the tool knows
     Effects(Query),
     /// The identified robot as URDF, MJCF, TOML, or code of its inverse dynamics
@@ -48,12 +50,44 @@ pub struct Run {
     /// Seed of everything random
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
+    #[command(flatten)]
+    pub printing: Printing,
+}
+
+/// What a run prints.
+#[derive(Args, Debug, Clone, Copy)]
+pub struct Printing {
     /// Print nothing but errors
     #[arg(long)]
     pub quiet: bool,
     /// Print the result as JSON, and nothing else, on standard output
     #[arg(long)]
     pub json: bool,
+}
+
+/// Trials to make; an earlier result of the same trials is continued.
+#[derive(Args, Debug)]
+pub struct Campaign {
+    /// Effects to conceal, by their ids [default: all]
+    #[arg(long, value_name = "A,B", value_delimiter = ',')]
+    pub effects: Vec<String>,
+    /// Kinds of random robots, arm3 to arm7 and slide3 to slide7 [default: all]
+    #[arg(long, value_name = "X,Y", value_delimiter = ',')]
+    pub robots: Vec<String>,
+    /// Number of trials; every fifth is a control that conceals nothing
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub count: u64,
+    /// Seed of everything random
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub seed: u64,
+    /// Results folder [default: results/trials/trials]
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Number of threads [default: all processors]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    #[command(flatten)]
+    pub printing: Printing,
 }
 
 /// What to print of the vocabulary.

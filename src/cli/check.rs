@@ -19,7 +19,7 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
         interrupt: Some(interrupt::flag()),
         ..Control::default()
     };
-    let progress = Progress::new(run);
+    let progress = Progress::new(run.printing);
     progress.say("reading the robot and the recordings");
     let findings = check::run(&problem, &control);
     progress.done();
@@ -34,7 +34,7 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
         estimate: Estimate::default(),
         part: Part::Check(Check { findings }),
     };
-    output::finish(run, &target, &outcome, |_| Ok(()))?;
+    output::finish(run.printing, &target, &outcome, |_| Ok(()))?;
     Ok(if control.is_interrupted() {
         CliError::INTERRUPTED
     } else {

@@ -18,14 +18,12 @@ const COEFFICIENTS: &str = "coefficients.json";
 pub fn run(run: &Run) -> Result<u8, CliError> {
     let started = Instant::now();
     let problem = output::open(run)?;
-    let target = output::folder(run, &problem, "design");
-    // A folder that cannot be written is refused before the work, not after it.
-    drop(ResultFolder::prepare(&target)?);
+    let target = output::target(run, &problem, "design")?;
     let control = Control {
         interrupt: Some(interrupt::flag()),
         ..Control::default()
     };
-    let progress = Progress::new(run);
+    let progress = Progress::new(run.printing);
     progress.say("designing");
     let mut designed = task::run(&problem, run.seed, &control, |improvement| {
         progress.say(format!(
@@ -45,7 +43,7 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
         },
         part: Part::Design(designed.design.clone()),
     };
-    output::finish(run, &target, &outcome, |folder| {
+    output::finish(run.printing, &target, &outcome, |folder| {
         write_all(folder, &designed)
     })?;
     Ok(match designed.end {

@@ -3,16 +3,14 @@
 use crate::cli::args::Run;
 use crate::cli::error::CliError;
 use crate::cli::progress::Progress;
-use crate::cli::{interrupt, motors, output};
-use crate::estimate::task::{self, FitRun};
-use crate::outcome::folder::ResultFolder;
-use crate::outcome::predictions::{Block, PredictionsWriter, Quantity};
-use crate::outcome::{Outcome, PREDICTIONS_FILE, Part};
+use crate::cli::{interrupt, motors, output, predictions};
+use crate::estimate::task;
+use crate::outcome::predictions::Quantity;
+use crate::outcome::{Outcome, Part};
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::problem_file::choices::Estimator;
 use crate::problem_file::robot::RobotSource;
-use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -28,7 +26,7 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
         interrupt: Some(interrupt),
         ..Control::default()
     };
-    let progress = Progress::new(run);
+    let progress = Progress::new(run.printing);
     let result = task::run(&problem, &control, |step| progress.say(step.words()))?;
     progress.say("writing the results");
     let outcome = Outcome {
@@ -39,14 +37,12 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
     };
     let converged = outcome.estimate.solver.as_ref().is_none_or(|s| s.converged);
     progress.done();
-    output::finish(run, &target, &outcome, |folder| {
-        predictions(folder, &result)
+    let fitted = &result.fitted;
+    output::finish(run.printing, &target, &outcome, |folder| {
+        let predicted = [(Quantity::Predicted, &fitted.predictions)];
+        predictions::write(folder, (&fitted.model, &result.data), &predicted)
     })?;
-    Ok(match (control.is_interrupted(), converged) {
-        (true, _) => CliError::INTERRUPTED,
-        (false, true) => 0,
-        (false, false) => CliError::NO_SOLUTION,
-    })
+    Ok(output::exit_code(control.is_interrupted(), converged))
 }
 
 /// Every file that the problem file names, in its order.
@@ -65,53 +61,4 @@ pub fn files(problem: &ProblemFile) -> Vec<PathBuf> {
         }
     }
     files
-}
-
-fn predictions(folder: &ResultFolder, run: &FitRun) -> Result<(), CliError> {
-    folder.write(PREDICTIONS_FILE, |out| write_predictions(out, run))?;
-    Ok(())
-}
-
-fn write_predictions<W: Write>(out: &mut BufWriter<W>, run: &FitRun) -> io::Result<()> {
-    let channels: Vec<usize> = (0..run.fitted.model.channels().len())
-        .filter(|&c| run.fitted.model.channels()[c].active)
-        .collect();
-    let names: Vec<String> = channels
-        .iter()
-        .map(|&c| run.fitted.model.channels()[c].name.clone())
-        .collect();
-    let with_velocity = run
-        .fitted
-        .model
-        .channels()
-        .iter()
-        .all(|c| c.joint.is_some());
-    let mut quantities = vec![Quantity::Recorded, Quantity::Predicted];
-    if with_velocity {
-        quantities.push(Quantity::Velocity);
-    }
-    let mut writer = PredictionsWriter::new(out, &names, &quantities)?;
-    for (recording, predicted) in run.data.recordings.iter().zip(&run.fitted.predictions) {
-        let rows: Vec<usize> = (0..recording.rows())
-            .filter(|&r| recording.counts(r))
-            .collect();
-        let t: Vec<f64> = rows.iter().map(|&row| recording.time(row)).collect();
-        let pick = |series: &[f64]| -> Vec<f64> { rows.iter().map(|&r| series[r]).collect() };
-        let mut columns: Vec<Vec<f64>> = Vec::new();
-        for &c in &channels {
-            columns.push(pick(recording.signal(c)));
-            columns.push(pick(&predicted[c]));
-            if let (true, Some(j)) = (with_velocity, run.fitted.model.channels()[c].joint) {
-                columns.push(pick(&recording.segment().motors.dq[j]));
-            }
-        }
-        let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-        writer.block(&Block {
-            recording: &recording.name,
-            split: recording.split,
-            t: &t,
-            columns: &slices,
-        })?;
-    }
-    Ok(())
 }

@@ -11,9 +11,11 @@ mod fit;
 mod interrupt;
 mod motors;
 mod output;
+mod predictions;
 mod progress;
 mod render;
 mod simulate;
+mod trials;
 
 use crate::cli::args::{Arguments, Verb};
 use crate::cli::error::CliError;
@@ -56,6 +58,7 @@ fn dispatch(verb: &Verb) -> Result<u8, CliError> {
         Verb::Check(run) => check::run(run),
         Verb::Diagnose(run) => diagnose::run(run),
         Verb::Simulate(run) => simulate::run(run),
+        Verb::Trials(campaign) => trials::run(campaign),
         Verb::Effects(query) => effects::run(query),
         Verb::Export(query) => export::run(query),
         Verb::Report(query) => render::run(query),

@@ -20,7 +20,7 @@ pub fn run(
     target: &Path,
     started: Instant,
 ) -> Result<u8, CliError> {
-    let progress = Progress::new(run);
+    let progress = Progress::new(run.printing);
     progress.say("reading the recordings and finding their steady parts");
     let result = task::run(problem)?;
     progress.say("writing the results");
@@ -31,7 +31,7 @@ pub fn run(
         part: Part::Fit(result.fit.clone()),
     };
     progress.done();
-    output::finish(run, target, &outcome, |folder| {
+    output::finish(run.printing, target, &outcome, |folder| {
         folder.write(PREDICTIONS_FILE, |out| write_predictions(out, &result))?;
         Ok(())
     })?;

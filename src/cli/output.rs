@@ -1,7 +1,7 @@
 //! What runs share: reading the problem, the results folder, printing.
 
 use crate::chain::effect;
-use crate::cli::args::Run;
+use crate::cli::args::{Printing, Run};
 use crate::cli::error::CliError;
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::input::Input;
@@ -15,13 +15,19 @@ use std::time::Instant;
 
 /// Reads the problem file with its overrides and sets the number of threads.
 pub fn open(run: &Run) -> Result<ProblemFile, CliError> {
-    if let Some(threads) = run.threads {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(usize::from(threads))
-            .build_global()
-            .map_err(|e| CliError::WrongUse(format!("--threads {threads}: {e}")))?;
-    }
+    set_threads(run.threads)?;
     Ok(ProblemFile::read(&run.problem, &run.set, &effect::ids())?)
+}
+
+/// Sets the number of threads of everything that runs in parallel.
+pub fn set_threads(threads: Option<u16>) -> Result<(), CliError> {
+    let Some(threads) = threads else {
+        return Ok(());
+    };
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(usize::from(threads))
+        .build_global()
+        .map_err(|e| CliError::WrongUse(format!("--threads {threads}: {e}")))
 }
 
 /// The results folder of a run.
@@ -39,6 +45,15 @@ pub fn target(run: &Run, problem: &ProblemFile, verb: &str) -> Result<PathBuf, C
     Ok(target)
 }
 
+/// The exit code of a run whose result is written.
+pub fn exit_code(interrupted: bool, converged: bool) -> u8 {
+    match (interrupted, converged) {
+        (true, _) => CliError::INTERRUPTED,
+        (false, true) => 0,
+        (false, false) => CliError::NO_SOLUTION,
+    }
+}
+
 /// The common head of a result; files that cannot be read any more are left out.
 pub fn record(run: &Run, problem: &ProblemFile, files: &[PathBuf], started: Instant) -> Record {
     let all = std::iter::once(&problem.path).chain(files);
@@ -53,11 +68,29 @@ pub fn record(run: &Run, problem: &ProblemFile, files: &[PathBuf], started: Inst
 
 /// Writes result and report beside what `fill` writes, replaces the folder, and prints.
 pub fn finish(
-    run: &Run,
+    printing: Printing,
     target: &Path,
     outcome: &Outcome,
     fill: impl FnOnce(&ResultFolder) -> Result<(), CliError>,
 ) -> Result<(), CliError> {
+    let json = write(target, outcome, fill)?;
+    if printing.json {
+        print(&json);
+    } else if !printing.quiet {
+        print(&report::text::summary(
+            outcome,
+            Some(&target.join(REPORT_FILE)),
+        ));
+    }
+    Ok(())
+}
+
+/// Writes result and report beside what `fill` writes and replaces the folder; gives the result as JSON.
+pub fn write(
+    target: &Path,
+    outcome: &Outcome,
+    fill: impl FnOnce(&ResultFolder) -> Result<(), CliError>,
+) -> Result<String, CliError> {
     let folder = ResultFolder::prepare(target)?;
     let json = outcome.to_json()?;
     folder.write(RESULT_FILE, |out| out.write_all(json.as_bytes()))?;
@@ -65,15 +98,7 @@ pub fn finish(
     let html = report::render(folder.path())?;
     folder.write(REPORT_FILE, |out| out.write_all(html.as_bytes()))?;
     folder.commit()?;
-    if run.json {
-        print(&json);
-    } else if !run.quiet {
-        print(&report::text::summary(
-            outcome,
-            Some(&target.join(REPORT_FILE)),
-        ));
-    }
-    Ok(())
+    Ok(json)
 }
 
 /// Prints to standard output; a reader that went away is no error.

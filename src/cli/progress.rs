@@ -1,6 +1,6 @@
 //! Progress on standard error, when it is a terminal.
 
-use crate::cli::args::Run;
+use crate::cli::args::Printing;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::Duration;
@@ -12,8 +12,8 @@ pub struct Progress {
 }
 
 impl Progress {
-    pub fn new(run: &Run) -> Self {
-        if run.quiet || run.json || !std::io::stderr().is_terminal() {
+    pub fn new(printing: Printing) -> Self {
+        if printing.quiet || printing.json || !std::io::stderr().is_terminal() {
             return Self {
                 bar: ProgressBar::hidden(),
             };

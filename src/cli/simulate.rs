@@ -20,7 +20,7 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
         interrupt: Some(interrupt::flag()),
         ..Control::default()
     };
-    let progress = Progress::new(run);
+    let progress = Progress::new(run.printing);
     progress.say("simulating");
     let simulated = simulate::run(&problem, run.seed, &control)?;
     progress.done();
@@ -44,7 +44,7 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
             notes: simulated.notes.clone(),
         }),
     };
-    output::finish(run, &target, &outcome, |folder| {
+    output::finish(run.printing, &target, &outcome, |folder| {
         write_all(folder, &simulated)
     })?;
     Ok(0)

@@ -13,7 +13,7 @@ use crate::chain::parameter::Role;
 use crate::chain::prior::Prior;
 use crate::design::motion::Motion;
 use crate::robot::batch::Trajectory;
-use crate::robot::inertia::{Inertia, PER_LINK};
+use crate::robot::inertia::{Inertia, PER_LINK, REPORTED};
 
 /// One expected standard deviation; `None` where the motion does not determine the parameter.
 #[derive(Debug, Clone, PartialEq)]
@@ -181,20 +181,6 @@ struct Body {
     values: Inertia,
 }
 
-/// Reported quantities of a body with their units.
-const QUANTITIES: [(&str, &str); PER_LINK] = [
-    ("mass", "kg"),
-    ("com_x", "m"),
-    ("com_y", "m"),
-    ("com_z", "m"),
-    ("inertia_xx", "kg·m²"),
-    ("inertia_xy", "kg·m²"),
-    ("inertia_xz", "kg·m²"),
-    ("inertia_yy", "kg·m²"),
-    ("inertia_yz", "kg·m²"),
-    ("inertia_zz", "kg·m²"),
-];
-
 impl Body {
     /// First-order propagation from raw parameters to mass, centre of mass and inertia about it.
     fn report(&self, covariance: Option<&DMatrix<f64>>) -> Vec<Deviation> {
@@ -204,7 +190,7 @@ impl Body {
             &jacobian * raw * jacobian.transpose()
         });
         let quantities = central_quantities(&self.values);
-        QUANTITIES
+        REPORTED
             .iter()
             .enumerate()
             .map(|(k, (quantity, unit))| Deviation {
@@ -217,7 +203,7 @@ impl Body {
     }
 }
 
-/// Mass, centre of mass, and inertia about it in the order of [`QUANTITIES`]; a body without mass has zeros.
+/// Mass, centre of mass, and inertia about it in the order of [`REPORTED`]; a body without mass has zeros.
 fn central_quantities(body: &Inertia) -> [f64; PER_LINK] {
     let Some(c) = body.central() else {
         return [0.0; PER_LINK];
@@ -240,7 +226,7 @@ fn central_quantities(body: &Inertia) -> [f64; PER_LINK] {
 /// Derivatives of mass, centre of mass and inertia about it with respect to the raw parameters:
 /// `c = h/m`, `I_c = I − (hᵀh·1 − h hᵀ)/m`.
 fn central_jacobian(body: &Inertia) -> DMatrix<f64> {
-    /// Axes of the inertia entries in the order of [`QUANTITIES`], and their raw positions.
+    /// Axes of the inertia entries in the order of [`REPORTED`], and their raw positions.
     const ENTRIES: [(usize, usize, usize); 6] = [
         (0, 0, 4),
         (0, 1, 5),

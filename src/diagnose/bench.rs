@@ -5,6 +5,7 @@ use crate::chain::model::Model;
 use crate::chain::prior::Prior;
 use crate::diagnose::hypothesis::{Hypothesis, addition};
 use crate::diagnose::memory::Memory;
+use crate::diagnose::rows::rms;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::recording::split::Split;
@@ -22,10 +23,51 @@ pub struct Bench<'a> {
     pub in_time: bool,
     /// RMS noise of one row per channel, averages over periods where there are any; `None` where nothing repeats.
     pub noise: Option<Vec<f64>>,
+    /// Rows of the recordings that are held out to which parameters of one recording are fitted; none where rows are
+    /// averages over periods.
+    pub between: Vec<Prepared>,
     pub memory: Memory,
 }
 
-impl Bench<'_> {
+/// Whether the rows of recordings are in the order of time, not averages over periods.
+pub fn is_in_time(data: &Dataset) -> bool {
+    let averaged = |r: &Prepared| r.experiment.periods.is_some();
+    !data.recordings.iter().any(averaged)
+}
+
+impl<'a> Bench<'a> {
+    /// Of recordings whose noise is not known yet.
+    pub fn new(
+        (problem, robot): (&'a ProblemFile, &'a Robot),
+        data: &'a Dataset,
+        control: &'a Control<'a>,
+    ) -> Self {
+        Self {
+            problem,
+            robot,
+            data,
+            control,
+            in_time: is_in_time(data),
+            noise: None,
+            between: Vec::new(),
+            memory: Memory::default(),
+        }
+    }
+
+    /// RMS of the signal of each channel over the rows that count; not zero.
+    pub fn signal_rms(&self, split: Split) -> Vec<f64> {
+        let channels = self.data.recordings.first();
+        let channels = channels.map_or(0, |r| r.experiment.signal.len());
+        let of = |c: usize| {
+            let counting = self.data.of(split).flat_map(|r| {
+                let rows = (0..r.rows()).filter(|&row| r.counts(row));
+                rows.map(move |row| r.signal(c)[row])
+            });
+            rms(&counting.collect::<Vec<f64>>()).max(f64::MIN_POSITIVE)
+        };
+        (0..channels).map(of).collect()
+    }
+
     /// The declared model with the physics of hypotheses.
     pub fn model(&self, hypotheses: &[Hypothesis]) -> Result<(Model, Prior), SetupError> {
         let mut model =

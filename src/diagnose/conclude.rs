@@ -1,6 +1,7 @@
 //! From a grown model to what is reported: findings, what they explain, what is left, the verdict.
 
 use crate::chain::model::Model;
+use crate::diagnose::evidence::block_length;
 use crate::diagnose::explain;
 use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::refit::Refit;
@@ -10,6 +11,7 @@ use crate::diagnose::search::{self, MATTERS, Trial};
 use crate::diagnose::smooth::Smooth;
 use crate::outcome::diagnose::{Evidence, Finding, Rival, Spoiled, Verdict};
 use crate::outcome::parameter::Parameter;
+use crate::stats::distribution::Distribution;
 
 /// Least excess over the noise that shares are taken of.
 const LEAST_EXCESS: f64 = 0.05;
@@ -19,6 +21,13 @@ const MOSTLY: f64 = 0.9;
 
 /// Share of the excess that findings explain where they explain part of it.
 const PARTLY: f64 = 0.5;
+
+/// A held-out residual of more than this many times the variance of the noise is not explained.
+const UNEXPLAINED: f64 = 2.0;
+
+/// Nor is one below this share of the RMS signal of any weight: rows are some hundredths of a second apart, and at
+/// every reversal dry friction, a tenth of the usual torque or more, turns over between two of them.
+const OF_SIGNAL: f64 = 0.03;
 
 /// Share of what a finding explains that other physics has to explain to be its rival.
 const RIVALLING: f64 = 0.5;
@@ -156,20 +165,64 @@ pub fn unnamed(smooth: &Smooth, refit: &Refit, (floor, tried): (&Floor, usize)) 
         rmse_validation_before: before,
         rmse_validation_after: after,
         explained_share: floor.share((&refit.validation, &residuals), &[c]),
-        p_value: (smooth.evidence.p_value * tried as f64).min(1.0),
+        p_value: (smooth.evidence.p_value * (tried * smooth.tried) as f64).min(1.0),
         sentence: format!(
             "Something is missing on {} that no effect of the vocabulary explains; a smooth correction \
-             over speed, position and load takes its place, and {}.",
+             over {} takes its place, and {}.",
             channel.name,
+            smooth.over.join(", "),
             explain::improvement(before, after, channel.unit)
         ),
         rivals: Vec::new(),
     }
 }
 
+/// Findings of channels without one whose held-out residual is larger than [`UNEXPLAINED`] allows, and larger than
+/// chance would have it: not even where the misfit lies says what it is. `signal` is the RMS of each channel.
+pub fn unexplained(
+    refit: &Refit,
+    (floor, signal, significance): (&Floor, &[f64], f64),
+    findings: &[Finding],
+) -> Vec<Finding> {
+    let channels = refit.model.channels().iter().enumerate();
+    let open = channels.filter(|(_, c)| c.active && c.joint.is_some());
+    let tried = open.clone().count() as f64;
+    let found = |name: &String| findings.iter().any(|f| f.joints.contains(name));
+    open.filter(|(_, channel)| floor.measured && !found(&channel.name))
+        .filter_map(|(c, channel)| {
+            let residual = &refit.validation[c];
+            let lack = floor.lack_of_fit(&refit.validation, &[c]);
+            let effective = residual.len() as f64 / block_length(std::slice::from_ref(residual)) as f64;
+            let spread = Distribution::FisherF {
+                numerator: effective,
+                denominator: effective,
+            };
+            let p_value = (spread.upper_tail(lack) * tried).min(1.0);
+            let of_weight = rms(residual) > OF_SIGNAL * signal[c];
+            (lack > UNEXPLAINED && of_weight && p_value < significance).then(|| Finding {
+                effect: "unnamed".to_string(),
+                joints: vec![channel.name.clone()],
+                parameters: Vec::new(),
+                rmse_validation_before: rms(residual),
+                rmse_validation_after: rms(residual),
+                explained_share: 0.0,
+                p_value,
+                sentence: format!(
+                    "Something is missing on {} that neither an effect of the vocabulary nor a smooth correction \
+                     explains: the error on recordings that were not fitted is {:.1} times the noise.",
+                    channel.name,
+                    lack.sqrt()
+                ),
+                rivals: Vec::new(),
+            })
+        })
+        .collect()
+}
+
 /// Whether a smooth model says something that is significant and matters.
 pub fn is_needed(smooth: &Smooth, (significance, tried): (f64, usize)) -> bool {
-    smooth.evidence.p_value * (tried as f64) < significance && smooth.relief >= MATTERS
+    let tried = (tried * smooth.tried) as f64;
+    smooth.evidence.p_value * tried < significance && smooth.relief >= MATTERS
 }
 
 /// The verdict from the lack of fit of the joints that findings name, before and after, and from what is

@@ -27,6 +27,7 @@ pub fn sentence(hypothesis: &Hypothesis, joints: &[String], parameters: &[Parame
         }
         "stribeck_friction" => with("sticks at low speed: near standstill its friction is higher by", "Fs", "the model had the same dry friction at every speed"),
         "presliding_hysteresis" => with("does not break loose at once: before it slides, its friction acts like a spring of", "sigma0", "the model switched friction with the sign of the speed"),
+        "asymmetric_friction" if size("dFc").is_none() => with("has friction that depends on the direction of motion; with speed the difference grows by", "dFv", "the model had the same in both directions"),
         "asymmetric_friction" | "torque_offset" => with("needs more torque in one direction than in the other, half the difference being", if hypothesis.effect.id == "torque_offset" { "offset" } else { "dFc" }, "the model was the same in both (a constant offset of the signal is the same torque)"),
         "viscous_nonlinearity" => format!("Friction of {who} is not proportional to speed; the model's viscous friction was"),
         "torque_ripple" => with("has a torque that repeats along its turn, of amplitude", "amplitude", "the model had a smooth drive"),
@@ -36,7 +37,10 @@ pub fn sentence(hypothesis: &Hypothesis, joints: &[String], parameters: &[Parame
         "joint_spring" => with("is pulled by a spring of", "k", "the model had none: look for a gravity compensator, a hose or a cable"),
         "unmodelled_payload" => format!("Something hangs on the link that {who} moves; the model did not carry it"),
         "base_tilt" => "The base does not stand as the model says: gravity comes from elsewhere (this may be a mistake of the mounting in the problem file)".to_string(),
-        "time_delay" => with("has a torque signal that is late by", "delay", "the model took motion and signal for simultaneous (this may be a mistake of the recording)"),
+        "time_delay" => {
+            let delay = size("delay").map_or(String::new(), |delay| format!(" by {delay}"));
+            format!("The torque signal of {who} is late{delay}; the model took motion and signal for simultaneous (this may be a mistake of the recording)")
+        }
         "thermal_drift" => format!("Friction of {who} changes while the recording runs: the joint warms up; the model's friction was constant"),
         "external_contact" => with("was pushed by something during the recording, with", "torque", "the model moved freely"),
         "position_dependent_friction" => with("has a spot in its range where friction differs by", "dF", "the model's friction was the same everywhere"),

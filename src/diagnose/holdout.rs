@@ -23,14 +23,9 @@ pub fn with_held_out(data: Dataset) -> (Dataset, bool) {
 }
 
 fn part(recording: &Prepared, split: Split) -> Prepared {
-    let mut experiment = recording.experiment.clone();
-    let rows = experiment.rows();
-    let wanted = |row: usize| {
+    let rows = recording.rows();
+    recording.part(split, |row| {
         let held_out = (row * BLOCKS / rows) % HELD_OUT == HELD_OUT - 1;
         held_out == (split == Split::Validation)
-    };
-    let valid = |row: usize| experiment.mask.as_ref().is_none_or(|mask| mask[row]);
-    let mask = (0..rows).map(|row| valid(row) && wanted(row)).collect();
-    experiment.mask = Some(mask);
-    Prepared::new(recording.name.clone(), split, recording.loaded, experiment)
+    })
 }

@@ -3,6 +3,7 @@
 use crate::chain::effect::{EFFECTS, Effect, Law, Memory};
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
+use crate::chain::prior::Prior;
 use crate::setup::model::Addition;
 
 /// An effect with the joints that it acts on.
@@ -62,7 +63,10 @@ pub fn addition(hypotheses: &[Hypothesis]) -> Addition {
 
 /// Every hypothesis that a model leaves open; `sought` are the effects to look for, all if `None`.
 /// What changes with time shows only `in_time`.
-pub fn open(model: &Model, (sought, in_time): (Option<&[String]>, bool)) -> Vec<Hypothesis> {
+pub fn open(
+    (model, prior): (&Model, &Prior),
+    (sought, in_time): (Option<&[String]>, bool),
+) -> Vec<Hypothesis> {
     let wanted = |e: &&&Effect| {
         let shows = in_time || e.needs.memory != Memory::Time;
         shows && sought.is_none_or(|ids| ids.iter().any(|id| id == e.id))
@@ -74,7 +78,7 @@ pub fn open(model: &Model, (sought, in_time): (Option<&[String]>, bool)) -> Vec<
     for effect in EFFECTS.iter().filter(wanted) {
         match effect.law {
             Law::Coupling => open.extend(couplings(model, effect, &joints)),
-            Law::Body => open.extend(bodies(model, effect, &joints)),
+            Law::Body => open.extend(bodies((model, prior), effect, &joints)),
             Law::Tilt if model.tilt().is_none() => {
                 open.push(Hypothesis::on(effect, joints.clone()));
             }
@@ -121,12 +125,17 @@ fn couplings(model: &Model, effect: &'static Effect, joints: &[usize]) -> Vec<Hy
     open
 }
 
-/// A load on a link shows only where the links' own inertials are known.
-fn bodies(model: &Model, effect: &'static Effect, joints: &[usize]) -> Vec<Hypothesis> {
+/// A load on a link shows only where the links' own inertials are known, or something is known of them.
+fn bodies(
+    (model, prior): (&Model, &Prior),
+    effect: &'static Effect,
+    joints: &[usize],
+) -> Vec<Hypothesis> {
     let known = |link: usize| {
         let own = |role: Role| matches!(role, Role::Inertial { link: l, .. } if l == link);
-        let mut entries = model.parameters().iter().filter(|p| own(p.role));
-        entries.any(|p| !p.is_free())
+        let entries = model.parameters().iter().enumerate();
+        let mut entries = entries.filter(|(_, p)| own(p.role));
+        entries.any(|(k, p)| !p.is_free() || prior.rows().column(k).amax() > 0.0)
     };
     if model.payload().is_some() {
         return Vec::new();

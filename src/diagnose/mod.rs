@@ -22,6 +22,8 @@ pub mod holdout;
 pub mod hypothesis;
 pub mod locate;
 pub mod memory;
+pub mod next;
+pub mod own;
 pub mod periods;
 pub mod refit;
 pub mod regime;

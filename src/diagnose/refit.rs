@@ -1,11 +1,12 @@
 //! A model with hypotheses in it and all of its parameters fitted again.
 
-use crate::chain::dataset::Prepared;
+use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
 use crate::chain::prior::Prior;
 use crate::diagnose::bench::Bench;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::hypothesis::Hypothesis;
+use crate::diagnose::own;
 use crate::diagnose::rows::{Series, rms};
 use crate::estimate::error::EstimateError;
 use crate::estimate::problem::FitProblem;
@@ -30,6 +31,8 @@ pub struct Refit {
     pub prior: Prior,
     pub unknowns: Unknowns,
     pub values: DVector<f64>,
+    /// Values in each recording that is held out, where parameters belong to a recording.
+    pub own: Vec<DVector<f64>>,
     /// Residuals `ŝ − s`, `[channel][row]`, of what was fitted and of what was held out.
     pub train: Vec<Vec<f64>>,
     pub validation: Vec<Vec<f64>>,
@@ -64,14 +67,29 @@ impl Refit {
     /// `Σ_c N_c ln(mean e_c²)` over what was held out: minus twice the logarithm of its likelihood, up to a
     /// constant, with the deviations at their best.
     pub fn held_out_score(&self) -> f64 {
-        let of = |e: &Vec<f64>| e.len() as f64 * 2.0 * rms(e).max(f64::MIN_POSITIVE).ln();
-        let active = self.validation.iter().filter(|e| !e.is_empty());
-        active.map(of).sum()
+        score(&self.validation)
+    }
+
+    /// The same over what was fitted.
+    pub fn fitted_score(&self) -> f64 {
+        score(&self.train)
     }
 
     /// Number of unknowns.
     pub fn freedom(&self) -> usize {
         self.unknowns.positions().len()
+    }
+
+    /// Values of the parameters in a recording of the dataset, by its number.
+    pub fn values_in<'b>(&'b self, data: &Dataset, recording: usize) -> &'b DVector<f64> {
+        let is_held_out = |k: &usize| data.recordings[*k].split == Split::Validation;
+        match is_held_out(&recording) {
+            true => {
+                let number = (0..recording).filter(is_held_out).count();
+                self.own.get(number).unwrap_or(&self.values)
+            }
+            false => &self.values,
+        }
     }
 
     /// The fit as a problem, weighted by the deviations of its residuals.
@@ -83,6 +101,12 @@ impl Refit {
             Weights::by_deviation(&self.deviations()),
         )
     }
+}
+
+fn score(residuals: &[Vec<f64>]) -> f64 {
+    let of = |e: &Vec<f64>| e.len() as f64 * 2.0 * rms(e).max(f64::MIN_POSITIVE).ln();
+    let active = residuals.iter().filter(|e| !e.is_empty());
+    active.map(of).sum()
 }
 
 fn deviations(residuals: &[Vec<f64>]) -> Vec<f64> {
@@ -126,9 +150,11 @@ pub fn refit(
         }
     }
     let (solution, values, train) = done.ok_or(EstimateError::NoTraining)?;
+    let own = own::values(bench, &model, (&values, &scale))?;
     let held_out = bench.recordings(Split::Validation);
-    let validation = Series::of(&model, &values, &[], &held_out).residuals();
+    let validation = held_out_residuals(&model, (&values, &own), &held_out);
     Ok(Refit {
+        own,
         hypotheses: hypotheses.to_vec(),
         model,
         prior,
@@ -138,6 +164,24 @@ pub fn refit(
         validation,
         solution,
     })
+}
+
+fn held_out_residuals(
+    model: &Model,
+    (values, own): (&DVector<f64>, &[DVector<f64>]),
+    held_out: &[&Prepared],
+) -> Vec<Vec<f64>> {
+    if own.is_empty() {
+        return Series::of(model, values, &[], held_out).residuals();
+    }
+    let mut all = vec![Vec::new(); model.channels().len()];
+    for (recording, values) in held_out.iter().zip(own) {
+        let residuals = Series::of(model, values, &[], &[*recording]).residuals();
+        all.iter_mut()
+            .zip(residuals)
+            .for_each(|(to, e)| to.extend(e));
+    }
+    all
 }
 
 fn apply(model: &mut Model, start: &Start) {

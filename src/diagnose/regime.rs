@@ -1,5 +1,5 @@
 //! The variables over which a residual may be spread: speed, position, load, acceleration, time, distance since
-//! the last reversal, the speed of other joints.
+//! the last reversal, the motion of other joints.
 
 use crate::chain::dataset::Prepared;
 use crate::chain::model::{JointModel, Model};
@@ -67,14 +67,19 @@ impl Regimes {
                 true,
             ),
         ];
-        variables.extend(others(model, joint).map(|(k, other)| {
-            let values = series(&|r| r.segment().motors.dq[k].to_vec());
-            let unit = match other.kind {
-                JointKind::Revolute => "rad/s",
-                JointKind::Prismatic => "m/s",
-            };
-            named(&format!("speed of {}", other.name), unit, values, false)
-        }));
+        for (k, other) in others(model, joint) {
+            let turns = other.kind == JointKind::Revolute;
+            let unit = |turning, sliding| if turns { turning } else { sliding };
+            let speed = series(&|r| r.segment().motors.dq[k].to_vec());
+            let product = speed.iter().zip(&velocity).map(|(a, b)| a * b).collect();
+            let position = series(&|r| r.segment().motors.q[k].to_vec());
+            let name = |of: &str| format!("{of} {}", other.name);
+            variables.extend([
+                named(&name("speed of"), unit("rad/s", "m/s"), speed, false),
+                named(&name("position of"), unit("rad", "m"), position, true),
+                named(&name("speed times that of"), "1/s²", product, false),
+            ]);
+        }
         Self {
             variables,
             direction: velocity.iter().map(|v| 1.0_f64.copysign(*v)).collect(),

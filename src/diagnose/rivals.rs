@@ -6,10 +6,7 @@ use crate::diagnose::evidence::encompassing;
 use crate::diagnose::hypothesis;
 use crate::diagnose::refit::{Refit, refit};
 use crate::diagnose::rows::rms;
-use crate::diagnose::search::{MATTERS, Rules, Trial, attempt, fit_without};
-
-/// Confidence with which a rival is set aside.
-const CONFIDENCE: f64 = 0.95;
+use crate::diagnose::search::{CONFIDENCE, MATTERS, Rules, Trial, attempt, fit_without};
 
 /// A hypothesis in the place of a finding.
 #[derive(Debug, Clone)]
@@ -36,10 +33,13 @@ pub fn contest(
 ) -> Result<Contest, DiagnoseError> {
     let without = fit_without(bench, full, k)?;
     let own = &full.hypotheses[k];
-    let open: Vec<_> = hypothesis::open(&without.model, (rules.sought, bench.in_time))
-        .into_iter()
-        .filter(|h| h != own && !h.overlaps(own))
-        .collect();
+    let open: Vec<_> = hypothesis::open(
+        (&without.model, &without.prior),
+        (rules.sought, bench.in_time),
+    )
+    .into_iter()
+    .filter(|h| h != own && !h.overlaps(own))
+    .collect();
     let trials = attempt(bench, &without, (rules, &open))?;
     let alternatives = trials
         .into_iter()

@@ -69,7 +69,8 @@ impl<'a> Linearised<'a> {
             }
         }
         let residual = weighted_difference(&series.predicted, &series.recorded, &scale);
-        let inverse = inverse_factor(&columns, positions.len());
+        let known = refit.prior.rows().select_columns(&positions);
+        let inverse = inverse_factor(&columns, &known);
         let known = recordings.iter().map(|r| with_bodies(refit, r)).collect();
         Self {
             refit,
@@ -244,7 +245,7 @@ fn with_bodies(refit: &Refit, recording: &Prepared) -> Prepared {
 }
 
 /// `bᵀ A⁻¹ b` over the directions of A that are not rounding.
-fn explained(normal: &DMatrix<f64>, right: &DVector<f64>) -> f64 {
+pub fn explained(normal: &DMatrix<f64>, right: &DVector<f64>) -> f64 {
     if right.is_empty() {
         return 0.0;
     }
@@ -261,9 +262,11 @@ fn explained(normal: &DMatrix<f64>, right: &DVector<f64>) -> f64 {
         .sum()
 }
 
-/// R⁻¹ of the weighted derivatives, directions that are rounding left out.
-fn inverse_factor(columns: &[Vec<Option<Vec<f64>>>], count: usize) -> DMatrix<f64> {
+/// R⁻¹ of the weighted derivatives and the rows of what is known beforehand.
+fn inverse_factor(columns: &[Vec<Option<Vec<f64>>>], known: &DMatrix<f64>) -> DMatrix<f64> {
+    let count = known.ncols();
     let mut factor = Triangular::new(count);
+    factor.absorb(known.as_slice());
     for of_channel in columns {
         let rows = of_channel.iter().flatten().map(Vec::len).max().unwrap_or(0);
         let zero = vec![0.0; rows];

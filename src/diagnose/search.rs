@@ -1,10 +1,12 @@
 //! Grows the model one hypothesis at a time, then drops each on trial.
 
+use crate::chain::effect::{Law, Linearity};
+use crate::chain::parameter::Role;
 use crate::diagnose::bench::Bench;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::evidence::{Evidence, encompassing};
 use crate::diagnose::hypothesis::{self, Hypothesis};
-use crate::diagnose::refit::{Refit, refit};
+use crate::diagnose::refit::{Refit, Start, refit};
 use crate::diagnose::rows::rms;
 use crate::diagnose::screen::{Lead, leads};
 use crate::recording::split::Split;
@@ -67,8 +69,9 @@ const FITTED: usize = 8;
 /// Effects that a model can be given; more at once were never told apart.
 const MOST_FINDINGS: usize = 8;
 
-/// Confidence with which a model is preferred to another that has fewer parameters.
-const CONFIDENCE: f64 = 0.95;
+/// Confidence with which a model is preferred to another that has fewer parameters, and with which a rival is set
+/// aside: several rivals are compared with each finding, so that each may err but once in a hundred.
+pub const CONFIDENCE: f64 = 0.99;
 
 /// Grows `baseline` until no hypothesis is significant and matters; `watch` hears of every step.
 pub fn grow(
@@ -83,7 +86,10 @@ pub fn grow(
     };
     while grown.steps.len() < MOST_FINDINGS && !bench.control.is_interrupted() {
         watch(grown.steps.len());
-        let open = hypothesis::open(&grown.refit.model, (rules.sought, bench.in_time));
+        let open = hypothesis::open(
+            (&grown.refit.model, &grown.refit.prior),
+            (rules.sought, bench.in_time),
+        );
         if grown.steps.is_empty() {
             grown.examined = open.len();
         }
@@ -113,7 +119,7 @@ pub fn attempt(
     (rules, open): (Rules<'_>, &[Hypothesis]),
 ) -> Result<Vec<Trial>, DiagnoseError> {
     let least = least_gain(refit);
-    let all = || hypothesis::open(&refit.model, (rules.sought, bench.in_time));
+    let all = || hypothesis::open((&refit.model, &refit.prior), (rules.sought, bench.in_time));
     let find = || leads(bench, refit, &all());
     let mut leads = bench.memory.leads(&refit.hypotheses, find)?;
     leads.retain(|lead| lead.gain >= least && open.contains(&lead.hypothesis));
@@ -155,10 +161,45 @@ fn try_one(
     hypotheses.push(lead.hypothesis.clone());
     let mut start = before.start();
     start.extend(lead.start.iter().cloned());
-    let fit = || refit(bench, &hypotheses, (&start, &before.deviations()));
+    let anew = without_shapes(before, lead, &start);
+    let fit = || {
+        let first = refit(bench, &hypotheses, (&start, &before.deviations()))?;
+        match &anew {
+            Some(anew) => {
+                let second = refit(bench, &hypotheses, (anew, &before.deviations()))?;
+                let better = second.fitted_score() < first.fitted_score();
+                Ok(if better { second } else { first })
+            }
+            None => Ok(first),
+        }
+    };
     let refit = bench.memory.refit(&hypotheses, fit)?;
     let named = (lead.hypothesis.clone(), tried);
     Ok(compare(bench, (before, refit), named))
+}
+
+/// The start with the nonlinear parameters of a law at the motor left where the model has them to begin with: those of
+/// the poorer model may have bent to take the place of what it lacks. `None` where there are none.
+fn without_shapes(before: &Refit, lead: &Lead, start: &Start) -> Option<Start> {
+    let [joint] = lead.hypothesis.joints[..] else {
+        return None;
+    };
+    if !matches!(lead.hypothesis.effect.law, Law::Motor(_)) {
+        return None;
+    }
+    let bent = |name: &String| {
+        before.model.find(name).is_ok_and(|index| {
+            let parameter = &before.model.parameters()[index];
+            let own = matches!(parameter.role, Role::Effect { joint: j, .. } if j == joint);
+            own && parameter.is_free() && parameter.linearity == Linearity::Nonlinear
+        })
+    };
+    let kept: Start = start
+        .iter()
+        .filter(|(name, _)| !bent(name))
+        .cloned()
+        .collect();
+    (kept.len() < start.len()).then_some(kept)
 }
 
 /// The evidence for a refit that has one hypothesis more than the model before.

@@ -5,6 +5,7 @@
 //! e ≈ Σ_k a_k h_k(v) + Σ_k b_k h_k(q) + c_k h_k(q) d + Σ_k p_k h_k(τ) + r_k h_k(τ) d,    d = sign(v)
 //! ```
 //!
+//! and of one variable more, another joint's motion for example, where that alone leaves much and forecasts the rest;
 //! with hat functions h over knots at quantiles; a generalised additive model (Hastie and Tibshirani 1986)
 //! with a ridge that keeps what the rows do not determine at zero.
 
@@ -23,13 +24,20 @@ const KNOTS: usize = 12;
 /// Ridge as a share of the mean square of a column.
 const RIDGE: f64 = 1e-3;
 
-/// Variables that the smooth model takes: the first three of a joint's regimes.
+/// Variables that every smooth model takes: the first three of a joint's regimes.
 const VARIABLES: usize = 3;
+
+/// A residual of so many times the variance of the noise is looked at over one variable more.
+const MUCH: f64 = 1.5;
 
 /// A smooth model of one channel.
 #[derive(Debug, Clone)]
 pub struct Smooth {
     pub channel: usize,
+    /// Names of its variables.
+    pub over: Vec<String>,
+    /// Models of the channel that it was chosen from.
+    pub tried: usize,
     pub evidence: Evidence,
     /// Share by which the held-out RMS error falls.
     pub relief: f64,
@@ -50,10 +58,9 @@ pub fn of_all(bench: &Bench<'_>, refit: &Refit) -> Vec<Smooth> {
         };
         let regimes =
             [0, 1].map(|k| Regimes::of(model, (joint, &series[k].predicted[c]), &recordings[k]));
-        if let Some(smooth) = one(
-            (&regimes[0], &refit.train[c]),
-            (&regimes[1], &refit.validation[c]),
-        ) {
+        let noise = bench.noise.as_ref().map_or(0.0, |noise| noise[c]);
+        let residuals = [&refit.train[c][..], &refit.validation[c]];
+        if let Some(smooth) = best(&regimes, residuals, noise) {
             all.push(Smooth {
                 channel: c,
                 ..smooth
@@ -63,19 +70,56 @@ pub fn of_all(bench: &Bench<'_>, refit: &Refit) -> Vec<Smooth> {
     all
 }
 
-fn one(train: (&Regimes, &[f64]), held_out: (&Regimes, &[f64])) -> Option<Smooth> {
-    let knots: Vec<Vec<f64>> = train.0.variables[..VARIABLES]
+/// The model over the first variables, or the one with the least held-out error among those with one variable more.
+fn best(regimes: &[Regimes; 2], residuals: [&[f64]; 2], noise: f64) -> Option<Smooth> {
+    let [train, held_out] = [0, 1].map(|k| (&regimes[k], residuals[k]));
+    let first: Vec<usize> = (0..VARIABLES).collect();
+    let plain = one(train, held_out, &first)?;
+    let left = rms(held_out.1) * (1.0 - plain.relief);
+    if left * left <= MUCH * noise * noise {
+        return Some(plain);
+    }
+    let count = regimes[0].variables.len();
+    let more = (VARIABLES..count).filter_map(|extra| {
+        let variables = [&first[..], &[extra]].concat();
+        one(train, held_out, &variables)
+    });
+    let all = std::iter::once(plain).chain(more);
+    let mut best = all.max_by(|a, b| a.relief.total_cmp(&b.relief))?;
+    best.tried = count - VARIABLES + 1;
+    Some(best)
+}
+
+fn one(
+    train: (&Regimes, &[f64]),
+    held_out: (&Regimes, &[f64]),
+    variables: &[usize],
+) -> Option<Smooth> {
+    let pick = |regimes: &Regimes| -> Regimes {
+        Regimes {
+            variables: variables
+                .iter()
+                .map(|&v| regimes.variables[v].clone())
+                .collect(),
+            direction: regimes.direction.clone(),
+        }
+    };
+    let (of_train, of_held_out) = (pick(train.0), pick(held_out.0));
+    let knots: Vec<Vec<f64>> = of_train
+        .variables
         .iter()
         .map(|v| knots(&v.values))
         .collect();
-    let design = design(train.0, &knots);
+    let design = design(&of_train, &knots);
     let coefficients = ridge(&design, train.1)?;
     let fitted = &design * &coefficients;
-    let forecast = self::design(held_out.0, &knots) * &coefficients;
+    let forecast = self::design(&of_held_out, &knots) * &coefficients;
     let pairs = held_out.1.iter().zip(forecast.iter());
     let after: Vec<f64> = pairs.map(|(e, f)| e - f).collect();
     Some(Smooth {
         channel: 0,
+        over: of_train.variables.iter().map(|v| v.name.clone()).collect(),
+        tried: 1,
         relief: 1.0 - rms(&after) / rms(held_out.1),
         evidence: encompassing(&[held_out.1.to_vec()], &[after]),
         train: fitted.as_slice().to_vec(),

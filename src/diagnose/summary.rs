@@ -3,7 +3,7 @@
 use crate::diagnose::bench::Bench;
 use crate::diagnose::refit::Refit;
 use crate::diagnose::smooth::Smooth;
-use crate::estimate::figures::{Predictions, figures};
+use crate::estimate::figures::{Predictions, figures_by_recording, predictions_by_recording};
 use crate::estimate::fit::Fitted;
 use crate::outcome::diagnose::{Finding, Verdict};
 use crate::recording::split::Split;
@@ -24,7 +24,11 @@ pub fn correct(
     (refit, fitted): (&Refit, &mut Fitted),
     smooths: &[&Smooth],
 ) -> Predictions {
-    let mut predictions = fitted.predictions.clone();
+    let values = |k: usize| refit.values_in(bench.data, k);
+    let mut predictions = match refit.own.is_empty() {
+        true => fitted.predictions.clone(),
+        false => predictions_by_recording(&refit.model, &values, bench.data),
+    };
     for smooth in smooths {
         let (mut train, mut held_out) = (smooth.train.iter(), smooth.validation.iter());
         for (recording, of_channels) in bench.data.recordings.iter().zip(&mut predictions) {
@@ -38,9 +42,9 @@ pub fn correct(
             }
         }
     }
-    if !smooths.is_empty() {
-        let figures = figures(&refit.model, &refit.values, (bench.data, &predictions));
-        fitted.estimate.joints = figures;
+    if !smooths.is_empty() || !refit.own.is_empty() {
+        let of = (bench.data, &predictions);
+        fitted.estimate.joints = figures_by_recording(&refit.model, (&refit.values, &values), of);
     }
     predictions
 }

@@ -3,23 +3,23 @@
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
 use crate::check;
-use crate::diagnose::bench::Bench;
+use crate::diagnose::bench::{Bench, is_in_time};
 use crate::diagnose::conclude::{self, Floor, Step};
 use crate::diagnose::drift;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::holdout;
 use crate::diagnose::locate::locate;
-use crate::diagnose::memory::Memory;
 use crate::diagnose::refit::{Refit, refit};
 use crate::diagnose::rivals::{Contest, contest, exchange};
-use crate::diagnose::rows::{Series, rms};
+use crate::diagnose::rows::rms;
 use crate::diagnose::search::{self, Grown, Rules, Trial, fit_without, grow, prune};
 use crate::diagnose::smooth::{self, Smooth};
 use crate::diagnose::summary;
+use crate::diagnose::{next, own};
 use crate::estimate::figures::{Predictions, noise_rms, predictions};
 use crate::estimate::fit::{Fitted, outcome};
 use crate::estimate::task::{notes, preprocessing};
-use crate::outcome::diagnose::{Baseline, Diagnosis, Final};
+use crate::outcome::diagnose::{Baseline, Diagnosis, Final, Finding};
 use crate::outcome::estimate::Estimate;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
@@ -104,18 +104,17 @@ pub fn run(
     let (data, held_out) = holdout::with_held_out(data);
     watch(Stage::Checking);
     let mistakes = check::run(problem, control);
-    let averaged = |r: &Prepared| r.experiment.periods.is_some();
+    let split = |data: Dataset| match held_out || !is_in_time(&data) {
+        true => (data, Vec::new()),
+        false => own::alternate(&data),
+    };
+    let (data, between) = split(data);
     let mut bench = Bench {
-        problem,
-        robot: &robot,
-        data: &data,
-        control,
-        in_time: !data.recordings.iter().any(averaged),
-        noise: None,
-        memory: Memory::default(),
+        between,
+        ..Bench::new((problem, &robot), &data, control)
     };
     watch(Stage::Fitting);
-    let declared = baseline(&bench, &model)?;
+    let declared = baseline(&bench)?;
     bench.noise = noise_rms(&declared.model, &declared.values, &data);
     let sought = sought(problem);
     let rules = Rules {
@@ -123,19 +122,17 @@ pub fn run(
         significance: problem.diagnose.significance.value,
     };
     let explanation = explain(&bench, &declared, (rules, watch))?;
-    let unrolled = drift::unrolled(&data);
+    let (unrolled, between) = split(drift::unrolled(&data));
     let over_time = Bench {
-        data: &unrolled,
-        in_time: true,
+        between,
         noise: bench.noise.clone(),
-        memory: Memory::default(),
-        ..bench
+        ..Bench::new((problem, &robot), &unrolled, control)
     };
     let drifting = over_periods(&over_time, (&data, &explanation.full), (rules, watch))?;
     let drifts = drifting.is_some();
     let (mut diagnosis, fitted, before, after) = match drifting {
         Some(grown) => {
-            let declared = baseline(&over_time, &model)?;
+            let declared = baseline(&over_time)?;
             let explanation = conclude_search(&over_time, grown, (rules, watch))?;
             report(&over_time, &declared, (&explanation, rules))?
         }
@@ -181,13 +178,8 @@ fn sought(problem: &ProblemFile) -> Option<Vec<String>> {
     }
 }
 
-fn baseline(bench: &Bench<'_>, model: &Model) -> Result<Refit, DiagnoseError> {
-    let train = bench.recordings(Split::Train);
-    let signal = Series::of(model, &model.values(), &[], &train).recorded;
-    let first: Vec<f64> = signal
-        .iter()
-        .map(|s| rms(s).max(f64::MIN_POSITIVE))
-        .collect();
+fn baseline(bench: &Bench<'_>) -> Result<Refit, DiagnoseError> {
+    let first = bench.signal_rms(Split::Train);
     let fit = || refit(bench, &[], (&Vec::new(), &first));
     bench.memory.refit(&[], fit)
 }
@@ -279,21 +271,18 @@ fn report(
         .collect();
     let floor = floor(bench, full, &needed);
     let parameters = after.estimate.parameters.clone();
-    let mut findings = conclude::findings(&explanation.steps(), &floor, &parameters);
-    findings.extend(
-        needed
-            .iter()
-            .map(|s| conclude::unnamed(s, full, (&floor, tried))),
-    );
+    let steps = explanation.steps();
+    let mut findings = conclude::findings(&steps, &floor, &parameters);
+    let without_name = needed
+        .iter()
+        .map(|s| conclude::unnamed(s, full, (&floor, tried)));
+    findings.extend(without_name);
+    let signal = bench.signal_rms(Split::Validation);
+    let open = conclude::unexplained(full, (&floor, &signal, rules.significance), &findings);
+    findings.extend(open);
     let corrected = summary::correct(bench, (full, &mut after), &needed);
-    let left = summary::left(full, &needed);
-    let named = |c: &usize| {
-        let name = &full.model.channels()[*c].name;
-        findings.iter().any(|f| f.joints.contains(name))
-    };
-    let joints: Vec<usize> = (0..left.len()).filter(named).collect();
-    let lack = |refit: &Refit| floor.lack_of_fit(&refit.validation, &joints);
-    let verdict = conclude::verdict(&findings, (lack(baseline), lack(full)));
+    let lacks = lacks(&floor, &findings, (baseline, full));
+    let verdict = conclude::verdict(&findings, lacks);
     let mut notes = notes(&after.model, bench.data);
     notes.extend((!floor.measured).then(|| UNMEASURED.to_string()));
     let diagnosis = Diagnosis {
@@ -310,7 +299,7 @@ fn report(
             joints: after.estimate.joints.clone(),
             parameters,
         },
-        next_experiment: None,
+        next_experiment: next::experiment(bench, full, &explanation.contests),
         preprocessing: preprocessing(&after.model, bench.data),
         notes,
         fit: Some(after.fit.clone()),
@@ -318,6 +307,15 @@ fn report(
     };
     let first = predictions(&baseline.model, &baseline.values, bench.data);
     Ok((diagnosis, after, first, corrected))
+}
+
+/// Lack of fit of two models pooled over the joints that findings name.
+fn lacks(floor: &Floor, findings: &[Finding], (before, after): (&Refit, &Refit)) -> (f64, f64) {
+    let channels = after.model.channels().iter().enumerate();
+    let named = channels.filter(|(_, c)| findings.iter().any(|f| f.joints.contains(&c.name)));
+    let joints: Vec<usize> = named.map(|(c, _)| c).collect();
+    let lack = |refit: &Refit| floor.lack_of_fit(&refit.validation, &joints);
+    (lack(before), lack(after))
 }
 
 /// Deviation of noise that forgets from row to row, from the differences of successive rows, `E (e(k+1) − e(k))²/2`,

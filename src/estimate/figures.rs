@@ -38,20 +38,39 @@ pub type Predictions = Vec<Vec<Vec<f64>>>;
 
 /// Predicts every recording of a dataset at parameter values.
 pub fn predictions(model: &Model, values: &DVector<f64>, data: &Dataset) -> Predictions {
-    let of = |recording: &Prepared| predict(model, values, recording);
-    data.recordings.iter().map(of).collect()
+    predictions_by_recording(model, &|_| values, data)
+}
+
+/// Predicted signals of all recordings, with values of the parameters for each recording by its number.
+pub fn predictions_by_recording<'v>(
+    model: &Model,
+    values: &dyn Fn(usize) -> &'v DVector<f64>,
+    data: &Dataset,
+) -> Predictions {
+    let recordings = data.recordings.iter().enumerate();
+    let of = |(k, recording): (usize, &Prepared)| predict(model, values(k), recording);
+    recordings.map(of).collect()
 }
 
 /// Figures of all active channels.
 pub fn figures(
     model: &Model,
     values: &DVector<f64>,
+    of: (&Dataset, &Predictions),
+) -> Vec<JointFigures> {
+    figures_by_recording(model, (values, &|_| values), of)
+}
+
+/// Figures of all active channels, with values of the parameters for each recording by its number beside those of the
+/// training recordings.
+pub fn figures_by_recording<'v>(
+    model: &Model,
+    (values, own): (&DVector<f64>, &dyn Fn(usize) -> &'v DVector<f64>),
     (data, predictions): (&Dataset, &Predictions),
 ) -> Vec<JointFigures> {
-    let raw: Vec<Vec<Vec<f64>>> = data
-        .recordings
-        .iter()
-        .map(|r| signals(model, values, r.whole()))
+    let recordings = data.recordings.iter().enumerate();
+    let raw: Vec<Vec<Vec<f64>>> = recordings
+        .map(|(k, r)| signals(model, own(k), r.whole()))
         .collect();
     let held_out = data.of(Split::Validation).next().is_some();
     let noise = noise_rms(model, values, data);

@@ -9,7 +9,7 @@ use crate::chain::parameter::{Parameter, Role};
 use crate::estimate::unknowns::Unknowns;
 use crate::outcome::estimate::Covariance;
 use crate::outcome::parameter::{Parameter as Reported, Source};
-use crate::robot::inertia::PER_LINK;
+use crate::robot::inertia::{PER_LINK, REPORTED};
 use crate::stats::distribution::Distribution;
 use nalgebra::{DMatrix, DVector, RowDVector};
 
@@ -31,21 +31,7 @@ pub struct Estimated<'a> {
     pub at_bound: &'a [usize],
 }
 
-/// Names of the reported quantities of a body, with their units.
-const BODY: [(&str, &str); PER_LINK] = [
-    ("mass", "kg"),
-    ("com_x", "m"),
-    ("com_y", "m"),
-    ("com_z", "m"),
-    ("inertia_xx", "kg·m²"),
-    ("inertia_xy", "kg·m²"),
-    ("inertia_xz", "kg·m²"),
-    ("inertia_yy", "kg·m²"),
-    ("inertia_yz", "kg·m²"),
-    ("inertia_zz", "kg·m²"),
-];
-
-/// Axes of the inertia entries in the order of [`BODY`], and their positions among the raw parameters.
+/// Axes of the inertia entries in the order of [`REPORTED`], and their positions among the raw parameters.
 const INERTIA: [(usize, usize, usize); 6] = [
     (0, 0, 4),
     (0, 1, 5),
@@ -194,7 +180,7 @@ fn body(estimated: &Estimated<'_>, name: &str, first: usize, out: &mut Vec<Quant
     let has = |entries: &[usize]| entries.iter().all(|&k| determined(estimated, first + k));
     let m = raw[0];
     let mut push = |index: usize, needs: &[usize], value: f64, gradient: Vec<(usize, f64)>| {
-        let (quantity, unit) = BODY[index];
+        let (quantity, unit) = REPORTED[index];
         out.push(Quantity {
             name: format!("{name}.{quantity}"),
             unit: unit.to_string(),

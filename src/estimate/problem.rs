@@ -195,12 +195,6 @@ impl Problem for FitProblem<'_> {
         let whole = self.factor(x).matrix();
         let matrix = whole.columns(0, count).into_owned();
         let residual = whole.column(count).into_owned();
-        Ok(Linearization {
-            cost: 0.5 * residual.norm_squared(),
-            gradient: matrix.tr_mul(&residual),
-            square_root: Some(SquareRoot { matrix, residual }),
-            constraints: DVector::zeros(0),
-            jacobian: DMatrix::zeros(0, count),
-        })
+        Ok(Linearization::of_squares(SquareRoot { matrix, residual }))
     }
 }

@@ -87,6 +87,7 @@ impl<'de> Deserialize<'de> for Outcome {
             "fit" => Deserialize::deserialize(&value).map(Part::Fit),
             "check" => Deserialize::deserialize(&value).map(Part::Check),
             "simulate" => Deserialize::deserialize(&value).map(Part::Simulate),
+            "trials" => Deserialize::deserialize(&value).map(Part::Trials),
             "design" => Deserialize::deserialize(&value).map(Part::Design),
             "diagnose" => Deserialize::deserialize(&value)
                 .map(|diagnosis| Part::Diagnose(Box::new(diagnosis))),

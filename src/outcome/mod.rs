@@ -23,6 +23,7 @@ pub mod parameter;
 pub mod predictions;
 pub mod run;
 pub mod simulation;
+pub mod trials;
 
 mod document;
 
@@ -35,6 +36,7 @@ use crate::outcome::estimate::Estimate;
 use crate::outcome::fit::Fit;
 use crate::outcome::run::Run;
 use crate::outcome::simulation::Simulation;
+use crate::outcome::trials::Trials;
 
 /// Name of the result in its folder.
 pub const RESULT_FILE: &str = "result.json";
@@ -71,6 +73,7 @@ pub enum Part {
     Simulate(Simulation),
     Design(Design),
     Diagnose(Box<Diagnosis>),
+    Trials(Trials),
 }
 
 impl Outcome {
@@ -92,6 +95,7 @@ impl Part {
             Part::Simulate(_) => "simulate",
             Part::Design(_) => "design",
             Part::Diagnose(_) => "diagnose",
+            Part::Trials(_) => "trials",
         }
     }
 }

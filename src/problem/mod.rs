@@ -57,6 +57,19 @@ pub struct Linearization {
     pub jacobian: DMatrix<f64>,
 }
 
+impl Linearization {
+    /// Of half a sum of squares without constraints, from all rows of its residual.
+    pub fn of_squares(root: SquareRoot) -> Self {
+        Self {
+            cost: 0.5 * root.residual.norm_squared(),
+            gradient: root.matrix.tr_mul(&root.residual),
+            constraints: DVector::zeros(0),
+            jacobian: DMatrix::zeros(0, root.matrix.ncols()),
+            square_root: Some(root),
+        }
+    }
+}
+
 /// f(x + d) ~ 1/2 |matrix d + residual|^2 + constant, constant = cost - 1/2 |residual|^2.
 ///
 /// Any number of rows: a long residual arrives compressed by QR, which leaves the model unchanged up to

@@ -6,6 +6,50 @@ use crate::outcome::estimate::Solver;
 use crate::outcome::fit::Fit;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::parameter::{Parameter, Source};
+use crate::outcome::trials::{Share, Trials};
+use crate::report::number;
+
+/// The rates of trials: what is counted, and how many of how many.
+pub(super) fn trial_rates(trials: &Trials) -> Vec<(&'static str, Share)> {
+    let rates = &trials.rates;
+    let controls = Share {
+        of: trials.false_findings.controls,
+        are: trials.false_findings.with_finding,
+    };
+    vec![
+        ("one effect: the first finding is right", rates.first_right),
+        ("one effect: it bears the very name", rates.first_named),
+        ("one effect: the joints are right", rates.joints_right),
+        ("two effects: both are found", rates.both_found),
+        ("findings with a wrong name", rates.wrong_names),
+        ("outside the vocabulary, yet named", rates.outside_named),
+        ("controls with a finding", controls),
+        (
+            "friction back within 1.5 of the informed fit",
+            rates.friction_back,
+        ),
+    ]
+}
+
+/// What trials came to, in a sentence.
+pub(super) fn trials_sentence(trials: &Trials) -> String {
+    let rates = &trials.rates;
+    let share = |s: Share| match s.of {
+        0 => "none tried".to_string(),
+        _ => format!("{} ({} of {})", number::percent(s.value()), s.are, s.of),
+    };
+    let controls = &trials.false_findings;
+    format!(
+        "{}: where one effect leaves at least {} times the noise, the first finding is right in {}; of the \
+         controls {} of {} have a finding, at most {} with 95 % confidence.",
+        count(trials.trials.len(), "trial"),
+        rates.least_size,
+        share(rates.first_right),
+        controls.with_finding,
+        controls.controls,
+        number::percent(controls.upper95)
+    )
+}
 
 /// Every source, in the order in which counts are told.
 const SOURCES: [Source; 5] = [

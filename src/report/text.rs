@@ -11,6 +11,7 @@ use crate::outcome::fit::Fit;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::load::Load;
 use crate::outcome::simulation::Simulation;
+use crate::outcome::trials::Trials;
 use crate::outcome::{Outcome, Part};
 use crate::report::facts;
 use crate::report::number::{optional, percent, significant};
@@ -26,6 +27,7 @@ pub fn summary(outcome: &Outcome, report: Option<&Path>) -> String {
         Part::Simulate(simulation) => simulation_lines(simulation),
         Part::Design(design) => design_lines(&outcome.estimate, design),
         Part::Diagnose(diagnosis) => diagnosis_lines(diagnosis),
+        Part::Trials(trials) => trial_lines(trials),
     };
     lines.insert(0, format!("{}: {}", outcome.name, outcome.part.verb()));
     if let Some(report) = report {
@@ -166,8 +168,30 @@ fn diagnosis_lines(diagnosis: &Diagnosis) -> Vec<String> {
     lines.extend(located.map(|place| format!("{GAP}where: {}", place.sentence)));
     let mistakes = diagnosis.mistakes.iter();
     lines.extend(mistakes.map(|m| format!("{}: {} [{}]", m.severity.as_str(), m.message, m.code)));
+    let next = diagnosis.next_experiment.as_ref();
+    lines.extend(next.map(|next| format!("next: {} [next_experiment.toml]", next.sentence)));
     lines.extend(before_and_after(diagnosis));
     lines.extend(diagnosis.notes.iter().map(|note| format!("note: {note}")));
+    lines
+}
+
+fn trial_lines(trials: &Trials) -> Vec<String> {
+    let mut lines = vec![facts::trials_sentence(trials)];
+    let rates = facts::trial_rates(trials).into_iter();
+    let rows = rates
+        .filter(|(_, share)| share.of > 0)
+        .map(|(what, share)| {
+            [
+                what.to_string(),
+                share.are.to_string(),
+                share.of.to_string(),
+                percent(share.value()),
+            ]
+        });
+    let mut table = vec![["", "are", "of", "share"].map(str::to_string)];
+    table.extend(rows);
+    lines.extend(align(&table));
+    lines.extend(trials.notes.iter().map(|note| format!("note: {note}")));
     lines
 }
 

@@ -20,6 +20,20 @@ pub const UNITS: [&str; PER_LINK] = [
     "kg", "kg·m", "kg·m", "kg·m", "kg·m²", "kg·m²", "kg·m²", "kg·m²", "kg·m²", "kg·m²",
 ];
 
+/// What a body is reported by, with units: mass, centre of mass, tensor about it.
+pub const REPORTED: [(&str, &str); PER_LINK] = [
+    ("mass", "kg"),
+    ("com_x", "m"),
+    ("com_y", "m"),
+    ("com_z", "m"),
+    ("inertia_xx", "kg·m²"),
+    ("inertia_xy", "kg·m²"),
+    ("inertia_xz", "kg·m²"),
+    ("inertia_yy", "kg·m²"),
+    ("inertia_yz", "kg·m²"),
+    ("inertia_zz", "kg·m²"),
+];
+
 /// Rows and columns of the six inertia entries within π, from position 4 on.
 const INERTIA_ENTRIES: [(usize, usize); 6] = [(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)];
 

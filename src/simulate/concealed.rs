@@ -1,7 +1,9 @@
 //! Effects that only the truth has: names in `[simulate.values]` that the declared model does not know
 //! add their effect to the joint that they name.
 
-use crate::chain::effect::{EFFECTS, base_tilt, kinematic_coupling, unmodelled_payload};
+use crate::chain::effect::{
+    EFFECTS, base_tilt, kinematic_coupling, torque_current_nonlinearity, unmodelled_payload,
+};
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
 use crate::problem_file::{Located, Named, ProblemFile};
@@ -17,6 +19,8 @@ use crate::simulate::truth::commanded;
 pub(super) struct Acting {
     pub problem: ProblemFile,
     pub values: Vec<Named<f64>>,
+    /// Values of laws between torque and current, which the commanded torque does not have.
+    pub currents: Vec<Named<f64>>,
     /// Names of the parameters of effects that the problem file does not declare.
     pub concealed: Vec<String>,
 }
@@ -29,6 +33,7 @@ pub(super) fn add(declared: &ProblemFile, robot: &Robot) -> Result<Acting, Simul
     let mut acting = Acting {
         problem: declared.clone(),
         values: declared.simulate.values.clone(),
+        currents: Vec::new(),
         concealed: Vec::new(),
     };
     let known = model::build(&commanded(declared), robot)?;
@@ -36,6 +41,7 @@ pub(super) fn add(declared: &ProblemFile, robot: &Robot) -> Result<Acting, Simul
         acting.name_load(index, robot)?;
         acting.name_coupling(index, robot);
     }
+    acting.take_currents(robot)?;
     let everything = with_all_effects(&commanded(&acting.problem), robot)?;
     for index in 0..acting.values.len() {
         let entry = acting.values[index].clone();
@@ -63,6 +69,24 @@ pub(super) fn add(declared: &ProblemFile, robot: &Robot) -> Result<Acting, Simul
 }
 
 impl Acting {
+    /// Sets values of laws between torque and current apart and lists their effects.
+    fn take_currents(&mut self, robot: &Robot) -> Result<(), SimulateError> {
+        let sensed = with_all_effects(&self.problem, robot)?;
+        for entry in std::mem::take(&mut self.values) {
+            let found = sensed.find(&entry.name).ok();
+            let own = found.and_then(|p| owner(&sensed, Reference::Parameter(p)));
+            match own {
+                Some((joint, effect)) if effect == torque_current_nonlinearity::EFFECT.id => {
+                    self.list(&robot.tree.joints()[joint].name, effect);
+                    self.concealed.push(entry.name.clone());
+                    self.currents.push(entry);
+                }
+                _ => self.values.push(entry),
+            }
+        }
+        Ok(())
+    }
+
     /// `<joint>.unmodelled_payload.mass` is `payload.mass`, with the load on that joint's link.
     fn name_load(&mut self, index: usize, robot: &Robot) -> Result<(), SimulateError> {
         let entry = &self.values[index];

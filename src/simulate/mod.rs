@@ -55,6 +55,21 @@ pub struct SimulatedRecording {
     /// File in the results folder, relative to it.
     pub name: String,
     pub table: Table,
+    /// What the table holds of noise, per channel of the signal.
+    pub noise: Vec<Vec<f64>>,
+}
+
+impl SimulatedRecording {
+    /// Takes the noise out of the channels, which are named in its order.
+    pub fn remove_noise(&mut self, channels: &[RealisedNoise]) {
+        for (channel, noise) in channels.iter().zip(std::mem::take(&mut self.noise)) {
+            let column = self.table.header.iter().position(|h| *h == channel.channel);
+            if let Some(column) = column {
+                let pairs = self.table.data[column].iter_mut().zip(noise);
+                pairs.for_each(|(to, x)| *to -= x);
+            }
+        }
+    }
 }
 
 /// What a simulation gives.
@@ -129,7 +144,6 @@ struct Plan {
 struct Made {
     recording: SimulatedRecording,
     trajectory: SimulatedRecording,
-    noise: Vec<Vec<f64>>,
     repeats: bool,
 }
 
@@ -232,9 +246,9 @@ impl Task<'_> {
             recording: SimulatedRecording {
                 name: plan.name.clone(),
                 table,
+                noise,
             },
             trajectory: self.trajectory(&path, &plan.name),
-            noise,
             repeats: path.repeats(),
         })
     }
@@ -345,6 +359,7 @@ impl Task<'_> {
         SimulatedRecording {
             name: format!("{stem}.trajectory.csv"),
             table,
+            noise: Vec::new(),
         }
     }
 }
@@ -354,7 +369,7 @@ fn realised(sensors: &Sensors, made: &[Made]) -> Vec<RealisedNoise> {
     let channels = sensors.channels.iter().enumerate();
     channels
         .map(|(number, channel)| {
-            let all = made.iter().flat_map(|m| &m.noise[number]);
+            let all = made.iter().flat_map(|m| &m.recording.noise[number]);
             let (count, squares) = all.fold((0.0, 0.0), |(n, s), x| (n + 1.0, s + x * x));
             RealisedNoise {
                 channel: channel.column.clone(),

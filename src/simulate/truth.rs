@@ -71,8 +71,16 @@ pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateErro
     let mut nominal = model::build(&commanded(&declared), &robot)?;
     copy_values(&plant, &mut recorded)?;
     copy_values(&plant, &mut nominal)?;
+    let mut parameters = named(&plant);
+    for entry in &acting.currents {
+        if let Reference::Parameter(p) = resolve(&recorded, &entry.name, &entry.value.place)? {
+            fix(&mut recorded, (p, entry.value.value), &entry.value.place)?;
+            let known = &recorded.parameters()[p];
+            parameters.push(Parameter::known(&known.name, &known.unit, known.value));
+        }
+    }
     Ok(Truth {
-        parameters: named(&plant),
+        parameters,
         hidden_load: problem.robot.payload.is_none(),
         plant,
         recorded,

@@ -53,6 +53,20 @@ impl SolveError {
     }
 }
 
+/// Tolerances are at least zero and below one.
+pub(super) fn check_tolerances(tolerances: &[(&'static str, f64)]) -> Result<(), SolveError> {
+    for &(name, value) in tolerances {
+        if !(0.0..1.0).contains(&value) {
+            let range = "0 <= value < 1";
+            return Err(SolveError::at(
+                name,
+                SolveErrorKind::Setting { value, range },
+            ));
+        }
+    }
+    Ok(())
+}
+
 impl From<ProblemError> for SolveError {
     fn from(error: ProblemError) -> Self {
         Self {

@@ -28,7 +28,7 @@ pub const EFFECT: Effect = Effect {
             ("psi3", Unit::Speed),
             "shift of the switch",
             (-10.0, 0.01, 10.0),
-            Search::Values(&[-0.05, 0.0, 0.05]),
+            Search::Speed(&[-0.1, 0.0, 0.1]),
         ),
     ],
     depends_on: &[Dependence::Speed, Dependence::Direction],

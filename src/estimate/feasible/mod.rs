@@ -39,8 +39,9 @@ pub mod solve;
 pub mod standard;
 mod strength;
 
-/// Smallest eigenvalue of a scaled pseudo-inertia, kg: a quarter of a milligram.
-pub const MARGIN: f64 = 2.5e-7;
+/// Smallest eigenvalue of a scaled pseudo-inertia, kg: five micrograms, whose price on the best fit is below a
+/// hundred-millionth of the squared torques.
+pub const MARGIN: f64 = 5e-9;
 
 /// Rounds of reweighting.
 const MAX_ROUNDS: usize = 10;

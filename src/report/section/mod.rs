@@ -17,6 +17,7 @@ mod signals;
 mod simulation;
 mod solver;
 mod summary;
+mod trials;
 
 use crate::outcome::Outcome;
 use crate::outcome::Part;
@@ -64,7 +65,7 @@ impl<'a> Source<'a> {
 }
 
 /// Every section in the order of the page; each is absent where it has nothing to say.
-const SECTIONS: [fn(&Source) -> Option<Section>; 20] = [
+const SECTIONS: [fn(&Source) -> Option<Section>; 21] = [
     summary::section,
     diagnosis::missing,
     diagnosis::before_and_after,
@@ -80,6 +81,7 @@ const SECTIONS: [fn(&Source) -> Option<Section>; 20] = [
     comparison::section,
     motors::section,
     simulation::section,
+    trials::section,
     design::section,
     preprocessing::section,
     notes::section,

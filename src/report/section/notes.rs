@@ -10,6 +10,7 @@ pub(super) fn section(source: &Source) -> Option<Section> {
         Part::Simulate(simulation) => &simulation.notes,
         Part::Design(design) => &design.notes,
         Part::Diagnose(diagnosis) => &diagnosis.notes,
+        Part::Trials(trials) => &trials.notes,
         Part::Check(_) => return None,
     };
     if notes.is_empty() {

@@ -47,6 +47,7 @@ fn sentence(outcome: &Outcome) -> String {
             number::significant(design.criterion_value)
         ),
         Part::Diagnose(diagnosis) => diagnosis.summary.clone(),
+        Part::Trials(trials) => facts::trials_sentence(trials),
     }
 }
 

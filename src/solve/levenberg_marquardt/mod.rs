@@ -12,7 +12,7 @@ use crate::problem::bounds;
 use crate::problem::solution::{Control, Solution, Stop};
 use crate::problem::view::LeastSquares;
 use crate::solve::admissible_start;
-use crate::solve::error::{SolveError, SolveErrorKind};
+use crate::solve::error::{SolveError, SolveErrorKind, check_tolerances};
 use crate::solve::levenberg_marquardt::iteration::{Iterate, Iteration};
 use crate::solve::levenberg_marquardt::model::Model;
 
@@ -48,20 +48,11 @@ impl Default for Settings {
 
 impl Settings {
     fn validate(&self) -> Result<(), SolveError> {
-        let tolerances = [
+        check_tolerances(&[
             ("cost_tolerance", self.cost_tolerance),
             ("step_tolerance", self.step_tolerance),
             ("gradient_tolerance", self.gradient_tolerance),
-        ];
-        for (name, value) in tolerances {
-            if !(0.0..1.0).contains(&value) {
-                let range = "0 <= value < 1";
-                return Err(SolveError::at(
-                    name,
-                    SolveErrorKind::Setting { value, range },
-                ));
-            }
-        }
+        ])?;
         let value = self.initial_damping;
         if !(value > 0.0 && value.is_finite()) {
             let kind = SolveErrorKind::Setting {

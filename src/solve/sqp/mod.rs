@@ -13,7 +13,7 @@ use crate::problem::bounds;
 use crate::problem::solution::{Control, Solution, Stop};
 use crate::problem::view::Nlp;
 use crate::solve::admissible_start;
-use crate::solve::error::{SolveError, SolveErrorKind};
+use crate::solve::error::{SolveError, check_tolerances};
 use crate::solve::sqp::iteration::Iteration;
 
 mod hessian;
@@ -52,21 +52,11 @@ impl Default for Settings {
 
 impl Settings {
     fn validate(&self) -> Result<(), SolveError> {
-        let tolerances = [
+        check_tolerances(&[
             ("cost_tolerance", self.cost_tolerance),
             ("feasibility_tolerance", self.feasibility_tolerance),
             ("progress_tolerance", self.progress_tolerance),
-        ];
-        for (name, value) in tolerances {
-            if !(0.0..1.0).contains(&value) {
-                let range = "0 <= value < 1";
-                return Err(SolveError::at(
-                    name,
-                    SolveErrorKind::Setting { value, range },
-                ));
-            }
-        }
-        Ok(())
+        ])
     }
 }
 

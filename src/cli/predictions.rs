@@ -1,0 +1,60 @@
+//! Writes `predictions.csv` of a model along its recordings.
+
+use crate::chain::dataset::Dataset;
+use crate::chain::model::Model;
+use crate::cli::error::CliError;
+use crate::estimate::figures::Predictions;
+use crate::outcome::PREDICTIONS_FILE;
+use crate::outcome::folder::ResultFolder;
+use crate::outcome::predictions::{Block, PredictionsWriter, Quantity};
+use std::io::{self, BufWriter, Write};
+
+/// Writes the recorded signal, what each of `predicted` gives, and the speed of the joints.
+pub fn write(
+    folder: &ResultFolder,
+    (model, data): (&Model, &Dataset),
+    predicted: &[(Quantity, &Predictions)],
+) -> Result<(), CliError> {
+    folder.write(PREDICTIONS_FILE, |out| {
+        write_rows(out, (model, data), predicted)
+    })?;
+    Ok(())
+}
+
+fn write_rows<W: Write>(
+    out: &mut BufWriter<W>,
+    (model, data): (&Model, &Dataset),
+    predicted: &[(Quantity, &Predictions)],
+) -> io::Result<()> {
+    let all = model.channels();
+    let channels: Vec<usize> = (0..all.len()).filter(|&c| all[c].active).collect();
+    let names: Vec<String> = channels.iter().map(|&c| all[c].name.clone()).collect();
+    let with_velocity = all.iter().all(|c| c.joint.is_some());
+    let mut quantities = vec![Quantity::Recorded];
+    quantities.extend(predicted.iter().map(|(quantity, _)| *quantity));
+    quantities.extend(with_velocity.then_some(Quantity::Velocity));
+    let mut writer = PredictionsWriter::new(out, &names, &quantities)?;
+    for (k, recording) in data.recordings.iter().enumerate() {
+        let rows: Vec<usize> = (0..recording.rows())
+            .filter(|&r| recording.counts(r))
+            .collect();
+        let t: Vec<f64> = rows.iter().map(|&row| recording.time(row)).collect();
+        let pick = |series: &[f64]| -> Vec<f64> { rows.iter().map(|&r| series[r]).collect() };
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        for &c in &channels {
+            columns.push(pick(recording.signal(c)));
+            columns.extend(predicted.iter().map(|(_, p)| pick(&p[k][c])));
+            if let (true, Some(j)) = (with_velocity, all[c].joint) {
+                columns.push(pick(&recording.segment().motors.dq[j]));
+            }
+        }
+        let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        writer.block(&Block {
+            recording: &recording.name,
+            split: recording.split,
+            t: &t,
+            columns: &slices,
+        })?;
+    }
+    Ok(())
+}

@@ -1,0 +1,151 @@
+//! What `trials` adds: every trial, what was found against what was concealed, and the rates that follow.
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+use crate::outcome::number;
+
+/// The part of `trials`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Trials {
+    pub trials: Vec<Trial>,
+    /// Times that an effect was found first, by what was concealed; of trials whose effect is at least
+    /// [`Rates::least_size`] times the noise, and of the controls.
+    pub confusion: BTreeMap<String, BTreeMap<String, usize>>,
+    pub power: Vec<Power>,
+    pub false_findings: FalseFindings,
+    pub rates: Rates,
+    /// Anything a reader should know, one sentence each.
+    #[serde(default)]
+    pub notes: Vec<String>,
+}
+
+/// One trial.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Trial {
+    /// Number of the trial, from which its robot, physics and noise follow with the seed of the run.
+    pub seed: u64,
+    /// Kind of the random robot.
+    pub robot: String,
+    /// What the declared model lacks; nothing in a control.
+    pub concealed: Vec<Hidden>,
+    pub found: Vec<Found>,
+    /// The first finding is a concealed effect, or lists one among the rivals that it cannot set aside.
+    pub right_effect: bool,
+    /// The joints of that finding are those of the effect.
+    pub right_joints: bool,
+    /// Every concealed effect is found so.
+    pub all_found: bool,
+    pub verdict: String,
+    #[serde(with = "number::nullable")]
+    pub seconds: f64,
+    /// Held-out RMS error after over before, of the joint with the largest misfit.
+    #[serde(with = "number::optional")]
+    pub error_ratio: Option<f64>,
+    /// RMS relative error of the friction parameters of the declared model, with what was found, and with the truth.
+    #[serde(default)]
+    pub friction_error: Option<[f64; 3]>,
+    /// Why the trial has no answer, where it has none.
+    #[serde(default)]
+    pub failure: Option<String>,
+}
+
+/// A concealed effect.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Hidden {
+    pub effect: String,
+    pub joints: Vec<String>,
+    /// Held-out RMS of what the fitted declared model leaves of it over the noise of a row, at the joint where it is
+    /// largest.
+    #[serde(with = "number::nullable")]
+    pub effect_over_noise: f64,
+}
+
+/// A finding of a trial.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Found {
+    pub effect: String,
+    pub joints: Vec<String>,
+    #[serde(with = "number::nullable")]
+    pub explained_share: f64,
+    /// Rivals that the recording cannot separate from it.
+    #[serde(default)]
+    pub inseparable: Vec<Named>,
+}
+
+/// An effect with its joints.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Named {
+    pub effect: String,
+    pub joints: Vec<String>,
+}
+
+/// Detections of one effect in a range of sizes.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Power {
+    pub effect: String,
+    /// Lower end of the range; the upper one is that of the next row.
+    #[serde(with = "number::nullable")]
+    pub effect_over_noise: f64,
+    pub right: usize,
+    pub trials: usize,
+}
+
+/// Findings where nothing is concealed.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct FalseFindings {
+    pub controls: usize,
+    pub with_finding: usize,
+    /// Upper 95 % bound of the rate (Clopper and Pearson 1934).
+    #[serde(with = "number::nullable")]
+    pub upper95: f64,
+}
+
+/// A number of cases and how many of them are so.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Share {
+    pub of: usize,
+    pub are: usize,
+}
+
+impl Share {
+    pub fn count(&mut self, is_so: bool) {
+        self.of += 1;
+        self.are += usize::from(is_so);
+    }
+
+    /// Not a number of no cases.
+    pub fn value(self) -> f64 {
+        self.are as f64 / self.of as f64
+    }
+}
+
+/// The rates over trials whose effect is at least `least_size` times the noise.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Rates {
+    #[serde(with = "number::nullable")]
+    pub least_size: f64,
+    /// One effect: the first finding is right.
+    pub first_right: Share,
+    /// One effect: the first finding bears its very name, not that of a rival that is said to be inseparable.
+    pub first_named: Share,
+    /// One effect: its joints are named.
+    pub joints_right: Share,
+    /// Two effects, both of that size: both are found.
+    pub both_found: Share,
+    /// Findings of trials with vocabulary effects that are neither concealed nor said to be inseparable from it.
+    pub wrong_names: Share,
+    /// Physics outside the vocabulary that was given a name.
+    pub outside_named: Share,
+    /// Median of the held-out error after over before, one effect.
+    #[serde(with = "number::optional")]
+    pub median_error_ratio: Option<f64>,
+    /// Median error of the friction parameters with what was found over that of a fit that knew the truth.
+    #[serde(with = "number::optional")]
+    pub median_friction_ratio: Option<f64>,
+    /// Share of trials in which that ratio is at most 1.5.
+    pub friction_back: Share,
+    /// Processor seconds a trial, of the last run.
+    #[serde(with = "number::optional")]
+    pub core_seconds: Option<f64>,
+}

@@ -1,0 +1,287 @@
+//! What is concealed in a trial: an effect of the vocabulary on a joint, with values of physical size.
+//!
+//! Sizes are a share `f` of the torque that the joint usually bears, so that all effects are swept over the same
+//! range; what the declared model cannot absorb of them is measured, not assumed.
+
+use crate::chain::effect::{
+    EFFECTS, Effect, asymmetric_friction, backlash, base_tilt, drive_gain, external_contact,
+    joint_elasticity, joint_spring, kinematic_coupling, load_dependent_friction,
+    position_dependent_friction, presliding_hysteresis, rotor_inertia, sigmoid_friction,
+    stribeck_friction, thermal_drift, time_delay, torque_current_nonlinearity, torque_offset,
+    torque_ripple, transmission_efficiency, unmodelled_payload, viscous_nonlinearity,
+};
+use crate::chain::effect::{coulomb_friction, viscous_friction};
+use crate::trials::robot::{RandomRobot, between};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::{PI, TAU};
+
+/// An effect that acts and is not declared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Concealed {
+    pub effect: &'static str,
+    /// Joints that a finding has to name.
+    pub joints: Vec<usize>,
+    /// Parameters by their names in `[simulate.values]`.
+    pub values: Vec<(String, f64)>,
+}
+
+/// The effects that can be concealed: all but those that are declared.
+pub fn effects() -> impl Iterator<Item = &'static Effect> {
+    let declared = [coulomb_friction::EFFECT.id, viscous_friction::EFFECT.id];
+    let all = EFFECTS.iter().copied();
+    all.filter(move |e| !declared.contains(&e.id))
+}
+
+/// How a recording lasts and how its periods follow each other.
+#[derive(Debug, Clone, Copy)]
+pub struct Course {
+    /// s.
+    pub period: f64,
+    pub periods: usize,
+}
+
+impl Course {
+    fn duration(self) -> f64 {
+        self.period * self.periods as f64
+    }
+}
+
+/// A joint with the figures that sizes are shares of.
+struct Site<'a> {
+    robot: &'a RandomRobot,
+    joint: usize,
+    course: Course,
+    /// Size of the effect as a share of the usual torque.
+    share: f64,
+}
+
+/// Draws an effect of size `share` on a joint.
+pub fn draw(
+    rng: &mut ChaCha8Rng,
+    (effect, joint): (&'static str, usize),
+    (robot, course, share): (&RandomRobot, Course, f64),
+) -> Concealed {
+    let site = Site {
+        robot,
+        joint,
+        course,
+        share,
+    };
+    let (joints, values) = match effect {
+        id if id == base_tilt::EFFECT.id => site.tilt(rng),
+        id if id == time_delay::EFFECT.id && rng.random::<f64>() < 0.7 => site.common_delay(),
+        id if id == kinematic_coupling::EFFECT.id => site.coupling(rng),
+        id if id == unmodelled_payload::EFFECT.id => site.load(rng),
+        _ => (vec![joint], site.own(effect, site.values(rng, effect))),
+    };
+    Concealed {
+        effect,
+        joints,
+        values,
+    }
+}
+
+/// Joints of an effect and its values by name.
+type Sited = (Vec<usize>, Vec<(String, f64)>);
+
+fn named(prefix: &str, values: Vec<(&str, f64)>) -> Vec<(String, f64)> {
+    let full = |(name, value): (&str, f64)| (format!("{prefix}.{name}"), value);
+    values.into_iter().map(full).collect()
+}
+
+fn sign(rng: &mut ChaCha8Rng) -> f64 {
+    if rng.random::<bool>() { 1.0 } else { -1.0 }
+}
+
+impl Site<'_> {
+    fn all(&self) -> Vec<usize> {
+        (0..self.robot.tree.len()).collect()
+    }
+
+    /// Values of an effect of the joint by their full names.
+    fn own(&self, effect: &str, values: Vec<(&str, f64)>) -> Vec<(String, f64)> {
+        named(&format!("{}.{effect}", self.robot.name(self.joint)), values)
+    }
+
+    fn tilt(&self, rng: &mut ChaCha8Rng) -> Sited {
+        let mut angle = || 0.2 * self.share * sign(rng);
+        let angles = vec![("roll", angle()), ("pitch", angle())];
+        (self.all(), named(base_tilt::EFFECT.id, angles))
+    }
+
+    /// One cable or one clock carries the channels of all joints.
+    fn common_delay(&self) -> Sited {
+        let id = time_delay::EFFECT.id;
+        let of = |&j: &usize| {
+            let name = format!("{}.{id}.delay", self.robot.name(j));
+            (name, 0.05 * self.share)
+        };
+        let values = self.all().iter().map(of).collect();
+        (self.all(), values)
+    }
+
+    fn coupling(&self, rng: &mut ChaCha8Rng) -> Sited {
+        let other = if self.joint == 0 { 1 } else { self.joint - 1 };
+        let mut joints = vec![self.joint, other];
+        joints.sort_unstable();
+        let entry = vec![(self.robot.name(other), self.share * sign(rng))];
+        (joints, self.own(kinematic_coupling::EFFECT.id, entry))
+    }
+
+    /// N·m (N) of the effect.
+    fn torque(&self) -> f64 {
+        self.share * self.robot.torque[self.joint]
+    }
+
+    fn values(&self, rng: &mut ChaCha8Rng, effect: &str) -> Vec<(&'static str, f64)> {
+        match effect {
+            id if id == asymmetric_friction::EFFECT.id
+                || id == stribeck_friction::EFFECT.id
+                || id == viscous_nonlinearity::EFFECT.id
+                || id == sigmoid_friction::EFFECT.id
+                || id == presliding_hysteresis::EFFECT.id
+                || id == position_dependent_friction::EFFECT.id =>
+            {
+                self.friction(rng, effect)
+            }
+            id if id == joint_elasticity::EFFECT.id
+                || id == backlash::EFFECT.id
+                || id == joint_spring::EFFECT.id
+                || id == torque_ripple::EFFECT.id =>
+            {
+                self.of_position(rng, effect)
+            }
+            _ => self.of_drive(rng, effect),
+        }
+    }
+
+    fn friction(&self, rng: &mut ChaCha8Rng, effect: &str) -> Vec<(&'static str, f64)> {
+        let (torque, fastest) = (self.torque(), self.robot.speed(self.joint));
+        let (middle, half_range) = self.robot.range(self.joint);
+        match effect {
+            id if id == asymmetric_friction::EFFECT.id => vec![
+                ("dFc", torque * sign(rng)),
+                ("dFv", between(rng, -1.0, 1.0) * torque / fastest),
+            ],
+            id if id == stribeck_friction::EFFECT.id => {
+                vec![("Fs", torque), ("vs", between(rng, 0.02, 0.15) * fastest)]
+            }
+            id if id == viscous_nonlinearity::EFFECT.id => {
+                let power = match rng.random::<bool>() {
+                    true => between(rng, 1.6, 3.0),
+                    false => between(rng, 0.3, 0.6),
+                };
+                vec![("Fn", torque / (0.5 * fastest).powf(power)), ("p", power)]
+            }
+            id if id == sigmoid_friction::EFFECT.id => vec![
+                ("psi1", 2.0 * torque),
+                ("psi2", between(rng, 5.0, 40.0) / fastest),
+                ("psi3", between(rng, -0.2, 0.2) * fastest),
+            ],
+            id if id == presliding_hysteresis::EFFECT.id => {
+                let dry = self.robot.friction[self.joint][0];
+                let stiffness = dry / (between(rng, 0.05, 0.5) * self.share * half_range);
+                vec![
+                    ("sigma0", stiffness),
+                    ("sigma1", 0.002 * stiffness),
+                    ("Fs", between(rng, 0.1, 0.5) * dry),
+                    ("vs", between(rng, 0.02, 0.15) * fastest),
+                ]
+            }
+            _ => vec![
+                ("dF", torque),
+                ("q0", middle + between(rng, -0.4, 0.4) * half_range),
+                ("width", between(rng, 0.15, 0.4) * half_range),
+            ],
+        }
+    }
+
+    fn of_position(&self, rng: &mut ChaCha8Rng, effect: &str) -> Vec<(&'static str, f64)> {
+        let (middle, half_range) = self.robot.range(self.joint);
+        let inertia = self.robot.mass[self.joint];
+        match effect {
+            id if id == joint_elasticity::EFFECT.id => {
+                // Links of robots swing above 8 Hz.
+                let softest = inertia * (TAU * 8.0).powi(2);
+                let bend = 0.02 * self.share * half_range;
+                let stiffness = (self.robot.torque[self.joint] / bend).max(softest);
+                let damping = 0.2 * (stiffness * inertia).sqrt();
+                vec![("K", stiffness), ("D", damping)]
+            }
+            id if id == backlash::EFFECT.id => vec![("gap", 0.02 * self.share * half_range)],
+            id if id == joint_spring::EFFECT.id => vec![
+                ("k", self.torque() / half_range),
+                ("q0", middle + between(rng, -1.0, 1.0) * half_range),
+            ],
+            _ => {
+                let cycles = between(rng, 1.5, 20.0);
+                vec![
+                    ("order", PI * cycles / half_range),
+                    ("amplitude", self.torque()),
+                    ("phase", between(rng, -PI, PI)),
+                    ("amplitude2", between(rng, 0.0, 0.5) * self.torque()),
+                    ("phase2", between(rng, -PI, PI)),
+                ]
+            }
+        }
+    }
+
+    fn of_drive(&self, rng: &mut ChaCha8Rng, effect: &str) -> Vec<(&'static str, f64)> {
+        let constant = self.robot.torque_constant[self.joint];
+        let duration = self.course.duration();
+        match effect {
+            id if id == transmission_efficiency::EFFECT.id => vec![("R", 1.0 - self.share)],
+            id if id == load_dependent_friction::EFFECT.id => vec![("mu", self.share)],
+            id if id == torque_current_nonlinearity::EFFECT.id => {
+                // Torque grows with the current up to five times the usual one.
+                let largest = 5.0 * self.robot.torque[self.joint] / constant;
+                let bend = self.share * constant / (3.0 * largest.powi(2));
+                vec![("c0", 0.0), ("c1", constant), ("c2", 0.0), ("c3", -bend)]
+            }
+            id if id == drive_gain::EFFECT.id => vec![("gain", 1.0 + self.share * sign(rng))],
+            id if id == torque_offset::EFFECT.id => vec![("offset", self.torque() * sign(rng))],
+            id if id == rotor_inertia::EFFECT.id => {
+                vec![("Jm", self.share * self.robot.mass[self.joint])]
+            }
+            id if id == thermal_drift::EFFECT.id => vec![
+                ("gain", -(2.0 * self.share).min(0.8)),
+                ("time_constant", between(rng, 0.2, 0.8) * duration),
+            ],
+            id if id == external_contact::EFFECT.id => {
+                let from = between(rng, 0.1, 0.7) * duration;
+                vec![
+                    ("torque", self.torque() * sign(rng)),
+                    ("from", from),
+                    ("to", from + between(rng, 0.04, 0.2) * duration),
+                ]
+            }
+            _ => vec![("delay", 0.05 * self.share)],
+        }
+    }
+
+    /// A load on the last link.
+    fn load(&self, rng: &mut ChaCha8Rng) -> Sited {
+        let last = Site {
+            joint: self.robot.tree.len() - 1,
+            ..*self
+        };
+        let link = &self.robot.tree.joints()[last.joint];
+        let mass = 5.0 * self.share * link.inertia.mass();
+        let inertia = 0.06_f64.powi(2) * mass;
+        let mut offset = || between(rng, -0.1, 0.1);
+        let values = vec![
+            ("mass", mass),
+            ("com_x", offset()),
+            ("com_y", offset()),
+            ("com_z", offset()),
+            ("inertia_xx", inertia),
+            ("inertia_yy", inertia),
+            ("inertia_zz", inertia),
+        ];
+        (
+            vec![last.joint],
+            last.own(unmodelled_payload::EFFECT.id, values),
+        )
+    }
+}

@@ -1,0 +1,18 @@
+//! Trials of the diagnosis: random robots are simulated with physics that the declared model lacks, or with none
+//! lacking, and the diagnosis sees nothing but the recordings and the declared model.
+//!
+//! The robot, the physics, its size and the noise of a trial follow from the seed and the trial's number alone.
+//! The size of what is concealed is the held-out RMS of what the declared model, fitted to recordings without
+//! noise, leaves of it, over the RMS noise of a row: what the fitted parameters absorb is no misfit.
+
+pub mod conceal;
+pub mod error;
+pub mod outside;
+pub mod plan;
+pub mod robot;
+pub mod run;
+pub mod score;
+pub mod tally;
+
+#[cfg(test)]
+mod tests;

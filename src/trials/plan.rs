@@ -1,0 +1,128 @@
+//! What is tried in which trial: follows from the seed and the number of the trial.
+
+use crate::robot::random::generator;
+use crate::trials::conceal::{self, Concealed, Course};
+use crate::trials::outside::Outside;
+use crate::trials::robot::{KINDS, RandomRobot, between};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+/// One trial of so many conceals nothing.
+const CONTROL: u64 = 5;
+
+/// Share of the others with two effects, and with physics outside the vocabulary.
+const PAIRS: f64 = 0.12;
+const OUTSIDE: f64 = 0.08;
+
+/// Smallest and largest size of an effect, as a share of the usual torque of its joint: below the noise, and half.
+const SHARES: (f64, f64) = (0.002, 0.5);
+
+/// What the trials are drawn from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Scope {
+    pub seed: u64,
+    /// Ids of the effects that are concealed.
+    pub effects: Vec<&'static str>,
+    /// Kinds of robots.
+    pub robots: Vec<&'static str>,
+}
+
+impl Scope {
+    /// All effects on all kinds of robots.
+    pub fn all(seed: u64) -> Self {
+        Self {
+            seed,
+            effects: conceal::effects().map(|e| e.id).collect(),
+            robots: KINDS.to_vec(),
+        }
+    }
+}
+
+/// One trial before it is simulated.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    pub number: u64,
+    pub robot: RandomRobot,
+    pub course: Course,
+    pub concealed: Vec<Concealed>,
+    /// A law outside the vocabulary, its joint and neighbour, and its size as a share of the usual current.
+    pub outside: Option<(Outside, (usize, usize), f64)>,
+    /// The link inertials of the robot file are known, not estimated.
+    pub known_links: bool,
+    /// Rotor inertias are declared.
+    pub known_rotors: bool,
+}
+
+/// Hz.
+pub const RATE: f64 = 100.0;
+
+impl Plan {
+    /// The plan of a trial; another `attempt` draws another one, with smaller effects, where a robot cannot follow.
+    pub fn draw(scope: &Scope, (number, attempt): (u64, u64)) -> Self {
+        let mut rng = generator(scope.seed);
+        rng.set_stream((number << 8) | attempt);
+        let kind = pick(&mut rng, &scope.robots);
+        let robot = RandomRobot::draw(&mut rng, kind);
+        let course = Course {
+            period: [5.0, 6.0, 8.0][(rng.random::<f64>() * 3.0) as usize],
+            periods: [3, 3, 4][(rng.random::<f64>() * 3.0) as usize],
+        };
+        let mut plan = Self {
+            number,
+            course,
+            concealed: Vec::new(),
+            outside: None,
+            known_links: rng.random::<f64>() < 0.25,
+            known_rotors: true,
+            robot,
+        };
+        if number % CONTROL != CONTROL - 1 {
+            let shrink = 0.5_f64.powi(attempt as i32);
+            plan.conceal(&mut rng, scope, shrink);
+        }
+        plan
+    }
+
+    fn conceal(&mut self, rng: &mut ChaCha8Rng, scope: &Scope, shrink: f64) {
+        let n = self.robot.tree.len();
+        let kind = rng.random::<f64>();
+        let share = |rng: &mut ChaCha8Rng, low: f64| {
+            let (low, high) = (f64::max(SHARES.0, low).ln(), SHARES.1.ln());
+            shrink * between(rng, low, high).exp()
+        };
+        if kind < OUTSIDE && scope.effects.len() > 1 {
+            let joint = (rng.random::<f64>() * n as f64) as usize;
+            let neighbour = if joint == 0 { 1 } else { joint - 1 };
+            let law = pick(rng, &Outside::ALL);
+            self.outside = Some((law, (joint, neighbour), share(rng, SHARES.0)));
+            return;
+        }
+        let pair = kind < OUTSIDE + PAIRS && scope.effects.len() > 1;
+        let mut joints: Vec<usize> = (0..n).collect();
+        let mut ids: Vec<&'static str> = scope.effects.clone();
+        // Singles go through all effects in turn, so that none is rare.
+        let turn = (self.number - self.number / CONTROL) as usize % ids.len();
+        let first = ids.remove(turn);
+        let mut chosen = vec![first];
+        if pair {
+            chosen.push(pick(rng, &ids));
+        }
+        for effect in chosen {
+            let joint = joints.remove((rng.random::<f64>() * joints.len() as f64) as usize);
+            let size = share(rng, if pair { 0.05 } else { SHARES.0 });
+            let site = (&self.robot, self.course, size);
+            let drawn = conceal::draw(rng, (effect, joint), site);
+            self.known_links |= effect == crate::chain::effect::unmodelled_payload::EFFECT.id;
+            self.known_rotors &= effect != crate::chain::effect::rotor_inertia::EFFECT.id;
+            joints.retain(|j| !drawn.joints.contains(j) || drawn.joints.len() == n);
+            self.concealed.push(drawn);
+            if joints.is_empty() {
+                return;
+            }
+        }
+    }
+}
+
+fn pick<T: Copy>(rng: &mut ChaCha8Rng, from: &[T]) -> T {
+    from[(rng.random::<f64>() * from.len() as f64) as usize]
+}

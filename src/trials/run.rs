@@ -1,0 +1,271 @@
+//! One trial: the robot is simulated, its recordings written, diagnosed, and judged.
+
+use crate::chain::dataset::Dataset;
+use crate::chain::effect::{self, Law, Memory};
+use crate::diagnose::bench::Bench;
+use crate::diagnose::drift::unrolled;
+use crate::diagnose::hypothesis::Hypothesis;
+use crate::diagnose::refit::{Refit, Start, refit};
+use crate::diagnose::rows::rms;
+use crate::diagnose::task::{self, DiagnoseRun};
+use crate::outcome::trials::Trial;
+use crate::problem::solution::Control;
+use crate::problem_file::ProblemFile;
+use crate::recording::split::Split;
+use crate::setup;
+use crate::simulate::{self, Simulated, write_csv};
+use crate::trials::conceal::Concealed;
+use crate::trials::error::TrialError;
+use crate::trials::plan::{Plan, RATE, Scope};
+use crate::trials::robot::ENCODER_COUNTS;
+use crate::trials::score;
+use std::fs::{self, File};
+use std::io::BufWriter;
+use std::path::Path;
+use std::time::Instant;
+
+/// Draws of a trial until a robot can follow its motion.
+const ATTEMPTS: u64 = 8;
+
+/// Runs one trial; a failure is an answer too.
+pub fn run(scope: &Scope, number: u64, control: &Control<'_>) -> Trial {
+    let started = Instant::now();
+    let mut trial = Trial::default();
+    for attempt in 0..ATTEMPTS {
+        let plan = Plan::draw(scope, (number, attempt));
+        match one(&plan, control) {
+            Ok(done) => {
+                trial = done;
+                break;
+            }
+            Err(error) => {
+                let could_not_move = matches!(error, TrialError::Simulate(_));
+                trial = score::failed(&plan, error.to_string());
+                if !could_not_move || control.is_interrupted() {
+                    break;
+                }
+            }
+        }
+    }
+    trial.seconds = started.elapsed().as_secs_f64();
+    trial
+}
+
+fn one(plan: &Plan, control: &Control<'_>) -> Result<Trial, TrialError> {
+    let scratch = tempfile::tempdir()?;
+    let folder = scratch.path();
+    prepare(plan, folder, control)?;
+    let problem = folder.join(PROBLEM);
+    let diagnosed = {
+        let read = ProblemFile::read(&problem, &[], &effect::ids())?;
+        task::run(&read, control, &|_| ())?
+    };
+    let sizes = sizes(plan, &folder.join(CLEAN).join(PROBLEM), control)?;
+    let informed = informed(plan, &problem, control)?;
+    Ok(score::judge(plan, (&diagnosed, informed.as_ref()), &sizes))
+}
+
+/// The declared problem in the folder of a trial.
+pub const PROBLEM: &str = "problem.toml";
+
+/// The folder in it with the same problem and recordings without noise.
+pub const CLEAN: &str = "clean";
+
+/// Writes everything of a trial into an empty folder: the robot, the declared problem with its recordings, the
+/// same without noise, and the truth as a problem for `exid simulate`.
+pub fn prepare(plan: &Plan, folder: &Path, control: &Control<'_>) -> Result<(), TrialError> {
+    let declared = declared(plan);
+    let clean = folder.join(CLEAN);
+    fs::create_dir(&clean)?;
+    for own in [folder, &clean] {
+        fs::write(own.join("robot.urdf"), plan.robot.urdf())?;
+        fs::write(own.join(PROBLEM), &declared)?;
+    }
+    let truth = folder.join("truth.toml");
+    fs::write(&truth, format!("{declared}\n{}", simulated(plan)))?;
+    let truth = ProblemFile::read(&truth, &[], &effect::ids())?;
+    let made = simulate::run(&truth, plan.number, control)?;
+    write(plan, &made, (folder, true))?;
+    write(plan, &made, (&clean, false))
+}
+
+/// The declared model and its recordings.
+fn declared(plan: &Plan) -> String {
+    let robot = &plan.robot;
+    let inertials = if plan.known_links {
+        "known"
+    } else {
+        "estimate"
+    };
+    let rotors = match plan.known_rotors {
+        true => format!("rotor_inertia = {:?}\n", robot.rotor_inertia),
+        false => String::new(),
+    };
+    format!(
+        "name = \"trial\"\n[robot]\nurdf = \"robot.urdf\"\ninertials = \"{inertials}\"\n[drive]\n\
+         torque_constant = {:?}\n{rotors}effects = [\"coulomb_friction\", \"viscous_friction\"]\n\
+         [recordings]\ntrain = [\"train.csv\"]\nvalidation = [\"validation.csv\"]\nsignal = \"current\"\n\
+         rate = {RATE:?}\nperiod = {:?}\n",
+        robot.torque_constant, plan.course.period
+    )
+}
+
+/// How the recordings are made, and the truth behind them.
+fn simulated(plan: &Plan) -> String {
+    let robot = &plan.robot;
+    let mut text = format!(
+        "[simulate]\ntrajectory = \"random\"\nmode = \"closed_loop\"\nperiods = {}\nwarmup_periods = 1\n\
+         noise = {:?}\nencoder_counts = {ENCODER_COUNTS:?}\n[simulate.values]\n",
+        plan.course.periods, robot.noise
+    );
+    for (j, [dry, viscous]) in robot.friction.iter().enumerate() {
+        let name = robot.name(j);
+        text.push_str(&format!(
+            "\"{name}.Fc\" = {dry:?}\n\"{name}.Fv\" = {viscous:?}\n"
+        ));
+    }
+    for (name, value) in plan.concealed.iter().flat_map(|c| &c.values) {
+        text.push_str(&format!("\"{name}\" = {value:?}\n"));
+    }
+    text
+}
+
+/// Writes the recordings with or without noise, with the law outside the vocabulary where there is one.
+fn write(plan: &Plan, made: &Simulated, (folder, noisy): (&Path, bool)) -> Result<(), TrialError> {
+    for recording in &made.recordings {
+        let mut recording = recording.clone();
+        if !noisy {
+            recording.remove_noise(&made.realised_noise);
+        }
+        if let Some((law, (joint, neighbour), share)) = plan.outside {
+            let current = plan.robot.torque[joint] / plan.robot.torque_constant[joint];
+            let size = (share * current, RATE);
+            law.add(&mut recording.table, (joint, neighbour), size);
+        }
+        let file = File::create(folder.join(&recording.name))?;
+        write_csv(BufWriter::new(file), &recording)?;
+    }
+    Ok(())
+}
+
+/// What is left of the concealed physics, per joint: held-out RMS over the noise of a row, of periods that are averaged
+/// and of single samples.
+#[derive(Debug, Clone, Default)]
+pub struct Sizes {
+    pub averaged: Vec<f64>,
+    pub in_time: Vec<f64>,
+}
+
+fn sizes(plan: &Plan, problem: &Path, control: &Control<'_>) -> Result<Sizes, TrialError> {
+    let opened = Opened::read(problem)?;
+    let of = |data: &Dataset, periods: f64| -> Result<Vec<f64>, TrialError> {
+        let left = opened.fit(data, (&[], &Vec::new()), control)?.validation;
+        let pairs = left.iter().zip(&plan.robot.noise);
+        Ok(pairs
+            .map(|(e, noise)| rms(e) * periods.sqrt() / noise)
+            .collect())
+    };
+    let changes =
+        |c: &Concealed| effect::find(c.effect).is_some_and(|e| e.needs.memory == Memory::Time);
+    Ok(Sizes {
+        averaged: of(&opened.data, plan.course.periods as f64)?,
+        in_time: match plan.concealed.iter().any(changes) {
+            true => of(&unrolled(&opened.data), 1.0)?,
+            false => Vec::new(),
+        },
+    })
+}
+
+/// Fits of a declared model with the truth in it: what a diagnosis could reach.
+pub struct Informed {
+    pub declared: Refit,
+    pub known: Refit,
+}
+
+fn informed(
+    plan: &Plan,
+    problem: &Path,
+    control: &Control<'_>,
+) -> Result<Option<Informed>, TrialError> {
+    if plan.concealed.is_empty() {
+        return Ok(None);
+    }
+    let opened = Opened::read(problem)?;
+    let changes =
+        |c: &Concealed| effect::find(c.effect).is_some_and(|e| e.needs.memory == Memory::Time);
+    let data = match plan.concealed.iter().any(changes) {
+        true => unrolled(&opened.data),
+        false => opened.data.clone(),
+    };
+    let start: Start = plan
+        .concealed
+        .iter()
+        .flat_map(|c| c.values.clone())
+        .collect();
+    let hypotheses: Vec<Hypothesis> = plan.concealed.iter().filter_map(hypothesis).collect();
+    Ok(Some(Informed {
+        declared: opened.fit(&data, (&[], &Vec::new()), control)?,
+        known: opened.fit(&data, (&hypotheses, &start), control)?,
+    }))
+}
+
+/// The hypothesis that is the truth.
+fn hypothesis(concealed: &Concealed) -> Option<Hypothesis> {
+    let effect = effect::find(concealed.effect)?;
+    let (joints, other) = match effect.law {
+        Law::Coupling => {
+            let row = |name: &String| name.starts_with(&format!("j{}.", concealed.joints[1] + 1));
+            let last_first = concealed.values.iter().any(|(name, _)| row(name));
+            match (&concealed.joints[..], last_first) {
+                ([a, b], true) => (vec![*b], Some(*a)),
+                ([a, b], false) => (vec![*a], Some(*b)),
+                _ => return None,
+            }
+        }
+        _ => (concealed.joints.clone(), None),
+    };
+    Some(Hypothesis {
+        effect,
+        joints,
+        other,
+    })
+}
+
+/// A declared model with its recordings.
+struct Opened {
+    problem: ProblemFile,
+    robot: setup::robot::Robot,
+    data: Dataset,
+}
+
+impl Opened {
+    fn read(path: &Path) -> Result<Self, TrialError> {
+        let problem = ProblemFile::read(path, &[], &effect::ids())?;
+        let robot = setup::robot::open(&problem)?;
+        let mut model = setup::model::build(&problem, &robot)?;
+        setup::prior::build(&problem, &mut model)?;
+        let data = setup::recordings::open(&problem, &robot, &model)?;
+        Ok(Self {
+            problem,
+            robot,
+            data,
+        })
+    }
+
+    fn fit(
+        &self,
+        data: &Dataset,
+        (hypotheses, start): (&[Hypothesis], &Start),
+        control: &Control<'_>,
+    ) -> Result<Refit, TrialError> {
+        let bench = Bench::new((&self.problem, &self.robot), data, control);
+        let first = bench.signal_rms(Split::Train);
+        Ok(refit(&bench, hypotheses, (start, &first))?)
+    }
+}
+
+/// The parameters that a diagnosis came to, by name.
+pub fn values(run: &DiagnoseRun) -> impl Iterator<Item = (&str, f64)> {
+    let all = run.diagnosis.outcome.parameters.iter();
+    all.filter_map(|p| Some((p.name.as_str(), p.value?)))
+}

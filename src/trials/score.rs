@@ -1,0 +1,164 @@
+//! What a trial came to: whether the findings are what was concealed.
+
+use crate::chain::effect::{self, Memory};
+use crate::diagnose::refit::Refit;
+use crate::diagnose::task::DiagnoseRun;
+use crate::outcome::diagnose::Finding;
+use crate::outcome::trials::{Found, Hidden, Named, Trial};
+use crate::trials::conceal::Concealed;
+use crate::trials::plan::Plan;
+use crate::trials::run::{Informed, Sizes, values};
+
+/// A finding may list so many rivals that it cannot set aside and still be right by one of them.
+pub const RIVALS: usize = 2;
+
+/// A trial without an answer.
+pub fn failed(plan: &Plan, why: String) -> Trial {
+    Trial {
+        concealed: hidden(plan, &Sizes::default()),
+        failure: Some(why),
+        ..head(plan)
+    }
+}
+
+fn head(plan: &Plan) -> Trial {
+    Trial {
+        seed: plan.number,
+        robot: plan.robot.kind.to_string(),
+        ..Trial::default()
+    }
+}
+
+/// Judges a diagnosis by what was concealed.
+pub fn judge(
+    plan: &Plan,
+    (run, informed): (&DiagnoseRun, Option<&Informed>),
+    sizes: &Sizes,
+) -> Trial {
+    let concealed = hidden(plan, sizes);
+    let found: Vec<Found> = run.diagnosis.findings.iter().map(found).collect();
+    let first = found.first();
+    let is = |finding: &Found| concealed.iter().find(|hidden| names(finding, hidden));
+    Trial {
+        right_effect: first.is_some_and(|finding| is(finding).is_some()),
+        right_joints: first.is_some_and(|finding| {
+            concealed
+                .iter()
+                .any(|hidden| same_joints(&finding.joints, &hidden.joints))
+        }),
+        all_found: !concealed.is_empty()
+            && concealed
+                .iter()
+                .all(|hidden| found.iter().any(|f| names(f, hidden))),
+        verdict: run.diagnosis.verdict.words().to_string(),
+        error_ratio: error_ratio(run),
+        friction_error: informed.and_then(|informed| friction_error(plan, run, informed)),
+        concealed,
+        found,
+        ..head(plan)
+    }
+}
+
+fn found(finding: &Finding) -> Found {
+    let rivals = finding.rivals.iter().filter(|rival| !rival.separable);
+    Found {
+        effect: finding.effect.clone(),
+        joints: finding.joints.clone(),
+        explained_share: finding.explained_share,
+        inseparable: rivals
+            .map(|rival| Named {
+                effect: rival.effect.clone(),
+                joints: rival.joints.clone(),
+            })
+            .collect(),
+    }
+}
+
+/// What was concealed, with its size.
+fn hidden(plan: &Plan, sizes: &Sizes) -> Vec<Hidden> {
+    let name = |j: &usize| plan.robot.name(*j).to_string();
+    let largest = |of: &[f64], joints: &[usize]| {
+        let own = joints.iter().filter_map(|&j| of.get(j).copied());
+        own.fold(f64::NAN, f64::max)
+    };
+    let of_vocabulary = plan.concealed.iter().map(|c: &Concealed| {
+        let changes = effect::find(c.effect).is_some_and(|e| e.needs.memory == Memory::Time);
+        let of = if changes {
+            &sizes.in_time
+        } else {
+            &sizes.averaged
+        };
+        Hidden {
+            effect: c.effect.to_string(),
+            joints: c.joints.iter().map(name).collect(),
+            effect_over_noise: largest(of, &c.joints),
+        }
+    });
+    let outside = plan.outside.iter().map(|(law, (joint, _), _)| Hidden {
+        effect: law.name().to_string(),
+        joints: vec![name(joint)],
+        effect_over_noise: largest(&sizes.averaged, &[*joint]),
+    });
+    of_vocabulary.chain(outside).collect()
+}
+
+/// Whether a finding is the effect, or lists it among the few rivals that it cannot set aside.
+pub fn names(finding: &Found, hidden: &Hidden) -> bool {
+    let same = |effect: &str, joints: &[String]| {
+        effect == hidden.effect && same_joints(joints, &hidden.joints)
+    };
+    let rivals = &finding.inseparable;
+    same(&finding.effect, &finding.joints)
+        || (rivals.len() <= RIVALS && rivals.iter().any(|r| same(&r.effect, &r.joints)))
+}
+
+fn same_joints(a: &[String], b: &[String]) -> bool {
+    a.len() == b.len() && a.iter().all(|joint| b.contains(joint))
+}
+
+/// Held-out error after over before, of the joint with the largest misfit.
+fn error_ratio(run: &DiagnoseRun) -> Option<f64> {
+    let before = &run.diagnosis.baseline.joints;
+    let pairs = before.iter().zip(&run.diagnosis.outcome.joints);
+    let errors = pairs.filter_map(|(b, a)| {
+        let (old, new) = (b.rmse_validation?, a.rmse_validation?);
+        Some((b.lack_of_fit?, new / old))
+    });
+    errors
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, ratio)| ratio)
+}
+
+/// RMS relative error of Coulomb and viscous friction: declared model, model found, model that knew the truth.
+fn friction_error(plan: &Plan, run: &DiagnoseRun, informed: &Informed) -> Option<[f64; 3]> {
+    let truth: Vec<(String, f64)> = (0..plan.robot.tree.len())
+        .flat_map(|j| {
+            let name = plan.robot.name(j);
+            let [dry, viscous] = plan.robot.friction[j];
+            [
+                (format!("{name}.coulomb_friction.Fc"), dry),
+                (format!("{name}.viscous_friction.Fv"), viscous),
+            ]
+        })
+        .collect();
+    let error = |value: &dyn Fn(&str) -> Option<f64>| {
+        let squares = truth
+            .iter()
+            .map(|(name, true_value)| value(name).map(|x| (x / true_value - 1.0).powi(2)));
+        let squares: Option<Vec<f64>> = squares.collect();
+        squares.map(|s| (s.iter().sum::<f64>() / s.len() as f64).sqrt())
+    };
+    let of_fit = |fit: &Refit| {
+        let value = |name: &str| fit.model.find(name).ok().map(|k| fit.values[k]);
+        error(&value)
+    };
+    let of_run = |name: &str| {
+        let mut all = values(run);
+        all.find(|(own, _)| *own == name).map(|(_, x)| x)
+    };
+    Some([
+        of_fit(&informed.declared)?,
+        error(&of_run)?,
+        of_fit(&informed.known)?,
+    ])
+}

@@ -1,0 +1,168 @@
+//! The rates over many trials.
+
+use crate::chain::effect;
+use crate::outcome::trials::{FalseFindings, Found, Power, Rates, Share, Trial, Trials};
+use crate::stats::distribution::Distribution;
+use crate::trials::score::names;
+use std::collections::BTreeMap;
+
+/// An effect of so many times the noise has to be found.
+pub const LEAST_SIZE: f64 = 3.0;
+
+/// Ranges of sizes over noise, by their lower ends.
+const SIZES: [f64; 8] = [0.0, 0.3, 1.0, 2.0, 3.0, 5.0, 10.0, 30.0];
+
+/// What the absence of a finding is called in the table.
+const NOTHING: &str = "nothing";
+
+/// Finding of a misfit that nothing in the vocabulary explains.
+const UNNAMED: &str = "unnamed";
+
+/// A friction parameter is back if its error is at most so many times that of a fit that knew the truth.
+const BACK: f64 = 1.5;
+
+/// Sums up trials.
+pub fn tally(trials: Vec<Trial>) -> Trials {
+    let answered: Vec<&Trial> = trials.iter().filter(|t| t.failure.is_none()).collect();
+    let failures = trials.len() - answered.len();
+    let notes = (failures > 0).then(|| {
+        format!("{failures} trials have no answer and count as not found: see `failure` of each.")
+    });
+    Trials {
+        confusion: confusion(&answered),
+        power: power(&trials),
+        false_findings: false_findings(&answered),
+        rates: rates(&trials),
+        notes: notes.into_iter().collect(),
+        trials,
+    }
+}
+
+/// Size of what a trial conceals: the smaller one of two.
+fn size(trial: &Trial) -> f64 {
+    let sizes = trial.concealed.iter().map(|h| h.effect_over_noise);
+    sizes.fold(f64::INFINITY, f64::min)
+}
+
+/// The name of the one effect of the vocabulary that a trial conceals.
+fn single(trial: &Trial) -> Option<&str> {
+    match &trial.concealed[..] {
+        [one] if effect::find(&one.effect).is_some() => Some(&one.effect),
+        _ => None,
+    }
+}
+
+fn is_outside(trial: &Trial) -> bool {
+    trial
+        .concealed
+        .iter()
+        .any(|h| effect::find(&h.effect).is_none())
+}
+
+fn confusion(trials: &[&Trial]) -> BTreeMap<String, BTreeMap<String, usize>> {
+    let mut table: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
+    for trial in trials {
+        let concealed = match &trial.concealed[..] {
+            [] => NOTHING,
+            [one] if one.effect_over_noise >= LEAST_SIZE => &one.effect,
+            _ => continue,
+        };
+        let found = trial.found.first().map_or(NOTHING, |f| &f.effect);
+        let row = table.entry(concealed.to_string()).or_default();
+        *row.entry(found.to_string()).or_default() += 1;
+    }
+    table
+}
+
+fn power(trials: &[Trial]) -> Vec<Power> {
+    let mut cells: BTreeMap<(String, usize), Share> = BTreeMap::new();
+    for trial in trials {
+        let (Some(effect), size) = (single(trial), size(trial)) else {
+            continue;
+        };
+        let Some(range) = SIZES.iter().rposition(|lower| size >= *lower) else {
+            continue;
+        };
+        let cell = cells.entry((effect.to_string(), range)).or_default();
+        cell.count(trial.right_effect && trial.right_joints);
+    }
+    let row = |((effect, range), share): ((String, usize), Share)| Power {
+        effect,
+        effect_over_noise: SIZES[range],
+        right: share.are,
+        trials: share.of,
+    };
+    cells.into_iter().map(row).collect()
+}
+
+fn false_findings(trials: &[&Trial]) -> FalseFindings {
+    let controls = trials.iter().filter(|t| t.concealed.is_empty());
+    let mut share = Share::default();
+    controls.for_each(|trial| share.count(!trial.found.is_empty()));
+    FalseFindings {
+        controls: share.of,
+        with_finding: share.are,
+        upper95: upper95(share),
+    }
+}
+
+/// Upper 95 % bound of a rate, one-sided (Clopper and Pearson 1934): the p of which so few cases or fewer have a
+/// probability of 5 %.
+fn upper95(share: Share) -> f64 {
+    if share.are >= share.of {
+        return 1.0;
+    }
+    let (more, rest) = ((share.are + 1) as f64, (share.of - share.are) as f64);
+    let quantile = Distribution::FisherF {
+        numerator: 2.0 * more,
+        denominator: 2.0 * rest,
+    }
+    .quantile(0.95);
+    more * quantile / (rest + more * quantile)
+}
+
+fn rates(trials: &[Trial]) -> Rates {
+    let mut rates = Rates {
+        least_size: LEAST_SIZE,
+        ..Rates::default()
+    };
+    let (mut errors, mut frictions) = (Vec::new(), Vec::new());
+    for trial in trials.iter().filter(|t| size(t) >= LEAST_SIZE) {
+        if trial.concealed.is_empty() {
+            continue;
+        }
+        if is_outside(trial) {
+            let named = |f: &Found| f.effect != UNNAMED;
+            rates.outside_named.count(trial.found.iter().any(named));
+            continue;
+        }
+        for finding in trial.found.iter().filter(|f| f.effect != UNNAMED) {
+            let known = trial.concealed.iter().any(|h| names(finding, h));
+            rates.wrong_names.count(!known);
+        }
+        match single(trial) {
+            None => rates.both_found.count(trial.all_found),
+            Some(effect) => {
+                rates.first_right.count(trial.right_effect);
+                rates.joints_right.count(trial.right_joints);
+                let first = trial.found.first();
+                rates
+                    .first_named
+                    .count(first.is_some_and(|f| f.effect == effect));
+                errors.extend(trial.error_ratio);
+            }
+        }
+        if let Some([_, found, known]) = trial.friction_error {
+            frictions.push(found / known);
+            rates.friction_back.count(found <= BACK * known);
+        }
+    }
+    rates.median_error_ratio = median(errors);
+    rates.median_friction_ratio = median(frictions);
+    rates
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}

@@ -1,0 +1,115 @@
+//! Trials follow from their seed, robots are possible, and rates count what they say.
+
+use crate::chain::effect;
+use crate::outcome::trials::{Found, Hidden, Trial};
+use crate::problem::solution::Control;
+use crate::trials::conceal;
+use crate::trials::plan::{Plan, Scope};
+use crate::trials::run::run;
+use crate::trials::tally::tally;
+
+#[test]
+fn every_effect_that_is_not_declared_is_concealed_in_some_trial() {
+    let scope = Scope::all(3);
+    let drawn: Vec<Plan> = (0..200).map(|n| Plan::draw(&scope, (n, 0))).collect();
+    for known in conceal::effects() {
+        let has = |plan: &Plan| plan.concealed.iter().any(|c| c.effect == known.id);
+        assert!(drawn.iter().any(has), "{}", known.id);
+    }
+    let controls = drawn
+        .iter()
+        .filter(|p| p.concealed.is_empty() && p.outside.is_none());
+    assert_eq!(controls.count(), 40);
+    for plan in &drawn {
+        for link in plan.robot.tree.joints() {
+            assert!(
+                link.inertia
+                    .central()
+                    .is_some_and(|c| c.tensor.symmetric_eigenvalues().min() > 0.0)
+            );
+        }
+        assert!(
+            plan.concealed
+                .iter()
+                .all(|c| effect::find(c.effect).is_some())
+        );
+    }
+}
+
+#[test]
+fn a_trial_is_the_same_again() {
+    let scope = Scope {
+        effects: vec!["torque_offset"],
+        robots: vec!["arm3"],
+        ..Scope::all(5)
+    };
+    let [first, second] = [0, 1].map(|_| run(&scope, 1, &Control::default()));
+    assert_eq!(first.failure, None);
+    assert_eq!(
+        Trial {
+            seconds: 0.0,
+            ..first
+        },
+        Trial {
+            seconds: 0.0,
+            ..second
+        }
+    );
+}
+
+fn trial(seed: u64, size: Option<f64>, found: Option<&str>) -> Trial {
+    let joints = vec!["j1".to_string()];
+    let right = size.is_some() && found == Some("joint_spring");
+    Trial {
+        seed,
+        concealed: size
+            .map(|effect_over_noise| Hidden {
+                effect: "joint_spring".to_string(),
+                joints: joints.clone(),
+                effect_over_noise,
+            })
+            .into_iter()
+            .collect(),
+        found: found
+            .map(|effect| Found {
+                effect: effect.to_string(),
+                joints,
+                ..Found::default()
+            })
+            .into_iter()
+            .collect(),
+        right_effect: right,
+        right_joints: size.is_some() && found.is_some(),
+        all_found: right,
+        ..Trial::default()
+    }
+}
+
+#[test]
+fn rates_count_large_effects_and_controls() {
+    let trials = vec![
+        trial(0, Some(5.0), Some("joint_spring")),
+        trial(1, Some(4.0), Some("torque_ripple")),
+        trial(2, Some(0.5), None),
+        trial(3, None, None),
+        trial(4, None, Some("joint_spring")),
+    ];
+    let tallied = tally(trials);
+    let rates = &tallied.rates;
+    assert_eq!((rates.first_right.are, rates.first_right.of), (1, 2));
+    assert_eq!((rates.wrong_names.are, rates.wrong_names.of), (1, 2));
+    assert_eq!(
+        (
+            tallied.false_findings.with_finding,
+            tallied.false_findings.controls
+        ),
+        (1, 2)
+    );
+    assert_eq!(tallied.confusion["joint_spring"]["torque_ripple"], 1);
+    // Of two cases one: the p with P(X ≤ 1) = 1 − p² = 0.05.
+    approx::assert_relative_eq!(
+        tallied.false_findings.upper95,
+        0.95_f64.sqrt(),
+        epsilon = 1e-9
+    );
+}

@@ -1,0 +1,65 @@
+//! `exid trials` from outside: what it writes, that it goes on where it was, and what it refuses.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn trials(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_exid"))
+        .current_dir(folder)
+        .arg("trials")
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn small(folder: &Path, count: &str) -> Value {
+    let few = [
+        "--effects",
+        "torque_offset,joint_spring",
+        "--robots",
+        "arm3",
+    ];
+    let rest = ["--count", count, "--seed", "2", "--out", "out", "--json"];
+    let output = trials(folder, &[&few[..], &rest[..]].concat());
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{words}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Every fifth trial conceals nothing; what a longer run had done already is kept, to the second.
+#[test]
+fn a_longer_run_goes_on_where_a_shorter_one_ended() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = small(folder.path(), "2");
+    let second = small(folder.path(), "5");
+    let all = second["trials"].as_array().unwrap();
+    assert_eq!(all.len(), 5);
+    assert_eq!(first["trials"].as_array().unwrap()[..], all[..2]);
+    for (k, trial) in all.iter().enumerate() {
+        assert_eq!(trial["seed"], k);
+        assert_eq!(trial["robot"], "arm3");
+        assert_eq!(trial["failure"], Value::Null);
+        let concealed = trial["concealed"].as_array().unwrap();
+        assert_eq!(concealed.is_empty(), k == 4);
+        for effect in concealed {
+            assert!(effect["effect_over_noise"].as_f64().unwrap() >= 0.0);
+        }
+    }
+    assert_eq!(second["false_findings"]["controls"], 1);
+    assert!(second["false_findings"]["upper95"].as_f64().unwrap() <= 1.0);
+    assert!(second["confusion"].is_object() && second["power"].is_array());
+    assert!(folder.path().join("out/report.html").is_file());
+}
+
+#[test]
+fn an_effect_or_a_robot_that_does_not_exist_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for (flag, wrong) in [("--effects", "gremlins"), ("--robots", "arm99")] {
+        let output = trials(folder.path(), &[flag, wrong, "--count", "1"]);
+        assert_eq!(output.status.code(), Some(2));
+        let words = String::from_utf8_lossy(&output.stderr);
+        assert!(words.contains(flag) && words.contains(wrong), "{words}");
+        assert!(!folder.path().join("results").exists());
+    }
+}
