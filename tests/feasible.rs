@@ -30,7 +30,7 @@ const LINKS: usize = 30;
 const SAMPLES: usize = 30;
 /// Times that the barrier's pull is moved to its last answer.
 const PULLS: usize = 10;
-/// Share of ‖τ‖² that objectives may differ by.
+/// Share of ‖τ‖² by which an objective may be above the barrier's.
 const AGREEMENT: f64 = 1e-8;
 
 /// One estimation problem, whitened.
@@ -365,7 +365,7 @@ fn invariant_answers_are_possible_and_as_good_as_those_of_a_barrier_method() {
 
 /// As many as a night is long.
 #[test]
-#[ignore = "one in some hundred problems misses the agreement of 1e-8 by half a percent"]
+#[ignore = "takes minutes"]
 fn invariant_a_thousand_answers_are_as_good_as_those_of_a_barrier_method() {
     assert_as_good(1000);
 }
@@ -396,7 +396,8 @@ fn assert_as_good(problems: u64) {
             f.least_friction
         );
         let share = f.above / f.size;
-        assert!(share.abs() <= AGREEMENT, "problem {seed}: {share:e}");
+        // Where only bodies of many tonnes attain the least cost the barrier stops short of it.
+        assert!(share <= AGREEMENT, "problem {seed}: {share:e}");
         assert!(
             !f.inactive || f.moved <= 1e-9,
             "problem {seed}: {}",

@@ -27,6 +27,7 @@ pub mod own;
 pub mod periods;
 pub mod refit;
 pub mod regime;
+pub mod rest;
 pub mod rivals;
 pub mod rows;
 pub mod screen;

@@ -10,6 +10,7 @@ use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::holdout;
 use crate::diagnose::locate::locate;
 use crate::diagnose::refit::{Refit, refit};
+use crate::diagnose::rest;
 use crate::diagnose::rivals::{Contest, contest, exchange};
 use crate::diagnose::rows::rms;
 use crate::diagnose::search::{self, Grown, Rules, Trial, fit_without, grow, prune};
@@ -101,7 +102,7 @@ pub fn run(
     let mut model = setup::model::build(problem, &robot)?;
     setup::prior::build(problem, &mut model)?;
     let data = setup::recordings::open(problem, &robot, &model)?;
-    let (data, held_out) = holdout::with_held_out(data);
+    let (data, held_out) = holdout::with_held_out(rest::left_out(&model, data));
     watch(Stage::Checking);
     let mistakes = check::run(problem, control);
     let split = |data: Dataset| match held_out || !is_in_time(&data) {

@@ -7,7 +7,7 @@
 use crate::chain::dataset::Dataset;
 use crate::estimate::covariance::of_unknowns;
 use crate::estimate::feasible::edge::{self, Edge};
-use crate::estimate::feasible::program::pull;
+use crate::estimate::feasible::program::{PULL, pull};
 use crate::estimate::feasible::standard::{LENGTH, scaled_body};
 use crate::estimate::feasible::{Found, MARGIN};
 use crate::estimate::figures::{figures, predictions};
@@ -128,7 +128,7 @@ fn uncertainty(
         return (covariance, (0..size).filter(from).collect());
     };
     let data_information = information(found);
-    let (weak, _) = pull(standard, &standard.reference());
+    let (weak, _) = pull(standard, &standard.reference(), PULL);
     let prior_information = prior.information(chosen.strength) + weak.tr_mul(&weak);
     let t = &standard.to_base;
     let whole = t.tr_mul(&(&data_information * t)) + &prior_information;
@@ -175,7 +175,7 @@ fn at_bound(found: &Found<'_>, edge: &Edge) -> Vec<usize> {
         return (0..size).filter(open).collect();
     }
     let standard = found.standard;
-    let (weak, _) = pull(standard, &standard.reference());
+    let (weak, _) = pull(standard, &standard.reference(), PULL);
     let weak = &weak * (LOOSE / weak.amax());
     let t = &standard.to_base;
     let whole = t.tr_mul(&(information(found) * t)) + weak.tr_mul(&weak);

@@ -19,7 +19,7 @@ use nalgebra::{DMatrix, DVector, Matrix4, SymmetricEigen};
 
 /// Weight of the pull towards the reference that keeps undetermined directions from running away, in
 /// standard deviations of the residual per kg: a tonne costs 5e-7.
-const PULL: f64 = 1e-6;
+pub const PULL: f64 = 1e-6;
 
 /// Margin beyond which a body is as good as any, kg.
 const LARGEST_MARGIN: f64 = 0.05;
@@ -144,8 +144,12 @@ impl Program {
     }
 }
 
-/// Rows that pull weakly towards a reference: `PULL · (pseudo-inertias, others by their scale)`.
-pub fn pull(standard: &Standard<'_>, reference: &DVector<f64>) -> (DMatrix<f64>, DVector<f64>) {
+/// Rows that pull weakly towards a reference: `weight · (pseudo-inertias, others by their scale)`.
+pub fn pull(
+    standard: &Standard<'_>,
+    reference: &DVector<f64>,
+    weight: f64,
+) -> (DMatrix<f64>, DVector<f64>) {
     let (_, slopes) = standard.pseudo_inertias();
     let first = slopes.nrows();
     let mut rows = slopes.resize_vertically(first + standard.len(), 0.0);
@@ -154,7 +158,7 @@ pub fn pull(standard: &Standard<'_>, reference: &DVector<f64>) -> (DMatrix<f64>,
             rows[(first + k, k)] = 1.0 / variable.scale;
         }
     }
-    rows *= PULL;
+    rows *= weight;
     let offset = -&rows * reference;
     (rows, offset)
 }

@@ -5,10 +5,11 @@
 //! class of its answer is searched for the closest member in the same way.
 
 use crate::estimate::feasible::prior::InertialPrior;
-use crate::estimate::feasible::program::{Class, Constraints, Program, pull};
+use crate::estimate::feasible::program::{Class, Constraints, PULL, Program, pull};
 use crate::estimate::feasible::standard::{Standard, scaled_body};
 use crate::problem::solution::{Control, Stop};
 use crate::solve::error::SolveError;
+use crate::solve::interior::InteriorSolution;
 use nalgebra::{DMatrix, DVector};
 
 /// A prior on the bodies and how strong it is.
@@ -133,16 +134,51 @@ pub fn member(setting: Setting<'_>, base: &DVector<f64>) -> Option<DVector<f64>>
     class.closest(setting.margin, &standard.reference())
 }
 
+/// Share of ‖b‖² that the pull towards the reference may cost.
+const COST_OF_PULL: f64 = 1e-10;
+
+/// Weight below which the pull is lost in rounding.
+const LEAST_PULL: f64 = 1e-9;
+
 /// The cone program with twice the margin, so that its class has members with once the margin.
+///
+/// Where only bodies of many tonnes attain the least cost, the pull keeps the answer from it by about twice what
+/// it costs itself: it is then weakened until that is next to nothing.
 pub fn constrained(
     setting: Setting<'_>,
     constraints: &Constraints,
+    data: (&Compressed, &Control<'_>),
+) -> Result<InteriorSolution, SolveError> {
+    let start = setting.standard.reference();
+    let allowed = COST_OF_PULL * data.0.offset.norm_squared();
+    let mut weight = PULL;
+    let mut found = pulled(setting, constraints, data, weight)?;
+    loop {
+        let (rows, offset) = pull(setting.standard, &start, weight);
+        let cost = 0.5 * (rows * &found.solution.x + offset).norm_squared();
+        weight *= 0.1;
+        if cost <= allowed || weight < LEAST_PULL || found.solution.stop != Stop::Optimal {
+            return Ok(found);
+        }
+        let next = pulled(setting, constraints, data, weight)?;
+        if next.solution.stop != Stop::Optimal {
+            return Ok(found);
+        }
+        found = next;
+    }
+}
+
+/// The cone program with a pull of some weight.
+fn pulled(
+    setting: Setting<'_>,
+    constraints: &Constraints,
     (residual, control): (&Compressed, &Control<'_>),
-) -> Result<crate::solve::interior::InteriorSolution, SolveError> {
+    weight: f64,
+) -> Result<InteriorSolution, SolveError> {
     let standard = setting.standard;
     let start = standard.reference();
     let data = &residual.matrix * &standard.to_base;
-    let (weak, weak_offset) = pull(standard, &start);
+    let (weak, weak_offset) = pull(standard, &start, weight);
     let (rows, offset, terms) = match setting.prior {
         Some((prior, strength)) => {
             let (rows, offset) = prior.rows(strength);
