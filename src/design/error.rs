@@ -18,13 +18,26 @@ pub enum DesignError {
 pub enum Unsuitable {
     NothingToEstimate,
     EmptyGroup,
-    NotDetermined { found: String },
-    NoShape { link: String },
+    NotDetermined {
+        found: String,
+    },
+    NoShape {
+        link: String,
+    },
     NoRivals,
     SameRivals,
-    NotCoefficients { why: String },
+    NotCoefficients {
+        why: String,
+    },
     OtherSeries,
-    TooFast { joint: String },
+    TooFast {
+        joint: String,
+    },
+    TooFewSamples {
+        found: usize,
+        harmonics: usize,
+        least: usize,
+    },
 }
 
 impl DesignError {
@@ -108,6 +121,17 @@ impl Fault for DesignError {
                 "no-room-for-strokes",
                 format!("joint `{joint}` cannot reach two speeds within its range of positions"),
                 "widen its range, raise its acceleration limit, or lock it",
+            ),
+            Unsuitable::TooFewSamples {
+                found,
+                harmonics,
+                least,
+            } => Description::new(
+                "too-few-samples",
+                format!(
+                    "{found} samples of a period do not show a motion of {harmonics} harmonics"
+                ),
+                format!("give at least {least}, or fewer harmonics"),
             ),
             Unsuitable::NoShape { link } => Description::new(
                 "no-collision-shape",
