@@ -32,6 +32,10 @@ const SCREENING: usize = 50;
 /// Steps of one exponent of the criterion, at most.
 const REFINING: usize = 250;
 
+/// Share of what is minimised that ten steps have to gain, of starts that are compared and of those carried to the end.
+const COMPARED: f64 = 1e-5;
+const CARRIED_ON: f64 = 1e-6;
+
 /// How the starts of later rounds come about, in turn.
 const CHANGES: [Change; ROUND] = [
     Change::Redrawn(2),
@@ -335,7 +339,7 @@ impl Search<'_> {
             },
             (None, None) => starts.random(&mut rng),
         };
-        self.improve(&problem, &x, SCREENING, timing)
+        self.improve(&problem, &x, (SCREENING, COMPARED), timing)
     }
 
     /// A candidate carried through all exponents of the criterion.
@@ -347,7 +351,7 @@ impl Search<'_> {
         let mut current = candidate;
         for &exponent in self.experiment.exponents() {
             let problem = Excitation::new(self.experiment, exponent, self.shrink);
-            let next = self.improve(&problem, &current.x, REFINING, timing)?;
+            let next = self.improve(&problem, &current.x, (REFINING, CARRIED_ON), timing)?;
             current = Candidate {
                 iterations: current.iterations + next.iterations,
                 evaluations: current.evaluations + next.evaluations,
@@ -375,7 +379,12 @@ impl Search<'_> {
             settings: &settings,
             ..*self
         };
-        let end = limited.improve(&problem, &start, REFINING, (control, Instant::now()))?;
+        let end = limited.improve(
+            &problem,
+            &start,
+            (REFINING, COMPARED),
+            (control, Instant::now()),
+        )?;
         Ok(Found {
             value: self.value(&end.x),
             infeasibility: end.infeasibility,
@@ -392,14 +401,14 @@ impl Search<'_> {
         &self,
         problem: &Excitation<'_>,
         x: &DVector<f64>,
-        steps: usize,
+        (steps, progress): (usize, f64),
         (control, began): (&Control, Instant),
     ) -> Result<Candidate, SolveError> {
         let view = Nlp::try_from(problem as &dyn Problem)?.within(self.rows);
         let settings = SqpSettings {
             max_iterations: steps,
             cost_tolerance: 1e-7,
-            progress_tolerance: 1e-5,
+            progress_tolerance: progress,
             ..SqpSettings::default()
         };
         let limit = self.settings.budget;
