@@ -18,26 +18,14 @@ pub enum DesignError {
 pub enum Unsuitable {
     NothingToEstimate,
     EmptyGroup,
-    NotDetermined {
-        found: String,
-    },
-    NoShape {
-        link: String,
-    },
+    NotDetermined { found: String },
+    NoShape { link: String },
     NoRivals,
     SameRivals,
-    NotCoefficients {
-        why: String,
-    },
+    NotCoefficients { why: String },
     OtherSeries,
-    TooFast {
-        joint: String,
-    },
-    TooFewSamples {
-        found: usize,
-        harmonics: usize,
-        least: usize,
-    },
+    TooFast { joint: String },
+    TooFewSamples { found: usize, least: usize },
 }
 
 impl DesignError {
@@ -64,6 +52,15 @@ impl From<SolveError> for DesignError {
     fn from(e: SolveError) -> Self {
         Self::Solve(e)
     }
+}
+
+fn no_shape(link: &str) -> Description {
+    Description::new(
+        "no-collision-shape",
+        format!("link `{link}` has no collision shape that a clearance can be kept from"),
+        "give one under [[design.workspace.shape]], or add a sphere, cylinder, capsule or box as its collision geometry \
+         in the URDF",
+    )
 }
 
 impl Fault for DesignError {
@@ -122,23 +119,12 @@ impl Fault for DesignError {
                 format!("joint `{joint}` cannot reach two speeds within its range of positions"),
                 "widen its range, raise its acceleration limit, or lock it",
             ),
-            Unsuitable::TooFewSamples {
-                found,
-                harmonics,
-                least,
-            } => Description::new(
+            Unsuitable::TooFewSamples { found, least } => Description::new(
                 "too-few-samples",
-                format!(
-                    "{found} samples of a period do not show a motion of {harmonics} harmonics"
-                ),
+                format!("{found} samples of a period do not show its fastest harmonic"),
                 format!("give at least {least}, or fewer harmonics"),
             ),
-            Unsuitable::NoShape { link } => Description::new(
-                "no-collision-shape",
-                format!("link `{link}` has no collision shape that a clearance can be kept from"),
-                "give one under [[design.workspace.shape]], or add a sphere, cylinder, capsule or box as its collision \
-                 geometry in the URDF",
-            ),
+            Unsuitable::NoShape { link } => no_shape(link),
         }
     }
 }

@@ -225,7 +225,6 @@ fn check_samples(problem: &ProblemFile, harmonics: usize) -> Result<(), DesignEr
     }
     let kind = Unsuitable::TooFewSamples {
         found: stated.value,
-        harmonics,
         least,
     };
     Err(DesignError::unsuitable(&stated.place, kind))
