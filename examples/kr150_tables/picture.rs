@@ -6,6 +6,7 @@ use crate::lacking::Lacking;
 use crate::render::inertia_error;
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::path::Path;
 
 const COLOURS: [RGBColor; 3] = [
@@ -51,6 +52,8 @@ fn points(area: &Area<'_>, title: &str, errors: &[Vec<f64>]) -> Outcome<()> {
     chart
         .configure_mesh()
         .disable_x_mesh()
+        .max_light_lines(0)
+        .y_label_formatter(&|y| format!("{:.1}", (1e6 * y).round() / 1e6 + 0.0))
         .x_labels(3)
         .x_label_formatter(&|x| format!("approach {x:.0}"))
         .draw()?;
@@ -103,23 +106,25 @@ fn bars(area: &Area<'_>, title: &str, (names, values): (&[&str], &[f64])) -> Out
         .configure_mesh()
         .disable_y_mesh()
         .disable_y_axis()
+        .max_light_lines(0)
+        .x_labels(6)
         .draw()?;
+    let style = ("sans-serif", 14)
+        .into_font()
+        .into_text_style(area)
+        .pos(Pos::new(HPos::Left, VPos::Center));
     for (k, value) in values.iter().enumerate() {
         let top = (count - k) as f64;
         let colour = if k == 0 { COLOURS[2] } else { COLOURS[0] };
         let bar = [(0.0, top - 0.8), (*value, top - 0.2)];
         chart.draw_series([Rectangle::new(bar, colour.filled())])?;
-        let middle = (value + 0.01 * most, top - 0.62);
-        chart.draw_series([Text::new(format!("{value:.2}"), middle, ("sans-serif", 14))])?;
+        let middle = (value + 0.01 * most, top - 0.5);
+        chart.draw_series([Text::new(format!("{value:.2}"), middle, style.clone())])?;
         if let Some(name) = names.get(k) {
-            let (x, y) = chart.backend_coord(&(0.0, top - 0.62));
+            let (x, y) = chart.backend_coord(&(0.0, top - 0.5));
             let (left, above) = area.get_base_pixel();
-            let style = ("sans-serif", 14).into_font();
-            area.draw(&Text::new(
-                (*name).to_string(),
-                (x - left - 165, y - above),
-                style,
-            ))?;
+            let at = (x - left - 165, y - above);
+            area.draw(&Text::new((*name).to_string(), at, style.clone()))?;
         }
     }
     Ok(())

@@ -65,6 +65,7 @@ pub(super) fn joint_model(
         delay: None,
         elasticity: None,
         backlash: None,
+        rounding: 0.0,
     };
     for effect in effects_with_known_values(settings, j) {
         if !has_own_parameters(effect, settings.signal) {

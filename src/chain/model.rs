@@ -1,7 +1,7 @@
 //! A model of a robot with its drives: every parameter by name, known or free.
 
 use crate::chain::assemble;
-use crate::chain::effect::{Effect, Memory, torque_current_nonlinearity};
+use crate::chain::effect::{Effect, Law, Memory, torque_current_nonlinearity};
 use crate::chain::error::ModelError;
 use crate::chain::parameter::{Parameter, Role, State};
 use crate::chain::platform::Platform;
@@ -135,6 +135,8 @@ pub struct JointModel {
     pub elasticity: Option<usize>,
     /// Position of the play, if the joint has one.
     pub backlash: Option<usize>,
+    /// N·m (N) of transmitted torque about zero within which the switch of losses is rounded off; 0: not at all.
+    pub rounding: f64,
 }
 
 /// A robot with its drives and all parameters.
@@ -251,6 +253,21 @@ impl Model {
     pub fn is_affine(&self) -> bool {
         let mut effects = self.joints.iter().flat_map(|joint| &joint.effects);
         effects.all(|(effect, _)| effect.law.keeps_affine())
+    }
+
+    /// Whether the slope of some loss jumps where the transmitted torque changes sign.
+    pub fn has_switches(&self) -> bool {
+        let active = self.joints.iter().filter(|joint| !joint.locked);
+        let mut effects = active.flat_map(|joint| &joint.effects);
+        effects.any(|(effect, _)| matches!(effect.law, Law::Transmission(_)))
+    }
+
+    /// The same model with these switches rounded off, N·m (N) of transmitted torque of each joint.
+    pub fn rounded(mut self, widths: &[f64]) -> Self {
+        for (joint, width) in self.joints.iter_mut().zip(widths) {
+            joint.rounding = *width;
+        }
+        self
     }
 
     /// What the base wrench is read by.

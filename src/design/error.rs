@@ -25,6 +25,7 @@ pub enum Unsuitable {
     NotCoefficients { why: String },
     OtherSeries,
     TooFast { joint: String },
+    TooFewSamples { found: usize, least: usize },
 }
 
 impl DesignError {
@@ -51,6 +52,15 @@ impl From<SolveError> for DesignError {
     fn from(e: SolveError) -> Self {
         Self::Solve(e)
     }
+}
+
+fn no_shape(link: &str) -> Description {
+    Description::new(
+        "no-collision-shape",
+        format!("link `{link}` has no collision shape that a clearance can be kept from"),
+        "give one under [[design.workspace.shape]], or add a sphere, cylinder, capsule or box as its collision geometry \
+         in the URDF",
+    )
 }
 
 impl Fault for DesignError {
@@ -109,12 +119,12 @@ impl Fault for DesignError {
                 format!("joint `{joint}` cannot reach two speeds within its range of positions"),
                 "widen its range, raise its acceleration limit, or lock it",
             ),
-            Unsuitable::NoShape { link } => Description::new(
-                "no-collision-shape",
-                format!("link `{link}` has no collision shape that a clearance can be kept from"),
-                "give one under [[design.workspace.shape]], or add a sphere, cylinder, capsule or box as its collision \
-                 geometry in the URDF",
+            Unsuitable::TooFewSamples { found, least } => Description::new(
+                "too-few-samples",
+                format!("{found} samples of a period do not show its fastest harmonic"),
+                format!("give at least {least}, or fewer harmonics"),
             ),
+            Unsuitable::NoShape { link } => no_shape(link),
         }
     }
 }

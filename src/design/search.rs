@@ -1,9 +1,10 @@
 //! The search: many starts, the promising ones refined, best so far at any time.
 //!
-//! Starts come in rounds. Half of those of later rounds are random, the others disturb the best motion found in
-//! earlier rounds. All starts of a round are improved for a few steps, in parallel; the best of each kind is
-//! carried to the end. What a round does depends on the seed and on earlier rounds only, so the number of
-//! threads changes nothing.
+//! Starts come in rounds. Those of the first are random; those of later ones change the best motion of the rounds
+//! before: all of it a little, or the motion of one to three joints altogether, because optima near a good one are
+//! better than those of random motions. Where that leads no farther, a round is random again. All starts of a
+//! round are improved for a few steps, in parallel; the best are carried to the end. What a round does depends on
+//! the seed and on earlier rounds only, so the number of threads changes nothing.
 
 use std::time::{Duration, Instant};
 
@@ -31,8 +32,24 @@ const SCREENING: usize = 50;
 /// Steps of one exponent of the criterion, at most.
 const REFINING: usize = 250;
 
-/// Sizes by which the best motion is disturbed, in turn.
-const DISTURBANCES: [f64; 4] = [0.05, 0.1, 0.2, 0.4];
+/// Share of what is minimised that ten steps have to gain, of starts that are compared and of those carried to the end.
+const COMPARED: f64 = 1e-5;
+const CARRIED_ON: f64 = 1e-6;
+
+/// How the starts of later rounds come about, in turn.
+const CHANGES: [Change; ROUND] = [
+    Change::Redrawn(2),
+    Change::Disturbed(0.3),
+    Change::Redrawn(1),
+    Change::Redrawn(2),
+    Change::Disturbed(0.3),
+    Change::Redrawn(3),
+];
+
+/// Rounds without progress after which a search begins again with random motions, and progress as a share of what
+/// is minimised.
+const PATIENCE: usize = 4;
+const PROGRESS: f64 = 1e-4;
 
 /// Σ of violated shares up to which a motion counts as feasible; the dense check decides in the end.
 const FEASIBLE: f64 = 1e-5;
@@ -92,17 +109,18 @@ pub struct Search<'a> {
     pub shrink: f64,
 }
 
-/// Where a candidate comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Random,
-    Disturbed,
+/// What makes a start of the best motion so far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Change {
+    /// Every coefficient by this share of a change that matters.
+    Disturbed(f64),
+    /// The whole motion of this many joints.
+    Redrawn(usize),
 }
 
 /// A motion with what it is worth.
 #[derive(Debug, Clone)]
 struct Candidate {
-    kind: Kind,
     x: DVector<f64>,
     cost: f64,
     infeasibility: f64,
@@ -120,6 +138,40 @@ impl Candidate {
             self.cost
         };
         (infeasible, key)
+    }
+}
+
+/// Rounds that go on from one another: what the next one changes.
+#[derive(Debug, Default)]
+struct Chain {
+    best: Option<Candidate>,
+    /// Rounds since it improved by what matters.
+    idle: usize,
+}
+
+impl Chain {
+    /// What the next round changes; nothing where the chain has come to its end.
+    fn best(&self) -> Option<&DVector<f64>> {
+        self.best.as_ref().map(|b| &b.x)
+    }
+
+    /// Takes what a round found, and ends after [`PATIENCE`] rounds without progress.
+    fn learn(&mut self, carried: &[Candidate]) {
+        let first = carried.iter().min_by(|a, b| order(&a.rank(), &b.rank()));
+        let Some(first) = first else { return };
+        let before = self.best.as_ref().map(Candidate::rank);
+        let progress = before.is_none_or(|(infeasible, key)| {
+            let (still, new) = first.rank();
+            (infeasible && !still)
+                || (infeasible == still && new < key - PROGRESS * (1.0 + key.abs()))
+        });
+        if before.is_none_or(|b| order(&first.rank(), &b).is_lt()) {
+            self.best = Some(first.clone());
+        }
+        self.idle = if progress { 0 } else { self.idle + 1 };
+        if self.idle >= PATIENCE {
+            *self = Self::default();
+        }
     }
 }
 
@@ -143,6 +195,7 @@ impl Search<'_> {
             (None, None) => DEFAULT_STARTS,
         };
         let mut found: Option<Found> = None;
+        let mut chain = Chain::default();
         let (mut made, mut iterations, mut evaluations) = (0, 0, 0);
         let stop = loop {
             if control.is_interrupted() {
@@ -156,8 +209,9 @@ impl Search<'_> {
             }
             let round = made..(made + ROUND).min(starts);
             made = round.end;
-            let best = found.as_ref().map(|f| f.x.clone());
-            for candidate in self.round(round, best.as_ref(), (control, began))? {
+            let carried = self.round(round, chain.best(), (control, began))?;
+            chain.learn(&carried);
+            for candidate in carried {
                 iterations += candidate.iterations;
                 evaluations += candidate.evaluations;
                 let improvement = Improvement {
@@ -243,11 +297,6 @@ impl Search<'_> {
             .map(|number| self.screen(number, best, (control, began)))
             .collect::<Result<_, _>>()?;
         screened.sort_by(|a, b| order(&a.rank(), &b.rank()));
-        // The best of each kind comes first: near the best so far little is found that is far better.
-        if let Some(other) = screened.iter().position(|c| c.kind != screened[0].kind) {
-            let other = screened.remove(other);
-            screened.insert(1, other);
-        }
         let rest: (usize, usize) = screened
             .iter()
             .skip(CARRIED)
@@ -282,16 +331,15 @@ impl Search<'_> {
         let problem = Excitation::new(self.experiment, exponent, self.shrink);
         let starts = self.starts(&problem);
         let mut rng = self.generator(number);
-        let (x, kind) = match (self.settings.given.get(number), best) {
-            (Some(given), _) => (starts.given(given, &mut rng), Kind::Random),
-            (None, Some(best)) if number % 2 == 1 => {
-                let size = DISTURBANCES[(number / 2) % DISTURBANCES.len()];
-                (starts.disturbed(best, size, &mut rng), Kind::Disturbed)
-            }
-            _ => (starts.random(&mut rng), Kind::Random),
+        let x = match (self.settings.given.get(number), best) {
+            (Some(given), _) => starts.given(given, &mut rng),
+            (None, Some(best)) => match CHANGES[number % ROUND] {
+                Change::Disturbed(size) => starts.disturbed(best, size, &mut rng),
+                Change::Redrawn(joints) => starts.redrawn(best, joints, &mut rng),
+            },
+            (None, None) => starts.random(&mut rng),
         };
-        let found = self.improve(&problem, &x, SCREENING, timing)?;
-        Ok(Candidate { kind, ..found })
+        self.improve(&problem, &x, (SCREENING, COMPARED), timing)
     }
 
     /// A candidate carried through all exponents of the criterion.
@@ -303,9 +351,8 @@ impl Search<'_> {
         let mut current = candidate;
         for &exponent in self.experiment.exponents() {
             let problem = Excitation::new(self.experiment, exponent, self.shrink);
-            let next = self.improve(&problem, &current.x, REFINING, timing)?;
+            let next = self.improve(&problem, &current.x, (REFINING, CARRIED_ON), timing)?;
             current = Candidate {
-                kind: current.kind,
                 iterations: current.iterations + next.iterations,
                 evaluations: current.evaluations + next.evaluations,
                 ..next
@@ -332,7 +379,12 @@ impl Search<'_> {
             settings: &settings,
             ..*self
         };
-        let end = limited.improve(&problem, &start, REFINING, (control, Instant::now()))?;
+        let end = limited.improve(
+            &problem,
+            &start,
+            (REFINING, COMPARED),
+            (control, Instant::now()),
+        )?;
         Ok(Found {
             value: self.value(&end.x),
             infeasibility: end.infeasibility,
@@ -349,14 +401,14 @@ impl Search<'_> {
         &self,
         problem: &Excitation<'_>,
         x: &DVector<f64>,
-        steps: usize,
+        (steps, progress): (usize, f64),
         (control, began): (&Control, Instant),
     ) -> Result<Candidate, SolveError> {
         let view = Nlp::try_from(problem as &dyn Problem)?.within(self.rows);
         let settings = SqpSettings {
             max_iterations: steps,
             cost_tolerance: 1e-7,
-            progress_tolerance: 1e-5,
+            progress_tolerance: progress,
             ..SqpSettings::default()
         };
         let limit = self.settings.budget;
@@ -370,7 +422,6 @@ impl Search<'_> {
             infeasibility,
         } = sqp::minimize(view, x, &settings, &own)?;
         Ok(Candidate {
-            kind: Kind::Random,
             cost: solution.cost,
             x: solution.x,
             infeasibility,

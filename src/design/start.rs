@@ -1,6 +1,7 @@
 //! Where a search starts: random motions, and the best one so far disturbed, both inside all limits.
 
 use nalgebra::{DMatrix, DVector};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -98,6 +99,23 @@ impl<'a> Starts<'a> {
         let step = &x - &middle;
         let reach = self.rows.reach(&middle, &step);
         self.admissible(&middle + step * reach.min(1.0) * INSIDE, rng)
+    }
+
+    /// The best motion so far with the motion of some joints drawn again.
+    pub fn redrawn(
+        &self,
+        best: &DVector<f64>,
+        joints: usize,
+        rng: &mut ChaCha8Rng,
+    ) -> DVector<f64> {
+        let drawn = self.random(rng);
+        let mut x = best.clone();
+        for _ in 0..joints {
+            let first = self.width * rng.random_range(0..self.ranges.len());
+            let own = drawn.rows(first, self.width);
+            x.rows_mut(first, self.width).copy_from(&own);
+        }
+        self.given(&x, rng)
     }
 
     /// A given start, drawn inside.

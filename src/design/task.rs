@@ -191,13 +191,13 @@ fn experiment<'a>(
         standing: (0..n).map(standing).collect(),
         trajectories: table.trajectories.value,
     };
-    let least = LEAST_PER_CYCLE * joints.series.harmonics;
+    check_samples(problem, joints.series.harmonics)?;
     let plan = Plan {
         model,
         columns,
         values: &prepared.values,
         loads: &prepared.loads,
-        samples: table.samples.value.max(least),
+        samples: table.samples.value,
         joints,
         bounds: prepared.limits.clone(),
         rules: prepared.rules(problem)?,
@@ -213,6 +213,21 @@ fn experiment<'a>(
         rivals: contenders::of(problem, prepared)?,
     };
     Ok(plan.experiment())
+}
+
+/// # Errors
+/// Samples between which the fastest harmonic is not seen.
+fn check_samples(problem: &ProblemFile, harmonics: usize) -> Result<(), DesignError> {
+    let stated = &problem.design.samples;
+    let least = LEAST_PER_CYCLE * harmonics;
+    if stated.value >= least {
+        return Ok(());
+    }
+    let kind = Unsuitable::TooFewSamples {
+        found: stated.value,
+        least,
+    };
+    Err(DesignError::unsuitable(&stated.place, kind))
 }
 
 /// The condition number sees columns of unit norm along the motion itself; the other criteria would lose

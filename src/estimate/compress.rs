@@ -63,11 +63,7 @@ pub fn sum_of_squares(request: &Request<'_>, recordings: &[&Prepared]) -> f64 {
         .map(|(recording, task)| {
             let mut sum = 0.0;
             visit(request.model, request.values, &[], task, |block| {
-                let residuals = Residuals::of(request, *recording, block);
-                for row in 0..residuals.rows {
-                    let e = &weights * residuals.row(row);
-                    sum += e.norm_squared();
-                }
+                sum += Residuals::of(request, *recording, block).squares(&weights);
             });
             sum
         })
@@ -220,9 +216,17 @@ fn factors_of<'a>(
 
 /// The rows that count, each times its factor.
 fn weigh(series: &[f64], factors: Option<&[f64]>, keep: Option<&[bool]>) -> Vec<f64> {
-    let kept = (0..series.len()).filter(|&k| keep.is_none_or(|keep| keep[k]));
-    kept.map(|k| factors.map_or(1.0, |f| f[k]) * series[k])
-        .collect()
+    let weighted: Vec<f64> = match factors {
+        None => series.to_vec(),
+        Some(factors) => series.iter().zip(factors).map(|(x, f)| f * x).collect(),
+    };
+    match keep {
+        None => weighted,
+        Some(keep) => {
+            let kept = weighted.iter().zip(keep).filter(|(_, keep)| **keep);
+            kept.map(|(x, _)| *x).collect()
+        }
+    }
 }
 
 /// Residuals of the rows of a block that count, factors of single rows included.
@@ -247,9 +251,22 @@ impl Residuals {
         Self { channels, rows }
     }
 
-    /// Residuals of one row, zero for channels that are not active.
-    pub fn row(&self, row: usize) -> DVector<f64> {
-        let of = |series: &Vec<f64>| series.get(row).copied().unwrap_or(0.0);
-        DVector::from_iterator(self.channels.len(), self.channels.iter().map(of))
+    /// Σ |W e|² over the rows.
+    fn squares(&self, weights: &DMatrix<f64>) -> f64 {
+        let mut sum = 0.0;
+        let mut mixed = vec![0.0; self.rows];
+        for w in weights.row_iter() {
+            mixed.fill(0.0);
+            for (series, weight) in self.channels.iter().zip(w.iter()) {
+                if *weight != 0.0 {
+                    mixed
+                        .iter_mut()
+                        .zip(series)
+                        .for_each(|(m, e)| *m += weight * e);
+                }
+            }
+            sum += mixed.iter().map(|m| m * m).sum::<f64>();
+        }
+        sum
     }
 }

@@ -20,6 +20,7 @@ use crate::estimate::physical::{Estimated, report};
 use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::realization;
 use crate::estimate::reweight::{by_periods, reweighted, robust};
+use crate::estimate::rounded::search;
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::Weights;
 use crate::linalg::triangular::{ColumnScaling, Triangular};
@@ -148,7 +149,7 @@ pub(crate) fn minimise<'a>(
         ordinary_weights(model, training.0),
     );
     let start = linear_start(&ordinary, control)?;
-    let first = solve(&ordinary, &start, (ITERATION_LIMIT, control))?;
+    let first = search(&ordinary, &start, (ITERATION_LIMIT, control))?;
     if estimator == Estimator::Ordinary {
         let scale = residual_deviation(&ordinary, &first);
         let scaled = ordinary.weights.scaled(1.0 / scale);

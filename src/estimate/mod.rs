@@ -16,6 +16,7 @@ pub mod problem;
 pub mod reactions;
 pub mod realization;
 mod reweight;
+mod rounded;
 pub(crate) mod rows;
 mod spectrum;
 pub mod standstill;

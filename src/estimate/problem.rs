@@ -36,6 +36,8 @@ pub struct FitProblem<'a> {
     moving: Option<RowFactors>,
     form: Form,
     columns: Vec<usize>,
+    /// The model with the switches of losses rounded off, while an optimum is searched.
+    rounded: Option<Box<Model>>,
 }
 
 impl<'a> FitProblem<'a> {
@@ -83,6 +85,7 @@ impl<'a> FitProblem<'a> {
             factors: moving.clone(),
             moving,
             columns,
+            rounded: None,
         }
     }
 
@@ -98,7 +101,10 @@ impl<'a> FitProblem<'a> {
     }
 
     /// The same fit along other motions of the same recordings.
-    pub fn along<'b>(&'b self, recordings: &'b [&'b Prepared]) -> FitProblem<'b> {
+    pub fn along<'b>(&self, recordings: &'b [&'b Prepared]) -> FitProblem<'b>
+    where
+        'a: 'b,
+    {
         FitProblem {
             model: self.model,
             unknowns: self.unknowns,
@@ -110,6 +116,15 @@ impl<'a> FitProblem<'a> {
             moving: self.moving.clone(),
             form: self.form.clone(),
             columns: self.columns.clone(),
+            rounded: self.rounded.clone(),
+        }
+    }
+
+    /// The same fit with the switches of losses rounded off, N·m (N) of transmitted torque of each joint.
+    pub fn rounded(&self, widths: &[f64]) -> Self {
+        Self {
+            rounded: Some(Box::new(self.model.clone().rounded(widths))),
+            ..self.along(self.recordings)
         }
     }
 
@@ -166,7 +181,7 @@ impl<'a> FitProblem<'a> {
 
     fn request<'b>(&'b self, values: &'b DVector<f64>) -> Request<'b> {
         Request {
-            model: self.model,
+            model: self.rounded.as_deref().unwrap_or(self.model),
             values,
             columns: &self.columns,
             weights: &self.weights,

@@ -13,6 +13,7 @@ use crate::estimate::fit::{
 };
 use crate::estimate::noise::{ResidualSeries, counting_rows};
 use crate::estimate::problem::{FitProblem, NoiseSource};
+use crate::estimate::rounded::{accumulate, search};
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::{RowFactors, Weights};
 use crate::problem::solution::{Control, Solution};
@@ -35,7 +36,7 @@ pub(super) fn robust<'a>(
     for _ in 0..MAX_ROUNDS {
         let series = problem.counted_residuals(&solution.x);
         problem = problem.with_factors(biweights(&series));
-        let next = solve(&problem, &solution.x, (ITERATION_LIMIT, control))?;
+        let next = search(&problem, &solution.x, (ITERATION_LIMIT, control))?;
         let settled = settled(&problem, &solution.x, &next.x);
         solution = accumulate(solution, next);
         if settled {
@@ -79,7 +80,7 @@ pub(super) fn by_periods<'a>(
     let weights = Weights::by_covariance(&covariance)?;
     let mut problem = FitProblem::new(model, unknowns, training, weights);
     let start = linear_start(&problem, control)?;
-    let solution = solve(&problem, &start, (ITERATION_LIMIT, control))?;
+    let solution = search(&problem, &start, (ITERATION_LIMIT, control))?;
     if agrees(&problem, &solution.x, &covariance) {
         problem.noise = NoiseSource::Periods;
     }
@@ -106,7 +107,7 @@ pub(super) fn reweighted<'a>(
             break;
         }
     }
-    let last = solve(&problem, &solution.x, (ITERATION_LIMIT, control))?;
+    let last = search(&problem, &solution.x, (ITERATION_LIMIT, control))?;
     Ok((accumulate(solution, last), problem))
 }
 
@@ -183,12 +184,4 @@ fn settled(problem: &FitProblem<'_>, before: &DVector<f64>, after: &DVector<f64>
     // ‖R d‖ is the change in units of the estimate's standard deviation (white residuals).
     let change = whole.view((0, 0), (count, count)) * (after - before);
     change.amax() <= ROUND_TOLERANCE
-}
-
-fn accumulate(before: Solution, after: Solution) -> Solution {
-    Solution {
-        iterations: before.iterations + after.iterations,
-        evaluations: before.evaluations + after.evaluations,
-        ..after
-    }
 }

@@ -16,7 +16,9 @@ pub fn factors(model: &Model, recordings: &[&Prepared]) -> Option<RowFactors> {
         .channels()
         .iter()
         .map(|channel| {
-            let width = model.joints()[channel.joint?].width?;
+            // A locked joint always stands, and nothing of it is fitted.
+            let joint = channel.joint.filter(|_| channel.active)?;
+            let width = model.joints()[joint].width?;
             let parameter = &model.parameters()[width];
             (!parameter.is_free()).then_some(parameter.value)
         })

@@ -65,12 +65,23 @@ impl RegressorBatch {
 
     /// Evaluates the samples of `range` (at most the capacity).
     pub fn evaluate(&mut self, tree: &Tree, trajectory: Trajectory<'_>, range: Range<usize>) {
+        self.evaluate_links(tree, (trajectory, range), &vec![true; tree.len()]);
+    }
+
+    /// The same for the columns of some links; those of the others stay what they were.
+    pub fn evaluate_links(
+        &mut self,
+        tree: &Tree,
+        (trajectory, range): (Trajectory<'_>, Range<usize>),
+        wanted: &[bool],
+    ) {
         let set = self.set;
         let kernel = RegressorKernel {
             batch: self,
             tree,
             trajectory,
             range,
+            wanted,
         };
         instructions::run(kernel, set);
     }
@@ -87,6 +98,7 @@ struct RegressorKernel<'a> {
     tree: &'a Tree,
     trajectory: Trajectory<'a>,
     range: Range<usize>,
+    wanted: &'a [bool],
 }
 
 impl Kernel for RegressorKernel<'_> {
@@ -109,6 +121,7 @@ impl Kernel for RegressorKernel<'_> {
                 columns: *columns,
                 capacity: *capacity,
                 at: group * LANES,
+                wanted: self.wanted,
                 values: &mut values[..],
             };
             recursion.blocks(self.tree, state.slices(), &mut sink);
@@ -121,10 +134,16 @@ struct BatchSink<'a> {
     columns: usize,
     capacity: usize,
     at: usize,
+    wanted: &'a [bool],
     values: &'a mut [f64],
 }
 
 impl<L: Lanes> BlockSink<L> for BatchSink<'_> {
+    #[inline(always)]
+    fn wants(&self, link: usize) -> bool {
+        self.wanted[link]
+    }
+
     #[inline(always)]
     fn put(&mut self, row: usize, link: usize, block: &[L; 10]) {
         let first = (row * self.columns + 10 * link) * self.capacity + self.at;
@@ -167,38 +186,53 @@ impl<L: Lanes> LaneState<L> {
 
 /// Inverse dynamics of the samples of a trajectory: torques `[joint][sample]`.
 pub fn torques(tree: &Tree, parameters: &[f64], trajectory: Trajectory<'_>) -> Vec<Vec<f64>> {
+    let samples = trajectory.len();
+    let mut torque = vec![vec![0.0; samples]; tree.len()];
+    torques_into(tree, parameters, (trajectory, 0..samples), &mut torque);
+    torque
+}
+
+/// The same for the samples of `range`, into the first places of `torque`.
+pub fn torques_into(
+    tree: &Tree,
+    parameters: &[f64],
+    (trajectory, range): (Trajectory<'_>, Range<usize>),
+    torque: &mut [Vec<f64>],
+) {
     let kernel = TorqueKernel {
         tree,
         parameters,
         trajectory,
+        range,
+        torque,
     };
-    instructions::run(kernel, InstructionSet::detect())
+    instructions::run(kernel, InstructionSet::detect());
 }
 
 struct TorqueKernel<'a> {
     tree: &'a Tree,
     parameters: &'a [f64],
     trajectory: Trajectory<'a>,
+    range: Range<usize>,
+    torque: &'a mut [Vec<f64>],
 }
 
 impl Kernel for TorqueKernel<'_> {
-    type Output = Vec<Vec<f64>>;
+    type Output = ();
 
     #[inline(always)]
-    fn run<L: Lanes>(self) -> Vec<Vec<f64>> {
-        let (n, samples) = (self.tree.len(), self.trajectory.len());
+    fn run<L: Lanes>(self) {
+        let n = self.tree.len();
         let mut recursion = NewtonEuler::<L>::new(self.tree);
         let mut state = LaneState::<L>::new(n);
         let mut lanes: Vec<L> = (0..n).map(|_| L::constant(0.0)).collect();
-        let mut torque: Vec<Vec<f64>> = (0..n).map(|_| Vec::with_capacity(samples)).collect();
-        for start in (0..samples).step_by(LANES) {
-            state.load(self.trajectory, start..samples);
+        for (group, start) in self.range.clone().step_by(LANES).enumerate() {
+            state.load(self.trajectory, start..self.range.end);
             recursion.torque(self.tree, self.parameters, state.slices(), &mut lanes);
-            let count = LANES.min(samples - start);
-            for (series, value) in torque.iter_mut().zip(&lanes) {
-                series.extend_from_slice(&value.to_array()[..count]);
+            let (at, count) = (group * LANES, LANES.min(self.range.end - start));
+            for (series, value) in self.torque.iter_mut().zip(&lanes) {
+                series[at..at + count].copy_from_slice(&value.to_array()[..count]);
             }
         }
-        torque
     }
 }

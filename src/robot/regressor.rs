@@ -182,6 +182,12 @@ impl<T: Scalar> BodyColumns<T> {
 
 /// Takes the blocks of a regressor; `put` should be `#[inline(always)]`.
 pub trait BlockSink<T> {
+    /// Whether the columns of `link` are wanted.
+    #[inline(always)]
+    fn wants(&self, _link: usize) -> bool {
+        true
+    }
+
     /// The ten columns of `link` in `row`.
     fn put(&mut self, row: usize, link: usize, columns: &[T; 10]);
 }
@@ -217,7 +223,7 @@ impl<T: Scalar> Regressor<T> {
             let state = JointState::of(link, q[j], dq[j], ddq[j]);
             let parent = link.parent.map(|p| &self.motions[p]);
             let motion = advance(link, parent, gravity, state);
-            let columns = BodyColumns::new(&motion);
+            let columns = sink.wants(j).then(|| BodyColumns::new(&motion));
             if self.rows.torque() {
                 let first = link.own + 1 - link.ancestors.len();
                 if let Some(p) = link.parent {
@@ -228,8 +234,10 @@ impl<T: Scalar> Regressor<T> {
                     }
                 }
                 self.joints[link.own] = Functional::of_joint(link.revolute, link.axis);
-                for (k, &row) in link.ancestors.iter().enumerate() {
-                    sink.put(row, j, &columns.row(&self.joints[first + k]));
+                if let Some(columns) = &columns {
+                    for (k, &row) in link.ancestors.iter().enumerate() {
+                        sink.put(row, j, &columns.row(&self.joints[first + k]));
+                    }
                 }
             }
             if self.rows.base() {
@@ -239,7 +247,9 @@ impl<T: Scalar> Regressor<T> {
                         None => Functional::of_base(k),
                     };
                     self.base[j][k] = at_parent.carried(&motion.turn, motion.offset);
-                    sink.put(first_base_row + k, j, &columns.row(&self.base[j][k]));
+                    if let Some(columns) = &columns {
+                        sink.put(first_base_row + k, j, &columns.row(&self.base[j][k]));
+                    }
                 }
             }
             self.motions[j] = motion;

@@ -48,6 +48,18 @@ pub struct Transmitted<'a> {
     pub by_parameter: &'a mut [Vec<f64>],
     /// ∂(added torque)/∂sign is added.
     pub by_sign: &'a mut [f64],
+    /// N·m (N) of τ_M within which `|τ_M|` is rounded off, 0 for the law itself: see [`size`].
+    pub rounding: f64,
+}
+
+/// `|x|` and its slope, beyond `|x| = s` exactly; within it the parabola `x²/(2s) + s/2`, which meets it smoothly.
+#[inline]
+pub fn size(x: f64, s: f64) -> (f64, f64) {
+    if x.abs() < s {
+        (0.5 * (x * x / s + s), x / s)
+    } else {
+        (x.abs(), signum(x))
+    }
 }
 
 /// A loss that depends on the torque τ_M which the gear transmits.

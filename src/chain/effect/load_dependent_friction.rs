@@ -1,6 +1,6 @@
 //! Friction in proportion to the transmitted torque: `mu·|τ_M|·sign(v)`.
 
-use crate::chain::effect::law::signum;
+use crate::chain::effect::law::size;
 use crate::chain::effect::{
     Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Search, TransmissionLaw,
     Transmitted, Unit,
@@ -34,10 +34,11 @@ impl TransmissionLaw for LoadFriction {
     fn add(&self, load: &[f64], sign: &[f64], parameters: &[f64], out: &mut Transmitted<'_>) {
         let [mu] = *parameters else { return };
         for (k, (load, sign)) in load.iter().zip(sign).enumerate() {
-            out.torque[k] += mu * load.abs() * sign;
-            out.by_load[k] += mu * signum(*load) * sign;
-            out.by_parameter[0][k] = load.abs() * sign;
-            out.by_sign[k] += mu * load.abs();
+            let (size, slope) = size(*load, out.rounding);
+            out.torque[k] += mu * size * sign;
+            out.by_load[k] += mu * slope * sign;
+            out.by_parameter[0][k] = size * sign;
+            out.by_sign[k] += mu * size;
         }
     }
 }

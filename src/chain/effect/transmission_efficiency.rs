@@ -6,9 +6,10 @@
 //!
 //! is the same law in one line. It is continuous in τ_M, and with a transition speed w in ṁ; its
 //! slope jumps where τ_M changes sign, and the derivatives below are those of the side on which a sample
-//! lies.
+//! lies. A search rounds |τ_M| off over a width that shrinks below the noise
+//! (see `crate::estimate::rounded`); predictions and simulations have the law itself.
 
-use crate::chain::effect::law::signum;
+use crate::chain::effect::law::size;
 use crate::chain::effect::{
     Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Search, TransmissionLaw,
     Transmitted, Unit,
@@ -44,10 +45,11 @@ impl TransmissionLaw for Efficiency {
         let (mean, half) = (0.5 * (1.0 / r + r), 0.5 * (1.0 / r - r));
         let (mean_slope, half_slope) = (0.5 * (1.0 - 1.0 / (r * r)), -0.5 * (1.0 + 1.0 / (r * r)));
         for (k, (load, sign)) in load.iter().zip(sign).enumerate() {
-            out.torque[k] += (mean - 1.0) * load + half * load.abs() * sign;
-            out.by_load[k] += mean - 1.0 + half * signum(*load) * sign;
-            out.by_parameter[0][k] = mean_slope * load + half_slope * load.abs() * sign;
-            out.by_sign[k] += half * load.abs();
+            let (size, slope) = size(*load, out.rounding);
+            out.torque[k] += (mean - 1.0) * load + half * size * sign;
+            out.by_load[k] += mean - 1.0 + half * slope * sign;
+            out.by_parameter[0][k] = mean_slope * load + half_slope * size * sign;
+            out.by_sign[k] += half * size;
         }
     }
 }

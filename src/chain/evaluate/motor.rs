@@ -40,6 +40,7 @@ impl Evaluator<'_> {
                 by_load: &mut scratch.by_load,
                 by_parameter: &mut scratch.by_parameter[..count],
                 by_sign: &mut scratch.by_sign,
+                rounding: joint.rounding,
             };
             let own = &self.values.as_slice()[first..first + count];
             law.add(&load, &scratch.sign[..samples], own, &mut out);

@@ -4,7 +4,7 @@ use crate::chain::effect::base_tilt::tilted_by_angles;
 use crate::chain::effect::{Contribution, Law, Samples};
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
 use crate::chain::parameter::Role;
-use crate::robot::batch::{RegressorBatch, Trajectory};
+use crate::robot::batch::{RegressorBatch, Trajectory, torques_into};
 use crate::robot::inertia::PER_LINK;
 use std::ops::Range;
 use std::rc::Rc;
@@ -43,6 +43,9 @@ impl Evaluator<'_> {
     }
 
     /// Joint torques and base wrench of the bodies, and the columns of their parameters.
+    ///
+    /// Torques come from the recursion of Newton and Euler, which costs a tenth of the columns; the columns of
+    /// links of which nothing is unknown are left out.
     pub(super) fn rigid_body(&mut self, segment: Segment<'_>, range: Range<usize>) {
         let (loaded, samples) = (segment.loaded, range.len());
         if let (Some(known), false) = (segment.bodies, self.has_inertial_columns()) {
@@ -51,11 +54,28 @@ impl Evaluator<'_> {
             }
             return;
         }
+        let sums = self.torque_rows() < self.rigid.values.len();
+        let bodies = Rc::clone(&self.bodies[usize::from(loaded)]);
+        if !sums {
+            let [q, dq, ddq] = &self.joint_motion;
+            let motion = (Trajectory { q, dq, ddq }, 0..samples);
+            torques_into(&self.tree, &bodies, motion, &mut self.rigid.values);
+        }
+        let wanted: Vec<bool> = (0..self.tree.len())
+            .map(|link| sums || self.has_columns(link, loaded))
+            .collect();
+        if !wanted.contains(&true) {
+            return;
+        }
         let mut regressor = self.lend_regressor();
         for start in (0..samples).step_by(BLOCK) {
             let range = start..samples.min(start + BLOCK);
-            regressor.evaluate(&self.tree, self.trajectory(), range.clone());
-            self.add_bodies(&regressor, loaded, range);
+            let motion = (self.trajectory(), range.clone());
+            regressor.evaluate_links(&self.tree, motion, &wanted);
+            if sums {
+                self.sum_bodies(&regressor, &bodies, range.clone());
+            }
+            self.body_columns(&regressor, (loaded, &wanted), range);
         }
         self.regressor = regressor;
     }
@@ -67,30 +87,53 @@ impl Evaluator<'_> {
             .any(|(p, _)| matches!(p.role, Role::Inertial { .. } | Role::Payload { .. }))
     }
 
+    /// Whether a parameter of a link, or of the load on it, has a column.
+    fn has_columns(&self, link: usize, loaded: bool) -> bool {
+        let any = |first: usize| (first..first + PER_LINK).any(|p| self.column[p].is_some());
+        let load = self
+            .model
+            .payload()
+            .filter(|(p, _)| loaded && p.link == link);
+        any(PER_LINK * link) || load.is_some_and(|(_, first)| any(first))
+    }
+
     fn lend_regressor(&mut self) -> RegressorBatch {
         let empty = RegressorBatch::new(&self.tree, self.model.signal().rows(), 0);
         std::mem::replace(&mut self.regressor, empty)
     }
 
-    fn add_bodies(&mut self, regressor: &RegressorBatch, loaded: bool, range: Range<usize>) {
-        let n = self.tree.len();
+    /// Σ column · parameter of every row.
+    fn sum_bodies(&mut self, regressor: &RegressorBatch, bodies: &[f64], range: Range<usize>) {
         let torque_rows = self.torque_rows();
-        let bodies = Rc::clone(&self.bodies[usize::from(loaded)]);
         for row in 0..self.rigid.values.len() {
-            for link in 0..n {
+            for (parameter, weight) in bodies.iter().enumerate().filter(|(_, w)| **w != 0.0) {
+                if row < torque_rows && !self.tree.moves(row, parameter / PER_LINK) {
+                    continue;
+                }
+                let series = &regressor.column(row, parameter)[..range.len()];
+                let values = &mut self.rigid.values[row][range.clone()];
+                for (to, y) in values.iter_mut().zip(series) {
+                    *to += weight * y;
+                }
+            }
+        }
+    }
+
+    fn body_columns(
+        &mut self,
+        regressor: &RegressorBatch,
+        (loaded, wanted): (bool, &[bool]),
+        range: Range<usize>,
+    ) {
+        let torque_rows = self.torque_rows();
+        for row in 0..self.rigid.values.len() {
+            for link in (0..wanted.len()).filter(|&link| wanted[link]) {
                 if row < torque_rows && !self.tree.moves(row, link) {
                     continue;
                 }
                 for quantity in 0..PER_LINK {
                     let parameter = PER_LINK * link + quantity;
                     let series = &regressor.column(row, parameter)[..range.len()];
-                    let weight = bodies[parameter];
-                    if weight != 0.0 {
-                        let values = &mut self.rigid.values[row][range.clone()];
-                        for (to, y) in values.iter_mut().zip(series) {
-                            *to += weight * y;
-                        }
-                    }
                     if let Some(column) = self.column[parameter] {
                         self.rigid
                             .add_part((row, column), (1.0, range.start), series);

@@ -9,8 +9,12 @@ use clarabel::solver::{
 };
 use nalgebra::{DMatrix, DVector};
 
-/// Gap and infeasibility of the programme, relative where its numbers exceed one.
-const TOLERANCE: f64 = 1e-8;
+/// Gap and infeasibility of the programme, relative where its numbers exceed one: the next programme corrects
+/// what is left.
+const TOLERANCE: f64 = 1e-6;
+
+/// Residual of the linear systems inside the method.
+const REFINED: f64 = 1e-9;
 
 /// A row `numbers · d[first..]` of the programme with its right-hand side.
 #[derive(Debug, Clone)]
@@ -66,6 +70,9 @@ impl Quadratic<'_> {
             max_threads: 1,
             presolve_enable: false,
             chordal_decomposition_enable: false,
+            // Directions as accurate as the programme is solved; the library's own targets are those of rounding.
+            iterative_refinement_reltol: REFINED,
+            iterative_refinement_abstol: REFINED,
             ..DefaultSettings::default()
         };
         let mut solver = DefaultSolver::new(&p, &linear, &a, &right, &cones, settings).ok()?;
