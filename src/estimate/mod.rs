@@ -3,6 +3,7 @@
 pub mod compress;
 pub mod contest;
 pub mod covariance;
+pub mod difference;
 pub mod error;
 pub mod feasible;
 pub mod figures;
