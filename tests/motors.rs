@@ -3,10 +3,6 @@
 
 mod common;
 
-use exid::motors::constants::{Part, first_stage};
-use exid::motors::segments::{Segment, Steadiness, steady};
-use exid::recording::columns::{ColumnMap, RecordedJoint, SignalKind, read};
-use nalgebra::{DMatrix, DVector};
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
@@ -182,96 +178,5 @@ fn sweeps_of_a_real_arm_give_torque_constants_and_friction_that_grows_with_the_l
         assert!(friction.is_some());
         let mu = load["mu"].as_f64().unwrap();
         assert!(mu > 0.5 * by_hand && mu < 2.0 * by_hand, "{mu}");
-    }
-}
-
-/// What the controller of the real arm itself knows of gravity, and its own torque per desired current where it stands.
-struct Controller {
-    /// Coefficients of sin q, cos q and 1 of the swept joint's gravity torque, N·m.
-    gravity: [f64; 3],
-    /// N·m/A.
-    constant: f64,
-}
-
-impl Controller {
-    fn gravity_at(&self, q: f64) -> f64 {
-        let [sine, cosine, rest] = self.gravity;
-        sine * q.sin() + cosine * q.cos() + rest
-    }
-}
-
-/// From the desired torques of a sweep: friction compensation has the sign of the motion, gravity depends on position.
-fn controller(q: &[f64], (torque, current): (&[f64], &[f64]), parts: &[Segment]) -> Controller {
-    let rows: Vec<(usize, f64)> = parts
-        .iter()
-        .flat_map(|part| part.samples.clone().map(|k| (k, part.speed.signum())))
-        .collect();
-    let design = DMatrix::from_fn(rows.len(), 4, |r, c| {
-        let (k, sign) = rows[r];
-        [q[k].sin(), q[k].cos(), 1.0, sign][c]
-    });
-    let right = DVector::from_iterator(rows.len(), rows.iter().map(|(k, _)| torque[*k]));
-    let solution = design.svd(true, true).solve(&right, 1e-12).unwrap();
-    // Before the first sweep the joint stands.
-    let standing = 0..parts[0].samples.start / 2;
-    let ratio = |k: usize| torque[k] / current[k];
-    let mut ratios: Vec<f64> = standing.map(ratio).collect();
-    ratios.sort_by(f64::total_cmp);
-    Controller {
-        gravity: [solution[0], solution[1], solution[2]],
-        constant: ratios[ratios.len() / 2],
-    }
-}
-
-/// Torque constants come per kilogram of the masses that are assumed: with gravity as the controller has it, the sweeps
-/// give the constants that the controller has.
-#[test]
-fn sweeps_of_a_real_arm_agree_with_its_controller_and_not_with_the_masses_of_its_robot_file() {
-    let Some(data) = common::data_dir() else {
-        return;
-    };
-    let names: Vec<String> = (1..=6).map(|n| format!("joint{n}")).collect();
-    let joints = RecordedJoint::all(&names);
-    for (joint, published) in [(1, 13.26), (2, 11.13)] {
-        let file = data.join(format!("data/ur10e/joint{}_sweeps.csv", joint + 1));
-        let channel = |current: &str| {
-            let map = ColumnMap {
-                time: Some("t".to_string()),
-                position: Some("q{n}".to_string()),
-                current: Some(current.to_string()),
-                ..ColumnMap::default()
-            };
-            read(&file, &map, &joints, SignalKind::Current).unwrap()
-        };
-        let recorded = channel("i{n}");
-        let (time, q) = (recorded.time.as_ref().unwrap(), &recorded.position);
-        let segments = steady(time, q, &Steadiness::default());
-        let torque = &channel("tau_ref{n}").signal[joint];
-        let desired = &channel("i_ref{n}").signal[joint];
-        let known = controller(&q[joint], (torque, desired), &segments);
-        let part = |segment: &Segment| Part {
-            speed: segment.speed,
-            torque: segment
-                .samples
-                .clone()
-                .map(|k| known.gravity_at(q[joint][k]))
-                .collect(),
-            current: segment
-                .samples
-                .clone()
-                .map(|k| recorded.signal[joint][k])
-                .collect(),
-        };
-        let parts: Vec<Part> = segments.iter().map(part).collect();
-        let (inverse, variance) = first_stage(&parts).inverse.unwrap();
-        let (found, sd) = (1.0 / inverse, variance.sqrt() / (inverse * inverse));
-        eprintln!(
-            "joint {}: k_ct {found:.2} ± {sd:.2} N·m/A with the controller's gravity, {:.3} in the controller, {published} \
-             published",
-            joint + 1,
-            known.constant
-        );
-        assert!((found / known.constant - 1.0).abs() < 0.03, "{found}");
-        assert!((found - known.constant).abs() < 4.0 * sd, "{found} ± {sd}");
     }
 }

@@ -140,7 +140,7 @@ fn plate_and_camera(folder: &Path) {
             "recordings.validation=[]",
         ];
         let mut arguments = vec!["simulate", "problem.toml", "--out", out, "--seed", "1"];
-        for set in [rate.as_str(), list[0], list[1]] {
+        for set in [rate.as_str(), "recordings.signal=both", list[0], list[1]] {
             arguments.extend(["--set", set]);
         }
         exid(folder, &arguments);
