@@ -85,6 +85,27 @@ fn recovers_known_truth_of_the_published_parallel_robot() {
     }
 }
 
+/// Table 1: the gains of the amplifiers, from the force at the platform while it is clamped.
+#[test]
+fn recovers_known_gains_from_the_static_force() {
+    let result = fit("h4_parallel/gains.toml");
+    for (motor, truth) in [2.85, 2.65, 2.70, 2.87].into_iter().enumerate() {
+        let name = format!("motor{}.drive_gain.gain", motor + 1);
+        let (value, sd) = parameter(&result, &name);
+        eprintln!("{name}: {value:.4} ± {sd:.4} for {truth}");
+        assert!((value - truth).abs() < 3.0 * sd, "{name}: {value} ± {sd}");
+        // What ten steps of every level leave of a tenth of Coulomb friction, evenly spread: 0.4 %.
+        assert!(sd < 0.006 * truth, "{name}: {value} ± {sd}");
+    }
+    // At rest an inertia shows nothing.
+    let all = result["parameters"].as_array().unwrap();
+    let inertia = all
+        .iter()
+        .find(|p| p["name"] == "nacelle.inertia_zz")
+        .unwrap();
+    assert_eq!(inertia["source"], "undetermined", "{inertia}");
+}
+
 #[test]
 fn recovers_known_truth_of_a_linkage() {
     let result = fit("parallelogram/problem.toml");

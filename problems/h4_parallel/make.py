@@ -115,18 +115,18 @@ def hold(name, seed):
     """The platform clamped to a force sensor at one pose; each amplifier in turn gets steps of its reference.
 
     With a dither on the references static friction keeps up to a tenth of Coulomb friction in either direction, anew
-    at every step.
+    at every step: what a gain rests on is the number of steps, so there are five rounds of them.
     """
     rng = np.random.default_rng(seed)
     pose = HOME + rng.uniform(-1, 1, 4) * np.array([0.08, 0.08, 0.06, 0.4])
     rate, steady, between = 100.0, 30, 20  # Hz, samples
     volts, valid = [], []
-    for motor in range(4):
-        for level in [0.5, 1.0, 1.5, -1.5, -1.0, -0.5]:
-            reference = np.zeros(4)
-            reference[motor] = level
-            volts += [reference] * (steady + between)
-            valid += [0] * (between // 2) + [1] * steady + [0] * (between // 2)
+    levels = [0.5, 1.0, 1.5, -1.5, -1.0, -0.5]
+    for motor, level in [(motor, level) for _ in range(5) for motor in range(4) for level in levels]:
+        reference = np.zeros(4)
+        reference[motor] = level
+        volts += [reference] * (steady + between)
+        valid += [0] * (between // 2) + [1] * steady + [0] * (between // 2)
     volts = np.array(volts)
     x = np.tile(pose, (len(volts), 1))
     steps = len(volts) // (steady + between)

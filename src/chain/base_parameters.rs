@@ -21,7 +21,7 @@ use rand_chacha::ChaCha8Rng;
 const INDEPENDENT: f64 = 1e-9;
 
 /// Shares of the largest column below which a column is rounding: a parameter without effect.
-const NEGLIGIBLE: f64 = 1e-12;
+pub const NEGLIGIBLE: f64 = 1e-12;
 
 /// Coefficients of combinations below this are rounding.
 const COEFFICIENT_ROUNDING: f64 = 1e-9;
@@ -60,10 +60,15 @@ impl BaseParameters {
 
     /// Scans the columns of a triangular factor; `unknowns` are the parameters of its columns.
     pub fn scan(factor: &Triangular, unknowns: &[usize]) -> Self {
+        Self::scan_above(factor, unknowns, NEGLIGIBLE)
+    }
+
+    /// The same where a column below another share of the largest one has no effect.
+    pub fn scan_above(factor: &Triangular, unknowns: &[usize], negligible: f64) -> Self {
         let norms = factor.column_norms();
         let largest = norms.iter().copied().fold(0.0, f64::max);
         let (effective, without): (Vec<usize>, Vec<usize>) =
-            (0..unknowns.len()).partition(|&k| norms[k] > NEGLIGIBLE * largest);
+            (0..unknowns.len()).partition(|&k| norms[k] > negligible * largest);
         // Columns of one size: the tolerance is a share of each.
         let scaled = DMatrix::from_fn(factor.columns(), effective.len(), |i, k| {
             factor.entry(i, effective[k]) / norms[effective[k]]

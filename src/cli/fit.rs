@@ -59,6 +59,12 @@ pub fn files(problem: &ProblemFile) -> Vec<PathBuf> {
                 files.push(path.resolved.clone());
             }
         }
+        files.extend(
+            table
+                .positions
+                .iter()
+                .map(|p| p.value.value.resolved.clone()),
+        );
     }
     files
 }

@@ -1,9 +1,11 @@
 //! Which of several fitted models predicts best, and whether the recordings can tell.
 //!
-//! Two models A and B differ by `d_t = e_A,t² − e_B,t²` in every row (Diebold and Mariano 1995). Errors are
-//! coloured, by filters and by what the models miss, so that the mean of n rows has the variance
-//! `σ²_d / (n (1 − Σ a_k)²)` of an autoregression with coefficients a_k and innovations σ²_d fitted to d. The
-//! same variance gives the intervals of the errors themselves.
+//! Errors e_A and e_B of two models have equal squares on the average exactly if λ = ½ in the regression
+//! `e_B = −λ (e_A − e_B) + u` (the test of forecast encompassing of Harvey, Leybourne and Newbold 1998). What the
+//! models predict differently is known, and only u is chance, so that the mean of `e_A² − e_B²` has the deviation of
+//! that of `2 (e_A − e_B) u`. Errors are coloured, by filters and by what the models miss: the mean of n rows has the
+//! variance `σ²_d / (n (1 − Σ a_k)²)` of an autoregression with coefficients a_k and innovations σ²_d. The same
+//! variance gives the intervals of the errors themselves.
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
@@ -31,52 +33,44 @@ pub struct Entrant<'a> {
 /// Rows of one recording that count.
 type Segments = Vec<Vec<f64>>;
 
+/// Errors of one model on some channels, in a unit of each.
+type Errors = Vec<Segments>;
+
 /// The contests on every active channel, then on all of them together.
 pub fn contests(model: &Model, data: &Dataset, entrants: &[Entrant<'_>]) -> Vec<Contest> {
     let held_out = data.of(Split::Validation).next().is_some();
-    let judged = if held_out {
-        Split::Validation
-    } else {
-        Split::Train
-    };
     let channels = model.channels().iter().enumerate();
     let active: Vec<usize> = channels.filter(|(_, c)| c.active).map(|(k, _)| k).collect();
+    let of = |split, channel| -> Vec<Segments> {
+        let errors = entrants.iter().map(|e| errors(data, split, (e, channel)));
+        errors.collect()
+    };
     let mut contests = Vec::new();
-    let mut pooled: Vec<[Segments; 2]> = vec![Default::default(); entrants.len()];
+    let mut pooled: [Vec<Errors>; 2] = std::array::from_fn(|_| vec![Errors::new(); entrants.len()]);
     for &channel in &active {
-        let of = |split| -> Vec<Segments> {
-            let errors = entrants.iter().map(|e| errors(data, split, (e, channel)));
-            errors.collect()
-        };
-        let sets = [of(Split::Train), of(Split::Validation)];
-        for (sum, split) in [0, 1].into_iter().zip(&sets) {
-            let unit = 1.0 / root_mean_square(&split[0]).max(f64::MIN_POSITIVE);
-            for (to, from) in pooled.iter_mut().zip(split) {
-                add_scaled(&mut to[sum], from, unit);
+        let sets = [Split::Train, Split::Validation].map(|split| of(split, channel));
+        for (all, own) in pooled.iter_mut().zip(&sets) {
+            let unit = 1.0 / root_mean_square(&own[0]).max(f64::MIN_POSITIVE);
+            let unit = unit / (active.len() as f64).sqrt();
+            for (to, from) in all.iter_mut().zip(own) {
+                to.push(map(from, |e| e * unit));
             }
         }
-        let squared = sets.map(|set| set.iter().map(|e| map(e, |x| x * x)).collect::<Vec<_>>());
-        let describe = &model.channels()[channel];
-        let mut contest = judge(entrants, &squared, judged);
+        let described = &model.channels()[channel];
+        let single = sets
+            .clone()
+            .map(|set| set.into_iter().map(|e| vec![e]).collect());
+        let mut contest = judge(entrants, &single, held_out);
         for (k, errors) in contest.models.iter_mut().enumerate() {
-            let absolute = |split| {
-                let errors = self::errors(data, split, (&entrants[k], channel));
-                mean(&map(&errors, f64::abs))
-            };
-            errors.mae_train = absolute(Split::Train);
-            errors.mae_validation = held_out.then(|| absolute(Split::Validation));
+            errors.mae_train = mean(&map(&sets[0][k], f64::abs));
+            errors.mae_validation = held_out.then(|| mean(&map(&sets[1][k], f64::abs)));
         }
-        contest.joint = Some(describe.name.clone());
-        contest.unit = describe.unit.to_string();
+        contest.joint = Some(described.name.clone());
+        contest.unit = described.unit.to_string();
         contests.push(contest);
     }
-    let count = active.len().max(1) as f64;
-    let [train, validation] = [0, 1].map(|split| {
-        let of = |p: &[Segments; 2]| map(&p[split], |x| x / count);
-        pooled.iter().map(of).collect::<Vec<_>>()
-    });
     if active.len() > 1 {
-        contests.push(judge(entrants, &[train, validation], judged));
+        contests.push(judge(entrants, &pooled, held_out));
     }
     contests
 }
@@ -105,14 +99,20 @@ fn root_mean_square(segments: &Segments) -> f64 {
     mean(&map(segments, |x| x * x)).value.sqrt()
 }
 
-/// Adds the squares of errors in a unit, row by row.
-fn add_scaled(sum: &mut Segments, errors: &Segments, unit: f64) {
-    if sum.is_empty() {
-        *sum = map(errors, |_| 0.0);
+/// Sum over channels of what is made of the errors of two models, row by row.
+fn rows(a: &Errors, b: &Errors, of: impl Fn(f64, f64) -> f64) -> Segments {
+    let mut sum = a.first().map(|s| map(s, |_| 0.0)).unwrap_or_default();
+    for (a, b) in a.iter().zip(b) {
+        let pairs = a.iter().flatten().zip(b.iter().flatten());
+        for (to, (a, b)) in sum.iter_mut().flatten().zip(pairs) {
+            *to += of(*a, *b);
+        }
     }
-    for (to, from) in sum.iter_mut().flatten().zip(errors.iter().flatten()) {
-        *to += (from * unit).powi(2);
-    }
+    sum
+}
+
+fn total(segments: &Segments) -> f64 {
+    segments.iter().flatten().sum()
 }
 
 /// Mean of a coloured series of positive numbers and its 95 % interval, even in the logarithm, as sums of
@@ -145,62 +145,89 @@ fn root(mean: ErrorFigure) -> ErrorFigure {
     }
 }
 
-/// Ranks models by their squared errors, of training and of validation; absolute errors are left at zero.
-fn judge(entrants: &[Entrant<'_>], squared: &[Vec<Segments>; 2], judged: Split) -> Contest {
-    let [train, validation] = squared;
+/// Ranks models by their errors of training and of validation; absolute errors are left at zero.
+fn judge(entrants: &[Entrant<'_>], errors: &[Vec<Errors>; 2], held_out: bool) -> Contest {
+    let [train, validation] = errors;
     let none = ErrorFigure {
         value: f64::NAN,
         ci95: None,
     };
-    let held_out = judged == Split::Validation;
+    let square = |e: &Errors| root(mean(&rows(e, e, |a, _| a * a)));
     let of = |(k, entrant): (usize, &Entrant<'_>)| ModelErrors {
         name: entrant.name.to_string(),
-        rmse_train: root(mean(&train[k])),
-        rmse_validation: held_out.then(|| root(mean(&validation[k]))),
+        rmse_train: square(&train[k]),
+        rmse_validation: held_out.then(|| square(&validation[k])),
         mae_train: none,
         mae_validation: None,
     };
-    let series = if held_out { validation } else { train };
-    let (best, sentence) = winner(entrants, series);
+    let verdict = winner(entrants, if held_out { validation } else { train });
     Contest {
         joint: None,
         unit: String::new(),
         models: entrants.iter().enumerate().map(of).collect(),
-        best,
-        sentence,
+        best: verdict.best,
+        level: verdict.level,
+        sentence: verdict.sentence,
     }
 }
 
+/// What errors say of models.
+#[derive(Default)]
+struct Verdict {
+    best: Option<String>,
+    level: Vec<String>,
+    sentence: String,
+}
+
 /// The model that beats every other, and why there is none.
-fn winner(entrants: &[Entrant<'_>], squared: &[Segments]) -> (Option<String>, String) {
-    let means: Vec<f64> = squared.iter().map(|s| mean_and_deviation(s).0).collect();
-    let order = |a: &usize, b: &usize| means[*a].total_cmp(&means[*b]);
+fn winner(entrants: &[Entrant<'_>], errors: &[Errors]) -> Verdict {
+    let square = |e: &Errors| total(&rows(e, e, |a, _| a * a));
+    let squares: Vec<f64> = errors.iter().map(square).collect();
+    let order = |a: &usize, b: &usize| squares[*a].total_cmp(&squares[*b]);
     let Some(least) = (0..entrants.len()).min_by(order) else {
-        return (None, String::new());
+        return Verdict::default();
     };
     let name = entrants[least].name;
-    let pairs = entrants.len().saturating_sub(1).max(1) as f64;
-    let threshold = Distribution::Normal.upper_quantile(SIGNIFICANCE / pairs);
-    let level = |other: &usize| {
-        let other = *other;
-        let pairs = squared[other].iter().zip(&squared[least]);
-        let rows = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| a - b).collect();
-        let (difference, deviation) = mean_and_deviation(&pairs.map(rows).collect());
-        let share = 1.0 - (means[least] / means[other]).sqrt();
+    // Any of the models may be the best by chance.
+    let threshold = Distribution::Normal.upper_quantile(SIGNIFICANCE / entrants.len() as f64);
+    let is_level = |other: &usize| {
+        let (difference, deviation) = excess(&errors[*other], &errors[least]);
+        let share = 1.0 - (squares[least] / squares[*other]).sqrt();
         // Models that predict the same bits differ by nothing.
         !(difference > threshold * deviation && share > NEGLIGIBLE)
     };
     let others = (0..entrants.len()).filter(|k| *k != least);
-    let level: Vec<&str> = others.filter(level).map(|k| entrants[k].name).collect();
+    let level: Vec<&str> = others.filter(is_level).map(|k| entrants[k].name).collect();
     if level.is_empty() {
-        return (Some(name.to_string()), format!("{name} predicts best"));
+        return Verdict {
+            best: Some(name.to_string()),
+            level: Vec::new(),
+            sentence: format!("{name} predicts best"),
+        };
     }
     let sentence = format!(
         "cannot tell {name} from {}: their errors differ by less than {} % or by chance",
         level.join(", "),
         100.0 * NEGLIGIBLE
     );
-    (None, sentence)
+    let all = std::iter::once(name).chain(level);
+    Verdict {
+        best: None,
+        level: all.map(str::to_string).collect(),
+        sentence,
+    }
+}
+
+/// Mean of `e_A² − e_B²` and its deviation, that of `2 (e_A − e_B) u`, u = e_B + λ (e_A − e_B).
+fn excess(a: &Errors, b: &Errors) -> (f64, f64) {
+    let squares = total(&rows(a, b, |a, b| (a - b).powi(2)));
+    if squares == 0.0 {
+        return (0.0, 0.0);
+    }
+    let share = -total(&rows(a, b, |a, b| (a - b) * b)) / squares;
+    let chance = rows(a, b, |a, b| 2.0 * (a - b) * (b + share * (a - b)));
+    let difference = mean_and_deviation(&rows(a, b, |a, b| a * a - b * b)).0;
+    (difference, mean_and_deviation(&chance).1)
 }
 
 #[cfg(test)]
@@ -212,7 +239,7 @@ mod tests {
     const ROWS: usize = 2000;
 
     /// Errors of several models: common coloured noise, and a bias of each.
-    fn series(seed: u64, (rows, biases): (usize, &[f64])) -> Vec<Segments> {
+    fn series(seed: u64, (rows, biases): (usize, &[f64])) -> Vec<Errors> {
         let mut rng = generator(seed);
         let mut noise = vec![0.0; rows];
         for k in 1..rows {
@@ -224,7 +251,7 @@ mod tests {
             let rows = noise.iter().zip(own).enumerate();
             let error =
                 |(k, (e, own)): (usize, (&f64, f64))| e + 0.1 * own + bias * (0.1 * k as f64).sin();
-            vec![rows.map(|row| error(row).powi(2)).collect()]
+            vec![vec![rows.map(error).collect()]]
         };
         biases.iter().map(of).collect()
     }
@@ -239,7 +266,7 @@ mod tests {
                 predictions: &none,
             })
             .collect();
-        winner(&entrants, &series(seed, (ROWS, biases))).0
+        winner(&entrants, &series(seed, (ROWS, biases))).best
     }
 
     #[test]
@@ -247,6 +274,24 @@ mod tests {
         for seed in 0..20 {
             let found = best(seed, &[3.0, 0.0, 2.5]);
             assert_eq!(found.as_deref(), Some("b"), "seed {seed}");
+        }
+    }
+
+    /// A bias that swings as slowly as the recording lasts leaves few independent squares, but its model is
+    /// known to be worse.
+    #[test]
+    fn a_gross_and_slow_error_is_no_chance() {
+        let none = Predictions::new();
+        let entrants = ["right", "gross"].map(|name| Entrant {
+            name,
+            predictions: &none,
+        });
+        for seed in 0..20 {
+            let mut errors = series(seed, (ROWS, &[0.0, 0.0]));
+            let swing = |(k, e): (usize, &mut f64)| *e += 30.0 * (0.003 * k as f64).sin();
+            errors[1][0][0].iter_mut().enumerate().for_each(swing);
+            let verdict = winner(&entrants, &errors);
+            assert_eq!(verdict.best.as_deref(), Some("right"), "seed {seed}");
         }
     }
 
@@ -270,7 +315,8 @@ mod tests {
         // Stationary variance of the noise and of its own part.
         let truth = 1.0 / (1.0 - 0.81) + 0.01;
         let inside = |seed: &u64| {
-            let ends = mean(&series(5000 + seed, (LONG, &[0.0]))[0]).ci95.unwrap();
+            let errors = &series(5000 + seed, (LONG, &[0.0]))[0];
+            let ends = mean(&rows(errors, errors, |a, _| a * a)).ci95.unwrap();
             (ends[0]..=ends[1]).contains(&truth)
         };
         let held = (0..SEEDS).filter(inside).count() as f64;

@@ -12,19 +12,27 @@ use crate::estimate::noise::ResidualSeries;
 use crate::estimate::problem::FitProblem;
 use crate::estimate::rows::{Task, visit};
 use crate::estimate::spectrum::{SEGMENT, Spectrum, Transform};
+use crate::linalg::triangular::Triangular;
 use nalgebra::{Complex, DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Covariance of the unknowns at the optimum x.
-///
-/// `None` where the derivatives do not determine all unknowns.
+/// Share of a column that is left where those before it are taken out, below which it is one of them.
+const DEPENDENT: f64 = 1e-11;
+
+/// Covariance of the unknowns at the optimum x; infinite variance of those that the derivatives do not determine
+/// there, such as the shape of a law whose size has gone to zero.
 pub fn of_unknowns(problem: &FitProblem<'_>, x: &DVector<f64>) -> Option<DMatrix<f64>> {
     let count = x.len();
     let whole = problem.factor(x).matrix();
     let triangular = whole.view((0, 0), (count, count)).into_owned();
-    let inverse = triangular.solve_upper_triangular(&DMatrix::identity(count, count))?;
+    let is_open = |j: usize| {
+        let own = triangular[(j, j)].abs();
+        own.is_nan() || own <= DEPENDENT * triangular.column(j).norm()
+    };
+    let (open, kept): (Vec<usize>, Vec<usize>) = (0..count).partition(|&j| is_open(j));
+    let inverse = inverse_over(&triangular, &kept)?;
     let bread = &inverse * inverse.transpose();
-    let residuals = problem.counted_residuals(x);
+    let residuals = bridged(problem, problem.counted_residuals(x));
     let weighted = weigh(problem, &residuals);
     let values = problem.parameters(x);
     let mut meat = DMatrix::zeros(count, count);
@@ -46,7 +54,46 @@ pub fn of_unknowns(problem: &FitProblem<'_>, x: &DVector<f64>) -> Option<DMatrix
         }
     }
     let covariance = &bread * meat * &bread;
-    Some((&covariance + covariance.transpose()) * 0.5)
+    let mut covariance = (&covariance + covariance.transpose()) * 0.5;
+    for j in open {
+        covariance[(j, j)] = f64::INFINITY;
+    }
+    Some(covariance)
+}
+
+/// R⁻¹ over some columns, with rows of zeros for the others.
+fn inverse_over(triangular: &DMatrix<f64>, kept: &[usize]) -> Option<DMatrix<f64>> {
+    let own = Triangular::of(&triangular.select_columns(kept)).matrix();
+    let identity = DMatrix::identity(kept.len(), kept.len());
+    let inverse = own.solve_upper_triangular(&identity)?;
+    let mut whole = DMatrix::zeros(triangular.ncols(), kept.len());
+    for (row, &j) in kept.iter().enumerate() {
+        whole.row_mut(j).copy_from(&inverse.row(row));
+    }
+    Some(whole)
+}
+
+/// The residuals with straight lines over rows that a mask leaves out: a spectrum of zeros in their place would be
+/// that of an error which ends at every gap.
+fn bridged(problem: &FitProblem<'_>, mut residuals: ResidualSeries) -> ResidualSeries {
+    for (recording, channels) in problem.recordings.iter().zip(&mut residuals) {
+        let kept: Vec<usize> = (0..recording.rows())
+            .filter(|&r| recording.counts(r))
+            .collect();
+        if kept.is_empty() || kept.len() == recording.rows() {
+            continue;
+        }
+        for series in channels.iter_mut().filter(|s| !s.is_empty()) {
+            for pair in kept.windows(2) {
+                let (from, to) = (series[pair[0]], series[pair[1]]);
+                for row in pair[0] + 1..pair[1] {
+                    let share = (row - pair[0]) as f64 / (pair[1] - pair[0]) as f64;
+                    series[row] = from + share * (to - from);
+                }
+            }
+        }
+    }
+    residuals
 }
 
 /// The residuals times W and the factors of single rows.

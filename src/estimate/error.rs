@@ -42,6 +42,19 @@ pub enum EstimateError {
          drive.effects or use `motion = \"exact\"`"
     )]
     MotionWithMemory,
+    #[error(
+        "`fit.feasible_by = \"log_cholesky\"` does not keep the limit {name}; use \"cones\", or leave the limit out"
+    )]
+    LimitInChart { name: String },
+    #[error(
+        "`fit.feasible_by = \"log_cholesky\"` needs all ten parameters of {body} unknown, and some are given; use \"cones\""
+    )]
+    PartOfBodyInChart { body: String },
+    #[error(
+        "`fit.load = \"difference\"` needs `robot.payload`, and recordings without the load under `recordings.train` \
+         beside those with it under `recordings.loaded`"
+    )]
+    NoDifference,
     #[error(transparent)]
     Model(#[from] ModelError),
     #[error(transparent)]

@@ -21,6 +21,7 @@ use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::realization;
 use crate::estimate::reweight::{by_periods, reweighted, robust};
 use crate::estimate::rounded::search;
+use crate::estimate::start;
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::Weights;
 use crate::linalg::triangular::{ColumnScaling, Triangular};
@@ -148,7 +149,7 @@ pub(crate) fn minimise<'a>(
         training,
         ordinary_weights(model, training.0),
     );
-    let start = linear_start(&ordinary, control)?;
+    let start = start::find(&ordinary, control)?;
     let first = search(&ordinary, &start, (ITERATION_LIMIT, control))?;
     if estimator == Estimator::Ordinary {
         let scale = residual_deviation(&ordinary, &first);
@@ -169,26 +170,6 @@ pub(crate) fn minimise<'a>(
         Estimator::Robust => robust(weighted, second, control),
         _ => reweighted(weighted, second, (estimator, control)),
     }
-}
-
-/// The optimum over the linear unknowns with the others where they start.
-pub(super) fn linear_start(
-    problem: &FitProblem<'_>,
-    control: &Control<'_>,
-) -> Result<DVector<f64>, EstimateError> {
-    if problem.form().structure == Structure::Affine {
-        return Ok(problem.start());
-    }
-    let linear = Unknowns {
-        base: problem.unknowns.base.clone(),
-        nonlinear: Vec::new(),
-    };
-    let training = (problem.recordings, problem.prior);
-    let frozen = FitProblem::new(problem.model, &linear, training, problem.weights.clone());
-    let solved = solve(&frozen, &frozen.start(), (ITERATIONS_PER_ROUND, control))?;
-    let mut start = problem.start();
-    start.rows_mut(0, solved.x.len()).copy_from(&solved.x);
-    Ok(start)
 }
 
 /// One weight for the torque of every joint: currents count by their torque constants, and torques of

@@ -79,13 +79,18 @@ pub fn report(estimated: &Estimated<'_>) -> (Vec<Reported>, Covariance) {
     } else {
         DMatrix::from_rows(&gradients)
     };
-    let matrix = &jacobian * estimated.covariance * jacobian.transpose();
+    let matrix = &jacobian * finite(estimated.covariance) * jacobian.transpose();
     let rows = matrix.row_iter().map(|row| row.iter().copied().collect());
     let covariance = Covariance {
         parameters: names,
         matrix: rows.collect(),
     };
     (reported, covariance)
+}
+
+/// The covariance without the infinite variances of what nothing determines, which has no quantity.
+fn finite(covariance: &DMatrix<f64>) -> DMatrix<f64> {
+    covariance.map(|v| if v.is_finite() { v } else { 0.0 })
 }
 
 /// One reported parameter, and whether it has a standard deviation.
@@ -111,7 +116,14 @@ fn one(
         };
         return (bound, false);
     }
-    let variance = (row * estimated.covariance * row.transpose())[(0, 0)];
+    if from
+        .iter()
+        .any(|&k| !estimated.covariance[(k, k)].is_finite())
+    {
+        let none = Reported::undetermined(&quantity.name, &quantity.unit);
+        return (none.described(&quantity.description), false);
+    }
+    let variance = (row * finite(estimated.covariance) * row.transpose())[(0, 0)];
     let std_dev = variance.max(0.0).sqrt();
     let half = Distribution::Normal.two_sided(COVERAGE) * std_dev;
     let prior = from.iter().any(|k| estimated.from_prior.contains(k));

@@ -179,6 +179,18 @@ impl<'a> FitProblem<'a> {
         whole
     }
 
+    /// The same factor without the prior over the unknowns, further parameters of the model and the
+    /// residual.
+    pub fn factor_over(&self, x: &DVector<f64>, further: &[usize]) -> Triangular {
+        let values = self.parameters(x);
+        let columns: Vec<usize> = self.columns.iter().chain(further).copied().collect();
+        let request = Request {
+            columns: &columns,
+            ..self.request(&values)
+        };
+        factor(&request, self.recordings)
+    }
+
     fn request<'b>(&'b self, values: &'b DVector<f64>) -> Request<'b> {
         Request {
             model: self.rounded.as_deref().unwrap_or(self.model),

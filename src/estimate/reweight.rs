@@ -9,11 +9,12 @@ use crate::chain::dataset::Prepared;
 use crate::chain::model::Model;
 use crate::estimate::error::EstimateError;
 use crate::estimate::fit::{
-    Estimator, ITERATION_LIMIT, ITERATIONS_PER_ROUND, Training, covariance_at, linear_start, solve,
+    Estimator, ITERATION_LIMIT, ITERATIONS_PER_ROUND, Training, covariance_at, solve,
 };
 use crate::estimate::noise::{ResidualSeries, counting_rows};
 use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::rounded::{accumulate, search};
+use crate::estimate::start;
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::{RowFactors, Weights};
 use crate::problem::solution::{Control, Solution};
@@ -79,7 +80,7 @@ pub(super) fn by_periods<'a>(
     };
     let weights = Weights::by_covariance(&covariance)?;
     let mut problem = FitProblem::new(model, unknowns, training, weights);
-    let start = linear_start(&problem, control)?;
+    let start = start::find(&problem, control)?;
     let solution = search(&problem, &start, (ITERATION_LIMIT, control))?;
     if agrees(&problem, &solution.x, &covariance) {
         problem.noise = NoiseSource::Periods;

@@ -4,6 +4,7 @@ use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::{Model, Signal};
 use crate::chain::prior::Prior;
 use crate::estimate::contest::{self, Entrant};
+use crate::estimate::difference;
 use crate::estimate::error::EstimateError;
 use crate::estimate::feasible::{self, Form};
 use crate::estimate::fit::{Estimator, Fitted, fit};
@@ -17,7 +18,7 @@ use crate::outcome::machine::Machine;
 use crate::problem::solution::{Control, Stop};
 use crate::problem_file::ProblemFile;
 use crate::problem_file::choices;
-use crate::problem_file::choices::Motion;
+use crate::problem_file::choices::{LoadFrom, Motion};
 use crate::recording::experiment::Chosen;
 use crate::setup;
 use crate::setup::error::{Mismatch, SetupError};
@@ -73,8 +74,11 @@ pub fn run(
     watch(Step::Reading);
     let data = setup::recordings::open(problem, &robot, &model)?;
     watch(Step::Fitting);
-    let mut fitted = estimate(problem, &model, (&data, &prior), control)?
-        .map_err(|error| failed(problem, error))?;
+    let mut fitted = match problem.fit.load.value {
+        LoadFrom::Together => estimate(problem, &model, (&data, &prior), control)?,
+        LoadFrom::Difference => by_difference(problem, &model, (&data, &prior), control)?,
+    }
+    .map_err(|error| failed(problem, error))?;
     fitted.fit.preprocessing = preprocessing(&model, &data);
     fitted.fit.payload = load::describe(&fitted.estimate);
     fitted.fit.notes.extend(undetermined_load(&fitted.fit));
@@ -196,6 +200,7 @@ fn estimate(
     let chosen = &problem.fit.prior;
     let settings = feasible::Settings {
         form,
+        by: problem.fit.feasible_by.value,
         prior: chosen
             .kind
             .as_ref()
@@ -203,6 +208,29 @@ fn estimate(
         limits: setup::combined_limits::build(problem, model)?,
     };
     Ok(feasible::fit(model, data, (prior, &settings), control))
+}
+
+/// Fits the recordings without the load, then the load on top.
+fn by_difference(
+    problem: &ProblemFile,
+    model: &Model,
+    (data, prior): (&Dataset, &Prior),
+    control: &Control<'_>,
+) -> Result<Result<Fitted, EstimateError>, SetupError> {
+    let unloaded = match difference::without_load(model, data) {
+        Ok(unloaded) => unloaded,
+        Err(error) => return Ok(Err(error)),
+    };
+    let estimator = match problem.fit.estimator.value {
+        choices::Estimator::OrdinaryLeastSquares => Estimator::Ordinary,
+        choices::Estimator::WeightedLeastSquares | choices::Estimator::Feasible => {
+            Estimator::Weighted
+        }
+        choices::Estimator::IterativelyReweightedLeastSquares => Estimator::Robust,
+        _ => Estimator::MaximumLikelihood,
+    };
+    let first = estimate(problem, model, (&unloaded, prior), control)?;
+    Ok(first.and_then(|first| difference::second(first, data, (estimator, control))))
 }
 
 /// What was done to the recordings before the fit, in words.

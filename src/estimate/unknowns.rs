@@ -1,7 +1,7 @@
 //! The unknowns of a fit: base parameters, represented by the parameters that they keep, and the free
 //! nonlinear parameters.
 
-use crate::chain::base_parameters::{BaseParameter, BaseParameters, scan_order};
+use crate::chain::base_parameters::{BaseParameter, BaseParameters, NEGLIGIBLE, scan_order};
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
 use crate::chain::prior::Prior;
@@ -40,7 +40,7 @@ impl Unknowns {
             },
             &training,
         );
-        let moved = of_motion(&recorded, &columns, prior);
+        let moved = of_motion(&recorded, &columns, prior, STILL);
         let base = compose(&structural, &moved);
         let nonlinear = determined_nonlinear(model, &base.kept(), (&training, prior));
         Self { base, nonlinear }
@@ -94,7 +94,7 @@ fn determined_nonlinear(
         weights: &weights,
         factors: None,
     };
-    let independent = of_motion(&factor(&request, training), &columns, prior).kept();
+    let independent = of_motion(&factor(&request, training), &columns, prior, NEGLIGIBLE).kept();
     nonlinear.retain(|p| independent.contains(p));
     nonlinear.sort_unstable();
     nonlinear
@@ -107,8 +107,17 @@ fn scales_torque(model: &Model, parameter: usize) -> bool {
     factors.any(|p| p == Some(parameter))
 }
 
+/// Share of the largest column below which a column of a recorded motion is the rounding of its filters: that of an
+/// inertia where nothing accelerates. Nonlinear parameters have no such scale: that of a stiff spring moves little and is seen.
+const STILL: f64 = 1e-9;
+
 /// Base parameters of the recorded motion among the structural ones.
-fn of_motion(recorded: &Triangular, columns: &[usize], prior: &Prior) -> BaseParameters {
+fn of_motion(
+    recorded: &Triangular,
+    columns: &[usize],
+    prior: &Prior,
+    negligible: f64,
+) -> BaseParameters {
     let count = columns.len();
     let mut both = DMatrix::zeros(count + prior.len(), count);
     for i in 0..count {
@@ -121,7 +130,7 @@ fn of_motion(recorded: &Triangular, columns: &[usize], prior: &Prior) -> BasePar
         both.view_mut((count, j), (prior.len(), 1))
             .copy_from(&column);
     }
-    BaseParameters::scan(&Triangular::of(&both), columns)
+    BaseParameters::scan_above(&Triangular::of(&both), columns, negligible)
 }
 
 /// Combinations of combinations: what the motion merges, in terms of the model's parameters.

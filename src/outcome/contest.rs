@@ -16,6 +16,9 @@ pub struct Contest {
     /// The model that predicts better than every other by more than chance and by more than 1 %, on
     /// recordings that were held out where there are any; absent where none does.
     pub best: Option<String>,
+    /// Where none does: the model with the least error and those that the recordings cannot tell from it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub level: Vec<String>,
     /// The same in words.
     pub sentence: String,
 }

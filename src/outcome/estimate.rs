@@ -26,6 +26,15 @@ pub struct Covariance {
     pub matrix: Vec<Vec<f64>>,
 }
 
+impl Covariance {
+    /// Two sets of parameters whose correlation is not recorded.
+    pub fn and(mut self, other: Self) -> Self {
+        self.matrix = number::block_diagonal(&self.matrix, &other.matrix);
+        self.parameters.extend(other.parameters);
+        self
+    }
+}
+
 /// How the solver ended.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Solver {

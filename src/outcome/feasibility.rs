@@ -17,7 +17,7 @@ pub struct Feasibility {
     /// The smallest such eigenvalue, kg.
     #[serde(with = "number::nullable")]
     pub least_eigenvalue: f64,
-    /// Duality gap, in units of the cost.
+    /// Duality gap, in units of the cost; none where a chart kept the bodies possible.
     #[serde(with = "number::nullable")]
     pub gap: f64,
     /// Largest imbalance of gradient and multipliers, relative.

@@ -70,6 +70,15 @@ pub struct Posterior {
     pub covariance: Vec<Vec<f64>>,
 }
 
+impl Posterior {
+    /// Two sets of combinations whose correlation is not recorded.
+    pub fn and(mut self, other: Self) -> Self {
+        self.covariance = number::block_diagonal(&self.covariance, &other.covariance);
+        self.combinations.extend(other.combinations);
+        self
+    }
+}
+
 /// A linear combination of parameters (of the model's raw ones: first moments, inertia about the origin).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Combination {

@@ -94,3 +94,15 @@ pub mod list {
 fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
+
+/// Two square matrices, by rows, along the diagonal of one.
+pub(super) fn block_diagonal(first: &[Vec<f64>], second: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let (n, m) = (first.len(), second.len());
+    let above = first
+        .iter()
+        .map(|row| [row.as_slice(), &vec![0.0; m]].concat());
+    let below = second
+        .iter()
+        .map(|row| [&vec![0.0; n], row.as_slice()].concat());
+    above.chain(below).collect()
+}

@@ -102,6 +102,40 @@ impl Choice for Estimator {
     ];
 }
 
+/// How a feasible estimate keeps bodies possible.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FeasibleBy {
+    /// Semidefinite constraints.
+    Cones,
+    /// Coordinates in which every body is possible.
+    LogCholesky,
+}
+
+impl Choice for FeasibleBy {
+    const NOUN: &'static str = "way to a feasible estimate";
+    const CODE: &'static str = "unknown-way-to-feasibility";
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("cones", Self::Cones), ("log_cholesky", Self::LogCholesky)];
+}
+
+/// How a load follows from recordings with it and without it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LoadFrom {
+    /// One estimate of everything from all recordings.
+    Together,
+    /// The difference of two fits of the link that carries it.
+    Difference,
+}
+
+impl Choice for LoadFrom {
+    const NOUN: &'static str = "way to the load";
+    const CODE: &'static str = "unknown-way-to-the-load";
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("together", Self::Together),
+        ("difference", Self::Difference),
+    ];
+}
+
 /// Whether joint angles are free of noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Motion {
@@ -118,7 +152,7 @@ impl Choice for Motion {
         &[("exact", Self::Exact), ("noisy", Self::Noisy)];
 }
 
-/// The distance between inertial parameters that a prior penalises.
+/// What a prior on the parameters penalises.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PriorKind {
     /// Squared differences of the parameters.
@@ -127,6 +161,8 @@ pub enum PriorKind {
     Entropic,
     /// Euclidean with the metric of the prior's own pseudo-inertias, constant.
     Pullback,
+    /// Absolute values of the linear parameters, friction included.
+    Lasso,
 }
 
 impl Choice for PriorKind {
@@ -136,6 +172,7 @@ impl Choice for PriorKind {
         ("euclidean", Self::Euclidean),
         ("entropic", Self::Entropic),
         ("pullback", Self::Pullback),
+        ("lasso", Self::Lasso),
     ];
 }
 

@@ -1,6 +1,6 @@
 //! `[fit]`: the estimator, what is known before the data, and fits to compare with.
 
-use crate::problem_file::choices::{Estimator, Motion, PriorKind};
+use crate::problem_file::choices::{Estimator, FeasibleBy, LoadFrom, Motion, PriorKind};
 use crate::problem_file::document::{Node, NodeValue, Table};
 use crate::problem_file::error::{KeyFault, NumberFault, ProblemFileError, ValueFault};
 use crate::problem_file::located::{Located, Named};
@@ -9,6 +9,8 @@ use crate::problem_file::{Context, values};
 
 pub(crate) const KEYS: &[&str] = &[
     "estimator",
+    "feasible_by",
+    "load",
     "motion",
     "prior",
     "bounds",
@@ -28,6 +30,10 @@ const TOTAL_MASS: &str = "total_mass";
 pub struct FitTable {
     /// Default: [`Estimator::MaximumLikelihood`].
     pub estimator: Located<Estimator>,
+    /// How bodies are kept possible, for the feasible estimators. Default: [`FeasibleBy::Cones`].
+    pub feasible_by: Located<FeasibleBy>,
+    /// How the load follows from recordings with it and without it. Default: [`LoadFrom::Together`].
+    pub load: Located<LoadFrom>,
     /// Whether joint angles are noisy, for `maximum_likelihood`. Default: [`Motion::Exact`].
     pub motion: Located<Motion>,
     pub prior: PriorTable,
@@ -124,10 +130,15 @@ impl FitTable {
                 },
             ));
         }
+        let feasible_by = reader.or("feasible_by", FeasibleBy::Cones, values::choice)?;
+        let prior = PriorTable::from_node(&reader.table("prior"))?;
+        check_feasible(&estimator, &feasible_by, &prior)?;
         Ok(Self {
             estimator,
+            feasible_by,
+            load: reader.or("load", LoadFrom::Together, values::choice)?,
             motion,
-            prior: PriorTable::from_node(&reader.table("prior"))?,
+            prior,
             bounds,
             total_mass,
             compare,
@@ -135,6 +146,43 @@ impl FitTable {
                 &reader.table("constant_velocity"),
             )?,
         })
+    }
+}
+
+/// What only the feasible estimators do is refused with the others, and a chart does not go with a kind of prior.
+fn check_feasible(
+    estimator: &Located<Estimator>,
+    by: &Located<FeasibleBy>,
+    prior: &PriorTable,
+) -> Result<(), ProblemFileError> {
+    let feasible = matches!(
+        estimator.value,
+        Estimator::Feasible | Estimator::FeasibleMaximumLikelihood
+    );
+    let refuse = |place, found: &str, remedy: &str| {
+        let (found, remedy) = (found.into(), remedy.into());
+        Err(ProblemFileError::new(
+            place,
+            KeyFault::Conflict { found, remedy },
+        ))
+    };
+    match (&prior.kind, by.value) {
+        (Some(kind), _) if !feasible => refuse(
+            &kind.place,
+            "a kind of prior, which only the feasible estimators take",
+            "set estimator = \"feasible\" or \"feasible_maximum_likelihood\", or leave the kind out",
+        ),
+        (_, FeasibleBy::LogCholesky) if !feasible => refuse(
+            &by.place,
+            "feasible_by with an estimator that does not keep bodies possible",
+            "set estimator = \"feasible\" or \"feasible_maximum_likelihood\", or leave feasible_by out",
+        ),
+        (Some(kind), FeasibleBy::LogCholesky) => refuse(
+            &kind.place,
+            "a kind of prior with feasible_by = \"log_cholesky\"",
+            "leave feasible_by out: the cones take priors",
+        ),
+        _ => Ok(()),
     }
 }
 
@@ -172,7 +220,7 @@ impl PriorTable {
         if kind.is_none() && reader.node("strength").is_some() {
             return Err(reader.missing(
                 "kind",
-                "a strength belongs to a kind: add kind = \"entropic\", \"euclidean\" or \"pullback\"",
+                "a strength belongs to a kind: add kind = \"entropic\", \"euclidean\", \"pullback\" or \"lasso\"",
             ));
         }
         Ok(Self {

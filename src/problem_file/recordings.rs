@@ -19,6 +19,7 @@ pub(crate) const KEYS: &[&str] = &[
     "differentiation",
     "platform",
     "sensors",
+    "positions",
 ];
 pub(crate) const SENSOR_KEYS: &[&str] = &["position", "acceleration", "force"];
 pub(crate) const PLATFORM_KEYS: &[&str] = &["translation", "rotation", "accuracy", "tare"];
@@ -60,6 +61,9 @@ pub struct RecordingsTable {
     /// What is measured at joints without a motor, by joint. Default: nothing; their motion follows from the
     /// motors.
     pub sensors: Vec<Named<SensorTable>>,
+    /// Files with the positions of a sensor of its own, by recording as it is written under `train`, `loaded` or
+    /// `validation`; with time stamps of the same clock. Default: positions are in the recordings.
+    pub positions: Vec<Named<FilePath>>,
 }
 
 /// An entry of `[recordings.sensors]`: the column of a sensor at a joint without a motor.
@@ -143,13 +147,36 @@ impl RecordingsTable {
                 .map(PlatformTable::from_node)
                 .transpose()?,
             sensors: reader.named("sensors", SensorTable::from_node)?,
+            positions: reader.named("positions", |n| values::file_path(n, context))?,
         };
         if table.train.is_empty() && table.loaded.is_empty() {
             return Err(reader.missing("train", "list the training recordings"));
         }
         table.check_method()?;
         table.check_cutoffs()?;
+        table.check_positions()?;
         Ok(table)
+    }
+
+    /// Positions belong to a recording.
+    fn check_positions(&self) -> Result<(), ProblemFileError> {
+        let groups = [&self.train, &self.loaded, &self.validation];
+        let listed = |name: &str| {
+            groups
+                .iter()
+                .any(|g| g.iter().any(|p| p.value.written == name))
+        };
+        match self.positions.iter().find(|p| !listed(&p.name)) {
+            None => Ok(()),
+            Some(stray) => Err(ProblemFileError::new(
+                &stray.value.place,
+                KeyFault::Conflict {
+                    found: format!("positions of {}, which is no recording", stray.name),
+                    remedy: "write the recording as it stands under train, loaded or validation"
+                        .into(),
+                },
+            )),
+        }
     }
 
     /// A Fourier series needs a period.

@@ -163,6 +163,25 @@ pub fn read(
     joints: &[RecordedJoint],
     kind: SignalKind,
 ) -> Result<Recording, RecordingError> {
+    read_parts(path, map, joints, (kind, Parts::All))
+}
+
+/// Which channels a file holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Parts {
+    All,
+    /// Positions, velocities and accelerations are elsewhere.
+    WithoutPosition,
+    /// Nothing but positions.
+    Position,
+}
+
+pub(super) fn read_parts(
+    path: &Path,
+    map: &ColumnMap,
+    joints: &[RecordedJoint],
+    (kind, parts): (SignalKind, Parts),
+) -> Result<Recording, RecordingError> {
     let format = format_of(path)?;
     let present = (format.columns)(path)?;
     let finder = Finder {
@@ -171,7 +190,22 @@ pub fn read(
         present: &present,
         conventional: *map == ColumnMap::default(),
     };
-    let names = finder.choose(map, kind)?;
+    let names = match parts {
+        Parts::All => finder.choose(map, kind)?,
+        Parts::WithoutPosition => Names {
+            signal: finder.signal(map, kind)?,
+            mask: map
+                .mask
+                .as_ref()
+                .map(|m| finder.single(m, "mask"))
+                .transpose()?,
+            ..Names::empty(finder.time(map)?)
+        },
+        Parts::Position => Names {
+            position: finder.required(&map.position, POSITION, "position")?,
+            ..Names::empty(finder.time(map)?)
+        },
+    };
     let table = (format.read)(path, &names.all(path)?)?;
     Ok(names.assemble(path, table))
 }
@@ -208,6 +242,18 @@ struct Names {
 }
 
 impl Names {
+    fn empty(time: Option<String>) -> Self {
+        Self {
+            time,
+            position: Vec::new(),
+            velocity: None,
+            acceleration: None,
+            signal: Vec::new(),
+            temperature: None,
+            mask: None,
+        }
+    }
+
     /// Every chosen column once; one column in two roles is a slip in the map.
     fn all(&self, path: &Path) -> Result<Vec<String>, RecordingError> {
         let groups = [&self.velocity, &self.acceleration, &self.temperature];

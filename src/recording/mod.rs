@@ -1,5 +1,6 @@
 //! From files to motion and signal: tables, channels, time base, periods, derivatives, noise.
 
+pub mod apart;
 mod arrays;
 pub mod bag;
 pub mod columns;

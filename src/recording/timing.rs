@@ -84,6 +84,12 @@ pub fn examine(recording: &Recording, rate: Option<f64>) -> Result<Timing, Recor
     }
 }
 
+/// The time stamps of a recording that cannot do without.
+pub(super) fn stamps(recording: &Recording) -> Result<&[f64], RecordingError> {
+    let none = || RecordingError::new(Place::file(&recording.file), RecordingErrorKind::NoTimeBase);
+    recording.time.as_deref().ok_or_else(none)
+}
+
 /// Timing of increasing stamps (s); the first one is on line `first_line`.
 fn of_stamps(time: &[f64], first_line: usize) -> Timing {
     let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();

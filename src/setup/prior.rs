@@ -75,7 +75,8 @@ fn from_posterior(model: &Model, posterior: &Posterior) -> Prior {
                 Err(_) => complete = false,
             }
         }
-        if complete && free {
+        // What the earlier fit left open says nothing.
+        if complete && free && posterior.covariance[index][index].is_finite() {
             rows.push((index, row, mean));
         }
     }

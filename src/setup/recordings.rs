@@ -11,6 +11,7 @@ use crate::chain::model::Model;
 use crate::fault::Place;
 use crate::problem_file::choices::{DifferentiationMethod, PositionSide, Signal};
 use crate::problem_file::{FilePath, Located, ProblemFile, RecordingsTable};
+use crate::recording::apart::read_apart;
 use crate::recording::columns::{ColumnMap, RecordedJoint, Recording, read};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::experiment::{Bandwidth, Experiment, Noise, prepare};
@@ -123,7 +124,19 @@ pub fn read_one(
 ) -> Result<Recording, SetupError> {
     let kind = table.signal.value;
     let joints = recorded_joints(robot);
-    read(&path.resolved, &column_map(table), &joints, kind).map_err(|e| at_request(table, path, e))
+    let map = column_map(table);
+    let apart = table.positions.iter().find(|p| p.name == path.written);
+    let recording = match apart {
+        Some(positions) => {
+            let files = (
+                path.resolved.as_path(),
+                positions.value.value.resolved.as_path(),
+            );
+            read_apart(files, &map, &joints, kind)
+        }
+        None => read(&path.resolved, &map, &joints, kind),
+    };
+    recording.map_err(|e| at_request(table, path, e))
 }
 
 /// A fault of what the problem file asks for, at its place there; other faults stay where they are.

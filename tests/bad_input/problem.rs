@@ -89,7 +89,7 @@ pub const SETUP_CASES: &[Case] = &[
     case("torques of the motor without a ratio", 2, ["problem.toml:16:10: recordings.signal", "no ratio", "drive.ratio"], |b| { recordings(b, "signal = \"motor_torque\""); after(b, "signal = \"motor_torque\"", "columns = { position = \"q{n}\", torque = \"i{n}\" }"); }),
     case("a load on no link", 2, ["problem.toml:5:11: robot.payload", "`hand`", "upper, fore"], |b| robot(b, "payload = \"hand\"")),
     case("no earlier result", 2, ["earlier/result.json: ", "No such file", "check the path"], |b| robot(b, "parameters = \"earlier/result.json\"")),
-    case("a design with too few samples", 2, ["problem.toml:24:11: design.samples", "12 samples of a period do not show its fastest harmonic", "at least 20"], |b| { b.command(&["design", "problem.toml"]); b.append("[design]\nsamples = 12\n"); }),
+    case("a design with too few samples", 2, ["problem.toml:23:11: design.samples", "12 samples of a period do not show its fastest harmonic", "at least 20"], |b| { b.command(&["design", "problem.toml"]); b.append("[design]\nsamples = 12\n"); }),
     case("an earlier result that is none", 2, ["train.csv: ", "not the result of a run", "a run wrote"], |b| robot(b, "parameters = \"train.csv\"")),
     case("an earlier result cut off", 2, ["old.json: ", "not the result of a run: EOF", "run it again"], |b| { b.write("old.json", "{\"name\": \"arm\", \"verb\": \"fit\""); robot(b, "parameters = \"old.json\""); }),
 ];

@@ -1,6 +1,8 @@
 //! Identification from the reaction of the base: what Raucent, Campion, Bastin, Samin and Willems (1992)
 //! print, sensors that stand anywhere, spinning rotors, and truths that are known.
 
+#[path = "../common/mod.rs"]
+mod common;
 mod recovered;
 mod structure;
 

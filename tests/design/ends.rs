@@ -36,14 +36,14 @@ fn catches_interrupts(child: &Child) -> bool {
 fn an_interrupt_leaves_the_best_so_far() {
     let bench = Bench::shipped("scara_excitation");
     let mut child = bench
-        .command("out", &["design.budget_s=600"])
+        .command("out", &["design.budget_s=600", "design.starts=1000000"])
         .spawn()
         .unwrap();
     while !catches_interrupts(&child) {
         assert!(child.try_wait().unwrap().is_none(), "ended before its time");
         sleep(Duration::from_millis(1));
     }
-    sleep(Duration::from_secs(5));
+    sleep(Duration::from_secs(2));
     let process = child.id().to_string();
     let sent = Command::new("kill").args(["-INT", &process]).status();
     assert!(sent.unwrap().success());

@@ -7,7 +7,8 @@
 //! x are the standard parameters; J_k is the 4 x 4 pseudo-inertia, which is positive semidefinite exactly for
 //! bodies of nonnegative density (Wensing, Kim and Slotine 2018). A positive definite inertia about the centre
 //! of mass alone admits bodies that break the triangle inequality. The residual is compressed by QR. Nonlinear
-//! parameters are found by sequential conic steps: each round linearises the residual and keeps the cones.
+//! parameters are found by sequential conic steps: each round linearises the residual and keeps the cones. A second way
+//! is a chart of the possible bodies and no cones at all.
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
@@ -24,12 +25,13 @@ use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::Weights;
 use crate::problem::Problem;
 use crate::problem::solution::Control;
-use crate::problem_file::choices::PriorKind;
+use crate::problem_file::choices::{FeasibleBy, PriorKind};
 use crate::problem_file::fit::Strength;
 use crate::recording::split::Split;
 use crate::setup::combined_limits::Limit;
 use nalgebra::DVector;
 
+pub mod chart;
 mod edge;
 mod outcome;
 pub mod prior;
@@ -62,6 +64,7 @@ pub enum Form {
 #[derive(Debug, Clone)]
 pub struct Settings {
     pub form: Form,
+    pub by: FeasibleBy,
     pub prior: Option<(PriorKind, Strength)>,
     pub limits: Vec<Limit>,
 }
@@ -72,6 +75,7 @@ struct Found<'a> {
     standard: &'a Standard<'a>,
     constraints: &'a Constraints,
     prior: Option<(&'a InertialPrior, Chosen)>,
+    by: FeasibleBy,
     feasible: Feasible,
     /// Base unknowns of least squares with the same weights.
     free: DVector<f64>,
@@ -132,12 +136,13 @@ pub fn fit(
         margin: MARGIN,
         prior: bodies.as_ref().zip(chosen.as_ref().map(|c| c.strength)),
     };
-    let (feasible, free) = rounds(setting, &mut problem, (&first.x, settings.form), control)?;
+    let (feasible, free) = rounds(setting, &mut problem, (&first.x, settings), control)?;
     let found = Found {
         problem,
         standard: &standard,
         constraints: &constraints,
         prior: bodies.as_ref().zip(chosen.take()),
+        by: settings.by,
         feasible,
         free,
     };
@@ -148,14 +153,18 @@ pub fn fit(
 fn rounds(
     setting: Setting<'_>,
     problem: &mut FitProblem<'_>,
-    (first, form): (&DVector<f64>, Form),
+    (first, settings): (&DVector<f64>, &Settings),
     control: &Control<'_>,
 ) -> Result<(Feasible, DVector<f64>), EstimateError> {
-    let mut feasible = sequential::minimise(setting, problem, first, control)?;
+    let minimise = match settings.by {
+        FeasibleBy::Cones => sequential::minimise,
+        FeasibleBy::LogCholesky => chart::minimise,
+    };
+    let mut feasible = minimise(setting, problem, first, control)?;
     let mut at = &setting.standard.to_base * &feasible.x;
     for _ in 0..MAX_ROUNDS {
         let covariance = fit::covariance_at(problem, &at);
-        let weights = match form {
+        let weights = match settings.form {
             Form::MaximumLikelihood => Weights::by_covariance(&covariance)?,
             Form::Linear => Weights::by_deviation(covariance.diagonal().map(f64::sqrt).as_slice()),
         };
@@ -165,7 +174,7 @@ fn rounds(
             break;
         }
         problem.weights = weights;
-        let next = sequential::minimise(setting, problem, &at, control)?;
+        let next = minimise(setting, problem, &at, control)?;
         at = &setting.standard.to_base * &next.x;
         feasible = Feasible {
             iterations: feasible.iterations + next.iterations,

@@ -19,7 +19,7 @@ use crate::outcome::estimate::{Estimate, Solver};
 use crate::outcome::feasibility::{BodyPrior, Feasibility, Unconstrained};
 use crate::outcome::fit::Fit;
 use crate::problem::solution::Control;
-use crate::problem_file::choices::Choice;
+use crate::problem_file::choices::{Choice, FeasibleBy, PriorKind};
 use crate::robot::inertia::Inertia;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -65,21 +65,14 @@ pub(super) fn report(found: &Found<'_>, data: &Dataset, control: &Control<'_>) -
         realization: fit::named(model, &values),
         posterior: fit::posterior(problem, &base, &of_base),
         feasibility: Some(feasibility),
+        notes: prior_note(found).into_iter().collect(),
         ..Fit::default()
     };
-    let feasible = &found.feasible;
     let estimate = Estimate {
         parameters,
         joints: figures(model, &values, (data, &predicted)),
         covariance: reported_covariance,
-        solver: Some(Solver {
-            name: "interior point".to_string(),
-            stop: feasible.stop.name().to_string(),
-            converged: feasible.stop.converged(),
-            iterations: feasible.iterations as u64,
-            evaluations: feasible.iterations as u64,
-            cost: feasible.cost,
-        }),
+        solver: Some(solver(found)),
     };
     Fitted {
         estimate,
@@ -88,6 +81,50 @@ pub(super) fn report(found: &Found<'_>, data: &Dataset, control: &Control<'_>) -
         model: model.clone(),
         values,
     }
+}
+
+/// How the estimate was found.
+fn solver(found: &Found<'_>) -> Solver {
+    let feasible = &found.feasible;
+    Solver {
+        name: match found.by {
+            FeasibleBy::Cones => "interior point".to_string(),
+            FeasibleBy::LogCholesky => "Levenberg-Marquardt in a log-Cholesky chart".to_string(),
+        },
+        stop: feasible.stop.name().to_string(),
+        converged: feasible.stop.converged(),
+        iterations: feasible.iterations as u64,
+        evaluations: feasible.iterations as u64,
+        cost: feasible.cost,
+    }
+}
+
+/// What the prior on the bodies is, how its strength came about, and what a lasso takes away.
+fn prior_note(found: &Found<'_>) -> Option<String> {
+    let (prior, chosen) = found.prior.as_ref()?;
+    let by = match chosen.by {
+        "held_out" => format!(
+            "has the least error on blocks of the training recordings that were held out in turn, among {} strengths \
+             from {:.0e} to {:.0e}",
+            chosen.path.len(),
+            chosen.path.first().map_or(0.0, |p| p.strength),
+            chosen.path.last().map_or(0.0, |p| p.strength)
+        ),
+        "noise" => "leaves residuals as large as the noise".to_string(),
+        _ => "was given".to_string(),
+    };
+    let mut note = format!(
+        "The {} prior has the strength {:.3e}, which {by}.",
+        prior.kind.word(),
+        chosen.strength
+    );
+    if prior.kind == PriorKind::Lasso {
+        let (counted, zero) = prior.counted(&found.feasible.x);
+        note.push_str(&format!(
+            " It takes {zero} of {counted} parameters to zero; standard deviations do not count how it shrinks the others."
+        ));
+    }
+    Some(note)
 }
 
 /// Triangular factor of the columns of the base parameters.
@@ -129,7 +166,8 @@ fn uncertainty(
     };
     let data_information = information(found);
     let (weak, _) = pull(standard, &standard.reference(), PULL);
-    let prior_information = prior.information(chosen.strength) + weak.tr_mul(&weak);
+    let prior_information =
+        prior.information(chosen.strength, &found.feasible.x) + weak.tr_mul(&weak);
     let t = &standard.to_base;
     let whole = t.tr_mul(&(&data_information * t)) + &prior_information;
     let meat = t.tr_mul(&(&data_information * of_base * &data_information * t)) + prior_information;

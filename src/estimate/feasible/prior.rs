@@ -4,7 +4,11 @@
 //! |---|---|
 //! | Euclidean | `½ ‖(m, h/ℓ, I/ℓ²) − (…)_0‖²` in the standard parameters, kg² |
 //! | entropic | `tr(S_0⁻¹ S) − log det S + log det S_0 − 4`, the Bregman divergence of −log det (Lee, Wensing and Park 2020, eq. 25) |
+//! | lasso | `Σ_j |x_j| / u_j` over the linear unknowns, u_j the units of the Euclidean kind or the parameter's scale (file 003, eq. 29) |
 //! | pullback | `½ ‖S_0^(−1/2) (S − S_0) S_0^(−1/2)‖²`, its second-order form at S_0 (Lee, Wensing and Park 2020, eq. 29) |
+//!
+//! The lasso pulls to zero and not to J_0. File 003 adds up numbers in different units, and the scales and shapes of
+//! friction laws with them, whose absolute values mean nothing; here every term is in its unit, and shapes are free.
 //!
 //! All are convex in the parameters; the entropic one goes to infinity at the edge of what is possible.
 
@@ -24,6 +28,8 @@ pub struct InertialPrior {
     offset: DVector<f64>,
     /// Entropic: gradient of `Σ tr(S_0⁻¹ S)`.
     linear: DVector<f64>,
+    /// Lasso: 1/u_j of every unknown, 0 for those that are free.
+    inverse_units: DVector<f64>,
     bodies: usize,
 }
 
@@ -60,6 +66,7 @@ impl InertialPrior {
         Self {
             kind,
             offset: -&rows * &reference,
+            inverse_units: inverse_units(standard),
             rows,
             linear,
             bodies,
@@ -69,7 +76,9 @@ impl InertialPrior {
     /// Rows of a strength; none for the entropic kind.
     pub fn rows(&self, strength: f64) -> (DMatrix<f64>, DVector<f64>) {
         match self.kind {
-            PriorKind::Entropic => (DMatrix::zeros(0, self.rows.ncols()), DVector::zeros(0)),
+            PriorKind::Entropic | PriorKind::Lasso => {
+                (DMatrix::zeros(0, self.rows.ncols()), DVector::zeros(0))
+            }
             _ => (&self.rows * strength.sqrt(), &self.offset * strength.sqrt()),
         }
     }
@@ -85,10 +94,54 @@ impl InertialPrior {
         }
     }
 
-    /// Curvature of the prior, that of the entropic one by its second-order form at the reference.
-    pub fn information(&self, strength: f64) -> DMatrix<f64> {
-        self.rows.tr_mul(&self.rows) * strength
+    /// Weight of |x_j| in the cost; zeros for the kinds without absolute values.
+    pub fn absolute(&self, strength: f64) -> DVector<f64> {
+        match self.kind {
+            PriorKind::Lasso => &self.inverse_units * strength,
+            _ => DVector::zeros(self.inverse_units.len()),
+        }
     }
+
+    /// Curvature of the prior: that of the entropic one by its second-order form at the reference, that of the lasso
+    /// as `|x| ~ x²/|x_0|` at the estimate (Tibshirani 1996, section 2.5).
+    pub fn information(&self, strength: f64, x: &DVector<f64>) -> DMatrix<f64> {
+        if self.kind != PriorKind::Lasso {
+            return self.rows.tr_mul(&self.rows) * strength;
+        }
+        let weights = self.absolute(strength);
+        let curvature = |k: usize| match weights[k] {
+            0.0 => 0.0,
+            weight => weight / x[k].abs().max(ZERO / self.inverse_units[k]),
+        };
+        DMatrix::from_diagonal(&DVector::from_fn(x.len(), |k, _| curvature(k)))
+    }
+
+    /// Unknowns that a lasso counts, and those among them that it takes to zero.
+    pub fn counted(&self, x: &DVector<f64>) -> (usize, usize) {
+        let counted = (0..x.len()).filter(|&k| self.inverse_units[k] > 0.0);
+        let small = |k: &usize| x[*k].abs() * self.inverse_units[*k] < ZERO;
+        (counted.clone().count(), counted.filter(small).count())
+    }
+}
+
+/// A parameter below this share of its unit is zero: a few margins of the bodies.
+const ZERO: f64 = 1e-5;
+
+/// 1/u_j: those of a body in kg, those of an effect by their scale; shapes are free.
+fn inverse_units(standard: &Standard<'_>) -> DVector<f64> {
+    let mut units = DVector::zeros(standard.len());
+    for column in 0..standard.linear {
+        let in_body = (0..standard.bodies.len())
+            .map(|body| euclidean(standard, body, column).iter().sum::<f64>())
+            .fold(0.0, f64::max);
+        let parameter = &standard.model.parameters()[standard.parameters[column]];
+        units[column] = if in_body > 0.0 {
+            in_body
+        } else {
+            1.0 / parameter.scale
+        };
+    }
+    units
 }
 
 /// svec of `L⁻¹ A L⁻ᵀ`.

@@ -133,6 +133,37 @@ impl Program {
         }
     }
 
+    /// The same with a variable t_j >= |x_j| behind the others for every weight w_j > 0 of the cost: `t_j − x_j >= 0`,
+    /// `t_j + x_j >= 0`. The weights themselves are a term of the solver.
+    pub fn with_absolute(mut self, weights: &DVector<f64>) -> Self {
+        let columns: Vec<usize> = (0..weights.len()).filter(|&j| weights[j] > 0.0).collect();
+        let (count, first) = (weights.len() + columns.len(), self.constant.len());
+        self.matrix = self.matrix.resize_horizontally(count, 0.0);
+        self.linear = self.linear.resize_vertically(count, 0.0);
+        self.constant = self
+            .constant
+            .resize_vertically(first + 2 * columns.len(), 0.0);
+        self.slopes = self.slopes.resize(self.constant.len(), count, 0.0);
+        for (k, &j) in columns.iter().enumerate() {
+            let own = weights.len() + k;
+            for (row, sign) in [(first + 2 * k, -1.0), (first + 2 * k + 1, 1.0)] {
+                self.slopes[(row, own)] = 1.0;
+                self.slopes[(row, j)] = sign;
+            }
+            let variable = &self.form.variables[j];
+            let size = Variable::free(format!("|{}|", variable.name), &variable.unit);
+            let size = size.scale(variable.scale);
+            self.form.variables.push(size);
+        }
+        self.form.constraints.push(Constraint {
+            name: "absolute values".to_string(),
+            unit: String::new(),
+            rows: 2 * columns.len(),
+            set: Set::Nonnegative,
+        });
+        self
+    }
+
     pub fn solve(
         &self,
         start: &DVector<f64>,

@@ -9,7 +9,7 @@ use crate::estimate::feasible::program::{Class, Constraints, PULL, Program, pull
 use crate::estimate::feasible::standard::{Standard, scaled_body};
 use crate::problem::solution::{Control, Stop};
 use crate::solve::error::SolveError;
-use crate::solve::interior::InteriorSolution;
+use crate::solve::interior::{InteriorSolution, Terms};
 use nalgebra::{DMatrix, DVector};
 
 /// A prior on the bodies and how strong it is.
@@ -198,7 +198,38 @@ fn pulled(
         None => 2.0 * setting.margin,
     };
     let program = Program::fit(constraints, margin, (matrix, DVector::from_vec(whole)));
-    program.solve(&start, &terms, control)
+    let weights = match setting.prior {
+        Some((prior, strength)) => prior.absolute(strength),
+        None => DVector::zeros(0),
+    };
+    if weights.iter().all(|w| *w == 0.0) {
+        return program.solve(&start, &terms, control);
+    }
+    sparse(program, (&weights, &start), control)
+}
+
+/// The program with a penalty `Σ w_j |x_j|`, its answer without the variables that stand for the absolute values.
+fn sparse(
+    program: Program,
+    (weights, start): (&DVector<f64>, &DVector<f64>),
+    control: &Control<'_>,
+) -> Result<crate::solve::interior::InteriorSolution, SolveError> {
+    let counted = (0..weights.len()).filter(|&j| weights[j] > 0.0);
+    let linear: Vec<f64> = counted.clone().map(|j| weights[j]).collect();
+    let sizes: Vec<f64> = counted.map(|j| start[j].abs() + 1.0 / weights[j]).collect();
+    let mut whole = start.as_slice().to_vec();
+    whole.extend(sizes);
+    let mut cost = vec![0.0; weights.len()];
+    cost.extend(linear);
+    let terms = Terms {
+        linear: DVector::from_vec(cost),
+        ..Terms::default()
+    };
+    let program = program.with_absolute(weights);
+    let mut found = program.solve(&DVector::from_vec(whole), &terms, control)?;
+    let x = &found.solution.x;
+    found.solution.x = x.rows(0, weights.len()).into_owned();
+    Ok(found)
 }
 
 fn stack(parts: &[&DMatrix<f64>]) -> DMatrix<f64> {
@@ -220,6 +251,7 @@ pub fn prior_cost(setting: Setting<'_>, x: &DVector<f64>) -> f64 {
     let (rows, offset) = prior.rows(strength);
     let terms = prior.terms(strength);
     let mut cost = 0.5 * (rows * x + offset).norm_squared();
+    cost += prior.absolute(strength).dot(&x.abs());
     if !terms.linear.is_empty() {
         cost += terms.linear.dot(x);
         let values = setting.standard.values(x);

@@ -99,6 +99,10 @@ const RECORDINGS_CASES: &[Case] = &[
 #[rustfmt::skip]
 const FIT_CASES: &[Case] = &[
     ("[fit]\nestimator = \"WLS\"", "unknown-estimator", (4, 13), "fit.estimator", "mean \"wls\"? known: ols, wls"),
+    ("[fit]\nfeasible_by = \"cone\"", "unknown-way-to-feasibility", (4, 15), "fit.feasible_by", "log_cholesky"),
+    ("[fit]\nload = \"twice\"", "unknown-way-to-the-load", (4, 8), "fit.load", "difference"),
+    ("[fit]\nfeasible_by = \"log_cholesky\"", "conflict", (4, 15), "fit.feasible_by", "leave feasible_by out"),
+    ("[fit.prior]\nkind = \"lasso\"", "conflict", (4, 8), "fit.prior.kind", "set estimator"),
     ("[fit.prior]\nkind = \"riemann\"", "unknown-prior-kind", (4, 8), "fit.prior.kind", "entropic"),
     ("[fit.prior]\nkind = \"entropic\"\nstrength = \"held-out\"", "unknown-strength", (5, 12), "fit.prior.strength", "\"held_out\""),
     ("[fit.prior]\nkind = \"entropic\"\nstrength = -1", "not-positive", (5, 12), "fit.prior.strength", "-1"),

@@ -1,0 +1,76 @@
+//! Where the nonlinear parameters of a law are looked for, in terms of what its joint did.
+
+use crate::chain::dataset::Prepared;
+use crate::chain::effect::Search;
+use std::f64::consts::{PI, TAU};
+
+/// Cycles over the range of positions between one order and the next: half of what tells two apart.
+const CYCLES: f64 = 0.5;
+
+/// Orders that are scanned at most.
+const MOST_ORDERS: usize = 600;
+
+/// What a joint did in recordings, as far as searches depend on it.
+#[derive(Debug, Clone, Copy)]
+pub struct Motion {
+    pub least: f64,
+    pub greatest: f64,
+    pub fastest: f64,
+    /// s.
+    pub duration: f64,
+    /// rad/s or m/s over the rate: the longest way between two rows.
+    pub longest_step: f64,
+}
+
+impl Motion {
+    pub fn of(recordings: &[&Prepared], joint: usize) -> Self {
+        let mut motion = Self {
+            least: f64::INFINITY,
+            greatest: f64::NEG_INFINITY,
+            fastest: 0.0,
+            duration: 0.0,
+            longest_step: 0.0,
+        };
+        for recording in recordings {
+            let trajectory = recording.segment().motors;
+            for q in &trajectory.q[joint] {
+                motion.least = motion.least.min(*q);
+                motion.greatest = motion.greatest.max(*q);
+            }
+            for v in &trajectory.dq[joint] {
+                motion.fastest = motion.fastest.max(v.abs());
+            }
+            let rate = recording.experiment.rate_hz / recording.stride as f64;
+            motion.longest_step = motion.longest_step.max(motion.fastest / rate);
+            motion.duration = motion.duration.max(recording.rows() as f64 / rate);
+        }
+        motion
+    }
+
+    /// Values to try of a parameter that starts at `value` and stays between limits.
+    pub fn values(&self, search: Search, (value, lower, upper): (f64, f64, f64)) -> Vec<f64> {
+        let range = self.greatest - self.least;
+        let shares = |shares: &[f64], of: f64, from: f64| -> Vec<f64> {
+            shares.iter().map(|share| from + share * of).collect()
+        };
+        let mut values = match search {
+            Search::Typical => vec![value],
+            Search::Values(values) => values.to_vec(),
+            Search::Position(of) => shares(of, range, self.least),
+            Search::Range(of) => shares(of, range, 0.0),
+            Search::Speed(of) => shares(of, self.fastest, 0.0),
+            Search::Duration(of) => shares(of, self.duration, 0.0),
+            Search::Cycles => {
+                let step = TAU * CYCLES / range;
+                let most = PI / self.longest_step;
+                let count = ((most / step) as usize).min(MOST_ORDERS);
+                (2..=count).map(|k| k as f64 * step).collect()
+            }
+        };
+        values.retain(|x| x.is_finite() && (lower..=upper).contains(x));
+        if values.is_empty() {
+            values.push(value);
+        }
+        values
+    }
+}
