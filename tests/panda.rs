@@ -123,7 +123,7 @@ const HAND: [(&str, f64); 10] = [
 
 fn hand(run: &FitRun, name: &str) -> Parameter {
     let wanted = format!("payload.{name}");
-    let all = run.fitted.estimate.parameters.iter();
+    let mut all = run.fitted.estimate.parameters.iter();
     all.rfind(|p| p.name == wanted).unwrap().clone()
 }
 

@@ -177,8 +177,8 @@ pub fn unnamed(smooth: &Smooth, refit: &Refit, (floor, tried): (&Floor, usize)) 
     }
 }
 
-/// Findings of channels without one whose held-out residual is larger than [`UNEXPLAINED`] allows, and larger than
-/// chance would have it: not even where the misfit lies says what it is. `signal` is the RMS of each channel.
+/// Findings of channels without one whose held-out residual is much larger than noise, and larger than chance would
+/// have it: not even where the misfit lies says what it is. `signal` is the RMS of each channel.
 pub fn unexplained(
     refit: &Refit,
     (floor, signal, significance): (&Floor, &[f64], f64),

@@ -120,7 +120,7 @@ impl Mechanism {
         &self.home
     }
 
-    /// A state of random motors about home: positions within [`AROUND`] as far as the loops close there,
+    /// A state of random motors about home: positions within `AROUND` as far as the loops close there,
     /// velocities and accelerations of the motors within the given ranges. Gives q, q̇, q̈ (n each).
     pub fn draw(&self, rng: &mut ChaCha8Rng, [speed, rate]: [f64; 2]) -> [Vec<f64>; 3] {
         let away: Vec<f64> = self
