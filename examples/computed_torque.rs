@@ -6,8 +6,8 @@
 //! K_p = ω²·1,   K_d = 2 ω·1
 //! ```
 //!
-//! (file 003, eqs 23 to 27; friction acts along the desired speed, because a measured one near standstill
-//! would let the controller push itself.) The identified model comes from recordings that this program
+//! (Gilbert, Maina and Byiringiro 2024, eqs 23 to 27; friction acts along the desired speed, because a
+//! measured one near standstill would let the controller push itself.) The identified model comes from recordings that this program
 //! simulates and fits first; the drawings' model has the true geometry and rotors, masses off by up to 20 %
 //! and no friction; without a model the command is J a_θ with one constant inertia per joint.
 //!

@@ -9,7 +9,7 @@
 //! Prints the price of one value and one gradient, then every improvement as `wall_s,cpu_s,starts,value`.
 
 use exid::chain::base_parameters::BaseParameters;
-use exid::chain::model::{Inertials, Model, ModelSettings, Signal};
+use exid::chain::model::{Model, ModelSettings, Signal};
 use exid::design::columns::Columns;
 use exid::design::criterion::{CRITERIA, Criterion};
 use exid::design::limits::{self, Ends};
@@ -147,20 +147,7 @@ fn price(experiment: &Experiment<'_>, settings: &Settings) -> Result<(), Box<dyn
 fn model(path: &Path, stated: &Value) -> Result<Model, Box<dyn Error>> {
     let name = stated["urdf"].as_str().ok_or("urdf is missing")?;
     let tree: Tree = urdf::read(&path.with_file_name(name))?;
-    let n = tree.len();
-    Ok(Model::new(ModelSettings {
-        tree,
-        signal: Signal::Torque,
-        inertials: Inertials::Estimate,
-        torque_constant: None,
-        current_polynomial: None,
-        rotor_inertia: None,
-        coupling: None,
-        offset: None,
-        effects: vec![Vec::new(); n],
-        payload: None,
-        locked: vec![false; n],
-    })?)
+    Ok(Model::new(ModelSettings::bodies(tree, Signal::Torque))?)
 }
 
 fn joints(stated: &Value, count: usize) -> Result<Joints, Box<dyn Error>> {

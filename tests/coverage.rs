@@ -5,7 +5,7 @@ use exid::chain::base_parameters::BaseParameters;
 use exid::chain::dataset::{Dataset, Prepared};
 use exid::chain::effect;
 use exid::chain::evaluate::{BLOCK, Evaluator, Segment};
-use exid::chain::model::{Inertials, Model, ModelSettings, Signal};
+use exid::chain::model::{Model, ModelSettings, Signal};
 use exid::chain::prior::Prior;
 use exid::estimate::fit::{Estimator, fit};
 use exid::problem::solution::Control;
@@ -49,17 +49,10 @@ fn declared() -> Model {
     let effects = ["coulomb_friction", "viscous_friction", "torque_offset"];
     let list: Vec<_> = effects.iter().map(|id| effect::find(id).unwrap()).collect();
     let mut model = Model::new(ModelSettings {
-        tree: urdf::read(&path).unwrap(),
-        signal: Signal::Current,
-        inertials: Inertials::Estimate,
         torque_constant: Some(TORQUE_CONSTANT.to_vec()),
-        current_polynomial: None,
         rotor_inertia: Some(vec![1.4, 1.5, 1.1, 0.35, 0.34, 0.33]),
-        coupling: None,
-        offset: None,
         effects: vec![list; 6],
-        payload: None,
-        locked: vec![false; 6],
+        ..ModelSettings::bodies(urdf::read(&path).unwrap(), Signal::Current)
     })
     .unwrap();
     for j in 0..6 {

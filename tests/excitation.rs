@@ -3,7 +3,7 @@
 use exid::chain::base_parameters::BaseParameters;
 use exid::chain::effect::find;
 use exid::chain::evaluate::{Evaluator, Segment};
-use exid::chain::model::{Inertials, Model, ModelSettings, Signal};
+use exid::chain::model::{Model, ModelSettings, Signal};
 use exid::chain::prior::Prior;
 use exid::design::columns::Columns;
 use exid::design::criterion::Criterion;
@@ -55,17 +55,8 @@ impl Robot {
         let effects: Vec<_> = ids.iter().map(|id| find(id).unwrap()).collect();
         let mut values = tree.parameters();
         let mut model = Model::new(ModelSettings {
-            tree,
-            signal: Signal::Torque,
-            inertials: Inertials::Estimate,
-            torque_constant: None,
-            current_polynomial: None,
-            rotor_inertia: None,
-            coupling: None,
-            offset: None,
             effects: vec![effects; n],
-            payload: None,
-            locked: vec![false; n],
+            ..ModelSettings::bodies(tree, Signal::Torque)
         })
         .unwrap();
         for k in values.len()..model.parameters().len() {

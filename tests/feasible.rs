@@ -9,7 +9,7 @@
 
 use exid::chain::base_parameters::BaseParameters;
 use exid::chain::effect;
-use exid::chain::model::{Inertials, Model, ModelSettings, Signal};
+use exid::chain::model::{Model, ModelSettings, Signal};
 use exid::estimate::feasible::MARGIN;
 use exid::estimate::feasible::program::Constraints;
 use exid::estimate::feasible::solve::{Compressed, Setting, estimate};
@@ -44,17 +44,8 @@ fn model(tree: Tree) -> Model {
     let n = tree.len();
     let friction = effect::find("viscous_friction").unwrap();
     Model::new(ModelSettings {
-        tree,
-        signal: Signal::Torque,
-        inertials: Inertials::Estimate,
-        torque_constant: None,
-        current_polynomial: None,
-        rotor_inertia: None,
-        coupling: None,
-        offset: None,
         effects: vec![vec![friction]; n],
-        payload: None,
-        locked: vec![false; n],
+        ..ModelSettings::bodies(tree, Signal::Torque)
     })
     .unwrap()
 }

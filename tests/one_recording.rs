@@ -16,7 +16,7 @@ fn pushed(from: f64, to: f64) -> Plan {
         ..Scope::all(11)
     };
     let mut plan = Plan::draw(&scope, (0, 0));
-    let size = 0.5 * plan.robot.torque[plan.concealed[0].joints[0]];
+    let size = 0.5 * plan.robot.torque[plan.concealed[0].joints()[0]];
     let values = plan.concealed[0].values.iter_mut();
     for ((_, to), value) in values.zip([size, from, to]) {
         *to = value;
@@ -41,7 +41,7 @@ fn a_push_at_another_time_is_fitted_where_it_is() {
     let words: Vec<&str> = found.iter().map(|f| f.sentence.as_str()).collect();
     assert_eq!(found.len(), 1, "{words:?}");
     assert_eq!(found[0].effect, "external_contact");
-    let pushed = plan.robot.name(plan.concealed[0].joints[0]);
+    let pushed = plan.robot.name(plan.concealed[0].joints()[0]);
     assert_eq!(found[0].joints, [pushed]);
     assert!(
         found[0].explained_share > 0.9,

@@ -110,6 +110,26 @@ pub struct ModelSettings {
     pub locked: Vec<bool>,
 }
 
+impl ModelSettings {
+    /// Bodies that are estimated and nothing else: no drive, no effect, no load, every joint free to move.
+    pub fn bodies(tree: Tree, signal: Signal) -> Self {
+        let n = tree.len();
+        Self {
+            tree,
+            signal,
+            inertials: Inertials::Estimate,
+            torque_constant: None,
+            current_polynomial: None,
+            rotor_inertia: None,
+            coupling: None,
+            offset: None,
+            effects: vec![Vec::new(); n],
+            payload: None,
+            locked: vec![false; n],
+        }
+    }
+}
+
 /// A joint with its drive.
 #[derive(Debug, Clone)]
 pub struct JointModel {

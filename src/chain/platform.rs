@@ -5,11 +5,11 @@
 //! ```
 //!
 //! T takes force and moment about the origin of the base frame to the axes and origin of the sensor's frame;
-//! J is a rotor's own inertia, r its turns per joint turn, R a its axis, which its carrier turns (file 000,
-//! section 4: the term n·q̈·J^m of the R-model). A carrier's mass and inertia contain the rotor at rest.
+//! J is a rotor's own inertia, r its turns per joint turn, R a its axis, which its carrier turns (Raucent,
+//! Campion, Bastin, Samin and Willems 1992, section 4: the term n·q̈·J^m of the R-model). A carrier's mass and inertia contain the rotor at rest.
 
 use crate::chain::error::ModelError;
-use crate::chain::model::{Inertials, Model, ModelSettings, Signal};
+use crate::chain::model::{Model, ModelSettings, Signal};
 use crate::robot::batch::Trajectory;
 use crate::robot::tree::{JointKind, Tree};
 use nalgebra::{Isometry3, Matrix3, Matrix6, Rotation3, Vector3};
@@ -116,17 +116,10 @@ fn turning(
 pub fn bodies_alone(model: &Model, signal: Signal) -> Result<Model, ModelError> {
     let joints = model.joints();
     let mut alone = Model::new(ModelSettings {
-        tree: model.tree().clone(),
-        signal,
-        inertials: Inertials::Estimate,
-        torque_constant: None,
-        current_polynomial: None,
-        rotor_inertia: None,
-        coupling: None,
         offset: Some(model.offset().as_slice().to_vec()),
-        effects: vec![Vec::new(); joints.len()],
         payload: model.payload().map(|(payload, _)| payload),
         locked: joints.iter().map(|joint| joint.locked).collect(),
+        ..ModelSettings::bodies(model.tree().clone(), signal)
     })?;
     for parameter in model.parameters().iter().filter(|p| !p.is_free()) {
         if let Ok(position) = alone.find(&parameter.name) {

@@ -40,7 +40,11 @@ pub fn folder(run: &Run, problem: &ProblemFile, verb: &str) -> PathBuf {
 
 /// The results folder of a run, made sure that it can be written: refused before the work, not after it.
 pub fn target(run: &Run, problem: &ProblemFile, verb: &str) -> Result<PathBuf, CliError> {
-    let target = folder(run, problem, verb);
+    writable(folder(run, problem, verb))
+}
+
+/// A results folder, made sure that it can be written.
+pub fn writable(target: PathBuf) -> Result<PathBuf, CliError> {
     drop(ResultFolder::prepare(&target)?);
     Ok(target)
 }

@@ -5,7 +5,6 @@ use crate::cli::error::CliError;
 use crate::cli::progress::Progress;
 use crate::cli::{interrupt, output};
 use crate::outcome::estimate::Estimate;
-use crate::outcome::folder::ResultFolder;
 use crate::outcome::run::{Run as Record, VERSION};
 use crate::outcome::trials::Trial;
 use crate::outcome::{Outcome, Part};
@@ -19,6 +18,9 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+/// The results folder where none is given.
+const FOLDER: &str = "results/trials/trials";
+
 /// Trials between two writings of the result.
 const BATCH: usize = 16;
 
@@ -26,20 +28,16 @@ pub fn run(campaign: &Campaign) -> Result<u8, CliError> {
     let started = Instant::now();
     let scope = scope(campaign)?;
     output::set_threads(campaign.threads)?;
-    let target = match &campaign.out {
-        Some(folder) => folder.clone(),
-        None => PathBuf::from("results/trials/trials"),
-    };
-    // A folder that cannot be written is refused before the work, not after it.
-    drop(ResultFolder::prepare(&target)?);
+    let folder = campaign.out.clone();
+    let target = output::writable(folder.unwrap_or_else(|| PathBuf::from(FOLDER)))?;
     let control = Control {
         interrupt: Some(interrupt::flag()),
         ..Control::default()
     };
     let progress = Progress::new(campaign.printing);
     let mut done = earlier(&target, &scope, campaign.count);
-    let known = |done: &[Trial], number: u64| done.iter().any(|t| t.seed == number);
-    let open: Vec<u64> = (0..campaign.count).filter(|n| !known(&done, *n)).collect();
+    let is_open = |n: &u64| done.iter().all(|t| t.seed != *n);
+    let open: Vec<u64> = (0..campaign.count).filter(is_open).collect();
     let mut made = 0;
     for batch in open.chunks(BATCH) {
         progress.say(format!("{} of {} trials", done.len(), campaign.count));
@@ -57,10 +55,7 @@ pub fn run(campaign: &Campaign) -> Result<u8, CliError> {
     progress.done();
     let outcome = outcome(&scope, done, (started, made));
     output::finish(campaign.printing, &target, &outcome, |_| Ok(()))?;
-    Ok(match control.is_interrupted() {
-        true => CliError::INTERRUPTED,
-        false => 0,
-    })
+    Ok(output::exit_code(control.is_interrupted(), true))
 }
 
 fn scope(campaign: &Campaign) -> Result<Scope, CliError> {

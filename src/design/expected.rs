@@ -13,7 +13,7 @@ use crate::chain::parameter::Role;
 use crate::chain::prior::Prior;
 use crate::design::motion::Motion;
 use crate::robot::batch::Trajectory;
-use crate::robot::inertia::{Inertia, PER_LINK, REPORTED};
+use crate::robot::inertia::{Inertia, PER_LINK, REPORTED, TENSOR};
 
 /// One expected standard deviation; `None` where the motion does not determine the parameter.
 #[derive(Debug, Clone, PartialEq)]
@@ -226,15 +226,6 @@ fn central_quantities(body: &Inertia) -> [f64; PER_LINK] {
 /// Derivatives of mass, centre of mass and inertia about it with respect to the raw parameters:
 /// `c = h/m`, `I_c = I − (hᵀh·1 − h hᵀ)/m`.
 fn central_jacobian(body: &Inertia) -> DMatrix<f64> {
-    /// Axes of the inertia entries in the order of [`REPORTED`], and their raw positions.
-    const ENTRIES: [(usize, usize, usize); 6] = [
-        (0, 0, 4),
-        (0, 1, 5),
-        (0, 2, 7),
-        (1, 1, 6),
-        (1, 2, 8),
-        (2, 2, 9),
-    ];
     let (m, h) = (body.mass(), body.first_moment());
     let mut jacobian = DMatrix::zeros(PER_LINK, PER_LINK);
     jacobian[(0, 0)] = 1.0;
@@ -242,7 +233,7 @@ fn central_jacobian(body: &Inertia) -> DMatrix<f64> {
         jacobian[(1 + axis, 1 + axis)] = 1.0 / m;
         jacobian[(1 + axis, 0)] = -h[axis] / (m * m);
     }
-    for (k, (a, b, raw)) in ENTRIES.into_iter().enumerate() {
+    for (k, (a, b, raw)) in TENSOR.into_iter().enumerate() {
         let row = 4 + k;
         jacobian[(row, raw)] = 1.0;
         let delta = f64::from(u8::from(a == b));

@@ -13,7 +13,7 @@ use crate::chain::model::Model;
 use crate::design::columns::{Columns, Entries, Recipe};
 use crate::design::laws::{Evaluated, Laws};
 use crate::design::motion::{Motion, of_motors};
-use crate::robot::batch::Trajectory;
+use crate::robot::batch::{LaneState, Trajectory};
 use crate::robot::instructions::{self, InstructionSet, Kernel};
 use crate::robot::lanes::{LANES, Lanes};
 use crate::robot::regressor::{BlockSink, Regressor, Rows};
@@ -300,33 +300,6 @@ impl<'m> Observation<'m> {
     }
 }
 
-/// Eight samples of a motion of the joints.
-struct State<L> {
-    q: Vec<L>,
-    dq: Vec<L>,
-    ddq: Vec<L>,
-}
-
-impl<L: Lanes> State<L> {
-    fn new(n: usize) -> Self {
-        let rest = || (0..n).map(|_| L::constant(0.0)).collect();
-        Self {
-            q: rest(),
-            dq: rest(),
-            ddq: rest(),
-        }
-    }
-
-    #[inline(always)]
-    fn load(&mut self, motion: Trajectory<'_>, start: usize) {
-        for j in 0..self.q.len() {
-            self.q[j] = L::load(&motion.q[j], start);
-            self.dq[j] = L::load(&motion.dq[j], start);
-            self.ddq[j] = L::load(&motion.ddq[j], start);
-        }
-    }
-}
-
 /// The entries of the regressor along a motion.
 struct EntriesKernel<'a> {
     tree: &'a Tree,
@@ -361,16 +334,16 @@ impl Kernel for EntriesKernel<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let mut recursion = Regressor::<L>::new(self.tree, Rows::Torque);
-        let mut state = State::<L>::new(self.tree.len());
+        let mut state = LaneState::<L>::new(self.tree.len());
         for at in (0..self.motion.len()).step_by(LANES) {
-            state.load(self.motion, at);
+            state.load(self.motion, at..self.motion.len());
             let mut sink = EntrySink {
                 entries: self.entries,
                 stride: self.stride,
                 at,
                 values: &mut self.values[..],
             };
-            recursion.blocks(self.tree, [&state.q, &state.dq, &state.ddq], &mut sink);
+            recursion.blocks(self.tree, state.slices(), &mut sink);
         }
     }
 }
@@ -392,13 +365,13 @@ impl Kernel for SlopesKernel<'_> {
     fn run<L: Lanes>(self) {
         let n = self.tree.len();
         let mut recursion = RegressorGradient::<L>::new(self.tree);
-        let mut state = State::<L>::new(n);
+        let mut state = LaneState::<L>::new(n);
         let samples = self.motion.len();
         for at in (0..samples).step_by(LANES) {
-            state.load(self.motion, at);
+            state.load(self.motion, at..self.motion.len());
             let gradient = recursion.evaluate(
                 self.tree,
-                [&state.q, &state.dq, &state.ddq],
+                state.slices(),
                 #[inline(always)]
                 |row, link| {
                     let mut weights = [L::constant(0.0); 10];

@@ -1,4 +1,5 @@
-//! The load as the difference of two fits of the link that carries it (file 003, Table 5 and what follows it).
+//! The load as the difference of two fits of the link that carries it (Gilbert, Maina and Byiringiro 2024,
+//! Table 5 and what follows it).
 //!
 //! The first fit is of the recordings without the load. In the second, of those with it, everything but the ten
 //! parameters of that link stays as it was, and what they change by is the load δ:

@@ -9,7 +9,7 @@ use crate::chain::parameter::{Parameter, Role};
 use crate::estimate::unknowns::Unknowns;
 use crate::outcome::estimate::Covariance;
 use crate::outcome::parameter::{Parameter as Reported, Source};
-use crate::robot::inertia::{PER_LINK, REPORTED};
+use crate::robot::inertia::{PER_LINK, REPORTED, TENSOR};
 use crate::stats::distribution::Distribution;
 use nalgebra::{DMatrix, DVector, RowDVector};
 
@@ -30,16 +30,6 @@ pub struct Estimated<'a> {
     /// Unknowns that lie at a bound, as variables of the estimate.
     pub at_bound: &'a [usize],
 }
-
-/// Axes of the inertia entries in the order of [`REPORTED`], and their positions among the raw parameters.
-const INERTIA: [(usize, usize, usize); 6] = [
-    (0, 0, 4),
-    (0, 1, 5),
-    (0, 2, 7),
-    (1, 1, 6),
-    (1, 2, 8),
-    (2, 2, 9),
-];
 
 struct Quantity {
     name: String,
@@ -207,7 +197,7 @@ fn body(estimated: &Estimated<'_>, name: &str, first: usize, out: &mut Vec<Quant
         let gradient = vec![(1 + axis, 1.0 / m), (0, -h / (m * m))];
         push(1 + axis, &[0, 1 + axis], h / m, gradient);
     }
-    for (index, (a, b, entry)) in INERTIA.into_iter().enumerate() {
+    for (index, (a, b, entry)) in TENSOR.into_iter().enumerate() {
         let (value, mut gradient) = (raw[entry], vec![(entry, 1.0)]);
         let mut needs = vec![entry, 0];
         // Products h_i h_j / m that Steiner's theorem takes away, with their signs.

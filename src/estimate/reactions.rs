@@ -1,5 +1,5 @@
 //! From base reactions to joint torques: the parameters θ_d of the joint-torque model as combinations of the
-//! parameters θ_r that the reaction of the base determines (file 000, eq. 5):
+//! parameters θ_r that the reaction of the base determines (Raucent, Campion, Bastin, Samin and Willems 1992, eq. 5):
 //!
 //! ```text
 //! θ_d = S θ_r        θ_d = S_d π,   θ_r = S_r π,   S S_r = S_d

@@ -1,11 +1,12 @@
 //! A URDF with other inertials and losses: the text of the file stays, elements are replaced in it.
 
 use crate::export::error::ExportError;
-use crate::export::urdf::{dynamics, inertial};
+use crate::export::urdf::dynamics;
 use crate::fault::Place;
 use crate::outcome::machine::{Machine, MachineJoint};
 use crate::robot::error::{RobotError, RobotErrorKind};
 use crate::robot::inertia::Inertia;
+use crate::robot::urdf::inertial;
 use roxmltree::{Document, Node};
 use std::ops::Range;
 use std::path::Path;

@@ -5,7 +5,7 @@
 
 use crate::chain::base_parameters::BaseParameters;
 use crate::chain::error::ModelError;
-use crate::chain::model::{Inertials, Model, ModelSettings, Signal};
+use crate::chain::model::{Model, ModelSettings, Signal};
 use crate::robot::tree::Tree;
 use nalgebra::DMatrix;
 
@@ -14,20 +14,7 @@ use nalgebra::DMatrix;
 /// # Errors
 /// None that the tree can cause: its model has neither drives nor couplings.
 pub fn minimal(tree: &Tree) -> Result<Vec<f64>, ModelError> {
-    let n = tree.len();
-    let model = Model::new(ModelSettings {
-        tree: tree.clone(),
-        signal: Signal::Torque,
-        inertials: Inertials::Estimate,
-        torque_constant: None,
-        current_polynomial: None,
-        rotor_inertia: None,
-        coupling: None,
-        offset: None,
-        effects: vec![Vec::new(); n],
-        payload: None,
-        locked: vec![false; n],
-    })?;
+    let model = Model::new(ModelSettings::bodies(tree.clone(), Signal::Torque))?;
     let count = model.parameters().len();
     let base = BaseParameters::structural(&model, &[false], &DMatrix::zeros(0, count));
     let given = tree.parameters();

@@ -10,7 +10,8 @@ use crate::export::side_file;
 use crate::export::xml::{escaped, triple};
 use crate::export::{Export, File};
 use crate::outcome::machine::{Machine, MachineFrame, MachineJoint, Motion, Pose};
-use crate::robot::inertia::{CentralInertia, Inertia};
+use crate::robot::inertia::Inertia;
+use crate::robot::urdf::inertial;
 use nalgebra::Vector3;
 use std::fmt::Write;
 
@@ -42,29 +43,6 @@ pub fn write(machine: &Machine, name: &str) -> Result<Export, ExportError> {
         files: vec![File { name: file, text }, side],
         notes,
     })
-}
-
-/// The element of a body.
-pub(super) fn inertial(body: &Inertia) -> String {
-    let central = body.central().unwrap_or(CentralInertia {
-        mass: 0.0,
-        centre: Vector3::zeros(),
-        tensor: body.tensor(),
-    });
-    let (mass, centre) = (central.mass, &central.centre);
-    let entry = |r: usize, c: usize| central.tensor[(r, c)];
-    format!(
-        "<inertial>\n      <origin xyz=\"{}\" rpy=\"0 0 0\"/>\n      <mass value=\"{mass:?}\"/>\n      \
-         <inertia ixx=\"{:?}\" ixy=\"{:?}\" ixz=\"{:?}\" iyy=\"{:?}\" iyz=\"{:?}\" izz=\"{:?}\"/>\n    \
-         </inertial>",
-        triple(centre),
-        entry(0, 0),
-        entry(0, 1),
-        entry(0, 2),
-        entry(1, 1),
-        entry(1, 2),
-        entry(2, 2)
-    )
 }
 
 /// The element of the losses of a joint.

@@ -1,5 +1,5 @@
 //! The parallel robot H4: four levers on a fixed base, four rods, a platform ("nacelle") that moves along x, y, z
-//! and turns about z (file 002, section 2, eqs 1 to 8).
+//! and turns about z (Vivas, Poignet, Marquet, Pierrot and Gautier 2003, section 2, eqs 1 to 8).
 //!
 //! ```text
 //! O A_i = (x, y, z) + (±h cos θ, ±h sin θ ± d, 0)          ends of the rods on the platform
@@ -116,7 +116,7 @@ impl H4 {
     }
 
     /// The pose (x, y, z in m, θ in rad) of the platform at motor positions (rad), from a pose nearby, by
-    /// Newton's iteration (file 002, eq. 9).
+    /// Newton's iteration (Vivas, Poignet, Marquet, Pierrot and Gautier 2003, eq. 9).
     ///
     /// # Errors
     /// Outside of the workspace, and at a singularity.

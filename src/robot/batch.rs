@@ -153,14 +153,15 @@ impl<L: Lanes> BlockSink<L> for BatchSink<'_> {
     }
 }
 
-struct LaneState<L> {
+/// Some samples of a motion of the joints.
+pub(crate) struct LaneState<L> {
     q: Vec<L>,
     dq: Vec<L>,
     ddq: Vec<L>,
 }
 
 impl<L: Lanes> LaneState<L> {
-    fn new(n: usize) -> Self {
+    pub fn new(n: usize) -> Self {
         let rest = || (0..n).map(|_| L::constant(0.0)).collect();
         Self {
             q: rest(),
@@ -170,7 +171,7 @@ impl<L: Lanes> LaneState<L> {
     }
 
     #[inline(always)]
-    fn load(&mut self, t: Trajectory<'_>, range: Range<usize>) {
+    pub fn load(&mut self, t: Trajectory<'_>, range: Range<usize>) {
         for j in 0..self.q.len() {
             self.q[j] = L::load(&t.q[j][..range.end], range.start);
             self.dq[j] = L::load(&t.dq[j][..range.end], range.start);
@@ -179,7 +180,7 @@ impl<L: Lanes> LaneState<L> {
     }
 
     #[inline(always)]
-    fn slices(&self) -> [&[L]; 3] {
+    pub fn slices(&self) -> [&[L]; 3] {
         [&self.q, &self.dq, &self.ddq]
     }
 }

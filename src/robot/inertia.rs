@@ -20,6 +20,16 @@ pub const UNITS: [&str; PER_LINK] = [
     "kg", "kg·m", "kg·m", "kg·m", "kg·m²", "kg·m²", "kg·m²", "kg·m²", "kg·m²", "kg·m²",
 ];
 
+/// Axes of the entries of the tensor in the order of [`REPORTED`], and their positions among the parameters.
+pub const TENSOR: [(usize, usize, usize); 6] = [
+    (0, 0, 4),
+    (0, 1, 5),
+    (0, 2, 7),
+    (1, 1, 6),
+    (1, 2, 8),
+    (2, 2, 9),
+];
+
 /// What a body is reported by, with units: mass, centre of mass, tensor about it.
 pub const REPORTED: [(&str, &str); PER_LINK] = [
     ("mass", "kg"),

@@ -303,3 +303,28 @@ impl Reader<'_> {
 fn find<'a, 'd>(node: Node<'a, 'd>, name: &str) -> Option<Node<'a, 'd>> {
     node.children().find(|child| child.has_tag_name(name))
 }
+
+/// The element of a body, with numbers that read back to the same bits.
+pub fn inertial(body: &Inertia) -> String {
+    let central = body.central().unwrap_or(CentralInertia {
+        mass: 0.0,
+        centre: Vector3::zeros(),
+        tensor: body.tensor(),
+    });
+    let (mass, centre) = (central.mass, &central.centre);
+    let entry = |r: usize, c: usize| central.tensor[(r, c)];
+    format!(
+        "<inertial>\n      <origin xyz=\"{}\" rpy=\"0 0 0\"/>\n      <mass value=\"{mass:?}\"/>\n      \
+         <inertia ixx=\"{:?}\" ixy=\"{:?}\" ixz=\"{:?}\" iyy=\"{:?}\" iyz=\"{:?}\" izz=\"{:?}\"/>\n    \
+         </inertial>",
+        [centre.x, centre.y, centre.z]
+            .map(|x| format!("{x:?}"))
+            .join(" "),
+        entry(0, 0),
+        entry(0, 1),
+        entry(0, 2),
+        entry(1, 1),
+        entry(1, 2),
+        entry(2, 2)
+    )
+}

@@ -4,6 +4,7 @@ use nalgebra::DVector;
 
 use crate::problem::bounds;
 use crate::problem::form::Form;
+use crate::problem::{Linearization, Problem};
 use crate::solve::error::{SolveError, SolveErrorKind};
 
 pub mod bounded;
@@ -30,4 +31,18 @@ fn admissible_start(form: &Form, start: &DVector<f64>) -> Result<DVector<f64>, S
         }
     }
     Ok(bounds::project(form, start))
+}
+
+/// The admissible start and the first-order model there, or what is wrong with them.
+fn finite_model(
+    problem: &dyn Problem,
+    start: &DVector<f64>,
+) -> Result<(DVector<f64>, Linearization), SolveError> {
+    let start = admissible_start(problem.form(), start)?;
+    let model = problem.linearize(&start)?;
+    let numbers = model.gradient.iter().chain(model.constraints.iter());
+    if !numbers.chain(model.jacobian.iter()).all(|v| v.is_finite()) {
+        return Err(SolveError::whole(SolveErrorKind::ModelNotFinite));
+    }
+    Ok((start, model))
 }

@@ -3,14 +3,8 @@
 //! Sizes are a share `f` of the torque that the joint usually bears, so that all effects are swept over the same
 //! range; what the declared model cannot absorb of them is measured, not assumed.
 
-use crate::chain::effect::{
-    EFFECTS, Effect, asymmetric_friction, backlash, base_tilt, drive_gain, external_contact,
-    joint_elasticity, joint_spring, kinematic_coupling, load_dependent_friction,
-    position_dependent_friction, presliding_hysteresis, rotor_inertia, sigmoid_friction,
-    stribeck_friction, thermal_drift, time_delay, torque_current_nonlinearity, torque_offset,
-    torque_ripple, transmission_efficiency, unmodelled_payload, viscous_nonlinearity,
-};
-use crate::chain::effect::{coulomb_friction, viscous_friction};
+use crate::chain::effect::{EFFECTS, Effect, Memory, coulomb_friction, viscous_friction};
+use crate::diagnose::hypothesis::Hypothesis;
 use crate::trials::robot::{RandomRobot, between};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -19,11 +13,22 @@ use std::f64::consts::{PI, TAU};
 /// An effect that acts and is not declared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Concealed {
-    pub effect: &'static str,
-    /// Joints that a finding has to name.
-    pub joints: Vec<usize>,
+    /// The hypothesis that is the truth.
+    pub hypothesis: Hypothesis,
     /// Parameters by their names in `[simulate.values]`.
     pub values: Vec<(String, f64)>,
+}
+
+impl Concealed {
+    /// Joints that a finding has to name.
+    pub fn joints(&self) -> Vec<usize> {
+        self.hypothesis.named_joints()
+    }
+
+    /// Whether it changes from period to period, which averages hide.
+    pub fn changes_with_time(&self) -> bool {
+        self.hypothesis.effect.needs.memory == Memory::Time
+    }
 }
 
 /// The effects that can be concealed: all but those that are declared.
@@ -59,7 +64,7 @@ struct Site<'a> {
 /// Draws an effect of size `share` on a joint.
 pub fn draw(
     rng: &mut ChaCha8Rng,
-    (effect, joint): (&'static str, usize),
+    (effect, joint): (&'static Effect, usize),
     (robot, course, share): (&RandomRobot, Course, f64),
 ) -> Concealed {
     let site = Site {
@@ -68,22 +73,23 @@ pub fn draw(
         course,
         share,
     };
-    let (joints, values) = match effect {
-        id if id == base_tilt::EFFECT.id => site.tilt(rng),
-        id if id == time_delay::EFFECT.id && rng.random::<f64>() < 0.7 => site.common_delay(),
-        id if id == kinematic_coupling::EFFECT.id => site.coupling(rng),
-        id if id == unmodelled_payload::EFFECT.id => site.load(rng),
-        _ => (vec![joint], site.own(effect, site.values(rng, effect))),
+    let (joints, other, values) = match effect.id {
+        "base_tilt" => site.tilt(rng),
+        "time_delay" if rng.random::<f64>() < 0.7 => site.common_delay(),
+        "kinematic_coupling" => site.coupling(rng),
+        "unmodelled_payload" => site.load(rng),
+        id => (vec![joint], None, site.own(id, site.values(rng, id))),
     };
-    Concealed {
+    let hypothesis = Hypothesis {
         effect,
         joints,
-        values,
-    }
+        other,
+    };
+    Concealed { hypothesis, values }
 }
 
-/// Joints of an effect and its values by name.
-type Sited = (Vec<usize>, Vec<(String, f64)>);
+/// Joints of an effect, the other motor of a coupling, and the values by name.
+type Sited = (Vec<usize>, Option<usize>, Vec<(String, f64)>);
 
 fn named(prefix: &str, values: Vec<(&str, f64)>) -> Vec<(String, f64)> {
     let full = |(name, value): (&str, f64)| (format!("{prefix}.{name}"), value);
@@ -107,26 +113,24 @@ impl Site<'_> {
     fn tilt(&self, rng: &mut ChaCha8Rng) -> Sited {
         let mut angle = || 0.2 * self.share * sign(rng);
         let angles = vec![("roll", angle()), ("pitch", angle())];
-        (self.all(), named(base_tilt::EFFECT.id, angles))
+        (self.all(), None, named("base_tilt", angles))
     }
 
     /// One cable or one clock carries the channels of all joints.
     fn common_delay(&self) -> Sited {
-        let id = time_delay::EFFECT.id;
         let of = |&j: &usize| {
-            let name = format!("{}.{id}.delay", self.robot.name(j));
+            let name = format!("{}.time_delay.delay", self.robot.name(j));
             (name, 0.05 * self.share)
         };
         let values = self.all().iter().map(of).collect();
-        (self.all(), values)
+        (self.all(), None, values)
     }
 
     fn coupling(&self, rng: &mut ChaCha8Rng) -> Sited {
         let other = if self.joint == 0 { 1 } else { self.joint - 1 };
-        let mut joints = vec![self.joint, other];
-        joints.sort_unstable();
         let entry = vec![(self.robot.name(other), self.share * sign(rng))];
-        (joints, self.own(kinematic_coupling::EFFECT.id, entry))
+        let values = self.own("kinematic_coupling", entry);
+        (vec![self.joint], Some(other), values)
     }
 
     /// N·m (N) of the effect.
@@ -136,20 +140,13 @@ impl Site<'_> {
 
     fn values(&self, rng: &mut ChaCha8Rng, effect: &str) -> Vec<(&'static str, f64)> {
         match effect {
-            id if id == asymmetric_friction::EFFECT.id
-                || id == stribeck_friction::EFFECT.id
-                || id == viscous_nonlinearity::EFFECT.id
-                || id == sigmoid_friction::EFFECT.id
-                || id == presliding_hysteresis::EFFECT.id
-                || id == position_dependent_friction::EFFECT.id =>
-            {
-                self.friction(rng, effect)
-            }
-            id if id == joint_elasticity::EFFECT.id
-                || id == backlash::EFFECT.id
-                || id == joint_spring::EFFECT.id
-                || id == torque_ripple::EFFECT.id =>
-            {
+            "asymmetric_friction"
+            | "stribeck_friction"
+            | "viscous_nonlinearity"
+            | "sigmoid_friction"
+            | "presliding_hysteresis"
+            | "position_dependent_friction" => self.friction(rng, effect),
+            "joint_elasticity" | "backlash" | "joint_spring" | "torque_ripple" => {
                 self.of_position(rng, effect)
             }
             _ => self.of_drive(rng, effect),
@@ -160,26 +157,26 @@ impl Site<'_> {
         let (torque, fastest) = (self.torque(), self.robot.speed(self.joint));
         let (middle, half_range) = self.robot.range(self.joint);
         match effect {
-            id if id == asymmetric_friction::EFFECT.id => vec![
+            "asymmetric_friction" => vec![
                 ("dFc", torque * sign(rng)),
                 ("dFv", between(rng, -1.0, 1.0) * torque / fastest),
             ],
-            id if id == stribeck_friction::EFFECT.id => {
+            "stribeck_friction" => {
                 vec![("Fs", torque), ("vs", between(rng, 0.02, 0.15) * fastest)]
             }
-            id if id == viscous_nonlinearity::EFFECT.id => {
+            "viscous_nonlinearity" => {
                 let power = match rng.random::<bool>() {
                     true => between(rng, 1.6, 3.0),
                     false => between(rng, 0.3, 0.6),
                 };
                 vec![("Fn", torque / (0.5 * fastest).powf(power)), ("p", power)]
             }
-            id if id == sigmoid_friction::EFFECT.id => vec![
+            "sigmoid_friction" => vec![
                 ("psi1", 2.0 * torque),
                 ("psi2", between(rng, 5.0, 40.0) / fastest),
                 ("psi3", between(rng, -0.2, 0.2) * fastest),
             ],
-            id if id == presliding_hysteresis::EFFECT.id => {
+            "presliding_hysteresis" => {
                 let dry = self.robot.friction[self.joint][0];
                 let stiffness = dry / (between(rng, 0.05, 0.5) * self.share * half_range);
                 vec![
@@ -201,7 +198,7 @@ impl Site<'_> {
         let (middle, half_range) = self.robot.range(self.joint);
         let inertia = self.robot.mass[self.joint];
         match effect {
-            id if id == joint_elasticity::EFFECT.id => {
+            "joint_elasticity" => {
                 // Links of robots swing above 8 Hz.
                 let softest = inertia * (TAU * 8.0).powi(2);
                 let bend = 0.02 * self.share * half_range;
@@ -209,8 +206,8 @@ impl Site<'_> {
                 let damping = 0.2 * (stiffness * inertia).sqrt();
                 vec![("K", stiffness), ("D", damping)]
             }
-            id if id == backlash::EFFECT.id => vec![("gap", 0.02 * self.share * half_range)],
-            id if id == joint_spring::EFFECT.id => vec![
+            "backlash" => vec![("gap", 0.02 * self.share * half_range)],
+            "joint_spring" => vec![
                 ("k", self.torque() / half_range),
                 ("q0", middle + between(rng, -1.0, 1.0) * half_range),
             ],
@@ -231,24 +228,24 @@ impl Site<'_> {
         let constant = self.robot.torque_constant[self.joint];
         let duration = self.course.duration();
         match effect {
-            id if id == transmission_efficiency::EFFECT.id => vec![("R", 1.0 - self.share)],
-            id if id == load_dependent_friction::EFFECT.id => vec![("mu", self.share)],
-            id if id == torque_current_nonlinearity::EFFECT.id => {
+            "transmission_efficiency" => vec![("R", 1.0 - self.share)],
+            "load_dependent_friction" => vec![("mu", self.share)],
+            "torque_current_nonlinearity" => {
                 // Torque grows with the current up to five times the usual one.
                 let largest = 5.0 * self.robot.torque[self.joint] / constant;
                 let bend = self.share * constant / (3.0 * largest.powi(2));
                 vec![("c0", 0.0), ("c1", constant), ("c2", 0.0), ("c3", -bend)]
             }
-            id if id == drive_gain::EFFECT.id => vec![("gain", 1.0 + self.share * sign(rng))],
-            id if id == torque_offset::EFFECT.id => vec![("offset", self.torque() * sign(rng))],
-            id if id == rotor_inertia::EFFECT.id => {
+            "drive_gain" => vec![("gain", 1.0 + self.share * sign(rng))],
+            "torque_offset" => vec![("offset", self.torque() * sign(rng))],
+            "rotor_inertia" => {
                 vec![("Jm", self.share * self.robot.mass[self.joint])]
             }
-            id if id == thermal_drift::EFFECT.id => vec![
+            "thermal_drift" => vec![
                 ("gain", -(2.0 * self.share).min(0.8)),
                 ("time_constant", between(rng, 0.2, 0.8) * duration),
             ],
-            id if id == external_contact::EFFECT.id => {
+            "external_contact" => {
                 let from = between(rng, 0.1, 0.7) * duration;
                 vec![
                     ("torque", self.torque() * sign(rng)),
@@ -279,9 +276,7 @@ impl Site<'_> {
             ("inertia_yy", inertia),
             ("inertia_zz", inertia),
         ];
-        (
-            vec![last.joint],
-            last.own(unmodelled_payload::EFFECT.id, values),
-        )
+        let values = last.own("unmodelled_payload", values);
+        (vec![last.joint], None, values)
     }
 }

@@ -1,5 +1,6 @@
 //! What is tried in which trial: follows from the seed and the number of the trial.
 
+use crate::chain::effect::{self, rotor_inertia, unmodelled_payload};
 use crate::robot::random::generator;
 use crate::trials::conceal::{self, Concealed, Course};
 use crate::trials::outside::Outside;
@@ -107,14 +108,15 @@ impl Plan {
         if pair {
             chosen.push(pick(rng, &ids));
         }
-        for effect in chosen {
+        for effect in chosen.into_iter().filter_map(effect::find) {
             let joint = joints.remove((rng.random::<f64>() * joints.len() as f64) as usize);
             let size = share(rng, if pair { 0.05 } else { SHARES.0 });
             let site = (&self.robot, self.course, size);
             let drawn = conceal::draw(rng, (effect, joint), site);
-            self.known_links |= effect == crate::chain::effect::unmodelled_payload::EFFECT.id;
-            self.known_rotors &= effect != crate::chain::effect::rotor_inertia::EFFECT.id;
-            joints.retain(|j| !drawn.joints.contains(j) || drawn.joints.len() == n);
+            self.known_links |= effect.id == unmodelled_payload::EFFECT.id;
+            self.known_rotors &= effect.id != rotor_inertia::EFFECT.id;
+            let taken = drawn.joints();
+            joints.retain(|j| !taken.contains(j) || taken.len() == n);
             self.concealed.push(drawn);
             if joints.is_empty() {
                 return;

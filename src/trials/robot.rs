@@ -4,6 +4,7 @@ use crate::robot::batch::{Trajectory, torques};
 use crate::robot::derivatives::Derivatives;
 use crate::robot::random::{body_about, symmetric, vector};
 use crate::robot::tree::{Joint, JointKind, Limits, Tree};
+use crate::robot::urdf::inertial;
 use nalgebra::{Rotation3, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -139,25 +140,11 @@ fn write_joint(text: &mut String, tree: &Tree, joint: &Joint) {
         limit(joint.limits.upper),
         limit(joint.limits.velocity),
     );
-    let Some(body) = joint.inertia.central() else {
-        return;
-    };
-    let (c, i) = (body.centre, body.tensor);
     let _ = writeln!(
         text,
-        "<link name=\"{}\"><inertial><origin xyz=\"{} {} {}\"/><mass value=\"{}\"/>\
-         <inertia ixx=\"{}\" ixy=\"{}\" ixz=\"{}\" iyy=\"{}\" iyz=\"{}\" izz=\"{}\"/></inertial></link>",
+        "<link name=\"{}\">{}</link>",
         joint.link,
-        c.x,
-        c.y,
-        c.z,
-        body.mass,
-        i[(0, 0)],
-        i[(0, 1)],
-        i[(0, 2)],
-        i[(1, 1)],
-        i[(1, 2)],
-        i[(2, 2)],
+        inertial(&joint.inertia)
     );
 }
 

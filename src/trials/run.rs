@@ -1,7 +1,7 @@
 //! One trial: the robot is simulated, its recordings written, diagnosed, and judged.
 
 use crate::chain::dataset::Dataset;
-use crate::chain::effect::{self, Law, Memory};
+use crate::chain::effect;
 use crate::diagnose::bench::Bench;
 use crate::diagnose::drift::unrolled;
 use crate::diagnose::hypothesis::Hypothesis;
@@ -165,11 +165,9 @@ fn sizes(plan: &Plan, problem: &Path, control: &Control<'_>) -> Result<Sizes, Tr
             .map(|(e, noise)| rms(e) * periods.sqrt() / noise)
             .collect())
     };
-    let changes =
-        |c: &Concealed| effect::find(c.effect).is_some_and(|e| e.needs.memory == Memory::Time);
     Ok(Sizes {
         averaged: of(&opened.data, plan.course.periods as f64)?,
-        in_time: match plan.concealed.iter().any(changes) {
+        in_time: match plan.concealed.iter().any(Concealed::changes_with_time) {
             true => of(&unrolled(&opened.data), 1.0)?,
             false => Vec::new(),
         },
@@ -191,9 +189,7 @@ fn informed(
         return Ok(None);
     }
     let opened = Opened::read(problem)?;
-    let changes =
-        |c: &Concealed| effect::find(c.effect).is_some_and(|e| e.needs.memory == Memory::Time);
-    let data = match plan.concealed.iter().any(changes) {
+    let data = match plan.concealed.iter().any(Concealed::changes_with_time) {
         true => unrolled(&opened.data),
         false => opened.data.clone(),
     };
@@ -202,33 +198,12 @@ fn informed(
         .iter()
         .flat_map(|c| c.values.clone())
         .collect();
-    let hypotheses: Vec<Hypothesis> = plan.concealed.iter().filter_map(hypothesis).collect();
+    let truth = plan.concealed.iter().map(|c| c.hypothesis.clone());
+    let hypotheses: Vec<Hypothesis> = truth.collect();
     Ok(Some(Informed {
         declared: opened.fit(&data, (&[], &Vec::new()), control)?,
         known: opened.fit(&data, (&hypotheses, &start), control)?,
     }))
-}
-
-/// The hypothesis that is the truth.
-fn hypothesis(concealed: &Concealed) -> Option<Hypothesis> {
-    let effect = effect::find(concealed.effect)?;
-    let (joints, other) = match effect.law {
-        Law::Coupling => {
-            let row = |name: &String| name.starts_with(&format!("j{}.", concealed.joints[1] + 1));
-            let last_first = concealed.values.iter().any(|(name, _)| row(name));
-            match (&concealed.joints[..], last_first) {
-                ([a, b], true) => (vec![*b], Some(*a)),
-                ([a, b], false) => (vec![*a], Some(*b)),
-                _ => return None,
-            }
-        }
-        _ => (concealed.joints.clone(), None),
-    };
-    Some(Hypothesis {
-        effect,
-        joints,
-        other,
-    })
 }
 
 /// A declared model with its recordings.

@@ -1,6 +1,5 @@
 //! What a trial came to: whether the findings are what was concealed.
 
-use crate::chain::effect::{self, Memory};
 use crate::diagnose::refit::Refit;
 use crate::diagnose::task::DiagnoseRun;
 use crate::outcome::diagnose::Finding;
@@ -82,16 +81,15 @@ fn hidden(plan: &Plan, sizes: &Sizes) -> Vec<Hidden> {
         own.fold(f64::NAN, f64::max)
     };
     let of_vocabulary = plan.concealed.iter().map(|c: &Concealed| {
-        let changes = effect::find(c.effect).is_some_and(|e| e.needs.memory == Memory::Time);
-        let of = if changes {
-            &sizes.in_time
-        } else {
-            &sizes.averaged
+        let joints = c.joints();
+        let of = match c.changes_with_time() {
+            true => &sizes.in_time,
+            false => &sizes.averaged,
         };
         Hidden {
-            effect: c.effect.to_string(),
-            joints: c.joints.iter().map(name).collect(),
-            effect_over_noise: largest(of, &c.joints),
+            effect: c.hypothesis.effect.id.to_string(),
+            effect_over_noise: largest(of, &joints),
+            joints: joints.iter().map(name).collect(),
         }
     });
     let outside = plan.outside.iter().map(|(law, (joint, _), _)| Hidden {

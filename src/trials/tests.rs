@@ -13,7 +13,11 @@ fn every_effect_that_is_not_declared_is_concealed_in_some_trial() {
     let scope = Scope::all(3);
     let drawn: Vec<Plan> = (0..200).map(|n| Plan::draw(&scope, (n, 0))).collect();
     for known in conceal::effects() {
-        let has = |plan: &Plan| plan.concealed.iter().any(|c| c.effect == known.id);
+        let has = |plan: &Plan| {
+            plan.concealed
+                .iter()
+                .any(|c| c.hypothesis.effect.id == known.id)
+        };
         assert!(drawn.iter().any(has), "{}", known.id);
     }
     let controls = drawn
@@ -31,7 +35,7 @@ fn every_effect_that_is_not_declared_is_concealed_in_some_trial() {
         assert!(
             plan.concealed
                 .iter()
-                .all(|c| effect::find(c.effect).is_some())
+                .all(|c| effect::find(c.hypothesis.effect.id).is_some() && !c.values.is_empty())
         );
     }
 }

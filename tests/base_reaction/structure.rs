@@ -125,20 +125,10 @@ fn invariant_the_base_determines_the_joint_torques_of_any_tree() {
 
 /// A model of the bodies of a tree, all of them unknown.
 fn bare(tree: Tree) -> Model {
-    let n = tree.len();
-    Model::new(exid::chain::model::ModelSettings {
+    Model::new(exid::chain::model::ModelSettings::bodies(
         tree,
-        signal: Signal::BaseWrench,
-        inertials: exid::chain::model::Inertials::Estimate,
-        torque_constant: None,
-        current_polynomial: None,
-        rotor_inertia: None,
-        coupling: None,
-        offset: None,
-        effects: vec![Vec::new(); n],
-        payload: None,
-        locked: vec![false; n],
-    })
+        Signal::BaseWrench,
+    ))
     .unwrap()
 }
 

@@ -10,7 +10,7 @@ pub const EFFECT: Effect = Effect {
     id: "coulomb_friction",
     sentence: "Dry friction of constant size opposes the motion; near standstill it grows over a narrow band of speed.",
     equation: "Fc·v/(|v| + w)",
-    source: "Coulomb 1785; file 001 eq. 5; transition width as in regularised friction laws",
+    source: "Coulomb 1785; Swevers, Verdonck, Naumer, Pieters and Biber 2002 eq. 5; transition width as in regularised friction laws",
     parameters: &[
         ParameterInfo {
             name: "Fc",

@@ -15,7 +15,7 @@ pub const EFFECT: Effect = Effect {
     id: "kinematic_coupling",
     sentence: "One motor moves two joints: gears of the wrist, belts, hollow shafts.",
     equation: "q = V·m + offset, τ_M = Vᵀ·τ",
-    source: "file 001 eqs 9 to 11",
+    source: "Swevers, Verdonck, Naumer, Pieters and Biber 2002 eqs 9 to 11",
     parameters: &[ParameterInfo {
         name: OTHER_JOINT,
         unit: Unit::One,

@@ -10,8 +10,8 @@
 //! recursion is differentiated for the sensitivities. A motion that repeats is run through twice: the
 //! bristles forget where they started within a few times their deflection g/sigma0.
 //!
-//! File 003 eq. 12 has a linear filter for z, which does not bound it by g; its eqs 16 and 21 have
-//! the wrong signs. The law here is the one of Canudas de Wit, Olsson, Åström and Lischinsky.
+//! Gilbert, Maina and Byiringiro 2024 eq. 12 has a linear filter for z, which does not bound it by g;
+//! its eqs 16 and 21 have the wrong signs. The law here is the one of Canudas de Wit, Olsson, Åström and Lischinsky.
 
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Memory, Needs, ParameterInfo, Power,

@@ -10,7 +10,7 @@ pub const EFFECT: Effect = Effect {
     id: "rotor_inertia",
     sentence: "Rotor and fast gear wheels are accelerated with the motor.",
     equation: "Jm·m̈",
-    source: "file 001 eq. 6",
+    source: "Swevers, Verdonck, Naumer, Pieters and Biber 2002 eq. 6",
     parameters: &[ParameterInfo {
         name: "Jm",
         unit: Unit::Inertia,

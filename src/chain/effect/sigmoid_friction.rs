@@ -10,7 +10,7 @@ pub const EFFECT: Effect = Effect {
     id: "sigmoid_friction",
     sentence: "Friction follows a sigmoid of speed that passes through zero: Coulomb friction with a smooth, shifted switch.",
     equation: "psi1/(1 + exp(−psi2·(v + psi3))) − psi1/(1 + exp(−psi2·psi3))",
-    source: "Gaz, Cognetti, Oliva, Robuffo Giordano and De Luca 2019; file 003 eq. 14",
+    source: "Gaz, Cognetti, Oliva, Robuffo Giordano and De Luca 2019; Gilbert, Maina and Byiringiro 2024 eq. 14",
     parameters: &[
         ParameterInfo::linear(
             ("psi1", Unit::Torque),

@@ -1,7 +1,7 @@
 //! Stribeck friction: `Fs·exp(−(|v|/vs)²)·sign(v)`, beside Coulomb friction.
 //!
-//! File 003 eq. 13 writes `exp(−|v|·ks/vs)` with two parameters of which only the quotient has an effect;
-//! here vs alone sets the scale, and the exponent is the square of Armstrong-Hélouvry.
+//! Gilbert, Maina and Byiringiro 2024 eq. 13 writes `exp(−|v|·ks/vs)` with two parameters of which only
+//! the quotient has an effect; here vs alone sets the scale, and the exponent is the square of Armstrong-Hélouvry.
 
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
@@ -13,7 +13,7 @@ pub const EFFECT: Effect = Effect {
     id: "stribeck_friction",
     sentence: "Dry friction is larger at low speed, before a film of lubricant builds up.",
     equation: "Fs·exp(−(|v|/vs)²)·sign(v)",
-    source: "Stribeck 1902; Armstrong-Hélouvry, Dupont and Canudas de Wit 1994; file 003 eq. 13",
+    source: "Stribeck 1902; Armstrong-Hélouvry, Dupont and Canudas de Wit 1994; Gilbert, Maina and Byiringiro 2024 eq. 13",
     parameters: &[
         ParameterInfo::linear(
             ("Fs", Unit::Torque),

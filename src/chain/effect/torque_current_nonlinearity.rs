@@ -14,7 +14,7 @@ pub const EFFECT: Effect = Effect {
     id: "torque_current_nonlinearity",
     sentence: "Torque is not proportional to current: saturating iron, dead zone of the amplifier.",
     equation: "τ_mot = sign(i)·(c0 + c1·|i| + c2·i² + c3·|i|³)",
-    source: "file 001 eq. 4",
+    source: "Swevers, Verdonck, Naumer, Pieters and Biber 2002 eq. 4",
     parameters: &[
         coefficient(
             ("c0", 0),

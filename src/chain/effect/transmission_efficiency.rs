@@ -20,7 +20,7 @@ pub const EFFECT: Effect = Effect {
     id: "transmission_efficiency",
     sentence: "The gear loses a share of the torque that it transmits, in either direction of power.",
     equation: "τ_in = τ_M/R where the motor drives (τ_M·ṁ > 0), R·τ_M where it is driven",
-    source: "file 001 eq. 8",
+    source: "Swevers, Verdonck, Naumer, Pieters and Biber 2002 eq. 8",
     parameters: &[ParameterInfo::nonlinear(
         ("R", Unit::One),
         "share of the torque that arrives",

@@ -22,7 +22,7 @@ pub const EFFECT: Effect = Effect {
     id: "unmodelled_payload",
     sentence: "A load hangs on the link that the model does not have.",
     equation: "τ = Y(q, q̇, q̈) (π + π_payload)",
-    source: "file 001 section 2; Atkeson, An and Hollerbach 1986",
+    source: "Swevers, Verdonck, Naumer, Pieters and Biber 2002 section 2; Atkeson, An and Hollerbach 1986",
     parameters: &[
         free("mass", "kg"),
         free("com_x", "m, in the frame that carries the load"),

@@ -10,7 +10,7 @@ pub const EFFECT: Effect = Effect {
     id: "viscous_friction",
     sentence: "Friction in proportion to speed: lubricant, bearings, eddy currents.",
     equation: "Fv·v",
-    source: "file 001 eq. 5",
+    source: "Swevers, Verdonck, Naumer, Pieters and Biber 2002 eq. 5",
     parameters: &[ParameterInfo {
         name: "Fv",
         unit: Unit::TorquePerSpeed,

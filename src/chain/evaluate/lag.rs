@@ -13,10 +13,11 @@
 //! [`march`]: super::march
 
 use crate::chain::effect::law::signum;
-use crate::chain::effect::{Contribution, Law, Samples};
+use crate::chain::effect::{Contribution, Law};
 use crate::chain::evaluate::bodies::{KnownBodies, Slopes};
 use crate::chain::evaluate::contact_march::solve_with;
 use crate::chain::evaluate::march::{Coefficients, Course, March};
+use crate::chain::evaluate::rigid::at_joint;
 use crate::chain::evaluate::{Evaluator, Segment};
 use crate::robot::batch::torques;
 
@@ -356,15 +357,7 @@ impl Evaluator<'_> {
                     continue;
                 };
                 let count = effect.parameters.len();
-                let [q, dq, ddq] = &self.joint_motion;
-                let input = Samples {
-                    position: &q[j][..samples],
-                    velocity: &dq[j][..samples],
-                    acceleration: &ddq[j][..samples],
-                    sign: &dq[j][..samples],
-                    time: segment.times(0..samples),
-                    cyclic: segment.cyclic,
-                };
+                let input = at_joint((&self.joint_motion, j), segment, 0..samples);
                 let mut out = Contribution {
                     torque: &mut torque,
                     by_parameter: &mut vec![vec![0.0; samples]; count],

@@ -9,6 +9,23 @@ use crate::robot::inertia::PER_LINK;
 use std::ops::Range;
 use std::rc::Rc;
 
+/// What laws at a joint are given, over the samples of `range`.
+pub(super) fn at_joint<'a>(
+    (motion, j): (&'a [Vec<Vec<f64>>; 3], usize),
+    segment: Segment<'a>,
+    range: Range<usize>,
+) -> Samples<'a> {
+    let [position, velocity, acceleration] = motion;
+    Samples {
+        position: &position[j][..range.len()],
+        velocity: &velocity[j][..range.len()],
+        acceleration: &acceleration[j][..range.len()],
+        sign: &velocity[j][..range.len()],
+        time: segment.times(range),
+        cyclic: segment.cyclic,
+    }
+}
+
 impl Evaluator<'_> {
     /// `q = V m + offset`, and the same for the derivatives without the offset.
     pub(super) fn move_joints(&mut self, motors: Trajectory<'_>, range: Range<usize>) {
@@ -210,7 +227,6 @@ impl Evaluator<'_> {
         if self.torque_rows() == 0 {
             return;
         }
-        let samples = range.len();
         for series in &mut self.stiffness {
             series.fill(0.0);
         }
@@ -228,15 +244,7 @@ impl Evaluator<'_> {
                 for series in &mut scratch.by_parameter[..count] {
                     series.fill(0.0);
                 }
-                let [q, dq, ddq] = &self.joint_motion;
-                let input = Samples {
-                    position: &q[j][..samples],
-                    velocity: &dq[j][..samples],
-                    acceleration: &ddq[j][..samples],
-                    sign: &dq[j][..samples],
-                    time: segment.times(range.clone()),
-                    cyclic: segment.cyclic,
-                };
+                let input = at_joint((&self.joint_motion, j), segment, range.clone());
                 let mut out = Contribution {
                     torque: &mut self.rigid.values[j],
                     by_parameter: &mut scratch.by_parameter[..count],

@@ -2,7 +2,7 @@
 
 use crate::chain::effect::{EFFECTS, Effect, find};
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
-use crate::chain::model::{Inertials, Model, ModelSettings, Signal};
+use crate::chain::model::{Model, ModelSettings, Signal};
 use crate::problem_file::ProblemFile;
 use crate::robot::batch::Trajectory;
 use crate::robot::random::{generator, symmetric};
@@ -196,17 +196,8 @@ fn model() -> Model {
         .filter_map(|id| find(id))
         .collect();
     Model::new(ModelSettings {
-        tree: urdf::read(&path).unwrap(),
-        signal: Signal::Torque,
-        inertials: Inertials::Estimate,
-        torque_constant: None,
-        current_polynomial: None,
-        rotor_inertia: None,
-        coupling: None,
-        offset: None,
         effects: vec![effects; JOINTS],
-        payload: None,
-        locked: vec![false; JOINTS],
+        ..ModelSettings::bodies(urdf::read(&path).unwrap(), Signal::Torque)
     })
     .unwrap()
 }

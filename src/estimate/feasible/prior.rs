@@ -3,12 +3,15 @@
 //! | kind | γ times |
 //! |---|---|
 //! | Euclidean | `½ ‖(m, h/ℓ, I/ℓ²) − (…)_0‖²` in the standard parameters, kg² |
-//! | entropic | `tr(S_0⁻¹ S) − log det S + log det S_0 − 4`, the Bregman divergence of −log det (Lee, Wensing and Park 2020, eq. 25) |
-//! | lasso | `Σ_j |x_j| / u_j` over the linear unknowns, u_j the units of the Euclidean kind or the parameter's scale (file 003, eq. 29) |
-//! | pullback | `½ ‖S_0^(−1/2) (S − S_0) S_0^(−1/2)‖²`, its second-order form at S_0 (Lee, Wensing and Park 2020, eq. 29) |
+//! | entropic | `tr(S_0⁻¹ S) − log det S + log det S_0 − 4`, the Bregman divergence of −log det (a) |
+//! | lasso | `Σ_j |x_j| / u_j` over the linear unknowns, u_j the units of the Euclidean kind or the parameter's scale (b) |
+//! | pullback | `½ ‖S_0^(−1/2) (S − S_0) S_0^(−1/2)‖²`, its second-order form at S_0 (c) |
 //!
-//! The lasso pulls to zero and not to J_0. File 003 adds up numbers in different units, and the scales and shapes of
-//! friction laws with them, whose absolute values mean nothing; here every term is in its unit, and shapes are free.
+//! (a) Lee, Wensing and Park 2020, eq. 25; (b) Gilbert, Maina and Byiringiro 2024, eq. 29; (c) Lee, Wensing
+//! and Park 2020, eq. 29.
+//!
+//! The lasso pulls to zero and not to J_0. Gilbert, Maina and Byiringiro add up numbers in different
+//! units, and the scales and shapes of friction laws with them, whose absolute values mean nothing; here every term is in its unit, and shapes are free.
 //!
 //! All are convex in the parameters; the entropic one goes to infinity at the edge of what is possible.
 

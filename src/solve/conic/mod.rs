@@ -18,9 +18,9 @@ use crate::problem::bounds;
 use crate::problem::form::{Form, Set};
 use crate::problem::solution::{Control, Solution, Stop, Trace};
 use crate::problem::view::ConeProgram;
-use crate::solve::admissible_start;
 use crate::solve::conic::coordinates::Coordinates;
 use crate::solve::error::{SolveError, SolveErrorKind};
+use crate::solve::finite_model;
 
 mod coordinates;
 
@@ -96,12 +96,7 @@ pub fn solve(
     settings.validate()?;
     let problem = view.problem();
     let form = problem.form();
-    let start = admissible_start(form, start)?;
-    let model = problem.linearize(&start)?;
-    let numbers = model.gradient.iter().chain(model.constraints.iter());
-    if !numbers.chain(model.jacobian.iter()).all(|v| v.is_finite()) {
-        return Err(SolveError::whole(SolveErrorKind::ModelNotFinite));
-    }
+    let (start, model) = finite_model(problem, start)?;
     let coordinates = Coordinates::new(form, &model, settings.rank_tolerance)
         .ok_or_else(|| SolveError::whole(SolveErrorKind::ModelNotFinite))?;
     let rows = Rows::new(form, &start, &model);

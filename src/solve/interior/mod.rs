@@ -13,8 +13,8 @@
 use crate::problem::bounds;
 use crate::problem::solution::{Control, Solution, Stop, Trace, TraceRow};
 use crate::problem::view::ConeProgram;
-use crate::solve::admissible_start;
 use crate::solve::error::{SolveError, SolveErrorKind};
+use crate::solve::finite_model;
 use crate::solve::interior::iterate::{Iterate, Measure};
 use crate::solve::interior::program::{Origin, Program};
 use nalgebra::DVector;
@@ -86,12 +86,7 @@ pub fn solve(
     }
     let problem = view.problem();
     let form = problem.form();
-    let start = admissible_start(form, start)?;
-    let model = problem.linearize(&start)?;
-    let numbers = model.gradient.iter().chain(model.constraints.iter());
-    if !numbers.chain(model.jacobian.iter()).all(|v| v.is_finite()) {
-        return Err(SolveError::whole(SolveErrorKind::ModelNotFinite));
-    }
+    let (start, model) = finite_model(problem, start)?;
     let rows = model.constraints.len();
     let program = Program::new(form, &start, (model, terms))?;
     let run = run(&program, settings, control)?;
