@@ -5,6 +5,7 @@ use crate::chain::evaluate::{KnownBodies, Segment};
 use crate::recording::experiment::Experiment;
 use crate::recording::split::Split;
 use crate::robot::batch::Trajectory;
+use std::sync::Arc;
 
 /// A low-passed signal holds nothing above its cut-off: rows closer than this many to a period of the
 /// cut-off only repeat each other. Eight leave the fastest term within 1 % of its peak.
@@ -17,7 +18,7 @@ pub struct Prepared {
     pub split: Split,
     /// The load, if the model has one, hangs on the robot.
     pub loaded: bool,
-    pub experiment: Experiment,
+    pub experiment: Arc<Experiment>,
     /// Every `stride`-th row of the experiment is used.
     pub stride: usize,
     /// Known forces on the links along their joints, `[joint][row of the experiment]`; none where empty.
@@ -39,11 +40,28 @@ struct Rows {
 impl Prepared {
     pub fn new(name: String, split: Split, loaded: bool, experiment: Experiment) -> Self {
         let stride = stride(&experiment);
+        let whole = Self {
+            name,
+            split,
+            loaded,
+            experiment: Arc::new(experiment),
+            stride: 1,
+            forces: Vec::new(),
+            bodies: None,
+            rows: None,
+        };
+        whole.thinned(stride)
+    }
+
+    /// The same recording, of which every n-th used row is used.
+    pub fn thinned(&self, n: usize) -> Self {
+        let stride = self.stride * n;
+        let experiment = &self.experiment;
         let every = |series: &[Vec<f64>]| thinned(series, stride);
         let rows = (stride > 1).then(|| Rows {
             t: experiment.t.iter().step_by(stride).copied().collect(),
-            forces: Vec::new(),
-            bodies: None,
+            forces: every(&self.forces),
+            bodies: self.bodies.as_ref().map(|b| b.thinned(stride)),
             motion: [
                 every(&experiment.motion.position),
                 every(&experiment.motion.velocity),
@@ -52,13 +70,13 @@ impl Prepared {
             signal: every(&experiment.signal),
         });
         Self {
-            name,
-            split,
-            loaded,
-            experiment,
+            name: self.name.clone(),
+            split: self.split,
+            loaded: self.loaded,
+            experiment: Arc::clone(experiment),
             stride,
-            forces: Vec::new(),
-            bodies: None,
+            forces: self.forces.clone(),
+            bodies: self.bodies.clone(),
             rows,
         }
     }
@@ -97,7 +115,8 @@ impl Prepared {
             let valid = self.experiment.mask.as_ref().is_none_or(|mask| mask[row]);
             valid && wanted(row / self.stride)
         };
-        part.experiment.mask = Some((0..self.experiment.rows()).map(counted).collect());
+        let mask = (0..self.experiment.rows()).map(counted).collect();
+        Arc::make_mut(&mut part.experiment).mask = Some(mask);
         part
     }
 

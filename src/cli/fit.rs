@@ -4,7 +4,7 @@ use crate::cli::args::Run;
 use crate::cli::error::CliError;
 use crate::cli::progress::Progress;
 use crate::cli::{interrupt, motors, output, predictions};
-use crate::estimate::task;
+use crate::estimate::task::{self, FitRun};
 use crate::outcome::predictions::Quantity;
 use crate::outcome::{Outcome, Part};
 use crate::problem::solution::Control;
@@ -37,10 +37,11 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
     };
     let converged = outcome.estimate.solver.as_ref().is_none_or(|s| s.converged);
     progress.done();
-    let fitted = &result.fitted;
-    output::finish(run.printing, &target, &outcome, |folder| {
+    // The recordings go before the report reads what was written of them.
+    output::finish(run.printing, &target, &outcome, move |folder| {
+        let FitRun { fitted, data } = result;
         let predicted = [(Quantity::Predicted, &fitted.predictions)];
-        predictions::write(folder, (&fitted.model, &result.data), &predicted)
+        predictions::write(folder, (&fitted.model, &data), &predicted)
     })?;
     Ok(output::exit_code(control.is_interrupted(), converged))
 }

@@ -7,6 +7,7 @@ use crate::estimate::figures::Predictions;
 use crate::outcome::PREDICTIONS_FILE;
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::predictions::{Block, PredictionsWriter, Quantity};
+use std::borrow::Cow;
 use std::io::{self, BufWriter, Write};
 
 /// Writes the recorded signal, what each of `predicted` gives, and the speed of the joints.
@@ -39,16 +40,15 @@ fn write_rows<W: Write>(
             .filter(|&r| recording.counts(r))
             .collect();
         let t: Vec<f64> = rows.iter().map(|&row| recording.time(row)).collect();
-        let pick = |series: &[f64]| -> Vec<f64> { rows.iter().map(|&r| series[r]).collect() };
-        let mut columns: Vec<Vec<f64>> = Vec::new();
+        let mut columns: Vec<Cow<'_, [f64]>> = Vec::new();
         for &c in &channels {
-            columns.push(pick(recording.signal(c)));
-            columns.extend(predicted.iter().map(|(_, p)| pick(&p[k][c])));
+            columns.push(pick(recording.signal(c), &rows));
+            columns.extend(predicted.iter().map(|(_, p)| pick(&p[k][c], &rows)));
             if let (true, Some(j)) = (with_velocity, all[c].joint) {
-                columns.push(pick(&recording.segment().motors.dq[j]));
+                columns.push(pick(&recording.segment().motors.dq[j], &rows));
             }
         }
-        let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let slices: Vec<&[f64]> = columns.iter().map(AsRef::as_ref).collect();
         writer.block(&Block {
             recording: &recording.name,
             split: recording.split,
@@ -57,4 +57,13 @@ fn write_rows<W: Write>(
         })?;
     }
     Ok(())
+}
+
+/// A series at some of its rows.
+fn pick<'s>(series: &'s [f64], rows: &[usize]) -> Cow<'s, [f64]> {
+    if rows.len() == series.len() {
+        Cow::Borrowed(series)
+    } else {
+        rows.iter().map(|&r| series[r]).collect()
+    }
 }

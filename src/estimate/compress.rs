@@ -1,8 +1,8 @@
 //! Compresses the weighted residual and its derivatives, `[W J, W (ŝ − s)]`, to their triangular factor
 //! by QR, block by block: memory does not grow with the number of samples.
 //!
-//! With one weight per channel every channel is compressed by itself over the columns that it depends on,
-//! which for a serial arm saves half of the work; a full weight mixes the channels of a row first. Tasks
+//! Every row is compressed over the columns that it depends on: with one weight per channel, which for a
+//! serial arm saves half of the work, and as well with a full weight, whose rows mix channels first. Tasks
 //! run in parallel and are merged in their order, so the result is the same for any number of threads.
 
 use crate::chain::dataset::Prepared;
@@ -27,30 +27,21 @@ pub struct Request<'a> {
 /// The triangular factor of `[W J, W (ŝ − s)]`, order p + 1.
 pub fn factor(request: &Request<'_>, recordings: &[&Prepared]) -> Triangular {
     let order = request.columns.len() + 1;
+    let rows = Row::all(request);
     let parts: Vec<Vec<Part>> = indexed_tasks(request.model, recordings)
         .par_iter()
-        .map(|(recording, task)| match request.weights {
-            Weights::PerChannel(_) => by_channel(request, *recording, task),
-            Weights::Full(weights) => vec![mixed(request, weights, *recording, task)],
-        })
+        .map(|(recording, task)| compressed(request, &rows, *recording, task))
         .collect();
-    let mut whole = Triangular::new(order);
     let mut merged: Vec<Part> = Vec::new();
     for part in parts.into_iter().flatten() {
-        match merged
-            .iter_mut()
-            .find(|m| m.columns == part.columns && m.channel == part.channel)
-        {
+        match merged.iter_mut().find(|m| m.is_over(&part)) {
             Some(same) => same.factor.merge(&part.factor),
             None => merged.push(part),
         }
     }
+    let mut whole = Triangular::new(order);
     for part in merged {
-        let weight = match request.weights {
-            Weights::PerChannel(weights) => weights[part.channel],
-            Weights::Full(_) => 1.0,
-        };
-        whole.absorb((spread(&part, order) * weight).as_slice());
+        whole.absorb((spread(&part, order) * rows[part.row].after).as_slice());
     }
     whole
 }
@@ -82,13 +73,51 @@ fn indexed_tasks<'a>(model: &Model, recordings: &[&'a Prepared]) -> Vec<(usize, 
         .collect()
 }
 
-/// The factor of some rows over the columns that they depend on, before the channel's weight.
+/// One row of W over the active channels.
+struct Row {
+    /// Channels and their weights.
+    terms: Vec<(usize, f64)>,
+    /// Weight of the whole row, which its factor is given at the end.
+    after: f64,
+}
+
+impl Row {
+    fn all(request: &Request<'_>) -> Vec<Self> {
+        let channels = request.model.channels();
+        let active: Vec<usize> = (0..channels.len())
+            .filter(|&c| channels[c].active)
+            .collect();
+        let of = |&row: &usize| match request.weights {
+            Weights::PerChannel(weights) => Self {
+                terms: vec![(row, 1.0)],
+                after: weights[row],
+            },
+            Weights::Full(weights) => Self {
+                terms: active
+                    .iter()
+                    .filter(|&&c| weights[(row, c)] != 0.0)
+                    .map(|&c| (c, weights[(row, c)]))
+                    .collect(),
+                after: 1.0,
+            },
+        };
+        active.iter().map(of).collect()
+    }
+}
+
+/// The factor of some rows of the recordings over the columns that they depend on.
 struct Part {
-    /// Channel whose rows these are; not looked at for rows that mix channels.
-    channel: usize,
+    /// Row of W.
+    row: usize,
     /// Columns of J that the rows depend on; the residual comes after them.
     columns: Vec<usize>,
     factor: Triangular,
+}
+
+impl Part {
+    fn is_over(&self, other: &Self) -> bool {
+        self.row == other.row && self.columns == other.columns
+    }
 }
 
 /// Rows of a factor over some columns, as rows over all of them.
@@ -103,100 +132,83 @@ fn spread(part: &Part, order: usize) -> DMatrix<f64> {
     rows
 }
 
-fn by_channel(request: &Request<'_>, recording: usize, task: &Task<'_>) -> Vec<Part> {
-    let mut parts: Vec<Option<Part>> = Vec::new();
-    parts.resize_with(request.model.channels().len(), || None);
-    visit(
-        request.model,
-        request.values,
-        request.columns,
-        task,
-        |block| {
-            for (c, channel) in request.model.channels().iter().enumerate() {
-                if !channel.active {
-                    continue;
-                }
-                let part = parts[c].get_or_insert_with(|| {
-                    let depends = |k: &usize| block.derivative(c, *k).is_some();
-                    let columns: Vec<usize> = (0..request.columns.len()).filter(depends).collect();
-                    Part {
-                        channel: c,
-                        factor: Triangular::new(columns.len() + 1),
-                        columns,
+/// The factors of a task, of every row of W over the columns that it turns out to depend on.
+fn compressed(request: &Request<'_>, rows: &[Row], recording: usize, task: &Task<'_>) -> Vec<Part> {
+    let mut parts: Vec<Part> = Vec::new();
+    let mut mixed: Vec<Vec<f64>> = Vec::new();
+    let (model, wanted) = (request.model, request.columns);
+    visit(model, request.values, wanted, task, |block| {
+        let keep = block.counting();
+        let residuals: Vec<Vec<f64>> = (0..model.channels().len())
+            .map(|c| difference(block, c))
+            .collect();
+        for (number, row) in rows.iter().enumerate() {
+            let depends =
+                |k: &usize| (row.terms.iter()).any(|&(c, _)| block.derivative(c, *k).is_some());
+            let columns: Vec<usize> = (0..wanted.len()).filter(depends).collect();
+            let series = |c: usize, k: usize| match columns.get(k) {
+                Some(&column) => block.derivative(c, column),
+                None => Some(residuals[c].as_slice()),
+            };
+            let count = columns.len() + 1;
+            let plain = match row.terms.as_slice() {
+                [(c, 1.0)] if keep.is_none() && request.factors.is_none() => (0..count)
+                    .map(|k| series(*c, k))
+                    .collect::<Option<Vec<&[f64]>>>(),
+                _ => None,
+            };
+            let slices = plain.unwrap_or_else(|| {
+                mixed.resize_with(count.max(mixed.len()), Vec::new);
+                for (k, to) in mixed.iter_mut().enumerate().take(count) {
+                    to.clear();
+                    to.resize(block.range.len(), 0.0);
+                    for &(c, weight) in &row.terms {
+                        let factors = factors_of(request, recording, c, block);
+                        if let Some(from) = series(c, k) {
+                            add(to, (weight, factors), from);
+                        }
                     }
-                });
-                let residual = difference(block, c);
-                let zero = vec![0.0; block.range.len()];
-                let series = part
-                    .columns
-                    .iter()
-                    .map(|&k| block.derivative(c, k).unwrap_or(&zero));
-                let slices: Vec<&[f64]> = series.chain([residual.as_slice()]).collect();
-                let keep = block.counting();
-                let row_factors = factors_of(request, recording, c, block);
-                if keep.is_none() && row_factors.is_none() {
-                    part.factor.absorb_columns(&slices);
-                    continue;
+                    only(to, keep.as_deref());
                 }
-                let weighted: Vec<Vec<f64>> = slices
-                    .iter()
-                    .map(|series| weigh(series, row_factors, keep.as_deref()))
-                    .collect();
-                let slices: Vec<&[f64]> = weighted.iter().map(Vec::as_slice).collect();
-                part.factor.absorb_columns(&slices);
-            }
-        },
-    );
-    parts.into_iter().flatten().collect()
+                mixed.iter().take(count).map(Vec::as_slice).collect()
+            });
+            let known = parts
+                .iter()
+                .position(|p| p.row == number && p.columns == columns);
+            let part = known.unwrap_or_else(|| {
+                parts.push(Part {
+                    row: number,
+                    factor: Triangular::new(count),
+                    columns: columns.clone(),
+                });
+                parts.len() - 1
+            });
+            parts[part].factor.absorb_columns(&slices);
+        }
+    });
+    parts
 }
 
-fn mixed(request: &Request<'_>, weights: &DMatrix<f64>, recording: usize, task: &Task<'_>) -> Part {
-    let order = request.columns.len() + 1;
-    let mut part = Part {
-        channel: 0,
-        columns: (0..request.columns.len()).collect(),
-        factor: Triangular::new(order),
-    };
-    visit(
-        request.model,
-        request.values,
-        request.columns,
-        task,
-        |block| {
-            let rows = block.range.len();
-            let keep = block.counting();
-            let active: Vec<usize> = (0..weights.nrows())
-                .filter(|&c| request.model.channels()[c].active)
-                .collect();
-            let residuals: Vec<Vec<f64>> =
-                (0..weights.nrows()).map(|c| difference(block, c)).collect();
-            for &row in &active {
-                let mut columns = vec![vec![0.0; rows]; order];
-                for &c in active.iter().filter(|&&c| weights[(row, c)] != 0.0) {
-                    let weight = weights[(row, c)];
-                    let factors = factors_of(request, recording, c, block);
-                    let add = |to: &mut Vec<f64>, from: &[f64]| {
-                        for (k, (to, x)) in to.iter_mut().zip(from).enumerate() {
-                            *to += weight * factors.map_or(1.0, |f| f[k]) * x;
-                        }
-                    };
-                    for k in 0..request.columns.len() {
-                        if let Some(series) = block.derivative(c, k) {
-                            add(&mut columns[k], series);
-                        }
-                    }
-                    add(&mut columns[order - 1], &residuals[c]);
-                }
-                let kept: Vec<Vec<f64>> = match &keep {
-                    None => columns,
-                    Some(keep) => columns.iter().map(|s| weigh(s, None, Some(keep))).collect(),
-                };
-                let slices: Vec<&[f64]> = kept.iter().map(Vec::as_slice).collect();
-                part.factor.absorb_columns(&slices);
-            }
-        },
-    );
-    part
+/// Adds a series times a weight and the factors of single rows.
+fn add(to: &mut [f64], (weight, factors): (f64, Option<&[f64]>), from: &[f64]) {
+    match factors {
+        None => to
+            .iter_mut()
+            .zip(from)
+            .for_each(|(to, x)| *to += weight * x),
+        Some(factors) => {
+            let weighted = factors.iter().zip(from).map(|(f, x)| weight * f * x);
+            to.iter_mut().zip(weighted).for_each(|(to, x)| *to += x);
+        }
+    }
+}
+
+/// Leaves the rows that count.
+fn only(series: &mut Vec<f64>, keep: Option<&[bool]>) {
+    if let Some(keep) = keep {
+        let mut counts = keep.iter();
+        series.retain(|_| *counts.next().unwrap_or(&false));
+    }
 }
 
 fn difference(block: &RowBlock<'_>, channel: usize) -> Vec<f64> {
@@ -214,21 +226,6 @@ fn factors_of<'a>(
     Some(&series[block.start()..block.start() + block.range.len()])
 }
 
-/// The rows that count, each times its factor.
-fn weigh(series: &[f64], factors: Option<&[f64]>, keep: Option<&[bool]>) -> Vec<f64> {
-    let weighted: Vec<f64> = match factors {
-        None => series.to_vec(),
-        Some(factors) => series.iter().zip(factors).map(|(x, f)| f * x).collect(),
-    };
-    match keep {
-        None => weighted,
-        Some(keep) => {
-            let kept = weighted.iter().zip(keep).filter(|(_, keep)| **keep);
-            kept.map(|(x, _)| *x).collect()
-        }
-    }
-}
-
 /// Residuals of the rows of a block that count, factors of single rows included.
 pub(crate) struct Residuals {
     channels: Vec<Vec<f64>>,
@@ -244,7 +241,12 @@ impl Residuals {
                     return Vec::new();
                 }
                 let factors = factors_of(request, recording, c, block);
-                weigh(&difference(block, c), factors, keep.as_deref())
+                let mut series = difference(block, c);
+                if let Some(factors) = factors {
+                    series.iter_mut().zip(factors).for_each(|(e, f)| *e *= f);
+                }
+                only(&mut series, keep.as_deref());
+                series
             })
             .collect();
         let rows = channels.iter().map(Vec::len).max().unwrap_or(0);

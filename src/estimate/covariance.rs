@@ -15,9 +15,14 @@ use crate::estimate::spectrum::{SEGMENT, Spectrum, Transform};
 use crate::linalg::triangular::Triangular;
 use nalgebra::{Complex, DMatrix, DVector};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Share of a column that is left where those before it are taken out, below which it is one of them.
 const DEPENDENT: f64 = 1e-11;
+
+/// Leverage of all unknowns together over the power of one cell of frequencies, below which it is not computed: the
+/// variances are then off by less than this share even if one cell of one channel had it all.
+const NEGLIGIBLE: f64 = 0.02;
 
 /// Covariance of the unknowns at the optimum x; infinite variance of those that the derivatives do not determine
 /// there, such as the shape of a law whose size has gone to zero.
@@ -98,7 +103,7 @@ fn bridged(problem: &FitProblem<'_>, mut residuals: ResidualSeries) -> ResidualS
 
 /// The residuals times W and the factors of single rows.
 fn weigh(problem: &FitProblem<'_>, residuals: &ResidualSeries) -> ResidualSeries {
-    let weights = problem.weights.matrix();
+    let weights = problem.weights().matrix();
     let channels = weights.nrows();
     let of = |(recording, series): (usize, &Vec<Vec<f64>>)| {
         let rows = series.first().map_or(0, Vec::len);
@@ -134,12 +139,17 @@ impl Part<'_> {
         let transform = Transform::new(length);
         let starts: Vec<usize> = (0..rows).step_by(length).collect();
         let channels = self.residuals.len();
-        let frequencies = transform.frequencies() * starts.len();
-        let mut spectrum = Spectrum::new(frequencies, channels);
-        let leverages: Vec<Vec<Vec<f64>>> = starts
+        let mut spectrum = Spectrum::new(transform.frequencies() * starts.len(), channels);
+        let cells = spectrum.cells_of(transform.frequencies());
+        let count = inverse.nrows();
+        let taken = count as f64 * spectrum.count() as f64 / rows as f64;
+        let leverages: Vec<Option<Vec<Vec<f64>>>> = starts
             .par_iter()
-            .map(|&start| self.leverage(&transform, start, inverse))
+            .map(|&start| {
+                (taken > NEGLIGIBLE).then(|| self.leverage(&transform, (start, &cells), inverse))
+            })
             .collect();
+        let none = vec![0.0; channels];
         for (&start, leverage) in starts.iter().zip(&leverages) {
             let end = rows.min(start + length);
             let transformed: Vec<Vec<Complex<f64>>> = self
@@ -147,34 +157,37 @@ impl Part<'_> {
                 .iter()
                 .map(|e| transform.of(&e[start..end]))
                 .collect();
-            for f in 0..transform.frequencies() {
-                let e: Vec<Complex<f64>> = transformed.iter().map(|series| series[f]).collect();
-                let cell = spectrum.cell(f as f64 / transform.frequencies() as f64);
-                spectrum.add(cell, transform.multiplicity(f), (&e, &leverage[f]));
+            for (cell, range) in cells.iter().enumerate() {
+                for f in range.clone() {
+                    let e: Vec<Complex<f64>> = transformed.iter().map(|series| series[f]).collect();
+                    let leverage = leverage.as_ref().map_or(&none, |l| &l[f]);
+                    spectrum.add(cell, transform.multiplicity(f), (&e, leverage));
+                }
             }
         }
-        let cells = (0..transform.frequencies())
-            .map(|f| spectrum.cell(f as f64 / transform.frequencies() as f64))
-            .collect::<Vec<_>>();
+        let weights = self
+            .problem
+            .weights()
+            .matrix()
+            .map(|w| Complex::new(w, 0.0));
         let roots = spectrum.roots();
+        let mixing: Vec<_> = roots.iter().map(|root| root.adjoint() * &weights).collect();
         let parts: Vec<DMatrix<f64>> = starts
             .par_iter()
-            .map(|&start| self.shaped_gram(&transform, start, (&cells, &roots)))
+            .map(|&start| gram(&self.mixed(&transform, (start, &cells), &mixing)))
             .collect();
-        let count = inverse.nrows();
         parts
             .iter()
             .fold(DMatrix::zeros(count, count), |sum, part| sum + part)
     }
 
-    /// Weighted columns of a segment, transformed: `[channel][column][frequency]`, empty where absent.
-    fn columns(&self, transform: &Transform, start: usize) -> Vec<Vec<Vec<Complex<f64>>>> {
+    /// Columns of a segment before the weights of the channels: `[channel][column][row]`, empty where absent.
+    fn columns(&self, start: usize) -> Vec<Vec<Vec<f64>>> {
         let problem = self.problem;
         let positions = problem.unknowns.positions();
-        let weights = problem.weights.matrix();
-        let channels = weights.nrows();
+        let channels = problem.model.channels();
         let end = self.recording.rows().min(start + SEGMENT);
-        let mut series = vec![vec![Vec::new(); positions.len()]; channels];
+        let mut series = vec![vec![Vec::new(); positions.len()]; channels.len()];
         let task = Task {
             recording: self.recording,
             range: start..end,
@@ -182,98 +195,110 @@ impl Part<'_> {
         visit(problem.model, self.values, &positions, &task, |block| {
             let counts = block.counting();
             let at = block.start() - start;
-            for i in 0..channels {
-                for j in (0..channels).filter(|&j| weights[(i, j)] != 0.0) {
-                    if !problem.model.channels()[j].active {
+            for (j, columns) in series.iter_mut().enumerate() {
+                if !channels[j].active {
+                    continue;
+                }
+                let factors = problem.factors.as_ref().map(|f| &f[self.index][j]);
+                for (k, column) in columns.iter_mut().enumerate() {
+                    let Some(derivative) = block.derivative(j, k) else {
                         continue;
+                    };
+                    column.resize(end - start, 0.0);
+                    let own = &mut column[at..at + derivative.len()];
+                    own.copy_from_slice(derivative);
+                    if let Some(factors) = factors {
+                        let factors = &factors[block.start()..];
+                        own.iter_mut().zip(factors).for_each(|(x, f)| *x *= f);
                     }
-                    let factors = problem.factors.as_ref().map(|f| &f[self.index][j]);
-                    for (k, column) in series[i].iter_mut().enumerate() {
-                        let Some(derivative) = block.derivative(j, k) else {
-                            continue;
-                        };
-                        column.resize(end - start, 0.0);
-                        for (row, x) in derivative.iter().enumerate() {
-                            let counted = counts.as_ref().is_none_or(|c| c[row]);
-                            let factor = factors.map_or(1.0, |f| f[block.start() + row]);
-                            if counted {
-                                column[at + row] += weights[(i, j)] * factor * x;
-                            }
-                        }
+                    if let Some(counts) = &counts {
+                        let left_out = own.iter_mut().zip(counts).filter(|(_, c)| !**c);
+                        left_out.for_each(|(x, _)| *x = 0.0);
                     }
                 }
             }
         });
-        let transformed = |columns: Vec<Vec<f64>>| {
-            let one = |column: Vec<f64>| {
-                if column.is_empty() {
-                    Vec::new()
-                } else {
-                    transform.of(&column)
-                }
-            };
-            columns.into_iter().map(one).collect()
-        };
-        series.into_iter().map(transformed).collect()
+        series
     }
 
-    /// `diag(X(f) A⁻¹ X(f)ᴴ)` per frequency and channel.
-    fn leverage(
+    /// `B(f) X(f)` of a segment with a matrix B for every cell of frequencies, times the root of how often a
+    /// frequency counts: real parts of all frequencies of the first channel, imaginary parts, then the next channel's.
+    fn mixed(
         &self,
         transform: &Transform,
-        start: usize,
-        inverse: &DMatrix<f64>,
-    ) -> Vec<Vec<f64>> {
-        let columns = self.columns(transform, start);
-        let (frequencies, count) = (transform.frequencies(), inverse.nrows());
-        let mut leverage = vec![vec![0.0; columns.len()]; frequencies];
-        for (c, channel) in columns.iter().enumerate() {
-            let present: Vec<usize> = (0..count).filter(|&k| !channel[k].is_empty()).collect();
-            // Rows: real and imaginary part of every frequency; X R⁻¹ row by row.
-            let mut rows = DMatrix::zeros(2 * frequencies, count);
-            for &k in &present {
-                for (f, z) in channel[k].iter().enumerate() {
-                    rows[(2 * f, k)] = z.re;
-                    rows[(2 * f + 1, k)] = z.im;
-                }
-            }
-            let projected = rows * inverse;
-            for (f, row) in leverage.iter_mut().enumerate() {
-                row[c] = projected.rows(2 * f, 2).norm_squared();
-            }
-        }
-        leverage
-    }
-
-    /// `Σ_f ‖L(f)ᴴ X(f)‖²` of one segment.
-    fn shaped_gram(
-        &self,
-        transform: &Transform,
-        start: usize,
-        (cells, roots): (&[usize], &[DMatrix<Complex<f64>>]),
+        (start, cells): (usize, &[Range<usize>]),
+        mixing: &[DMatrix<Complex<f64>>],
     ) -> DMatrix<f64> {
-        let columns = self.columns(transform, start);
+        let columns = self.columns(start);
         let (channels, count) = (columns.len(), columns.first().map_or(0, Vec::len));
         let frequencies = transform.frequencies();
         let mut rows = DMatrix::zeros(2 * frequencies * channels, count);
-        for k in 0..count {
-            for (j, channel) in columns.iter().enumerate() {
-                if channel[k].is_empty() {
-                    continue;
+        for (j, channel) in columns.iter().enumerate() {
+            for (k, series) in channel.iter().enumerate().filter(|(_, s)| !s.is_empty()) {
+                let mut x = transform.of(series);
+                for (f, x) in x.iter_mut().enumerate() {
+                    *x *= Complex::new(transform.multiplicity(f).sqrt(), 0.0);
                 }
-                for (f, x) in channel[k].iter().enumerate() {
-                    let root = &roots[cells[f]];
-                    let weight = transform.multiplicity(f).sqrt();
-                    // L is lower triangular: row j of X meets columns i <= j of conj(L).
-                    for i in 0..=j {
-                        let shaped = root[(j, i)].conj() * x * Complex::new(weight, 0.0);
-                        let at = 2 * (f * channels + i);
-                        rows[(at, k)] += shaped.re;
-                        rows[(at + 1, k)] += shaped.im;
+                let mut column = rows.column_mut(k);
+                let parts = column.as_mut_slice().chunks_exact_mut(2 * frequencies);
+                for (i, parts) in parts.enumerate() {
+                    let (real, imaginary) = parts.split_at_mut(frequencies);
+                    for (range, b) in cells.iter().zip(mixing) {
+                        let b = b[(i, j)];
+                        if b == Complex::new(0.0, 0.0) {
+                            continue;
+                        }
+                        let to = real[range.clone()]
+                            .iter_mut()
+                            .zip(&mut imaginary[range.clone()]);
+                        for ((re, im), x) in to.zip(&x[range.clone()]) {
+                            *re += b.re * x.re - b.im * x.im;
+                            *im += b.re * x.im + b.im * x.re;
+                        }
                     }
                 }
             }
         }
-        rows.tr_mul(&rows)
+        rows
     }
+
+    /// `diag(X(f) A⁻¹ X(f)ᴴ)` of the weighted columns per frequency and channel.
+    fn leverage(
+        &self,
+        transform: &Transform,
+        (start, cells): (usize, &[Range<usize>]),
+        inverse: &DMatrix<f64>,
+    ) -> Vec<Vec<f64>> {
+        let weights = self
+            .problem
+            .weights()
+            .matrix()
+            .map(|w| Complex::new(w, 0.0));
+        let projected =
+            self.mixed(transform, (start, cells), &vec![weights; cells.len()]) * inverse;
+        let frequencies = transform.frequencies();
+        let squares = |f: usize, c: usize| {
+            let real = projected.row(2 * frequencies * c + f).norm_squared();
+            let imaginary = projected
+                .row(2 * frequencies * c + frequencies + f)
+                .norm_squared();
+            (real + imaginary) / transform.multiplicity(f)
+        };
+        let channels = self.residuals.len();
+        (0..frequencies)
+            .map(|f| (0..channels).map(|c| squares(f, c)).collect())
+            .collect()
+    }
+}
+
+/// `XᵀX`, some rows at a time: a product of matrices is many times faster than one of columns, and the transpose of
+/// all rows would take as much memory again.
+fn gram(rows: &DMatrix<f64>) -> DMatrix<f64> {
+    let (length, count) = rows.shape();
+    let mut product = DMatrix::zeros(count, count);
+    for start in (0..length).step_by(SEGMENT) {
+        let part = rows.rows(start, SEGMENT.min(length - start));
+        product.gemm(1.0, &part.transpose(), &part, 1.0);
+    }
+    product
 }

@@ -12,6 +12,7 @@ use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::{Channel, Model};
 use crate::chain::parameter::Role;
 use crate::chain::prior::Prior;
+use crate::estimate::coarse;
 use crate::estimate::covariance::of_unknowns;
 use crate::estimate::error::EstimateError;
 use crate::estimate::figures::{Predictions, figures, predictions};
@@ -20,7 +21,7 @@ use crate::estimate::physical::{Estimated, report};
 use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::realization;
 use crate::estimate::reweight::{by_periods, reweighted, robust};
-use crate::estimate::rounded::search;
+use crate::estimate::rounded::{accumulate, search};
 use crate::estimate::start;
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::Weights;
@@ -135,8 +136,10 @@ pub(crate) fn minimise<'a>(
     training: Training<'a>,
     (estimator, control): (Estimator, &Control<'_>),
 ) -> Result<(Solution, FitProblem<'a>), EstimateError> {
+    let begun = coarse::end(model, unknowns, training, (estimator, control));
     if estimator == Estimator::MaximumLikelihood
-        && let Some((solution, problem)) = by_periods(model, unknowns, training, control)?
+        && let Some((solution, problem)) =
+            by_periods(model, unknowns, training, (begun.as_ref(), control))?
     {
         return match problem.noise {
             NoiseSource::Periods => Ok((solution, problem)),
@@ -149,11 +152,13 @@ pub(crate) fn minimise<'a>(
         training,
         ordinary_weights(model, training.0),
     );
-    let start = start::find(&ordinary, control)?;
-    let first = search(&ordinary, &start, (ITERATION_LIMIT, control))?;
+    let first = match begun {
+        Some(begun) if estimator != Estimator::Ordinary => begun,
+        begun => searched(&ordinary, begun.as_ref(), control)?,
+    };
     if estimator == Estimator::Ordinary {
         let scale = residual_deviation(&ordinary, &first);
-        let scaled = ordinary.weights.scaled(1.0 / scale);
+        let scaled = ordinary.weights().scaled(1.0 / scale);
         let problem = FitProblem::new(model, unknowns, training, scaled);
         return Ok((first, problem));
     }
@@ -165,10 +170,30 @@ pub(crate) fn minimise<'a>(
         training,
         Weights::by_deviation(&deviations),
     );
-    let second = solve(&weighted, &first.x, (ITERATIONS_PER_ROUND, control))?;
     match estimator {
-        Estimator::Robust => robust(weighted, second, control),
-        _ => reweighted(weighted, second, (estimator, control)),
+        Estimator::Robust => {
+            let second = solve(&weighted, &first.x, (ITERATIONS_PER_ROUND, control))?;
+            robust(weighted, second, control)
+        }
+        _ => reweighted(weighted, first, (estimator, control)),
+    }
+}
+
+/// The optimum from where another search ended, or else from the start that the recordings suggest.
+pub(super) fn searched(
+    problem: &FitProblem<'_>,
+    begun: Option<&Solution>,
+    control: &Control<'_>,
+) -> Result<Solution, EstimateError> {
+    match begun {
+        Some(begun) => {
+            let next = search(problem, &begun.x, (ITERATION_LIMIT, control))?;
+            Ok(accumulate(begun.clone(), next))
+        }
+        None => {
+            let start = start::find(problem, control)?;
+            search(problem, &start, (ITERATION_LIMIT, control))
+        }
     }
 }
 

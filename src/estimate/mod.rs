@@ -1,5 +1,6 @@
 //! From recordings to parameters: `min ‖W (s − ŝ(θ))‖²` with its uncertainty, checked on other recordings.
 
+mod coarse;
 pub mod compress;
 pub mod contest;
 pub mod covariance;

@@ -21,6 +21,7 @@ use crate::problem::form::{Form, Objective, Structure, Variable};
 use crate::problem::{Linearization, OutsideDomain, Problem, SquareRoot, Values};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Steps of central differences of the signal by position, speed and acceleration, rad, rad/s, rad/s² (m):
 /// far below any transition of friction, far above rounding.
@@ -109,7 +110,8 @@ impl<'a> NoisyMotion<'a> {
             self.inner.recordings.iter().map(|r| (*r).clone()).collect();
         for (wave, scaled) in self.waves.iter().zip(x.iter().skip(self.parameters())) {
             let size = wave.deviation * scaled;
-            let motion = &mut recordings[wave.recording].experiment.motion;
+            let experiment = Arc::make_mut(&mut recordings[wave.recording].experiment);
+            let motion = &mut experiment.motion;
             let orders = [
                 &mut motion.position,
                 &mut motion.velocity,
@@ -187,7 +189,7 @@ impl<'a> NoisyMotion<'a> {
         let of = |joint: usize, order: usize| {
             let shifted = |step: f64| {
                 let mut moved = recording.clone();
-                let motion = &mut moved.experiment.motion;
+                let motion = &mut Arc::make_mut(&mut moved.experiment).motion;
                 let series = [
                     &mut motion.position,
                     &mut motion.velocity,
@@ -216,7 +218,7 @@ impl<'a> NoisyMotion<'a> {
 
     /// W times the rows of all active channels; rows that do not count are zero.
     fn weighted(&self, index: usize, recording: &Prepared, plain: &[DMatrix<f64>]) -> DMatrix<f64> {
-        let weights = self.inner.weights.matrix();
+        let weights = self.inner.weights().matrix();
         let active = |c: &usize| self.inner.model.channels()[*c].active;
         let active: Vec<usize> = (0..plain.len()).filter(active).collect();
         let (rows, columns) = plain[0].shape();

@@ -38,7 +38,7 @@ pub fn fit(
     let estimator = (Estimator::MaximumLikelihood, control);
     let (first, mut problem) = minimise(model, &unknowns, (&recordings, prior), estimator)?;
     if let Some(weights) = weights_of_periods(&problem)? {
-        problem.weights = weights;
+        problem.reweigh(weights);
         problem.noise = NoiseSource::Periods;
     }
     let noisy = NoisyMotion::new(&problem)?;

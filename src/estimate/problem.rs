@@ -12,6 +12,7 @@ use crate::linalg::triangular::Triangular;
 use crate::problem::form::{Form, Objective, Structure, Variable};
 use crate::problem::{Linearization, OutsideDomain, Problem, SquareRoot, Values};
 use nalgebra::{DMatrix, DVector};
+use std::sync::{Mutex, PoisonError};
 
 /// Where the weights of the channels come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,7 +30,7 @@ pub struct FitProblem<'a> {
     pub unknowns: &'a Unknowns,
     pub recordings: &'a [&'a Prepared],
     pub prior: &'a Prior,
-    pub weights: Weights,
+    weights: Weights,
     pub noise: NoiseSource,
     pub factors: Option<RowFactors>,
     /// 0 where a joint stands still.
@@ -38,6 +39,8 @@ pub struct FitProblem<'a> {
     columns: Vec<usize>,
     /// The model with the switches of losses rounded off, while an optimum is searched.
     rounded: Option<Box<Model>>,
+    /// The factor that was asked for last, and where.
+    last: Mutex<Option<(DVector<f64>, Triangular)>>,
 }
 
 impl<'a> FitProblem<'a> {
@@ -86,6 +89,7 @@ impl<'a> FitProblem<'a> {
             moving,
             columns,
             rounded: None,
+            last: Mutex::default(),
         }
     }
 
@@ -97,7 +101,14 @@ impl<'a> FitProblem<'a> {
             }
         }
         self.factors = Some(factors);
+        self.last = Mutex::default();
         self
+    }
+
+    /// Weighs the channels anew.
+    pub fn reweigh(&mut self, weights: Weights) {
+        self.weights = weights;
+        self.last = Mutex::default();
     }
 
     /// The same fit along other motions of the same recordings.
@@ -117,6 +128,7 @@ impl<'a> FitProblem<'a> {
             form: self.form.clone(),
             columns: self.columns.clone(),
             rounded: self.rounded.clone(),
+            last: Mutex::default(),
         }
     }
 
@@ -164,8 +176,24 @@ impl<'a> FitProblem<'a> {
         DVector::from_iterator(self.columns.len(), start)
     }
 
-    /// Triangular factor of the derivatives at x, weighted, prior included, and of the residual.
+    pub fn weights(&self) -> &Weights {
+        &self.weights
+    }
+
+    /// Triangular factor of the derivatives at x, weighted, prior included, and of the residual. The last one is
+    /// kept: searches end where the next begins, and what is reported is taken there too.
     pub fn factor(&self, x: &DVector<f64>) -> Triangular {
+        let last = || self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, factor)) = last().as_ref().filter(|(at, _)| at == x) {
+            return factor.clone();
+        }
+        // Not locked meanwhile: a thread that waits for others may take up work that asks for a factor too.
+        let factor = self.factor_anew(x);
+        *last() = Some((x.clone(), factor.clone()));
+        factor
+    }
+
+    fn factor_anew(&self, x: &DVector<f64>) -> Triangular {
         let values = self.parameters(x);
         let mut whole = factor(&self.request(&values), self.recordings);
         if !self.prior.is_empty() {

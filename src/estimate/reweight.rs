@@ -9,12 +9,11 @@ use crate::chain::dataset::Prepared;
 use crate::chain::model::Model;
 use crate::estimate::error::EstimateError;
 use crate::estimate::fit::{
-    Estimator, ITERATION_LIMIT, ITERATIONS_PER_ROUND, Training, covariance_at, solve,
+    Estimator, ITERATION_LIMIT, ITERATIONS_PER_ROUND, Training, covariance_at, searched, solve,
 };
 use crate::estimate::noise::{ResidualSeries, counting_rows};
 use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::rounded::{accumulate, search};
-use crate::estimate::start;
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::{RowFactors, Weights};
 use crate::problem::solution::{Control, Solution};
@@ -67,21 +66,21 @@ fn biweights(series: &ResidualSeries) -> RowFactors {
     series.iter().map(of).collect()
 }
 
-/// The optimum under the covariance that the scatter of the periods gives, from the linear start; its noise
-/// source says whether the residuals agree with that. `None` unless every recording is an average.
+/// The optimum under the covariance that the scatter of the periods gives, from where another search ended or from
+/// the linear start; its noise source says whether the residuals agree with that. `None` unless every recording is
+/// an average.
 pub(super) fn by_periods<'a>(
     model: &'a Model,
     unknowns: &'a Unknowns,
     training: Training<'a>,
-    control: &Control<'_>,
+    (begun, control): (Option<&Solution>, &Control<'_>),
 ) -> Result<Option<(Solution, FitProblem<'a>)>, EstimateError> {
     let Some(covariance) = scatter_of_periods(model, training.0) else {
         return Ok(None);
     };
     let weights = Weights::by_covariance(&covariance)?;
     let mut problem = FitProblem::new(model, unknowns, training, weights);
-    let start = start::find(&problem, control)?;
-    let solution = search(&problem, &start, (ITERATION_LIMIT, control))?;
+    let solution = searched(&problem, begun, control)?;
     if agrees(&problem, &solution.x, &covariance) {
         problem.noise = NoiseSource::Periods;
     }
@@ -95,12 +94,16 @@ pub(super) fn reweighted<'a>(
     mut solution: Solution,
     (estimator, control): (Estimator, &Control<'_>),
 ) -> Result<(Solution, FitProblem<'a>), EstimateError> {
-    for _ in 0..MAX_ROUNDS {
+    for round in 0..MAX_ROUNDS {
         let covariance = covariance_at(&problem, &solution.x);
-        problem.weights = match estimator {
+        let weights = match estimator {
             Estimator::MaximumLikelihood => Weights::by_covariance(&covariance)?,
             _ => Weights::by_deviation(covariance.diagonal().map(f64::sqrt).as_slice()),
         };
+        if round > 0 && solution.stop.converged() && weights.is_near(problem.weights()) {
+            break;
+        }
+        problem.reweigh(weights);
         let next = solve(&problem, &solution.x, (ITERATIONS_PER_ROUND, control))?;
         let settled = settled(&problem, &solution.x, &next.x);
         solution = accumulate(solution, next);

@@ -19,7 +19,7 @@ pub(crate) struct Task<'a> {
 }
 
 /// Whether rows cannot be had without all rows: a filter runs over them, or a law has memory.
-fn needs_all(model: &Model, recording: &Prepared) -> bool {
+pub(super) fn needs_all(model: &Model, recording: &Prepared) -> bool {
     recording.experiment.parallel.is_some() || model.memory() == Memory::Course
 }
 

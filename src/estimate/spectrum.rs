@@ -2,6 +2,7 @@
 
 use nalgebra::{Complex, DMatrix};
 use realfft::{RealFftPlanner, RealToComplex};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Rows of a segment: longer than residuals remember, short enough for the columns of one to fit in
@@ -76,9 +77,16 @@ impl Spectrum {
         }
     }
 
-    /// Cell of a frequency between 0 and 1, half the rate.
-    pub fn cell(&self, relative: f64) -> usize {
-        ((relative * self.cells.len() as f64) as usize).min(self.cells.len() - 1)
+    /// Number of cells.
+    pub fn count(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// Which of so many frequencies between 0 and half the rate every cell covers.
+    pub fn cells_of(&self, frequencies: usize) -> Vec<Range<usize>> {
+        let count = self.cells.len();
+        let from = |cell: usize| (cell * frequencies).div_ceil(count);
+        (0..count).map(|cell| from(cell)..from(cell + 1)).collect()
     }
 
     /// Adds the residuals e of all channels at one frequency and the leverage h of each there.

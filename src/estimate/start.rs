@@ -142,7 +142,7 @@ fn at(
         nonlinear: Vec::new(),
     };
     let training = (problem.recordings, problem.prior);
-    let frozen = FitProblem::new(&model, &linear, training, problem.weights.clone());
+    let frozen = FitProblem::new(&model, &linear, training, problem.weights().clone());
     let solved = solve(&frozen, &frozen.start(), (ITERATIONS_PER_ROUND, control))?;
     let values = model.values();
     let all = problem.unknowns.positions();

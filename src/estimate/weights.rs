@@ -3,6 +3,9 @@
 use crate::estimate::error::EstimateError;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
+/// Weights that change by less than this share move an estimate by a share of its deviation that is smaller still.
+const NEAR: f64 = 1e-3;
+
 /// How the channels of one row are weighted against each other.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Weights {
@@ -22,15 +25,14 @@ impl Weights {
         ))
     }
 
-    /// `W = L⁻¹` with `Σ = L Lᵀ`. Channels that are not active have unit variance in Σ.
+    /// `W = Lᵀ` with `Σ⁻¹ = L Lᵀ`: an upper triangle, so that a row mixes a joint's channel only with those of joints
+    /// behind it, which on a serial arm depend on fewer parameters. Channels that are not active have unit
+    /// variance in Σ.
     pub fn by_covariance(covariance: &DMatrix<f64>) -> Result<Self, EstimateError> {
-        let factor = Cholesky::new(covariance.clone()).ok_or(EstimateError::SingularResiduals)?;
-        let n = covariance.nrows();
-        let inverse = factor
-            .l()
-            .solve_lower_triangular(&DMatrix::identity(n, n))
-            .ok_or(EstimateError::SingularResiduals)?;
-        Ok(Self::Full(inverse))
+        let inverse = Cholesky::new(covariance.clone()).map(|factor| factor.inverse());
+        let factor = inverse.and_then(Cholesky::new);
+        let factor = factor.ok_or(EstimateError::SingularResiduals)?;
+        Ok(Self::Full(factor.l().transpose()))
     }
 
     /// The same weights times a factor.
@@ -39,6 +41,16 @@ impl Weights {
             Self::PerChannel(factors) => Self::PerChannel(factors * factor),
             Self::Full(matrix) => Self::Full(matrix * factor),
         }
+    }
+
+    /// Whether residuals weigh the same within [`NEAR`] of their size: `|W W₀⁻¹ − 1| <= NEAR` in every entry.
+    pub fn is_near(&self, other: &Self) -> bool {
+        let Some(inverse) = other.matrix().try_inverse() else {
+            return false;
+        };
+        let ratio = self.matrix() * inverse;
+        let identity = DMatrix::identity(ratio.nrows(), ratio.ncols());
+        (ratio - identity).amax() <= NEAR
     }
 
     /// W as a matrix.

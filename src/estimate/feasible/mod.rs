@@ -168,12 +168,12 @@ fn rounds(
             Form::MaximumLikelihood => Weights::by_covariance(&covariance)?,
             Form::Linear => Weights::by_deviation(covariance.diagonal().map(f64::sqrt).as_slice()),
         };
-        let before = problem.weights.matrix();
+        let before = problem.weights().matrix();
         let change = (weights.matrix() - &before).amax() / before.amax();
         if change <= ROUND_TOLERANCE || control.is_interrupted() {
             break;
         }
-        problem.weights = weights;
+        problem.reweigh(weights);
         let next = minimise(setting, problem, &at, control)?;
         at = &setting.standard.to_base * &next.x;
         feasible = Feasible {

@@ -110,7 +110,7 @@ fn blocks(problem: &FitProblem<'_>, at: &DVector<f64>) -> Vec<Triangular> {
                 model: problem.model,
                 values: &values,
                 columns: &columns,
-                weights: &problem.weights,
+                weights: problem.weights(),
                 factors: Some(&factors),
             };
             factor(&request, problem.recordings)

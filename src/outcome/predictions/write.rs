@@ -1,9 +1,10 @@
-//! Writes `predictions.csv` in blocks of samples through one reused line buffer.
+//! Writes `predictions.csv`: pages of lines are put into words side by side and written in order.
 
 use std::io::{self, Write};
 
 use crate::outcome::predictions::{LEADING, Quantity};
 use crate::recording::split::Split;
+use rayon::prelude::*;
 
 /// Rows of one recording.
 #[derive(Debug, Clone, Copy)]
@@ -22,8 +23,13 @@ pub struct Block<'a> {
 pub struct PredictionsWriter<W: Write> {
     out: W,
     columns: usize,
-    line: Vec<u8>,
 }
+
+/// Rows of a page.
+const PAGE_ROWS: usize = 256;
+
+/// Pages that are in memory at a time.
+const PAGES_TOGETHER: usize = 64;
 
 impl<W: Write> PredictionsWriter<W> {
     /// Writes the header for `joints` with the same `quantities` each.
@@ -43,7 +49,6 @@ impl<W: Write> PredictionsWriter<W> {
         Ok(Self {
             out,
             columns: joints.len() * quantities.len(),
-            line,
         })
     }
 
@@ -66,20 +71,34 @@ impl<W: Write> PredictionsWriter<W> {
         let mut lead = Vec::new();
         push_field(&mut lead, block.recording);
         write!(lead, ",{},", block.split.as_str())?;
-        for (row, t) in block.t.iter().enumerate() {
-            self.line.clear();
-            self.line.extend_from_slice(&lead);
-            // In full: time stamps may count from 1970, and ten digits would merge them.
-            write!(self.line, "{t}")?;
-            for column in block.columns {
-                self.line.push(b',');
-                push_number(&mut self.line, column[row])?;
+        let rows: Vec<usize> = (0..block.t.len()).collect();
+        for together in rows.chunks(PAGE_ROWS * PAGES_TOGETHER) {
+            let pages: io::Result<Vec<Vec<u8>>> = together
+                .par_chunks(PAGE_ROWS)
+                .map(|rows| page(&lead, block, rows))
+                .collect();
+            for page in pages? {
+                self.out.write_all(&page)?;
             }
-            self.line.push(b'\n');
-            self.out.write_all(&self.line)?;
         }
         Ok(())
     }
+}
+
+/// The lines of some rows.
+fn page(lead: &[u8], block: &Block<'_>, rows: &[usize]) -> io::Result<Vec<u8>> {
+    let mut lines = Vec::new();
+    for &row in rows {
+        lines.extend_from_slice(lead);
+        // In full: time stamps may count from 1970, and ten digits would merge them.
+        write!(lines, "{}", block.t[row])?;
+        for column in block.columns {
+            lines.push(b',');
+            push_number(&mut lines, column[row])?;
+        }
+        lines.push(b'\n');
+    }
+    Ok(lines)
 }
 
 fn push_number(line: &mut Vec<u8>, value: f64) -> io::Result<()> {
