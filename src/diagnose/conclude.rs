@@ -3,6 +3,7 @@
 use crate::chain::model::Model;
 use crate::diagnose::evidence::block_length;
 use crate::diagnose::explain;
+use crate::diagnose::floor::{Floor, LEAST_EXCESS, UNEXPLAINED};
 use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::refit::Refit;
 use crate::diagnose::rivals::Contest;
@@ -13,17 +14,11 @@ use crate::outcome::diagnose::{Evidence, Finding, Rival, Spoiled, Verdict};
 use crate::outcome::parameter::Parameter;
 use crate::stats::distribution::Distribution;
 
-/// Least excess over the noise that shares are taken of.
-const LEAST_EXCESS: f64 = 0.05;
-
 /// Share of the excess that findings explain where they explain the misfit.
 const MOSTLY: f64 = 0.9;
 
 /// Share of the excess that findings explain where they explain part of it.
 const PARTLY: f64 = 0.5;
-
-/// A held-out residual of more than this many times the variance of the noise is not explained.
-const UNEXPLAINED: f64 = 2.0;
 
 /// Nor is one below this share of the RMS signal of any weight: rows are some hundredths of a second apart, and at
 /// every reversal dry friction, a tenth of the usual torque or more, turns over between two of them.
@@ -31,35 +26,6 @@ const OF_SIGNAL: f64 = 0.03;
 
 /// Share of what a finding explains that other physics has to explain to be its rival.
 const RIVALLING: f64 = 0.5;
-
-/// Mean square of one row that is noise, per channel, and where it comes from.
-#[derive(Debug, Clone)]
-pub struct Floor {
-    pub rms: Vec<f64>,
-    /// Evidence between periods; otherwise the least residual of any model.
-    pub measured: bool,
-}
-
-impl Floor {
-    /// Lack of fit pooled over channels: mean of the squared residual over the squared noise.
-    pub fn lack_of_fit(&self, residuals: &[Vec<f64>], channels: &[usize]) -> f64 {
-        let (mut sum, mut rows) = (0.0, 0.0);
-        for &c in channels.iter().filter(|&&c| !residuals[c].is_empty()) {
-            let count = residuals[c].len() as f64;
-            sum += count * (rms(&residuals[c]) / self.rms[c]).powi(2);
-            rows += count;
-        }
-        if rows > 0.0 { sum / rows } else { 1.0 }
-    }
-
-    fn share(&self, (before, after): (&[Vec<f64>], &[Vec<f64>]), channels: &[usize]) -> f64 {
-        let (before, after) = (
-            self.lack_of_fit(before, channels),
-            self.lack_of_fit(after, channels),
-        );
-        ((before - after) / (before - 1.0).max(LEAST_EXCESS)).clamp(0.0, 1.0)
-    }
-}
 
 /// A step of the explanation: the model before, the model with one finding more, and the evidence.
 pub struct Step<'a> {
@@ -178,11 +144,12 @@ pub fn unnamed(smooth: &Smooth, refit: &Refit, (floor, tried): (&Floor, usize)) 
 }
 
 /// Findings of channels without one whose held-out residual is much larger than noise, and larger than chance would
-/// have it: not even where the misfit lies says what it is. `signal` is the RMS of each channel.
+/// have it: not even where the misfit lies says what it is. `signal` is the RMS of each channel; where a name was
+/// withdrawn there is a misfit of weight.
 pub fn unexplained(
     refit: &Refit,
     (floor, signal, significance): (&Floor, &[f64], f64),
-    findings: &[Finding],
+    (findings, withdrawn): (&[Finding], &[usize]),
 ) -> Vec<Finding> {
     let channels = refit.model.channels().iter().enumerate();
     let open = channels.filter(|(_, c)| c.active && c.joint.is_some());
@@ -198,7 +165,8 @@ pub fn unexplained(
                 denominator: effective,
             };
             let p_value = (spread.upper_tail(lack) * tried).min(1.0);
-            let of_weight = rms(residual) > OF_SIGNAL * signal[c];
+            let doubted = channel.joint.is_some_and(|j| withdrawn.contains(&j));
+            let of_weight = doubted || rms(residual) > OF_SIGNAL * signal[c];
             (lack > UNEXPLAINED && of_weight && p_value < significance).then(|| Finding {
                 effect: "unnamed".to_string(),
                 joints: vec![channel.name.clone()],

@@ -9,7 +9,8 @@
 //! Hypotheses are screened by what they would take from the residual beyond what all other parameters can
 //! take (Frisch and Waugh 1933, Lovell 1963), the leading ones are fitted exactly, the best that passes the
 //! test of forecast encompassing (Chong and Hendry 1986; Harvey, Leybourne and Newbold 1998) joins the
-//! model, and so on until none does; then each is dropped on trial.
+//! model, and so on until none does; then each is dropped on trial, and a name that explains less than it
+//! leaves is withdrawn.
 
 pub mod bench;
 pub mod conclude;
@@ -17,12 +18,14 @@ pub mod drift;
 pub mod error;
 pub mod evidence;
 pub mod explain;
+pub mod floor;
 pub mod grid;
 pub mod holdout;
 pub mod hypothesis;
 pub mod locate;
 pub mod memory;
 pub mod next;
+pub mod outweighed;
 pub mod own;
 pub mod periods;
 pub mod refit;

@@ -1,22 +1,22 @@
 //! The task behind `exid diagnose`: from a problem file to findings.
 
-use crate::chain::dataset::{Dataset, Prepared};
+use crate::chain::dataset::Dataset;
 use crate::chain::model::Model;
 use crate::check;
 use crate::diagnose::bench::{Bench, is_in_time};
-use crate::diagnose::conclude::{self, Floor, Step};
+use crate::diagnose::conclude::{self, Step};
 use crate::diagnose::drift;
 use crate::diagnose::error::DiagnoseError;
+use crate::diagnose::floor::{self, Floor};
 use crate::diagnose::holdout;
 use crate::diagnose::locate::locate;
 use crate::diagnose::refit::{Refit, refit};
 use crate::diagnose::rest;
 use crate::diagnose::rivals::{Contest, contest, exchange};
-use crate::diagnose::rows::rms;
 use crate::diagnose::search::{self, Grown, Rules, Trial, fit_without, grow, prune};
 use crate::diagnose::smooth::{self, Smooth};
 use crate::diagnose::summary;
-use crate::diagnose::{next, own};
+use crate::diagnose::{next, outweighed, own};
 use crate::estimate::figures::{Predictions, noise_rms, predictions};
 use crate::estimate::fit::{Fitted, outcome};
 use crate::estimate::task::{notes, preprocessing};
@@ -74,6 +74,8 @@ struct Explanation {
     /// Models with the first 0, 1, ... findings.
     prefixes: Vec<Refit>,
     examined: usize,
+    /// Joints of names that explained less than they left.
+    withdrawn: Vec<usize>,
     /// Every hypothesis that was fitted while the model grew.
     tried: Vec<search::Step>,
 }
@@ -198,7 +200,8 @@ fn explain(
     conclude_search(bench, grown, (rules, watch))
 }
 
-/// Prunes a grown model, has rivals contest each finding, and exchanges what is bettered.
+/// Prunes a grown model, has rivals contest each finding, exchanges what is bettered, and withdraws names that explain
+/// less than they leave.
 fn conclude_search(
     bench: &Bench<'_>,
     mut grown: Grown,
@@ -209,6 +212,7 @@ fn conclude_search(
     watch(Stage::Comparing);
     let mut tried = grown.steps.clone();
     let mut round = 0;
+    let mut withdrawn = Vec::new();
     loop {
         let (full, needed) = prune(bench, grown.refit.clone(), (rules, examined))?;
         let contests = (0..full.hypotheses.len())
@@ -227,12 +231,20 @@ fn conclude_search(
                 round += 1;
             }
             None => {
+                let floor = floor::of_rows(bench, &full, &[]);
+                if let Some(k) = outweighed::weakest(&floor, &full, &contests) {
+                    withdrawn.extend(full.hypotheses[k].named_joints());
+                    grown.refit = fit_without(bench, &full, k)?;
+                    round = EXCHANGES;
+                    continue;
+                }
                 return Ok(Explanation {
                     prefixes: prefixes(bench, &full)?,
                     full,
                     needed,
                     contests,
                     examined,
+                    withdrawn,
                     tried,
                 });
             }
@@ -270,7 +282,7 @@ fn report(
         .iter()
         .filter(|s| conclude::is_needed(s, (rules.significance, tried)))
         .collect();
-    let floor = floor(bench, full, &needed);
+    let floor = floor::of_rows(bench, full, &needed);
     let parameters = after.estimate.parameters.clone();
     let steps = explanation.steps();
     let mut findings = conclude::findings(&steps, &floor, &parameters);
@@ -279,7 +291,11 @@ fn report(
         .map(|s| conclude::unnamed(s, full, (&floor, tried)));
     findings.extend(without_name);
     let signal = bench.signal_rms(Split::Validation);
-    let open = conclude::unexplained(full, (&floor, &signal, rules.significance), &findings);
+    let open = conclude::unexplained(
+        full,
+        (&floor, &signal, rules.significance),
+        (&findings, &explanation.withdrawn),
+    );
     findings.extend(open);
     let corrected = summary::correct(bench, (full, &mut after), &needed);
     let lacks = lacks(&floor, &findings, (baseline, full));
@@ -317,36 +333,4 @@ fn lacks(floor: &Floor, findings: &[Finding], (before, after): (&Refit, &Refit))
     let joints: Vec<usize> = named.map(|(c, _)| c).collect();
     let lack = |refit: &Refit| floor.lack_of_fit(&refit.validation, &joints);
     (lack(before), lack(after))
-}
-
-/// Deviation of noise that forgets from row to row, from the differences of successive rows, `E (e(k+1) − e(k))²/2`,
-/// which what changes slowly does not enter (von Neumann 1941).
-fn of_steps(series: &[f64]) -> f64 {
-    let steps = series
-        .windows(2)
-        .map(|w| (w[1] - w[0]).powi(2))
-        .sum::<f64>();
-    (0.5 * steps / (series.len().max(2) - 1) as f64).sqrt()
-}
-
-/// The noise of one row: between periods where there are some, of successive rows where rows are in the order of
-/// time, else what the best model leaves.
-fn floor(bench: &Bench<'_>, full: &Refit, needed: &[&Smooth]) -> Floor {
-    let repeats = |r: &Prepared| r.experiment.noise.is_some();
-    if bench.in_time && bench.data.recordings.iter().all(repeats) {
-        return Floor {
-            rms: full.validation.iter().map(|e| of_steps(e)).collect(),
-            measured: true,
-        };
-    }
-    match noise_rms(&full.model, &full.values, bench.data) {
-        Some(rms) => Floor {
-            rms,
-            measured: true,
-        },
-        None => Floor {
-            rms: summary::left(full, needed).iter().map(|e| rms(e)).collect(),
-            measured: false,
-        },
-    }
 }

@@ -8,8 +8,12 @@ use crate::chain::model::Model;
 use nalgebra::DVector;
 use std::ops::Range;
 
-/// Rows of a task: many blocks, few enough that every thread has several tasks.
-const TASK_ROWS: usize = 64 * BLOCK;
+/// Rows of a task: a recording is shared out among a few threads even if it is short.
+fn task_rows(rows: usize) -> usize {
+    rows.div_ceil(4)
+        .next_multiple_of(BLOCK)
+        .clamp(4 * BLOCK, 64 * BLOCK)
+}
 
 /// A part of a recording that one task works on.
 #[derive(Debug, Clone)]
@@ -34,7 +38,7 @@ pub(crate) fn tasks<'a>(
         let size = if needs_all(model, recording) {
             rows.max(1)
         } else {
-            TASK_ROWS
+            task_rows(rows)
         };
         for start in (0..rows).step_by(size) {
             tasks.push(Task {

@@ -1,0 +1,80 @@
+//! The noise of one row of a channel, which a residual is held against.
+
+use crate::chain::dataset::Prepared;
+use crate::diagnose::bench::Bench;
+use crate::diagnose::refit::Refit;
+use crate::diagnose::rows::rms;
+use crate::diagnose::smooth::Smooth;
+use crate::diagnose::summary;
+use crate::estimate::figures::noise_rms;
+
+/// Least excess over the noise that shares are taken of.
+pub const LEAST_EXCESS: f64 = 0.05;
+
+/// A held-out residual of more than this many times the variance of the noise is not explained.
+pub const UNEXPLAINED: f64 = 2.0;
+
+/// Mean square of one row that is noise, per channel, and where it comes from.
+#[derive(Debug, Clone)]
+pub struct Floor {
+    pub rms: Vec<f64>,
+    /// Evidence between periods; otherwise the least residual of any model.
+    pub measured: bool,
+}
+
+impl Floor {
+    /// Lack of fit pooled over channels: mean of the squared residual over the squared noise.
+    pub fn lack_of_fit(&self, residuals: &[Vec<f64>], channels: &[usize]) -> f64 {
+        let (mut sum, mut rows) = (0.0, 0.0);
+        for &c in channels.iter().filter(|&&c| !residuals[c].is_empty()) {
+            let count = residuals[c].len() as f64;
+            sum += count * (rms(&residuals[c]) / self.rms[c]).powi(2);
+            rows += count;
+        }
+        if rows > 0.0 { sum / rows } else { 1.0 }
+    }
+
+    /// Share of the excess over the noise that a second model does not have.
+    pub fn share(&self, (before, after): (&[Vec<f64>], &[Vec<f64>]), channels: &[usize]) -> f64 {
+        let (before, after) = (
+            self.lack_of_fit(before, channels),
+            self.lack_of_fit(after, channels),
+        );
+        ((before - after) / (before - 1.0).max(LEAST_EXCESS)).clamp(0.0, 1.0)
+    }
+}
+
+/// Deviation of noise that forgets from row to row, from the differences of successive rows, `E (e(k+1) − e(k))²/2`,
+/// which what changes slowly does not enter (von Neumann 1941).
+fn of_steps(series: &[f64]) -> f64 {
+    let steps = series
+        .windows(2)
+        .map(|w| (w[1] - w[0]).powi(2))
+        .sum::<f64>();
+    (0.5 * steps / (series.len().max(2) - 1) as f64).sqrt()
+}
+
+/// The noise of one row: between periods where there are some, of successive rows where rows are in the order of
+/// time, else what the best model leaves.
+pub fn of_rows(bench: &Bench<'_>, full: &Refit, smooths: &[&Smooth]) -> Floor {
+    let repeats = |r: &Prepared| r.experiment.noise.is_some();
+    if bench.in_time && bench.data.recordings.iter().all(repeats) {
+        return Floor {
+            rms: full.validation.iter().map(|e| of_steps(e)).collect(),
+            measured: true,
+        };
+    }
+    match noise_rms(&full.model, &full.values, bench.data) {
+        Some(rms) => Floor {
+            rms,
+            measured: true,
+        },
+        None => Floor {
+            rms: summary::left(full, smooths)
+                .iter()
+                .map(|e| rms(e))
+                .collect(),
+            measured: false,
+        },
+    }
+}
