@@ -14,6 +14,8 @@ type Answers<T> = Mutex<Vec<(Vec<Hypothesis>, T)>>;
 pub struct Memory {
     refits: Answers<Refit>,
     leads: Answers<Vec<Lead>>,
+    /// Hypotheses of models that were fitted from the optimum of a richer one, and the hypotheses of that.
+    poorer: Mutex<Vec<(Vec<Hypothesis>, Vec<Hypothesis>)>>,
 }
 
 impl Memory {
@@ -24,6 +26,29 @@ impl Memory {
         make: impl FnOnce() -> Result<Refit, DiagnoseError>,
     ) -> Result<Refit, DiagnoseError> {
         recall(&self.refits, hypotheses, make)
+    }
+
+    /// The fit of a model with hypotheses that `make` makes from the optimum of a `richer` one, or the known one, of
+    /// both the better: a law of friction that was once tried alone may have ended in a shallow optimum.
+    pub fn refit_from(
+        &self,
+        (hypotheses, richer): (&[Hypothesis], &[Hypothesis]),
+        make: impl FnOnce() -> Result<Refit, DiagnoseError>,
+    ) -> Result<Refit, DiagnoseError> {
+        let pair = (hypotheses.to_vec(), richer.to_vec());
+        if open(&self.poorer).contains(&pair) {
+            return recall(&self.refits, hypotheses, make);
+        }
+        let made = make()?;
+        let known = recall(&self.refits, hypotheses, || Ok(made.clone()))?;
+        let better = made.fitted_score() < known.fitted_score();
+        if better {
+            open(&self.refits).retain(|(of, _)| of != hypotheses);
+            open(&self.refits).push((hypotheses.to_vec(), made.clone()));
+            open(&self.leads).retain(|(of, _)| of != hypotheses);
+        }
+        open(&self.poorer).push(pair);
+        Ok(if better { made } else { known })
     }
 
     /// What a model with hypotheses leads to, found by `make` the first time.
@@ -53,7 +78,7 @@ fn recall<T: Clone>(
     Ok(answer)
 }
 
-/// The list, also where a thread failed while it held it: entries are whole or absent.
-fn open<T>(answers: &Answers<T>) -> MutexGuard<'_, Vec<(Vec<Hypothesis>, T)>> {
-    answers.lock().unwrap_or_else(PoisonError::into_inner)
+/// A list, also where a thread failed while it held it: entries are whole or absent.
+fn open<T>(list: &Mutex<Vec<T>>) -> MutexGuard<'_, Vec<T>> {
+    list.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -305,5 +305,6 @@ pub fn fit_without(bench: &Bench<'_>, full: &Refit, k: usize) -> Result<Refit, D
     let mut hypotheses = full.hypotheses.clone();
     hypotheses.remove(k);
     let fit = || refit(bench, &hypotheses, (&full.start(), &full.deviations()));
-    bench.memory.refit(&hypotheses, fit)
+    let models = (&hypotheses[..], &full.hypotheses[..]);
+    bench.memory.refit_from(models, fit)
 }

@@ -215,8 +215,9 @@ fn conclude_search(
     let mut withdrawn = Vec::new();
     loop {
         let (full, needed) = prune(bench, grown.refit.clone(), (rules, examined))?;
+        let floor = floor::of_rows(bench, &full, &[]);
         let contests = (0..full.hypotheses.len())
-            .map(|k| contest(bench, &full, (k, rules)))
+            .map(|k| contest(bench, &full, (k, rules, &floor)))
             .collect::<Result<Vec<_>, _>>()?;
         let mut exchanged = None;
         for (k, contest) in contests.iter().enumerate() {
@@ -231,7 +232,6 @@ fn conclude_search(
                 round += 1;
             }
             None => {
-                let floor = floor::of_rows(bench, &full, &[]);
                 if let Some(k) = outweighed::weakest(&floor, &full, &contests) {
                     withdrawn.extend(full.hypotheses[k].named_joints());
                     grown.refit = fit_without(bench, &full, k)?;

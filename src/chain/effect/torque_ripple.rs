@@ -17,8 +17,8 @@ pub const EFFECT: Effect = Effect {
     parameters: &[
         ParameterInfo::nonlinear(
             ("order", Unit::Order),
-            "cycles per turn of the joint",
-            (0.0, 20.0, 1e5),
+            "cycles per turn of the joint, one at least: nothing in a gear repeats more rarely",
+            (1.0, 20.0, 1e5),
             Search::Cycles,
         ),
         ParameterInfo::linear(("amplitude", Unit::Torque), "of the first harmonic", 1.0),
