@@ -29,6 +29,7 @@ pub fn sentence(hypothesis: &Hypothesis, joints: &[String], parameters: &[Parame
         "presliding_hysteresis" => with("does not break loose at once: before it slides, its friction acts like a spring of", "sigma0", "the model switched friction with the sign of the speed"),
         "asymmetric_friction" if size("dFc").is_none() => with("has friction that depends on the direction of motion; with speed the difference grows by", "dFv", "the model had the same in both directions"),
         "asymmetric_friction" | "torque_offset" => with("needs more torque in one direction than in the other, half the difference being", if hypothesis.effect.id == "torque_offset" { "offset" } else { "dFc" }, "the model was the same in both (a constant offset of the signal is the same torque)"),
+        "sigmoid_friction" => format!("Friction of {who} switches smoothly, and off standstill, like a sigmoid of speed; the model's switched with the direction"),
         "viscous_nonlinearity" => format!("Friction of {who} is not proportional to speed; the model's viscous friction was"),
         "torque_ripple" => with("has a torque that repeats along its turn, of amplitude", "amplitude", "the model had a smooth drive"),
         "kinematic_coupling" => format!("The motor of one joint moves another too ({who}); the model took every motor for one joint's"),

@@ -20,7 +20,8 @@ pub(super) fn missing(source: &Source) -> Option<Section> {
     body.push_str(&spoiled(diagnosis));
     if let Some(next) = &diagnosis.next_experiment {
         body.push_str(&format!(
-            "<h3>What to record next</h3>\n<p>{}</p>\n<pre>{}</pre>\n",
+            "<h3>What to record next</h3>\n<p>{}</p>\n<details><summary>next_experiment.toml</summary>\n\
+             <pre>{}</pre></details>\n",
             escape(&next.sentence),
             escape(&next.problem)
         ));

@@ -98,8 +98,14 @@ fn confusion(trials: &Trials) -> String {
     let mut table = Table::new(&["Concealed", "Trials", "Right name", "Others found first"]);
     for (concealed, found) in &trials.confusion {
         let all: usize = found.values().sum();
-        let right = found.get(concealed).copied().unwrap_or(0);
-        let others = found.iter().filter(|(name, _)| *name != concealed);
+        // What lies outside the vocabulary has no name to be found.
+        let is_right = |name: &str| name == concealed || outside(concealed) && name == "unnamed";
+        let right: usize = found
+            .iter()
+            .filter(|(name, _)| is_right(name))
+            .map(|(_, n)| n)
+            .sum();
+        let others = found.iter().filter(|(name, _)| !is_right(name));
         let others: Vec<String> = others.map(|(name, n)| format!("{name} {n}")).collect();
         table.row(vec![
             Cell::name(concealed),
@@ -109,6 +115,11 @@ fn confusion(trials: &Trials) -> String {
         ]);
     }
     table.html()
+}
+
+/// Whether a law has no name in the vocabulary.
+fn outside(concealed: &str) -> bool {
+    concealed.starts_with("outside: ")
 }
 
 fn by_effect(power: &[Power]) -> String {
