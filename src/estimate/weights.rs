@@ -43,7 +43,7 @@ impl Weights {
         }
     }
 
-    /// Whether residuals weigh the same within [`NEAR`] of their size: `|W W₀⁻¹ − 1| <= NEAR` in every entry.
+    /// Whether residuals weigh the same within a thousandth: `|W W₀⁻¹ − 1| <= 1e-3` in every entry.
     pub fn is_near(&self, other: &Self) -> bool {
         let Some(inverse) = other.matrix().try_inverse() else {
             return false;
