@@ -138,9 +138,9 @@ impl Derivatives {
     }
 
     fn project(&mut self, tree: &Tree) {
-        self.position.fill(0.0);
-        self.velocity.fill(0.0);
-        self.mass.fill(0.0);
+        self.position.as_mut_slice().fill(0.0);
+        self.velocity.as_mut_slice().fill(0.0);
+        self.mass.as_mut_slice().fill(0.0);
         for (i, link) in tree.links().iter().enumerate() {
             let at = &self.links[i];
             self.torque[i] = at.axis.dot(&at.force);

@@ -104,7 +104,7 @@ impl ForwardDynamics {
     fn mass_matrix(&mut self, tree: &Tree, parameters: &[f64]) {
         let (links, motions) = (tree.links(), self.dynamics.motions());
         let n = links.len();
-        self.mass.fill(0.0);
+        self.mass.as_mut_slice().fill(0.0);
         for (body, own) in self
             .composite
             .iter_mut()

@@ -120,7 +120,7 @@ impl SampleRegressor {
     /// Columns follow the project's parameter order link by link; rows are N·m (N for sliding joints
     /// and forces) per unit of the parameter.
     pub fn fill(&mut self, tree: &Tree, state: [&[f64]; 3], matrix: &mut DMatrix<f64>) {
-        matrix.fill(0.0);
+        matrix.as_mut_slice().fill(0.0);
         let set = self.set;
         let kernel = SampleKernel {
             memory: self,
