@@ -13,6 +13,7 @@
 //! leaves is withdrawn.
 
 pub mod bench;
+pub mod clear;
 pub mod conclude;
 pub mod drift;
 pub mod error;

@@ -3,6 +3,7 @@
 use crate::chain::effect::{Law, Linearity};
 use crate::chain::parameter::Role;
 use crate::diagnose::bench::Bench;
+use crate::diagnose::clear;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::evidence::{Evidence, encompassing};
 use crate::diagnose::hypothesis::{self, Hypothesis};
@@ -210,20 +211,27 @@ pub fn compare(
 ) -> Trial {
     let evidence = encompassing(&before.validation, &refit.validation);
     Trial {
-        hypothesis,
         p_value: (evidence.p_value * tried as f64).min(1.0),
-        relief: relief(bench, before, &refit),
+        relief: relief(bench, &hypothesis, (before, &refit)),
+        hypothesis,
         evidence,
         refit,
     }
 }
 
 /// Largest share by which the held-out RMS error of a joint falls where the effect is worth the name: what it
-/// takes away has to be [`OF_TORQUE`] of the signal itself and [`OF_NOISE`] of the noise.
-fn relief(bench: &Bench<'_>, before: &Refit, after: &Refit) -> f64 {
+/// takes away has to be [`OF_TORQUE`] of the signal itself and [`OF_NOISE`] of the noise, and where it filters the
+/// motion only what it takes from frequencies at which that stands clear of its noise counts.
+fn relief(bench: &Bench<'_>, hypothesis: &Hypothesis, (before, after): (&Refit, &Refit)) -> f64 {
     let held_out = bench.recordings(Split::Validation);
+    let filters = matches!(hypothesis.effect.law, Law::Lag);
+    let band = filters.then(|| clear::band(bench, hypothesis));
+    let left = |residual: &[f64]| match band {
+        Some(band) => clear::rms(residual, band),
+        None => rms(residual),
+    };
     let of = |c: usize| {
-        let (old, new) = (rms(&before.validation[c]), rms(&after.validation[c]));
+        let (old, new) = (left(&before.validation[c]), left(&after.validation[c]));
         let taken = (old * old - new * new).max(0.0).sqrt();
         let signals = held_out.iter().flat_map(|r| r.signal(c)).copied();
         let signal = rms(&signals.collect::<Vec<f64>>());

@@ -21,7 +21,7 @@ pub mod realization;
 mod reweight;
 mod rounded;
 pub(crate) mod rows;
-mod spectrum;
+pub mod spectrum;
 pub mod standstill;
 mod start;
 pub mod task;

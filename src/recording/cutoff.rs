@@ -11,7 +11,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::recording::spectrum::{coefficients, noise_power};
+use crate::recording::spectrum::{clear_until, coefficients, noise_power};
 use crate::recording::zero_phase::gain;
 
 /// Candidates for the cut-off; over three decades each is 8 % above the one before, and the error
@@ -54,9 +54,20 @@ const BAND_LEAST: usize = 32;
 /// Ratio of the bounds of a band.
 const BAND_RATIO: f64 = 1.25;
 
-/// The cut-off (Hz) with the least estimated error of the acceleration, which is the derivative of
-/// the given order of the series.
-pub(super) fn choose_cutoff(series: &[f64], order: usize, rate_hz: f64, sampling: Sampling) -> f64 {
+/// A cut-off and how far the motion stands clear of its noise, Hz.
+pub(super) struct Cutoff {
+    pub hz: f64,
+    pub clear_hz: f64,
+}
+
+/// The cut-off with the least estimated error of the acceleration, which is the derivative of the given
+/// order of the series.
+pub(super) fn choose_cutoff(
+    series: &[f64],
+    order: usize,
+    rate_hz: f64,
+    sampling: Sampling,
+) -> Cutoff {
     let highest = HIGHEST_CUTOFF * rate_hz;
     let lowest = (LEAST_CYCLES * rate_hz / series.len() as f64).min(0.5 * highest);
     let power = acceleration_spectrum(series, order);
@@ -72,10 +83,14 @@ pub(super) fn choose_cutoff(series: &[f64], order: usize, rate_hz: f64, sampling
     };
     let ratio = (highest / lowest).powf(1.0 / (CANDIDATES - 1) as f64);
     let candidates = (0..CANDIDATES).map(|i| lowest * ratio.powi(i as i32));
-    candidates
+    let best = candidates
         .map(|cutoff| (error(cutoff), cutoff))
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map_or(highest, |(_, cutoff)| cutoff)
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let hz = best.map_or(highest, |(_, cutoff)| cutoff);
+    Cutoff {
+        hz,
+        clear_hz: (clear_until(&power, &noise) as f64 * step).min(hz),
+    }
 }
 
 /// Sums of the spectrum and its noise over frequencies between which the gain hardly changes.

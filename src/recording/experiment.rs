@@ -38,6 +38,8 @@ pub struct Bandwidth {
     /// Harmonics of the Fourier series; None for the low-pass.
     pub harmonics: Option<usize>,
     pub cutoff_hz: f64,
+    /// Up to here the motion stands clear of its noise; the cut-off where it was given.
+    pub clear_hz: f64,
     pub chosen: Chosen,
 }
 

@@ -4,12 +4,18 @@
 //! Leaving harmonic h out costs the acceleration (hω)⁴ |true c_h|², taking it in (hω)⁴ σ_h², where
 //! σ_h² is the noise variance of c_h. As E|c_h|² = |true c_h|² + σ_h², the H that minimises the
 //! estimated error maximises  Σ_{h<=H} (hω)⁴ (|c_h|² - 2 σ_h²)  (Mallows, 1973, for his C_p).
+//!
+//! What is taken in is shrunk by g_h = S_h / (S_h + σ_h²) with S_h the power of the motion (Wiener,
+//! 1949): to the expected motion given the data, whose error is orthogonal to it, so that it biases no
+//! parameter and no filter of the motion can look like physics. The error left is g_h σ_h².
 
 use std::f64::consts::TAU;
 
 use realfft::num_complex::Complex;
 
-use crate::recording::spectrum::{coefficients, noise_power, synthesis};
+use crate::recording::spectrum::{
+    BAND_LEAST, BAND_RATIO, band_end, clear_until, coefficients, noise_power, synthesis,
+};
 
 /// One joint's series and what noise leaves of it.
 pub(super) struct Series {
@@ -19,13 +25,6 @@ pub(super) struct Series {
     /// Noise variances of position, velocity and acceleration of any row.
     pub variances: [f64; 3],
 }
-
-/// Harmonics in the narrowest band over which the noise level is pooled: the relative error of a
-/// median of 16 exponential powers is 0.36, enough to tell signal from noise.
-const BAND_LEAST: usize = 16;
-
-/// Ratio of the bounds of a band: a noise spectrum changes little over a quarter of an octave.
-const BAND_RATIO: f64 = 1.25;
 
 /// Share of the spectrum at its top that is taken for noise: the upper quarter.
 const FLOOR_FROM: f64 = 0.75;
@@ -59,12 +58,6 @@ fn noise_of_mean(mean: &[Complex<f64>], differences: &[Vec<Complex<f64>>]) -> Ve
     variances
 }
 
-/// End of the band that starts at `low`; the last band takes in a remainder that is too narrow.
-fn band_end(low: usize, count: usize) -> usize {
-    let end = ((low as f64 * BAND_RATIO) as usize).max(low + BAND_LEAST);
-    if count < end + BAND_LEAST { count } else { end }
-}
-
 /// Power of a coefficient at the top of the spectrum.
 fn top_level(mean: &[Complex<f64>]) -> f64 {
     let from = (FLOOR_FROM * mean.len() as f64) as usize;
@@ -87,15 +80,54 @@ pub(super) fn choose_harmonics(mean: &[Complex<f64>], noise: &[f64], samples: us
     chosen.max(1)
 }
 
+/// Shrinks the coefficients up to `harmonics` to the share of them that is motion, and gives the powers of the
+/// errors that they are left with. The power of the motion is that of the band about a harmonic, less noise.
+pub(super) fn shrink(mean: &mut [Complex<f64>], noise: &[f64], harmonics: usize) -> Vec<f64> {
+    let count = mean.len();
+    let squares = mean.iter().map(|c| c.norm_sqr());
+    let sums: Vec<f64> = std::iter::once(0.0)
+        .chain(squares.scan(0.0, |sum, power| {
+            *sum += power;
+            Some(*sum)
+        }))
+        .collect();
+    let motion = |h: usize| -> f64 {
+        let reach = ((0.5 * (BAND_RATIO - 1.0) * h as f64) as usize).max(BAND_LEAST / 2);
+        let (low, high) = (h.saturating_sub(reach).max(1), (h + reach + 1).min(count));
+        ((sums[high] - sums[low]) / (high - low) as f64 - noise[h]).max(0.0)
+    };
+    // The constant is the place about which everything moves.
+    let mut errors = vec![noise[0]];
+    for h in 1..=harmonics {
+        let power = motion(h);
+        let share = if power > 0.0 {
+            power / (power + noise[h])
+        } else {
+            0.0
+        };
+        mean[h] *= share;
+        errors.push(share * noise[h]);
+    }
+    errors
+}
+
+/// Harmonics that stand clear of the noise.
+pub(super) fn clear_harmonics(mean: &[Complex<f64>], noise: &[f64], harmonics: usize) -> usize {
+    let power: Vec<f64> = mean.iter().map(|c| c.norm_sqr()).collect();
+    // The constant is no motion.
+    clear_until(&power[1..=harmonics], &noise[1..=harmonics])
+}
+
 /// Harmonics below half the rate: the one at half the rate has no derivative.
 pub(super) fn most_harmonics(samples: usize) -> usize {
     ((samples - 1) / 2).max(1)
 }
 
-/// Sums the series of `harmonics` and its derivatives over one period of `samples` rows.
+/// Sums the series of `harmonics` and its derivatives over one period of `samples` rows; `errors` are the
+/// powers of the errors of the coefficients.
 pub(super) fn series(
     mean: &[Complex<f64>],
-    noise: &[f64],
+    errors: &[f64],
     harmonics: usize,
     rows: (usize, f64),
 ) -> Series {
@@ -106,10 +138,10 @@ pub(super) fn series(
         let kept = mean[..=harmonics].iter().enumerate();
         synthesis(kept.map(|(h, c)| c * factor(h)).collect(), samples)
     };
-    // Noise n_h adds 2 Re(n_h e^{ihωt}) to a row, of variance 2 E|n_h|².
+    // An error n_h adds 2 Re(n_h e^{ihωt}) to a row, of variance 2 E|n_h|².
     let variance = |order: i32| -> f64 {
-        let terms = (1..=harmonics).map(|h| (h as f64 * omega).powi(2 * order) * noise[h]);
-        let constant = if order == 0 { noise[0] } else { 0.0 };
+        let terms = (1..errors.len()).map(|h| (h as f64 * omega).powi(2 * order) * errors[h]);
+        let constant = if order == 0 { errors[0] } else { 0.0 };
         constant + 2.0 * terms.sum::<f64>()
     };
     Series {
@@ -176,7 +208,7 @@ mod tests {
             let (mean, all) = noisy(sd, 1001, periods);
             let (c, noise) = analyse(&mean, &all);
             let of = |harmonics| {
-                let fit = series(&c, &noise, harmonics, (1001, PERIOD));
+                let fit = series(&c, &noise[..=harmonics], harmonics, (1001, PERIOD));
                 error(&fit.acceleration, &clean.acceleration)
             };
             let chosen = choose_harmonics(&c, &noise, 1001);
@@ -191,13 +223,36 @@ mod tests {
         let (sd, samples, periods) = (1e-4, 1000, 6);
         let (mean, all) = noisy(sd, samples, periods);
         let (c, noise) = analyse(&mean, &all);
-        let fit = series(&c, &noise, 10, (samples, PERIOD));
+        let fit = series(&c, &noise[..=10], 10, (samples, PERIOD));
         let per_harmonic = sd * sd / (samples * periods) as f64;
         let omega = TAU / PERIOD;
         let sum: f64 = (1..=10).map(|h| (h as f64 * omega).powi(4)).sum();
         let exact = 2.0 * per_harmonic * sum;
         // Median of 15 powers of 5 degrees of freedom each: relative standard error about 0.15.
         assert!((fit.variances[2] / exact - 1.0).abs() < 0.5);
+    }
+
+    /// Far above the noise nothing changes; where there is as much noise as motion, half of either goes, and the
+    /// error that is announced is the one that is made.
+    #[test]
+    fn shrinking_lowers_the_error_and_announces_it() {
+        let (truth, _) = noisy(0.0, 1001, 1);
+        let exact = coefficients(&truth);
+        let clean = series(&exact, &[0.0], 30, (1001, PERIOD));
+        let (mut plain, mut shrunk, mut announced) = (0.0, 0.0, 0.0);
+        for periods in 4..24 {
+            let (mean, all) = noisy(3e-3, 1001, periods);
+            let (mut c, noise) = analyse(&mean, &all);
+            let of = |c: &[Complex<f64>], noise: &[f64]| series(c, noise, 30, (1001, PERIOD));
+            plain += error(&of(&c, &noise[..=30]).acceleration, &clean.acceleration).powi(2);
+            let errors = shrink(&mut c, &noise, 30);
+            let fit = of(&c, &errors[..=30]);
+            shrunk += error(&fit.acceleration, &clean.acceleration).powi(2);
+            announced += fit.variances[2];
+        }
+        assert!(shrunk < 0.9 * plain, "{shrunk} of {plain}");
+        let ratio = announced / shrunk;
+        assert!((0.6..1.6).contains(&ratio), "{ratio}");
     }
 
     #[test]

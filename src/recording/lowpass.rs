@@ -128,27 +128,28 @@ fn bandwidths(recording: &Recording, preparation: &Preparation, timing: &Timing)
         false => Sampling::Interpolated,
     };
     let of = |joint: usize| match preparation.differentiation.cutoff_hz {
-        Some(cutoff_hz) => (cutoff_hz, Chosen::Given),
+        Some(cutoff_hz) => Bandwidth {
+            harmonics: None,
+            cutoff_hz,
+            clear_hz: cutoff_hz,
+            chosen: Chosen::Given,
+        },
         None => {
             let (series, order) = match (&recording.acceleration, &recording.velocity) {
                 (Some(acceleration), _) => (&acceleration[joint], 0),
                 (None, Some(velocity)) => (&velocity[joint], 1),
                 (None, None) => (&recording.position[joint], 2),
             };
-            (
-                choose_cutoff(series, order, timing.rate_hz, sampling),
-                Chosen::Data,
-            )
+            let cutoff = choose_cutoff(series, order, timing.rate_hz, sampling);
+            Bandwidth {
+                harmonics: None,
+                cutoff_hz: cutoff.hz,
+                clear_hz: cutoff.clear_hz,
+                chosen: Chosen::Data,
+            }
         }
     };
-    (0..recording.position.len())
-        .map(of)
-        .map(|(cutoff_hz, chosen)| Bandwidth {
-            harmonics: None,
-            cutoff_hz,
-            chosen,
-        })
-        .collect()
+    (0..recording.position.len()).map(of).collect()
 }
 
 /// The low-pass of every joint, and that of the signal.

@@ -187,6 +187,12 @@ fn differentiate(
     let mut bandwidth = Bandwidth {
         harmonics: Some(harmonics),
         cutoff_hz,
+        clear_hz: match chosen {
+            Chosen::Given => cutoff_hz,
+            Chosen::Data => {
+                fourier::clear_harmonics(&coefficients, &noise, harmonics) as f64 / period
+            }
+        },
         chosen,
     };
     let mut summed = harmonics;
@@ -198,6 +204,11 @@ fn differentiate(
         }
         bandwidth.harmonics = None;
         summed = fourier::most_harmonics(n);
+    } else if chosen == Chosen::Data {
+        noise = fourier::shrink(&mut coefficients, &noise, harmonics);
+    } else {
+        // What a given bandwidth leaves out is left out on purpose.
+        noise.truncate(harmonics + 1);
     }
     let series = fourier::series(&coefficients, &noise, summed, (n, period));
     (series, bandwidth)

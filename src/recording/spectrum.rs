@@ -5,6 +5,38 @@
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
+/// Coefficients in the narrowest band over which a level is pooled: the relative error of a
+/// median of 16 exponential powers is 0.36, enough to tell signal from noise.
+pub(super) const BAND_LEAST: usize = 16;
+
+/// Ratio of the bounds of a band: a noise spectrum changes little over a quarter of an octave.
+pub(super) const BAND_RATIO: f64 = 1.25;
+
+/// Motion stands clear of its noise where it has this many times its power: what the noise does to a
+/// prediction is then a tenth of what the motion does, and no filter that takes the noise away
+/// explains more than that.
+const CLEAR: f64 = 10.0;
+
+/// End of the band that starts at `low`; the last band takes in a remainder that is too narrow.
+pub(super) fn band_end(low: usize, count: usize) -> usize {
+    let end = ((low as f64 * BAND_RATIO) as usize).max(low + BAND_LEAST);
+    if count < end + BAND_LEAST { count } else { end }
+}
+
+/// End of the last band in which a spectrum, noise included, stands clear of its noise; 0 if none does.
+pub(super) fn clear_until(power: &[f64], noise: &[f64]) -> usize {
+    let (mut low, mut clear) = (0, 0);
+    while low < power.len() {
+        let high = band_end(low, power.len());
+        let sum = |series: &[f64]| series[low..high].iter().sum::<f64>();
+        if sum(power) >= (1.0 + CLEAR) * sum(noise) {
+            clear = high;
+        }
+        low = high;
+    }
+    clear
+}
+
 /// Coefficients c_0..c_{N/2} of a series of any length N >= 1.
 pub(super) fn coefficients(series: &[f64]) -> Vec<Complex<f64>> {
     let n = series.len();
@@ -64,6 +96,21 @@ mod tests {
                 assert!((a - b).abs() < 1e-12, "length {n}");
             }
         }
+    }
+
+    #[test]
+    fn a_falling_spectrum_is_clear_until_it_has_ten_times_the_power_of_its_noise() {
+        let noise = vec![1.0; 400];
+        let power: Vec<f64> = (0..400)
+            .map(|h| 1.0 + 1.0e3 * (-0.03 * h as f64).exp())
+            .collect();
+        // 1000 e^(-0.03 h) = 10 at h = 153.5, and bands are a quarter wide there.
+        let clear = clear_until(&power, &noise) as f64;
+        assert!(
+            (153.5 / BAND_RATIO..153.5 * BAND_RATIO).contains(&clear),
+            "{clear}"
+        );
+        assert_eq!(clear_until(&noise, &noise), 0);
     }
 
     #[test]
