@@ -176,7 +176,7 @@ fn matches_differences_of_the_signal_with_all_effects_without_lag() {
     let rigid: Vec<&'static Effect> = EFFECTS
         .iter()
         .copied()
-        .filter(|effect| !matches!(effect.law, Law::Lag))
+        .filter(|effect| !matches!(effect.law, Law::Spring | Law::Play))
         .collect();
     for (seed, signal) in (40..).zip(SIGNALS) {
         assert_derivatives(&rigid, signal, seed);

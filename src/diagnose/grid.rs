@@ -24,6 +24,7 @@ struct Kind {
     linear: Option<f64>,
     values: Vec<f64>,
     scanned: bool,
+    rising: bool,
 }
 
 impl Grid {
@@ -58,9 +59,15 @@ impl Grid {
                     }
                 },
                 scanned: search == Search::Cycles,
+                rising: matches!(search, Search::Rising(_)),
             });
         }
         Self { kinds, of }
+    }
+
+    /// Whether points come in an order in which each lies further off than the one before.
+    pub fn is_rising(&self) -> bool {
+        self.kinds.len() == 1 && self.kinds[0].rising
     }
 
     /// Points of what is scanned alone, with everything else at its first value; empty where nothing is.

@@ -57,6 +57,9 @@ type Column = Vec<(usize, Vec<f64>)>;
 /// Share of a column that the model as it stands must leave: less is rounding.
 const INDEPENDENT: f64 = 1e-8;
 
+/// A value that makes the squared residual so many times larger is far too large.
+const HOPELESS: f64 = 10.0;
+
 impl<'a> Linearised<'a> {
     pub fn new(bench: &'a Bench<'_>, refit: &'a Refit) -> Self {
         let recordings = bench.recordings(Split::Train);
@@ -95,7 +98,7 @@ impl<'a> Linearised<'a> {
         if self.has_simple_chain && hypothesis.joints.len() == 1 && is_of_drive(law) {
             model.predict_only(hypothesis.joints[0]);
         }
-        let leaves_bodies = is_of_drive(law) || matches!(law, Law::Lag);
+        let leaves_bodies = is_of_drive(law) || matches!(law, Law::Spring | Law::Play);
         let recordings: Vec<&Prepared> = match self.has_simple_chain && leaves_bodies {
             true => self.known.iter().collect(),
             false => self.recordings.clone(),
@@ -109,13 +112,20 @@ impl<'a> Linearised<'a> {
         let base = self.transfer(&model);
         let motion = Motion::of(&self.recordings, hypothesis.joints[0]);
         let grid = Grid::new(&model, &own, (hypothesis.effect, &motion));
+        let gain = |point: Vec<f64>| {
+            let mut values = base.clone();
+            own.iter().zip(&point).for_each(|(&p, x)| values[p] = *x);
+            (self.gain(&model, (&values, &own), &recordings), point)
+        };
+        let hopeless = -HOPELESS * self.residual.iter().map(|r| dot(r, r)).sum::<f64>();
         let best_of = |points: Vec<Vec<f64>>| {
-            let gains = points.into_par_iter().map(|point| {
-                let mut values = base.clone();
-                own.iter().zip(&point).for_each(|(&p, x)| values[p] = *x);
-                (self.gain(&model, (&values, &own), &recordings), point)
-            });
-            let gains: Vec<(f64, Vec<f64>)> = gains.collect();
+            let gains: Vec<(f64, Vec<f64>)> = match grid.is_rising() {
+                true => {
+                    let gains = points.into_iter().map(gain);
+                    gains.take_while(|(gain, _)| *gain > hopeless).collect()
+                }
+                false => points.into_par_iter().map(gain).collect(),
+            };
             gains.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))
         };
         let scanned = best_of(grid.scan());

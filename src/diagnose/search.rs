@@ -224,7 +224,7 @@ pub fn compare(
 /// motion only what it takes from frequencies at which that stands clear of its noise counts.
 fn relief(bench: &Bench<'_>, hypothesis: &Hypothesis, (before, after): (&Refit, &Refit)) -> f64 {
     let held_out = bench.recordings(Split::Validation);
-    let filters = matches!(hypothesis.effect.law, Law::Lag);
+    let filters = matches!(hypothesis.effect.law, Law::Spring);
     let band = filters.then(|| clear::band(bench, hypothesis));
     let left = |residual: &[f64]| match band {
         Some(band) => clear::rms(residual, band),

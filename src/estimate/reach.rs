@@ -55,7 +55,7 @@ impl Motion {
         };
         let mut values = match search {
             Search::Typical => vec![value],
-            Search::Values(values) => values.to_vec(),
+            Search::Values(values) | Search::Rising(values) => values.to_vec(),
             Search::Position(of) => shares(of, range, self.least),
             Search::Range(of) => shares(of, range, 0.0),
             Search::Speed(of) => shares(of, self.fastest, 0.0),

@@ -10,6 +10,13 @@ use crate::chain::effect::{
     Confounder, Dependence, Effect, Law, Memory, Needs, ParameterInfo, Search, Unit,
 };
 
+/// Even in their roots, to which the time is proportional that the link takes to cross them: it strikes a flank at
+/// another row where the gap is another, and a strike that comes at the wrong row explains nothing.
+const GAPS: &[f64] = &[
+    0.0004, 0.001, 0.0018, 0.003, 0.0044, 0.006, 0.0079, 0.0101, 0.0125, 0.0153, 0.0182, 0.0215,
+    0.025, 0.0287, 0.0328,
+];
+
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
     id: "backlash",
@@ -20,7 +27,7 @@ pub const EFFECT: Effect = Effect {
         ("gap", Unit::Position),
         "total play between motor and link",
         (0.0, 0.005, 1.0),
-        Search::Values(&[0.002, 0.006, 0.02]),
+        Search::Rising(GAPS),
     )],
     depends_on: &[Dependence::Load, Dependence::Direction],
     confounded_with: &[
@@ -33,7 +40,7 @@ pub const EFFECT: Effect = Effect {
             separated_by: "changes of the sign of the load without a reversal of the motion",
         },
     ],
-    law: Law::Lag,
+    law: Law::Play,
     needs: Needs {
         memory: Memory::Course,
         ..Needs::NOTHING

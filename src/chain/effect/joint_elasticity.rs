@@ -35,7 +35,7 @@ pub const EFFECT: Effect = Effect {
             separated_by: "a delay is the same for every joint, and acts on friction too",
         },
     ],
-    law: Law::Lag,
+    law: Law::Spring,
     needs: Needs {
         memory: Memory::Course,
         ..Needs::NOTHING

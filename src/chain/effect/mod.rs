@@ -110,8 +110,10 @@ pub enum Law {
     Body,
     /// The direction of gravity.
     Tilt,
-    /// A lag of the link behind the motor.
-    Lag,
+    /// A spring between motor and link: the link filters the motor's motion.
+    Spring,
+    /// Play between motor and link.
+    Play,
     /// A delay of the signal.
     Delay,
 }
@@ -197,6 +199,8 @@ pub enum Search {
     /// The typical value is good enough.
     Typical,
     Values(&'static [f64]),
+    /// Rising values of which all beyond one that is far too large are larger still.
+    Rising(&'static [f64]),
     /// Shares of the way from the least to the greatest position of the joint.
     Position(&'static [f64]),
     /// Shares of the range of the joint's positions.
