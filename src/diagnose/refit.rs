@@ -1,6 +1,7 @@
 //! A model with hypotheses in it and all of its parameters fitted again.
 
 use crate::chain::dataset::{Dataset, Prepared};
+use crate::chain::effect::Linearity;
 use crate::chain::model::Model;
 use crate::chain::prior::Prior;
 use crate::diagnose::bench::Bench;
@@ -122,10 +123,26 @@ fn deviations(residuals: &[Vec<f64>]) -> Vec<f64> {
 pub fn refit(
     bench: &Bench<'_>,
     hypotheses: &[Hypothesis],
+    from: (&Start, &[f64]),
+) -> Result<Refit, DiagnoseError> {
+    refit_holding(bench, hypotheses, from, &[])
+}
+
+/// The same while nonlinear parameters of some names stay at values.
+pub fn refit_holding(
+    bench: &Bench<'_>,
+    hypotheses: &[Hypothesis],
     (start, first): (&Start, &[f64]),
+    held: &[(String, f64)],
 ) -> Result<Refit, DiagnoseError> {
     let (mut model, prior) = bench.model(hypotheses)?;
     apply(&mut model, start);
+    for (name, value) in held {
+        let index = model.find(name).map_err(EstimateError::from)?;
+        if model.parameters()[index].linearity == Linearity::Nonlinear {
+            model.fix(index, *value).map_err(EstimateError::from)?;
+        }
+    }
     let unknowns = Unknowns::find(&model, bench.data, &prior);
     let recordings = bench.recordings(Split::Train);
     let mut scale = first.to_vec();

@@ -7,7 +7,7 @@ use crate::diagnose::clear;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::evidence::{Evidence, encompassing};
 use crate::diagnose::hypothesis::{self, Hypothesis};
-use crate::diagnose::refit::{Refit, Start, refit};
+use crate::diagnose::refit::{Refit, Start, refit, refit_holding};
 use crate::diagnose::rows::rms;
 use crate::diagnose::screen::{Lead, leads};
 use crate::recording::split::Split;
@@ -164,19 +164,31 @@ fn try_one(
     start.extend(lead.start.iter().cloned());
     let anew = without_shapes(before, lead, &start);
     let fit = || {
-        let first = refit(bench, &hypotheses, (&start, &before.deviations()))?;
-        match &anew {
-            Some(anew) => {
-                let second = refit(bench, &hypotheses, (anew, &before.deviations()))?;
-                let better = second.fitted_score() < first.fitted_score();
-                Ok(if better { second } else { first })
-            }
-            None => Ok(first),
+        let from = |start: &Start| refit(bench, &hypotheses, (start, &before.deviations()));
+        let mut best = from(&start)?;
+        if let Some(anew) = &anew {
+            best = better(best, from(anew)?);
         }
+        // A richer model that fits worse was not searched well: everything else first, at the lead's own values.
+        if best.fitted_score() > before.fitted_score() {
+            let scale = (&start, &before.deviations()[..]);
+            let settled = refit_holding(bench, &hypotheses, scale, &lead.start)?;
+            best = better(best, from(&settled.start())?);
+        }
+        Ok(best)
     };
     let refit = bench.memory.refit(&hypotheses, fit)?;
     let named = (lead.hypothesis.clone(), tried);
     Ok(compare(bench, (before, refit), named))
+}
+
+/// The one that fits better.
+fn better(a: Refit, b: Refit) -> Refit {
+    if b.fitted_score() < a.fitted_score() {
+        b
+    } else {
+        a
+    }
 }
 
 /// The start with the nonlinear parameters of a law at the motor left where the model has them to begin with: those of

@@ -18,6 +18,10 @@ use crate::chain::effect::{
     Samples, Search, TorqueLaw, Unit,
 };
 
+/// From a wrist whose bristles bend by tenths of a radian to the first axis of a large arm; half a decade apart where
+/// most joints lie.
+const STIFFNESSES: &[f64] = &[1.0, 3.0, 10.0, 30.0, 1e2, 3e2, 1e3, 3e3, 1e4, 1e5];
+
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
     id: "presliding_hysteresis",
@@ -29,12 +33,12 @@ pub const EFFECT: Effect = Effect {
             ("sigma0", Unit::TorquePerPosition),
             "stiffness of the bristles",
             (1e-3, 300.0, 1e9),
-            Search::Values(&[1e2, 1e3, 1e4]),
+            Search::Values(STIFFNESSES),
         ),
         ParameterInfo::nonlinear(
             ("sigma1", Unit::TorquePerSpeed),
             "damping of the bristles",
-            (0.0, 1.0, 1e6),
+            (0.0, 0.1, 1e6),
             Search::Typical,
         ),
         ParameterInfo::nonlinear(
