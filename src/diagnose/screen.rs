@@ -18,7 +18,7 @@ use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::grid::Grid;
 use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::refit::{Refit, Start};
-use crate::diagnose::rows::Series;
+use crate::diagnose::rows::{Series, rms};
 use crate::estimate::reach::Motion;
 use crate::linalg::triangular::Triangular;
 use crate::recording::split::Split;
@@ -109,17 +109,23 @@ impl<'a> Linearised<'a> {
                 parameter.is_free() && self.refit.model.find(&parameter.name).is_err()
             })
             .collect();
-        let base = self.transfer(&model);
+        let bases = self.bases(&model, hypothesis);
         let motion = Motion::of(&self.recordings, hypothesis.joints[0]);
         let grid = Grid::new(&model, &own, (hypothesis.effect, &motion));
         let gain = |point: Vec<f64>| {
-            let mut values = base.clone();
-            own.iter().zip(&point).for_each(|(&p, x)| values[p] = *x);
-            (self.gain(&model, (&values, &own), &recordings), point)
+            let from = |(b, base): (usize, &DVector<f64>)| {
+                let mut values = base.clone();
+                own.iter().zip(&point).for_each(|(&p, x)| values[p] = *x);
+                (self.gain(&model, (&values, &own), &recordings), b)
+            };
+            let all = bases.iter().map(|(base, _)| base).enumerate().map(from);
+            let best = all.max_by(|a, b| a.0.total_cmp(&b.0));
+            let (gain, base) = best.unwrap_or((f64::NEG_INFINITY, 0));
+            (gain, (base, point))
         };
         let hopeless = -HOPELESS * self.residual.iter().map(|r| dot(r, r)).sum::<f64>();
         let best_of = |points: Vec<Vec<f64>>| {
-            let gains: Vec<(f64, Vec<f64>)> = match grid.is_rising() {
+            let gains: Vec<(f64, (usize, Vec<f64>))> = match grid.is_rising() {
                 true => {
                     let gains = points.into_iter().map(gain);
                     gains.take_while(|(gain, _)| *gain > hopeless).collect()
@@ -130,13 +136,48 @@ impl<'a> Linearised<'a> {
         };
         let scanned = best_of(grid.scan());
         let of_scan = scanned.as_ref().map_or(0.0, |(gain, _)| *gain);
-        let (gain, point) = best_of(grid.all(scanned.as_ref().map(|(_, at)| at.as_slice())))?;
+        let scanned = scanned.as_ref().map(|(_, (_, at))| at.as_slice());
+        let (gain, (base, point)) = best_of(grid.all(scanned))?;
         let names = own.iter().map(|&p| model.parameters()[p].name.clone());
+        let mut start: Start = names.zip(point).collect();
+        start.extend(bases[base].1.iter().cloned());
         Some(Lead {
             hypothesis: hypothesis.clone(),
             gain: gain.max(of_scan),
-            start: names.zip(point).collect(),
+            start,
         })
+    }
+
+    /// Values from which a hypothesis is examined: those of the fit, and where it takes a law's place and borrows its
+    /// parameters, also those raised by what the fit leaves of the signal. The poorer law may have found nothing.
+    fn bases(&self, model: &Model, hypothesis: &Hypothesis) -> Vec<(DVector<f64>, Start)> {
+        let fitted = self.transfer(model);
+        let joint = &model.joints()[hypothesis.joints[0]].name;
+        let mut raised = (fitted.clone(), Start::new());
+        for (effect, parameter) in hypothesis.effect.needs.borrows {
+            let name = format!("{joint}.{effect}.{parameter}");
+            let (Ok(from), Ok(to)) = (self.refit.model.find(&name), model.find(&name)) else {
+                continue;
+            };
+            let unknown = self
+                .refit
+                .unknowns
+                .positions()
+                .iter()
+                .position(|&p| p == from);
+            let columns = self.columns.iter().filter_map(|of| of[unknown?].as_ref());
+            let largest = columns.map(|column| rms(column)).fold(0.0, f64::max);
+            if largest > 0.0 {
+                // Residuals are weighted to an RMS of one.
+                raised.0[to] += 1.0 / largest;
+                raised.1.push((name, raised.0[to]));
+            }
+        }
+        let plain = (fitted, Start::new());
+        match raised.1.is_empty() {
+            true => vec![plain],
+            false => vec![plain, raised],
+        }
     }
 
     /// The fitted values in a larger model.
