@@ -58,7 +58,7 @@ pub struct Step {
 pub const MATTERS: f64 = 0.01;
 
 /// An effect that takes less than this share of the RMS signal of every joint is negligible.
-pub const OF_TORQUE: f64 = 0.005;
+pub const OF_TORQUE: f64 = 0.002;
 
 /// An effect that takes less than this many times the RMS noise of a row is negligible: what the errors of
 /// differentiation leave at reversals reaches a quarter of the variance of the noise, to which bandwidths are chosen.
