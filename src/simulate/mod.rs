@@ -208,13 +208,18 @@ fn planned(problem: &ProblemFile, truth: &Truth) -> Result<Vec<Plan>, SimulateEr
     Ok(plans)
 }
 
-/// A path as written, without what leads out of a folder.
+/// A path as written, without what leads out of a folder; of an absolute one, the file's name.
 fn inside(written: &str) -> String {
-    let kept = FilePath::new(written).components().filter_map(|c| match c {
+    let path = FilePath::new(written);
+    let kept = path.components().filter_map(|c| match c {
         Component::Normal(part) => Some(part),
         _ => None,
     });
-    kept.collect::<PathBuf>().to_string_lossy().into_owned()
+    let kept: PathBuf = match path.is_absolute() {
+        true => kept.last().into_iter().collect(),
+        false => kept.collect(),
+    };
+    kept.to_string_lossy().into_owned()
 }
 
 /// Streams of random numbers of one recording: this many, the first one for the trajectory.

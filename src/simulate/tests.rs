@@ -350,6 +350,15 @@ fn incomplete_and_unknown_truths_are_refused() {
 }
 
 #[test]
+fn recordings_stay_inside_the_results_folder_wherever_their_files_are() {
+    let name = |written: &str| super::inside(written);
+    assert_eq!(name("runs/train.csv"), "runs/train.csv");
+    assert_eq!(name("../runs/train.csv"), "runs/train.csv");
+    let absolute = std::env::temp_dir().join("runs").join("train.csv");
+    assert_eq!(name(&absolute.to_string_lossy()), "train.csv");
+}
+
+#[test]
 fn recordings_with_and_without_the_load_differ_by_the_load() {
     let head = "[robot]\npayload = \"last\"\n";
     let rest = "[recordings]\ntrain = [\"../a.csv\"]\nloaded = [\"b.csv\"]\nsignal = \"base_wrench\"\n\
