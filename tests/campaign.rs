@@ -1,5 +1,8 @@
 //! `exid trials` from outside: what it writes, that it goes on where it was, and what it refuses.
 
+use exid::problem::solution::Control;
+use exid::trials::plan::Scope;
+use exid::trials::run;
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -61,5 +64,22 @@ fn an_effect_or_a_robot_that_does_not_exist_is_refused() {
         let words = String::from_utf8_lossy(&output.stderr);
         assert!(words.contains(flag) && words.contains(wrong), "{words}");
         assert!(!folder.path().join("results").exists());
+    }
+}
+
+/// Robots by the seed of a run and the number in it. In turn: a spring that only filtered the encoder's noise had been
+/// named beside what is missing, twice; bristles whose fit had ended worse than the model without them; bristles so soft
+/// that the fit without them had found no dry friction; a play between two gaps that had been tried.
+#[test]
+fn names_what_is_missing_and_nothing_else_where_a_search_had_gone_wrong() {
+    for (seed, number) in [(2, 56), (2, 62), (2, 32), (1, 170), (2, 127)] {
+        let trial = run::run(&Scope::all(seed), number, &Control::default());
+        let found: Vec<&str> = trial.found.iter().map(|f| f.effect.as_str()).collect();
+        assert!(trial.all_found, "{seed}, {number}: {found:?}");
+        assert_eq!(
+            found.len(),
+            trial.concealed.len(),
+            "{seed}, {number}: {found:?}"
+        );
     }
 }

@@ -164,15 +164,15 @@ fn try_one(
     start.extend(lead.start.iter().cloned());
     let anew = without_shapes(before, lead, &start);
     let fit = || {
-        let from = |start: &Start| refit(bench, &hypotheses, (start, &before.deviations()));
+        let deviations = before.deviations();
+        let from = |start: &Start| refit(bench, &hypotheses, (start, &deviations));
         let mut best = from(&start)?;
         if let Some(anew) = &anew {
             best = better(best, from(anew)?);
         }
         // A richer model that fits worse was not searched well: everything else first, at the lead's own values.
         if best.fitted_score() > before.fitted_score() {
-            let scale = (&start, &before.deviations()[..]);
-            let settled = refit_holding(bench, &hypotheses, scale, &lead.start)?;
+            let settled = refit_holding(bench, &hypotheses, (&start, &deviations), &lead.start)?;
             best = better(best, from(&settled.start())?);
         }
         Ok(best)

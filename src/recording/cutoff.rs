@@ -11,7 +11,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::recording::spectrum::{clear_until, coefficients, noise_power};
+use crate::recording::spectrum::{BAND_RATIO, clear_until, coefficients, noise_power};
 use crate::recording::zero_phase::gain;
 
 /// Candidates for the cut-off; over three decades each is 8 % above the one before, and the error
@@ -50,9 +50,6 @@ impl Sampling {
 
 /// Frequencies in the narrowest band whose median is a level of the noise: its relative error is 0.25.
 const BAND_LEAST: usize = 32;
-
-/// Ratio of the bounds of a band.
-const BAND_RATIO: f64 = 1.25;
 
 /// A cut-off and how far the motion stands clear of its noise, Hz.
 pub(super) struct Cutoff {

@@ -232,8 +232,7 @@ mod tests {
         assert!((fit.variances[2] / exact - 1.0).abs() < 0.5);
     }
 
-    /// Far above the noise nothing changes; where there is as much noise as motion, half of either goes, and the
-    /// error that is announced is the one that is made.
+    /// The last of the thirty harmonics have more noise than motion; the error that is announced is the one made.
     #[test]
     fn shrinking_lowers_the_error_and_announces_it() {
         let (truth, _) = noisy(0.0, 1001, 1);

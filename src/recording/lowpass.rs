@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::fault::Place;
 use crate::recording::columns::Recording;
-use crate::recording::cutoff::{Sampling, choose_cutoff};
+use crate::recording::cutoff::{Cutoff, Sampling, choose_cutoff};
 use crate::recording::differences::{first, second};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::experiment::{Bandwidth, Chosen, Experiment, Motion, Raw, RowMap};
@@ -128,12 +128,7 @@ fn bandwidths(recording: &Recording, preparation: &Preparation, timing: &Timing)
         false => Sampling::Interpolated,
     };
     let of = |joint: usize| match preparation.differentiation.cutoff_hz {
-        Some(cutoff_hz) => Bandwidth {
-            harmonics: None,
-            cutoff_hz,
-            clear_hz: cutoff_hz,
-            chosen: Chosen::Given,
-        },
+        Some(hz) => (Cutoff { hz, clear_hz: hz }, Chosen::Given),
         None => {
             let (series, order) = match (&recording.acceleration, &recording.velocity) {
                 (Some(acceleration), _) => (&acceleration[joint], 0),
@@ -141,15 +136,18 @@ fn bandwidths(recording: &Recording, preparation: &Preparation, timing: &Timing)
                 (None, None) => (&recording.position[joint], 2),
             };
             let cutoff = choose_cutoff(series, order, timing.rate_hz, sampling);
-            Bandwidth {
-                harmonics: None,
-                cutoff_hz: cutoff.hz,
-                clear_hz: cutoff.clear_hz,
-                chosen: Chosen::Data,
-            }
+            (cutoff, Chosen::Data)
         }
     };
-    (0..recording.position.len()).map(of).collect()
+    (0..recording.position.len())
+        .map(of)
+        .map(|(cutoff, chosen)| Bandwidth {
+            harmonics: None,
+            cutoff_hz: cutoff.hz,
+            clear_hz: cutoff.clear_hz,
+            chosen,
+        })
+        .collect()
 }
 
 /// The low-pass of every joint, and that of the signal.

@@ -211,14 +211,15 @@ fn planned(problem: &ProblemFile, truth: &Truth) -> Result<Vec<Plan>, SimulateEr
 /// A path as written, without what leads out of a folder; of an absolute one, the file's name.
 fn inside(written: &str) -> String {
     let path = FilePath::new(written);
-    let kept = path.components().filter_map(|c| match c {
-        Component::Normal(part) => Some(part),
-        _ => None,
-    });
-    let kept: PathBuf = match path.is_absolute() {
-        true => kept.last().into_iter().collect(),
-        false => kept.collect(),
-    };
+    if path.is_absolute() {
+        return path
+            .file_name()
+            .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    }
+    let parts = path
+        .components()
+        .filter(|c| matches!(c, Component::Normal(_)));
+    let kept: PathBuf = parts.collect();
     kept.to_string_lossy().into_owned()
 }
 
