@@ -21,8 +21,8 @@ use exid::recording::experiment::prepare;
 use exid::recording::settings::Preparation;
 use exid::recording::split::Split;
 use exid::robot::urdf;
-use exid::solve::levenberg_marquardt::{self, Settings};
-use nalgebra::{DMatrix, DVector, Isometry3};
+use exid::solve::{levenberg_marquardt, linear};
+use nalgebra::{DMatrix, Isometry3};
 use std::env;
 use std::fs;
 use std::hint::black_box;
@@ -59,13 +59,12 @@ fn to_motors() -> DMatrix<f64> {
     matrix
 }
 
-fn model(file: &Path) -> Option<Model> {
-    let ids = [
-        "coulomb_friction",
-        "viscous_friction",
-        "transmission_efficiency",
-    ];
-    let list: Vec<_> = ids.iter().filter_map(|id| effect::find(id)).collect();
+/// The robot with friction and these further effects.
+fn model(file: &Path, further: &[&str]) -> Option<Model> {
+    let ids = ["coulomb_friction", "viscous_friction"]
+        .iter()
+        .chain(further);
+    let list: Vec<_> = ids.filter_map(|id| effect::find(id)).collect();
     let mut rotor = vec![0.0; 2];
     rotor.extend(ROTOR);
     let mut offset = STANDING.to_vec();
@@ -127,36 +126,31 @@ fn data(folder: &Path) -> Option<Dataset> {
     })
 }
 
-/// Start with efficiencies 1 and linear unknowns at their optimum, then all unknowns.
-fn fit(model: &Model, (unknowns, linear): (&Unknowns, &Unknowns), data: &Dataset) -> Solution {
+/// A model and what is unknown of it.
+type Case = (Model, Unknowns);
+
+/// The linear optimum with a lossless gear, then all unknowns from there.
+fn fit((lossless, linear): &Case, (model, unknowns): &Case, data: &Dataset) -> Solution {
     let prior = Prior::none(model.parameters().len());
     let recordings: Vec<&Prepared> = data.recordings.iter().collect();
     let deviations: Vec<f64> = [1.0, 1.0].into_iter().chain(NOISE).collect();
     let weights = Weights::by_deviation(&deviations);
-    let control = Control::default();
-    let search =
-        |unknowns: &Unknowns, settings: &Settings, start: Option<&DVector<f64>>| -> Solution {
-            let problem = FitProblem::new(model, unknowns, (&recordings, &prior), weights.clone());
-            let mut from = problem.start();
-            if let Some(start) = start {
-                from.rows_mut(0, start.len()).copy_from(start);
-            }
-            let view = LeastSquares::try_from(&problem as &dyn Problem).expect("a sum of squares");
-            levenberg_marquardt::minimize(view, &from, settings, &control)
-                .expect("a start within bounds")
-        };
-    // One step solves the linear part.
-    let one = Settings {
-        max_iterations: 1,
-        initial_damping: 1e-12,
-        ..Settings::default()
-    };
-    let settings = Settings {
+    let problem = FitProblem::new(model, unknowns, (&recordings, &prior), weights);
+    let lossless = problem.with_unknowns(lossless, linear);
+    let view = LeastSquares::try_from(&lossless as &dyn Problem).expect("a sum of squares");
+    let start = linear::solve(view, &lossless.start(), &linear::Settings::default())
+        .expect("a start within bounds")
+        .solution
+        .x;
+    let mut from = problem.start();
+    from.rows_mut(0, start.len()).copy_from(&start);
+    let settings = levenberg_marquardt::Settings {
         cost_tolerance: 1e-12,
-        ..Settings::default()
+        ..levenberg_marquardt::Settings::default()
     };
-    let start = search(linear, &one, None).x;
-    search(unknowns, &settings, Some(&start))
+    let view = LeastSquares::try_from(&problem as &dyn Problem).expect("a sum of squares");
+    levenberg_marquardt::minimize(view, &from, &settings, &Control::default())
+        .expect("a start within bounds")
 }
 
 fn bench(criterion: &mut Criterion) {
@@ -166,7 +160,8 @@ fn bench(criterion: &mut Criterion) {
         .join("bench/problems/kr150_like.urdf");
     let folder = PathBuf::from(env::var_os("BENCH_DATA").unwrap_or_else(|| "bench_data".into()))
         .join("kr150");
-    let (Some(model), Some(data)) = (model(&file), data(&folder)) else {
+    let models = [&[][..], &["transmission_efficiency"]].map(|further| model(&file, further));
+    let ([Some(lossless), Some(model)], Some(data)) = (models, data(&folder)) else {
         eprintln!(
             "skipped: no {} or no q.npy and tau.npy in {}",
             file.display(),
@@ -174,13 +169,13 @@ fn bench(criterion: &mut Criterion) {
         );
         return;
     };
-    let prior = Prior::none(model.parameters().len());
-    let unknowns = Unknowns::find(&model, &data, &prior);
-    let linear = Unknowns {
-        base: unknowns.base.clone(),
-        nonlinear: Vec::new(),
+    let case = |model: Model| -> Case {
+        let prior = Prior::none(model.parameters().len());
+        let unknowns = Unknowns::find(&model, &data, &prior);
+        (model, unknowns)
     };
-    let solution = fit(&model, (&unknowns, &linear), &data);
+    let (lossless, whole) = (case(lossless), case(model));
+    let solution = fit(&lossless, &whole, &data);
     eprintln!(
         "{} unknowns, {} iterations, {} evaluations, cost {:.6}, mass {:.6} kg",
         solution.x.len(),
@@ -190,7 +185,7 @@ fn bench(criterion: &mut Criterion) {
         solution.x[0]
     );
     criterion.bench_function("payload, load regressor, start and fit", |b| {
-        b.iter(|| fit(black_box(&model), (&unknowns, &linear), black_box(&data)));
+        b.iter(|| fit(black_box(&lossless), black_box(&whole), black_box(&data)));
     });
 }
 

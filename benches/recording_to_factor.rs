@@ -97,6 +97,7 @@ fn recording_to_factor(criterion: &mut Criterion) {
         columns: &columns,
         weights: &weights,
         factors: None,
+        bodies: &[],
     };
     let recordings: Vec<&Prepared> = data.recordings.iter().collect();
     let rows = recordings[0].rows();

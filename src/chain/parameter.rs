@@ -23,6 +23,13 @@ pub enum Role {
     Tare { component: usize },
 }
 
+impl Role {
+    /// Whether torques are linear in it along a given motion, as in all parameters of bodies.
+    pub fn is_inertial(self) -> bool {
+        matches!(self, Self::Inertial { .. } | Self::Payload { .. })
+    }
+}
+
 /// Whether an estimate may change a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum State {

@@ -2,7 +2,7 @@
 
 use crate::chain::base_parameters::BaseParameters;
 use crate::chain::effect::{EFFECTS, Effect, Law, find};
-use crate::chain::evaluate::{BLOCK, Block, Evaluator, Segment};
+use crate::chain::evaluate::{BLOCK, Block, Evaluator, KnownBodies, Segment};
 use crate::chain::model::{Inertials, JointModel, Model, ModelSettings, Payload, Signal};
 use crate::chain::parameter::Role;
 use crate::robot::batch::Trajectory;
@@ -144,6 +144,44 @@ fn assert_derivatives(effects: &[&'static Effect], signal: Signal, seed: u64) {
         .clone();
     for &p in &all {
         assert_derivative(&model, (&block, segment), p);
+    }
+    assert_known_bodies(&model, segment);
+}
+
+/// With what the bodies do kept from other values of their parameters, the signal and its derivatives are the same.
+fn assert_known_bodies(model: &Model, segment: Segment<'_>) {
+    let role = |p: &usize| model.parameters()[*p].role;
+    let keeps = |p: &usize| !matches!(role(p), Role::Coupling { .. } | Role::Tilt { .. });
+    let columns: Vec<usize> = (0..model.parameters().len()).filter(keeps).collect();
+    let of_bodies = columns.iter().filter(|p| role(p).is_inertial());
+    let mut others = model.values();
+    for &p in of_bodies {
+        others[p] *= 1.5;
+    }
+    let known = KnownBodies::linear(model, &others, &columns, segment).unwrap();
+    let known = Segment {
+        bodies: Some(&known),
+        ..segment
+    };
+    let [anew, kept] = [segment, known].map(|segment| {
+        let samples = segment.motors.len();
+        let mut evaluator = Evaluator::along(model, &model.values(), &columns, samples);
+        evaluator.evaluate_course(segment).clone()
+    });
+    let assert_same = |a: &[f64], b: &[f64]| {
+        let size = a.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let differ = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+        // Sums of a hundred terms in another order, which the current's polynomial hands on.
+        assert!(differ.fold(0.0, f64::max) <= 1e-11 * size.max(1.0));
+    };
+    for c in 0..model.channels().len() {
+        assert_same(anew.value(c), kept.value(c));
+        for k in 0..columns.len() {
+            let none = vec![0.0; segment.motors.len()];
+            let [a, b] =
+                [&anew, &kept].map(|block| block.derivative(c, k).unwrap_or(&none).to_vec());
+            assert_same(&a, &b);
+        }
     }
 }
 

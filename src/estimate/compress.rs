@@ -6,6 +6,7 @@
 //! run in parallel and are merged in their order, so the result is the same for any number of threads.
 
 use crate::chain::dataset::Prepared;
+use crate::chain::evaluate::KnownBodies;
 use crate::chain::model::Model;
 use crate::estimate::rows::{RowBlock, Task, tasks, visit};
 use crate::estimate::weights::{RowFactors, Weights};
@@ -22,34 +23,49 @@ pub struct Request<'a> {
     pub weights: &'a Weights,
     /// Factors of single rows of the recordings, in their order.
     pub factors: Option<&'a RowFactors>,
+    /// What the bodies do along the recordings, in their order, where it is known.
+    pub bodies: &'a [Option<KnownBodies>],
 }
 
 /// The triangular factor of `[W J, W (ŝ − s)]`, order p + 1.
 pub fn factor(request: &Request<'_>, recordings: &[&Prepared]) -> Triangular {
     let order = request.columns.len() + 1;
     let rows = Row::all(request);
-    let parts: Vec<Vec<Part>> = indexed_tasks(request.model, recordings)
+    let parts: Vec<Vec<Part>> = indexed_tasks(request, recordings)
         .par_iter()
         .map(|(recording, task)| compressed(request, &rows, *recording, task))
         .collect();
-    let mut merged: Vec<Part> = Vec::new();
+    let mut alike: Vec<Vec<Part>> = Vec::new();
     for part in parts.into_iter().flatten() {
-        match merged.iter_mut().find(|m| m.is_over(&part)) {
-            Some(same) => same.factor.merge(&part.factor),
-            None => merged.push(part),
+        match alike.iter_mut().find(|parts| parts[0].is_over(&part)) {
+            Some(same) => same.push(part),
+            None => alike.push(vec![part]),
         }
     }
+    let merged = alike.into_iter().map(Part::merged);
+    let spread: Vec<DMatrix<f64>> = merged
+        .map(|part| spread(&part, order) * rows[part.row].after)
+        .collect();
     let mut whole = Triangular::new(order);
-    for part in merged {
-        whole.absorb((spread(&part, order) * rows[part.row].after).as_slice());
-    }
+    whole.absorb(stacked(&spread, order).as_slice());
     whole
+}
+
+/// Matrices of as many columns one below the other.
+fn stacked(matrices: &[DMatrix<f64>], columns: usize) -> DMatrix<f64> {
+    let mut all = DMatrix::zeros(matrices.iter().map(DMatrix::nrows).sum(), columns);
+    let mut first = 0;
+    for matrix in matrices {
+        all.rows_mut(first, matrix.nrows()).copy_from(matrix);
+        first += matrix.nrows();
+    }
+    all
 }
 
 /// Sum of squares of the weighted residual.
 pub fn sum_of_squares(request: &Request<'_>, recordings: &[&Prepared]) -> f64 {
     let weights = request.weights.matrix();
-    let parts: Vec<f64> = indexed_tasks(request.model, recordings)
+    let parts: Vec<f64> = indexed_tasks(request, recordings)
         .par_iter()
         .map(|(recording, task)| {
             let mut sum = 0.0;
@@ -62,13 +78,13 @@ pub fn sum_of_squares(request: &Request<'_>, recordings: &[&Prepared]) -> f64 {
     parts.iter().sum()
 }
 
-fn indexed_tasks<'a>(model: &Model, recordings: &[&'a Prepared]) -> Vec<(usize, Task<'a>)> {
+fn indexed_tasks<'a>(request: &Request<'a>, recordings: &[&'a Prepared]) -> Vec<(usize, Task<'a>)> {
     let indexed = recordings.iter().enumerate();
     indexed
         .flat_map(|(k, recording)| {
-            tasks(model, std::iter::once(*recording))
-                .into_iter()
-                .map(move |task| (k, task))
+            let bodies = request.bodies.get(k).and_then(Option::as_ref);
+            let tasks = tasks(request.model, std::iter::once(*recording)).into_iter();
+            tasks.map(move |task| (k, Task { bodies, ..task }))
         })
         .collect()
 }
@@ -117,6 +133,16 @@ struct Part {
 impl Part {
     fn is_over(&self, other: &Self) -> bool {
         self.row == other.row && self.columns == other.columns
+    }
+
+    /// The factor of all rows of parts over the same columns, taken up together.
+    fn merged(mut parts: Vec<Self>) -> Self {
+        let mut first = parts.remove(0);
+        let rest: Vec<DMatrix<f64>> = parts.iter().map(|p| p.factor.matrix()).collect();
+        first
+            .factor
+            .absorb(stacked(&rest, first.factor.columns()).as_slice());
+        first
     }
 }
 

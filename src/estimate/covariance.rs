@@ -191,6 +191,7 @@ impl Part<'_> {
         let task = Task {
             recording: self.recording,
             range: start..end,
+            bodies: None,
         };
         visit(problem.model, self.values, &positions, &task, |block| {
             let counts = block.counting();

@@ -1,10 +1,12 @@
 //! The fit as a problem: `½ ‖W (ŝ(x) − s)‖² + ½ ‖prior(x)‖²` over the unknowns x, which every solver takes.
 
 use crate::chain::dataset::Prepared;
+use crate::chain::evaluate::KnownBodies;
 use crate::chain::model::Model;
 use crate::chain::prior::Prior;
 use crate::estimate::compress::{Request, factor, sum_of_squares};
 use crate::estimate::noise::{ResidualSeries, residuals};
+use crate::estimate::rows::course;
 use crate::estimate::standstill;
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::{RowFactors, Weights};
@@ -12,7 +14,7 @@ use crate::linalg::triangular::Triangular;
 use crate::problem::form::{Form, Objective, Structure, Variable};
 use crate::problem::{Linearization, OutsideDomain, Problem, SquareRoot, Values};
 use nalgebra::{DMatrix, DVector};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Where the weights of the channels come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,6 +41,8 @@ pub struct FitProblem<'a> {
     columns: Vec<usize>,
     /// The model with the switches of losses rounded off, while an optimum is searched.
     rounded: Option<Box<Model>>,
+    /// What the bodies do along the recordings, shared by problems that differ in neither.
+    bodies: Arc<OnceLock<Vec<Option<KnownBodies>>>>,
     /// The factor that was asked for last, and where.
     last: Mutex<Option<(DVector<f64>, Triangular)>>,
 }
@@ -89,6 +93,7 @@ impl<'a> FitProblem<'a> {
             moving,
             columns,
             rounded: None,
+            bodies: Arc::default(),
             last: Mutex::default(),
         }
     }
@@ -128,6 +133,7 @@ impl<'a> FitProblem<'a> {
             form: self.form.clone(),
             columns: self.columns.clone(),
             rounded: self.rounded.clone(),
+            bodies: Arc::default(),
             last: Mutex::default(),
         }
     }
@@ -136,7 +142,19 @@ impl<'a> FitProblem<'a> {
     pub fn rounded(&self, widths: &[f64]) -> Self {
         Self {
             rounded: Some(Box::new(self.model.clone().rounded(widths))),
+            bodies: Arc::clone(&self.bodies),
             ..self.along(self.recordings)
+        }
+    }
+
+    /// The same fit of some of the unknowns, with `model` for the rest: the same bodies, other laws or values.
+    pub fn with_unknowns<'b>(&'b self, model: &'b Model, unknowns: &'b Unknowns) -> FitProblem<'b> {
+        let training = (self.recordings, self.prior);
+        // From here: what moves the robot may be among the unknowns here and not there.
+        self.bodies.get_or_init(|| self.known_bodies());
+        FitProblem {
+            bodies: Arc::clone(&self.bodies),
+            ..FitProblem::new(model, unknowns, training, self.weights.clone())
         }
     }
 
@@ -221,6 +239,7 @@ impl<'a> FitProblem<'a> {
 
     fn request<'b>(&'b self, values: &'b DVector<f64>) -> Request<'b> {
         Request {
+            bodies: self.bodies.get_or_init(|| self.known_bodies()),
             model: self.rounded.as_deref().unwrap_or(self.model),
             values,
             columns: &self.columns,
@@ -230,12 +249,55 @@ impl<'a> FitProblem<'a> {
     }
 }
 
+/// With so few unknowns derivatives cost less than residuals a second time, and a search asks for both wherever the
+/// cost falls.
+const CHEAP_COLUMNS: usize = 32;
+
+/// Columns that are kept: with few of them the recursion down the robot costs more than to read them; with the columns
+/// of all links it is the other way round.
+const FEW_COLUMNS: usize = 16;
+
+/// Doubles that are kept, 16 MB.
+const MOST_KEPT: usize = 2_000_000;
+
+impl FitProblem<'_> {
+    /// What the bodies do along every recording, where a search asks for it again and again and it is small.
+    fn known_bodies(&self) -> Vec<Option<KnownBodies>> {
+        let parameters = self.model.parameters();
+        let inertial = self
+            .columns
+            .iter()
+            .filter(|&&p| parameters[p].role.is_inertial());
+        let count = inertial.count();
+        let rows: usize = self.recordings.iter().map(|r| r.rows()).sum();
+        let kept = rows * self.model.joints().len() * (count + 1);
+        if self.form.structure == Structure::Affine || count > FEW_COLUMNS || kept > MOST_KEPT {
+            return Vec::new();
+        }
+        let values = self.parameters(&self.start());
+        let of = |recording: &&Prepared| {
+            let course = course(self.model, recording);
+            KnownBodies::linear(self.model, &values, &self.columns, course)
+        };
+        self.recordings.iter().map(of).collect()
+    }
+}
+
 impl Problem for FitProblem<'_> {
     fn form(&self) -> &Form {
         &self.form
     }
 
     fn values(&self, x: &DVector<f64>) -> Result<Values, OutsideDomain> {
+        if self.columns.len() <= CHEAP_COLUMNS {
+            let last = self.columns.len();
+            let whole = self.factor(x);
+            let squares: f64 = (0..=last).map(|i| whole.entry(i, last).powi(2)).sum();
+            return Ok(Values {
+                cost: 0.5 * squares,
+                constraints: DVector::zeros(0),
+            });
+        }
         let values = self.parameters(x);
         let squares = sum_of_squares(&self.request(&values), self.recordings);
         let prior = self.prior.residual(&values).norm_squared();

@@ -3,7 +3,7 @@
 
 use crate::chain::dataset::Prepared;
 use crate::chain::effect::Memory;
-use crate::chain::evaluate::{BLOCK, Block, Evaluator};
+use crate::chain::evaluate::{BLOCK, Block, Evaluator, KnownBodies, Segment};
 use crate::chain::model::Model;
 use nalgebra::DVector;
 use std::ops::Range;
@@ -20,11 +20,21 @@ fn task_rows(rows: usize) -> usize {
 pub(crate) struct Task<'a> {
     pub recording: &'a Prepared,
     pub range: Range<usize>,
+    /// What the bodies do along [`course`], where it is known.
+    pub bodies: Option<&'a KnownBodies>,
 }
 
 /// Whether rows cannot be had without all rows: a filter runs over them, or a law has memory.
 pub(super) fn needs_all(model: &Model, recording: &Prepared) -> bool {
     recording.experiment.parallel.is_some() || model.memory() == Memory::Course
+}
+
+/// What rows of a recording are computed along: all of it, or the rows that are used.
+pub(super) fn course<'a>(model: &Model, recording: &'a Prepared) -> Segment<'a> {
+    match needs_all(model, recording) {
+        true => recording.whole(),
+        false => recording.segment(),
+    }
 }
 
 /// Splits recordings into tasks; the split depends on nothing but the model and the recordings.
@@ -44,6 +54,7 @@ pub(crate) fn tasks<'a>(
             tasks.push(Task {
                 recording,
                 range: start..rows.min(start + size),
+                bodies: None,
             });
         }
     }
@@ -107,19 +118,28 @@ pub(crate) fn visit(
     mut visitor: impl FnMut(&RowBlock<'_>),
 ) {
     let recording = task.recording;
-    let stored =
-        needs_all(model, recording).then(|| Stored::whole(model, values, columns, recording));
-    let mut evaluator = Evaluator::new(model, values, columns);
-    for start in task.range.clone().step_by(BLOCK) {
-        let range = start..task.range.end.min(start + BLOCK);
-        let source = match &stored {
-            Some(stored) => Source::Stored(stored),
-            None => Source::Block(evaluator.evaluate(recording.segment(), range.clone())),
-        };
+    let own = course(model, recording);
+    let segment = Segment {
+        bodies: task.bodies.or(own.bodies),
+        ..own
+    };
+    let mut show = |range: Range<usize>, source: Source<'_>| {
         visitor(&RowBlock {
             recording,
             range,
             source,
+        });
+    };
+    let blocks = task.range.clone().step_by(BLOCK);
+    let blocks = blocks.map(|start| start..task.range.end.min(start + BLOCK));
+    if needs_all(model, recording) {
+        let stored = Stored::whole(model, values, columns, (recording, segment));
+        blocks.for_each(|range| show(range, Source::Stored(&stored)));
+    } else {
+        let mut evaluator = Evaluator::new(model, values, columns);
+        blocks.for_each(|range| {
+            let block = evaluator.evaluate(segment, range.clone());
+            show(range, Source::Block(block));
         });
     }
 }
@@ -136,7 +156,7 @@ impl Stored {
         model: &Model,
         values: &DVector<f64>,
         columns: &[usize],
-        recording: &Prepared,
+        (recording, segment): (&Prepared, Segment<'_>),
     ) -> Self {
         let (channels, count) = (model.channels().len(), columns.len());
         let rows = recording.experiment.rows();
@@ -152,10 +172,10 @@ impl Stored {
         };
         for start in (0..rows).step_by(size) {
             let block = match course {
-                true => evaluator.evaluate_course(recording.whole()),
+                true => evaluator.evaluate_course(segment),
                 false => {
                     let range = start..rows.min(start + size);
-                    evaluator.evaluate(recording.whole(), range)
+                    evaluator.evaluate(segment, range)
                 }
             };
             for channel in 0..channels {

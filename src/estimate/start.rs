@@ -141,8 +141,7 @@ fn at(
         base: problem.unknowns.base.clone(),
         nonlinear: Vec::new(),
     };
-    let training = (problem.recordings, problem.prior);
-    let frozen = FitProblem::new(&model, &linear, training, problem.weights().clone());
+    let frozen = problem.with_unknowns(&model, &linear);
     let solved = solve(&frozen, &frozen.start(), (ITERATIONS_PER_ROUND, control))?;
     let values = model.values();
     let all = problem.unknowns.positions();

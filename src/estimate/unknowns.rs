@@ -37,6 +37,7 @@ impl Unknowns {
                 columns: &columns,
                 weights: &weights,
                 factors: None,
+                bodies: &[],
             },
             &training,
         );
@@ -93,6 +94,7 @@ fn determined_nonlinear(
         columns: &columns,
         weights: &weights,
         factors: None,
+        bodies: &[],
     };
     let independent = of_motion(&factor(&request, training), &columns, prior, NEGLIGIBLE).kept();
     nonlinear.retain(|p| independent.contains(p));

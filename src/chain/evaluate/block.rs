@@ -8,7 +8,9 @@ pub struct Block {
     pub(super) columns: usize,
     pub(super) values: Vec<Vec<f64>>,
     /// `[channel · columns + column]`; empty where absent.
-    pub(super) derivatives: Vec<Vec<f64>>,
+    derivatives: Vec<Vec<f64>>,
+    /// Which of them hold an earlier block still: the first to write there overwrites.
+    stale: Vec<bool>,
 }
 
 impl Block {
@@ -19,6 +21,7 @@ impl Block {
             columns,
             values: vec![vec![0.0; room]; channels],
             derivatives: vec![Vec::new(); channels * columns],
+            stale: vec![false; channels * columns],
         }
     }
 
@@ -33,38 +36,85 @@ impl Block {
         series.get(..self.samples)
     }
 
+    /// Values become zero, and derivatives do where nothing writes before [`Block::settle`].
     pub(super) fn clear(&mut self, samples: usize) {
         self.samples = samples;
         for value in &mut self.values {
             value.fill(0.0);
         }
-        for series in &mut self.derivatives {
-            series.fill(0.0);
+        self.stale.fill(true);
+    }
+
+    /// Zeros where nothing was written.
+    pub(super) fn settle(&mut self) {
+        for (series, stale) in self.derivatives.iter_mut().zip(&mut self.stale) {
+            if std::mem::take(stale) {
+                series.fill(0.0);
+            }
         }
     }
 
     pub(super) fn series(&mut self, channel: usize, column: usize) -> &mut Vec<f64> {
-        let series = &mut self.derivatives[channel * self.columns + column];
+        let at = channel * self.columns + column;
+        let series = &mut self.derivatives[at];
         if series.is_empty() {
             series.resize(self.room, 0.0);
+        } else if self.stale[at] {
+            series.fill(0.0);
         }
+        self.stale[at] = false;
         series
     }
 
-    pub(super) fn add_scaled(&mut self, at: (usize, usize), factor: f64, from: &[f64]) {
-        for (to, x) in self.series(at.0, at.1).iter_mut().zip(from) {
-            *to += factor * x;
+    /// What was written to a series so far, to be given back with [`Block::give_back`]; empty where nothing was.
+    pub(super) fn lend(&mut self, channel: usize, column: usize) -> Vec<f64> {
+        let at = channel * self.columns + column;
+        match self.stale[at] {
+            true => Vec::new(),
+            false => std::mem::take(&mut self.derivatives[at]),
         }
+    }
+
+    pub(super) fn give_back(&mut self, channel: usize, column: usize, series: Vec<f64>) {
+        let at = channel * self.columns + column;
+        if !self.stale[at] {
+            self.derivatives[at] = series;
+        }
+    }
+
+    /// The series of a channel that were written.
+    pub(super) fn written(&mut self, channel: usize) -> impl Iterator<Item = &mut Vec<f64>> {
+        let own = channel * self.columns..(channel + 1) * self.columns;
+        let pairs = self.derivatives[own.clone()]
+            .iter_mut()
+            .zip(&self.stale[own]);
+        pairs
+            .filter(|(_, stale)| !**stale)
+            .map(|(series, _)| series)
+    }
+
+    pub(super) fn add_scaled(&mut self, at: (usize, usize), factor: f64, from: &[f64]) {
+        self.add_part(at, (factor, 0), from);
     }
 
     /// Adds to the samples from `start` on.
     pub(super) fn add_part(
         &mut self,
-        at: (usize, usize),
+        (channel, column): (usize, usize),
         (factor, start): (f64, usize),
         from: &[f64],
     ) {
-        let series = self.series(at.0, at.1);
+        let at = channel * self.columns + column;
+        let first = self.stale[at] || self.derivatives[at].is_empty();
+        if first && start == 0 && from.len() >= self.samples {
+            self.stale[at] = false;
+            let series = &mut self.derivatives[at];
+            series.resize(self.room, 0.0);
+            let pairs = series.iter_mut().zip(from);
+            pairs.for_each(|(to, x)| *to = factor * x);
+            return;
+        }
+        let series = self.series(channel, column);
         for (to, x) in series[start..].iter_mut().zip(from) {
             *to += factor * x;
         }
@@ -75,6 +125,7 @@ impl Block {
         self.samples = from.samples;
         self.values[channel].clone_from(&from.values[channel]);
         let own = channel * self.columns..(channel + 1) * self.columns;
-        self.derivatives[own.clone()].clone_from_slice(&from.derivatives[own]);
+        self.derivatives[own.clone()].clone_from_slice(&from.derivatives[own.clone()]);
+        self.stale[own.clone()].clone_from_slice(&from.stale[own]);
     }
 }

@@ -2,24 +2,61 @@
 //! neither bodies nor motion change.
 
 use crate::chain::evaluate::{Evaluator, Segment};
+use crate::chain::model::Model;
+use crate::chain::parameter::Role;
+use crate::robot::derivatives::Derivatives;
+use nalgebra::DVector;
 use std::ops::Range;
 use std::rc::Rc;
 
 /// What the bodies of a model do along a course.
 #[derive(Debug, Clone, Default)]
 pub struct KnownBodies {
-    /// `[row of the rigid body][sample]`.
-    pub torque: Vec<Vec<f64>>,
+    /// Of everything but the parameters that have columns below, `[row of the rigid body][sample]`.
+    pub(super) torque: Vec<Vec<f64>>,
+    /// Parameters, by their position, and the torque of one unit of each, `[row][sample]`; empty where a row does
+    /// not depend on it.
+    columns: Vec<(usize, Vec<Vec<f64>>)>,
     /// By the motion of every joint; none where empty.
     pub(super) slopes: Slopes,
 }
 
 impl KnownBodies {
-    /// The torques at every `stride`-th sample.
+    /// What the bodies do along a course as a function of some inertial parameters, `τ = τ₀ + Σ Y_k φ_k`.
+    ///
+    /// `None` where that changes with another parameter of `columns`: an entry of V moves the joints, the tilt of the
+    /// base turns gravity.
+    pub fn linear(
+        model: &Model,
+        values: &DVector<f64>,
+        columns: &[usize],
+        segment: Segment<'_>,
+    ) -> Option<Self> {
+        let role = |p: &usize| model.parameters()[*p].role;
+        let moves = |p: &usize| matches!(role(p), Role::Coupling { .. } | Role::Tilt { .. });
+        if columns.iter().any(moves) {
+            return None;
+        }
+        let inertial: Vec<usize> = columns
+            .iter()
+            .copied()
+            .filter(|p| role(p).is_inertial())
+            .collect();
+        let mut rest = values.clone();
+        for &p in &inertial {
+            rest[p] = 0.0;
+        }
+        let mut evaluator = Evaluator::along(model, &rest, &inertial, segment.motors.len());
+        Some(evaluator.linear_bodies(segment, &inertial))
+    }
+
+    /// The torques and columns at every `stride`-th sample.
     pub fn thinned(&self, stride: usize) -> Self {
         let thin = |s: &Vec<f64>| s.iter().step_by(stride).copied().collect();
+        let of_column = |(p, rows): &(usize, Vec<Vec<f64>>)| (*p, rows.iter().map(thin).collect());
         Self {
             torque: self.torque.iter().map(thin).collect(),
+            columns: self.columns.iter().map(of_column).collect(),
             slopes: Slopes::default(),
         }
     }
@@ -79,7 +116,69 @@ impl Evaluator<'_> {
         let (_, slopes) = self.slopes(segment.loaded, range, &all);
         KnownBodies {
             torque: self.rigid.values.clone(),
+            columns: Vec::new(),
             slopes,
+        }
+    }
+
+    fn linear_bodies(&mut self, segment: Segment<'_>, inertial: &[usize]) -> KnownBodies {
+        let range = 0..segment.motors.len();
+        self.rigid.clear(range.len());
+        self.move_joints(segment.motors, range.clone());
+        self.rigid_body(segment, range);
+        self.rigid.settle();
+        let rows = 0..self.rigid.values.len();
+        let of = |column: usize| -> Vec<Vec<f64>> {
+            let series = |row: usize| self.rigid.derivative(row, column).unwrap_or(&[]).to_vec();
+            rows.clone().map(series).collect()
+        };
+        let columns = inertial.iter().enumerate();
+        KnownBodies {
+            torque: self.rigid.values.clone(),
+            columns: columns.map(|(column, &p)| (p, of(column))).collect(),
+            slopes: Slopes::default(),
+        }
+    }
+
+    /// Whether all inertial parameters that have a column here have one there.
+    pub(super) fn are_known(&self, known: &KnownBodies) -> bool {
+        let has = |p: usize| known.columns.iter().any(|(q, _)| *q == p);
+        let parameters = self.model.parameters().iter().enumerate();
+        parameters
+            .filter(|(p, parameter)| self.column[*p].is_some() && parameter.role.is_inertial())
+            .all(|(p, _)| has(p))
+    }
+
+    /// Torques and columns as they are known.
+    pub(super) fn take_known(&mut self, known: &KnownBodies, range: Range<usize>) {
+        let samples = range.len();
+        for (to, torque) in self.rigid.values.iter_mut().zip(&known.torque) {
+            to[..samples].copy_from_slice(&torque[range.clone()]);
+        }
+        for (parameter, rows) in &known.columns {
+            let (value, column) = (self.values[*parameter], self.column[*parameter]);
+            for (row, series) in rows.iter().enumerate().filter(|(_, s)| !s.is_empty()) {
+                let series = &series[range.clone()];
+                let torque = &mut self.rigid.values[row][..samples];
+                torque
+                    .iter_mut()
+                    .zip(series)
+                    .for_each(|(to, y)| *to += value * y);
+                if let Some(column) = column.filter(|_| self.reaches_signal(row)) {
+                    self.rigid.add_scaled((row, column), 1.0, series);
+                }
+            }
+        }
+    }
+
+    /// Whether a channel that counts depends on the torque of a joint.
+    fn reaches_signal(&self, joint: usize) -> bool {
+        let channels = self.model.channels().iter().enumerate();
+        let mut active = channels.filter(|(_, channel)| channel.active);
+        match &self.coupling {
+            _ if joint >= self.torque_rows() || self.model.mechanism().is_some() => true,
+            Some(v) => active.any(|(c, _)| c >= v.ncols() || v[(joint, c)] != 0.0),
+            None => active.any(|(c, _)| c == joint),
         }
     }
 
@@ -96,21 +195,37 @@ impl Evaluator<'_> {
         let mut torque = vec![vec![0.0; samples]; joints.len()];
         let mut slopes = Slopes::zeros(rows, joints.len(), samples);
         let mut state = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
+        let mut derivatives = self.lend_derivatives();
         for k in 0..samples {
             self.state_at(k, &mut state);
             let slices = [&state[0][..], &state[1], &state[2]];
-            self.derivatives.evaluate(&self.tree, &bodies, slices);
+            derivatives.evaluate(&self.tree, &bodies, slices);
             for (f, &joint) in joints.iter().enumerate() {
-                torque[f][k] = self.derivatives.torque[joint];
+                torque[f][k] = derivatives.torque[joint];
                 for row in 0..rows {
                     let at = slopes.at(k, (row, f));
-                    let by = self.by_motion(row, torque_rows, joint);
+                    let by = by_motion(&derivatives, (row, torque_rows), joint);
                     for (slope, by) in slopes.by.iter_mut().zip(by) {
                         slope[at] = by;
                     }
                 }
             }
         }
+        self.derivatives = Some(derivatives);
         (torque, slopes)
+    }
+
+    /// The recursion for derivatives, which goes back to `self.derivatives` after use.
+    pub(super) fn lend_derivatives(&mut self) -> Derivatives {
+        let anew = || Derivatives::new(&self.tree);
+        self.derivatives.take().unwrap_or_else(anew)
+    }
+}
+
+/// Derivatives of a row of the rigid body with respect to q_i, q̇_i and q̈_i at the state that was evaluated last.
+pub(super) fn by_motion(d: &Derivatives, (row, torque_rows): (usize, usize), i: usize) -> [f64; 3] {
+    match row.checked_sub(torque_rows) {
+        None => [d.position[(row, i)], d.velocity[(row, i)], d.mass[(row, i)]],
+        Some(component) => [0, 1, 2].map(|order| d.base[order][(component, i)]),
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! `∂τ_M/∂V_ij = Vᵀ (∂τ/∂q_i m_j + ∂τ/∂q̇_i ṁ_j + ∂τ/∂q̈_i m̈_j) + e_j τ_i`
 
+use crate::chain::evaluate::bodies::by_motion;
 use crate::chain::evaluate::{Evaluator, Segment};
 use std::ops::Range;
 use std::rc::Rc;
@@ -18,15 +19,16 @@ impl Evaluator<'_> {
         let bodies = Rc::clone(&self.bodies[usize::from(segment.loaded)]);
         let motors = segment.motors;
         let mut state = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
+        let mut derivatives = self.lend_derivatives();
         for (k, sample) in range.enumerate() {
             self.state_at(k, &mut state);
             let slices = [&state[0][..], &state[1], &state[2]];
-            self.derivatives.evaluate(&self.tree, &bodies, slices);
+            derivatives.evaluate(&self.tree, &bodies, slices);
             for &(column, i, j) in &entries {
                 let m = [motors.q, motors.dq, motors.ddq].map(|series| series[j][sample]);
                 let spring = self.stiffness.get(i).map_or(0.0, |s| s[k]) * m[0];
                 for row in 0..self.rigid.values.len() {
-                    let [by_q, by_dq, by_ddq] = self.by_motion(row, torque_rows, i);
+                    let [by_q, by_dq, by_ddq] = by_motion(&derivatives, (row, torque_rows), i);
                     let own = if row == i && row < torque_rows {
                         spring
                     } else {
@@ -37,16 +39,7 @@ impl Evaluator<'_> {
                 }
             }
         }
-    }
-
-    /// Derivatives of a row of the rigid body with respect to q_i, q̇_i and q̈_i at the state that was
-    /// evaluated last.
-    pub(super) fn by_motion(&self, row: usize, torque_rows: usize, i: usize) -> [f64; 3] {
-        let d = &self.derivatives;
-        match row.checked_sub(torque_rows) {
-            None => [d.position[(row, i)], d.velocity[(row, i)], d.mass[(row, i)]],
-            Some(component) => [0, 1, 2].map(|order| d.base[order][(component, i)]),
-        }
+        self.derivatives = Some(derivatives);
     }
 
     /// Joint motion of one sample.

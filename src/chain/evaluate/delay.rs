@@ -71,6 +71,7 @@ impl Evaluator<'_> {
                 ddq: &ddq,
             },
             time: &time,
+            bodies: None,
             ..segment
         };
         self.states(moved, 0..samples);

@@ -386,13 +386,13 @@ impl Evaluator<'_> {
                 .iter()
                 .enumerate()
                 .map(|(f, member)| {
-                    let at = member.joint * self.rigid.columns + column;
-                    let series = &self.rigid.derivatives[at];
+                    let series = self.rigid.lend(member.joint, column);
                     let mut source = match series.is_empty() {
                         true => vec![0.0; samples],
                         false => series[..samples].to_vec(),
                     };
                     present |= !series.is_empty();
+                    self.rigid.give_back(member.joint, column, series);
                     if let Some(which) = member.columns.iter().position(|c| *c == Some(column)) {
                         present = true;
                         for (k, to) in source.iter_mut().enumerate() {

@@ -34,12 +34,11 @@ impl Evaluator<'_> {
                 add(&mut self.rigid.values[to], &given, factors());
                 self.rigid.values[from] = given;
                 for column in 0..columns {
-                    let at = from * columns + column;
-                    let given = std::mem::take(&mut self.rigid.derivatives[at]);
+                    let given = self.rigid.lend(from, column);
                     if !given.is_empty() {
                         add(self.rigid.series(to, column), &given, factors());
                     }
-                    self.rigid.derivatives[at] = given;
+                    self.rigid.give_back(from, column, given);
                 }
             }
         }

@@ -87,8 +87,9 @@ pub struct Evaluator<'m> {
     transfer: Option<SMatrix<f64, PER_LINK, PER_LINK>>,
     /// Inertial parameters of the links without and with the load.
     bodies: [Rc<[f64]>; 2],
-    regressor: RegressorBatch,
-    derivatives: Derivatives,
+    /// Made when first needed: most evaluations need neither.
+    regressor: Option<RegressorBatch>,
+    derivatives: Option<Derivatives>,
     /// Whether the samples are the whole course of a motion.
     along: bool,
     joint_motion: [Vec<Vec<f64>>; 3],
@@ -161,8 +162,8 @@ impl<'m> Evaluator<'m> {
             coupling: (!model.is_uncoupled()).then(|| model.coupling(values)),
             transfer: model.payload().map(|(payload, _)| payload.transfer()),
             bodies: [false, true].map(|loaded| bodies(model, values, loaded).into()),
-            regressor: RegressorBatch::new(&tree, rows, BLOCK),
-            derivatives: Derivatives::new(&tree),
+            regressor: None,
+            derivatives: None,
             along,
             joint_motion: [motion(), motion(), motion()],
             stiffness: if has_joint_laws { motion() } else { Vec::new() },
@@ -220,6 +221,7 @@ impl<'m> Evaluator<'m> {
             }
         }
         self.entry_columns(segment, range);
+        self.block.settle();
     }
 
     fn states_of_motors(&mut self, segment: Segment<'_>, range: Range<usize>) {

@@ -50,8 +50,7 @@ impl Evaluator<'_> {
                 }
             }
         }
-        for column in 0..self.block.columns {
-            let series = &mut self.block.derivatives[j * self.block.columns + column];
+        for series in self.block.written(j) {
             for (x, slope) in series.iter_mut().zip(&self.scratch.by_load) {
                 *x *= 1.0 + slope;
             }
@@ -141,10 +140,8 @@ impl Evaluator<'_> {
             for value in &mut self.block.values[j] {
                 *value *= factor;
             }
-            for column in 0..self.block.columns {
-                for x in &mut self.block.derivatives[j * self.block.columns + column] {
-                    *x *= factor;
-                }
+            for series in self.block.written(j) {
+                series.iter_mut().for_each(|x| *x *= factor);
             }
         }
         if let Some(first) = joint.polynomial {
@@ -159,8 +156,7 @@ impl Evaluator<'_> {
             .iter()
             .map(|torque| current(c, *torque))
             .collect();
-        for column in 0..self.block.columns {
-            let series = &mut self.block.derivatives[j * self.block.columns + column];
+        for series in self.block.written(j) {
             for (x, inverse) in series.iter_mut().zip(&inverse) {
                 *x *= inverse.by_torque;
             }

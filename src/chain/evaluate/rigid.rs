@@ -3,7 +3,6 @@
 use crate::chain::effect::base_tilt::tilted_by_angles;
 use crate::chain::effect::{Contribution, Law, Samples};
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
-use crate::chain::parameter::Role;
 use crate::robot::batch::{RegressorBatch, Trajectory, torques_into};
 use crate::robot::inertia::PER_LINK;
 use std::ops::Range;
@@ -65,10 +64,8 @@ impl Evaluator<'_> {
     /// links of which nothing is unknown are left out.
     pub(super) fn rigid_body(&mut self, segment: Segment<'_>, range: Range<usize>) {
         let (loaded, samples) = (segment.loaded, range.len());
-        if let (Some(known), false) = (segment.bodies, self.has_inertial_columns()) {
-            for (to, known) in self.rigid.values.iter_mut().zip(&known.torque) {
-                to[..samples].copy_from_slice(&known[range.clone()]);
-            }
+        if let Some(known) = segment.bodies.filter(|known| self.are_known(known)) {
+            self.take_known(known, range);
             return;
         }
         let sums = self.torque_rows() < self.rigid.values.len();
@@ -94,14 +91,7 @@ impl Evaluator<'_> {
             }
             self.body_columns(&regressor, (loaded, &wanted), range);
         }
-        self.regressor = regressor;
-    }
-
-    fn has_inertial_columns(&self) -> bool {
-        let pairs = self.model.parameters().iter().zip(&self.column);
-        pairs
-            .filter(|(_, column)| column.is_some())
-            .any(|(p, _)| matches!(p.role, Role::Inertial { .. } | Role::Payload { .. }))
+        self.regressor = Some(regressor);
     }
 
     /// Whether a parameter of a link, or of the load on it, has a column.
@@ -115,8 +105,8 @@ impl Evaluator<'_> {
     }
 
     fn lend_regressor(&mut self) -> RegressorBatch {
-        let empty = RegressorBatch::new(&self.tree, self.model.signal().rows(), 0);
-        std::mem::replace(&mut self.regressor, empty)
+        let anew = || RegressorBatch::new(&self.tree, self.model.signal().rows(), BLOCK);
+        self.regressor.take().unwrap_or_else(anew)
     }
 
     /// Σ column · parameter of every row.
@@ -219,7 +209,7 @@ impl Evaluator<'_> {
                 }
             }
         }
-        self.regressor = regressor;
+        self.regressor = Some(regressor);
     }
 
     /// Torques of laws at the joints.
@@ -290,13 +280,15 @@ impl Evaluator<'_> {
                 {
                     *to += weight * x;
                 }
+                if !self.model.channels()[channel].active {
+                    continue;
+                }
                 for column in 0..self.block.columns {
-                    let at = row * self.rigid.columns + column;
-                    let series = std::mem::take(&mut self.rigid.derivatives[at]);
+                    let series = self.rigid.lend(row, column);
                     if !series.is_empty() {
                         self.block.add_scaled((channel, column), weight, &series);
                     }
-                    self.rigid.derivatives[at] = series;
+                    self.rigid.give_back(row, column, series);
                 }
             }
         }

@@ -112,6 +112,7 @@ fn blocks(problem: &FitProblem<'_>, at: &DVector<f64>) -> Vec<Triangular> {
                 columns: &columns,
                 weights: problem.weights(),
                 factors: Some(&factors),
+                bodies: &[],
             };
             factor(&request, problem.recordings)
         })
