@@ -2,7 +2,7 @@
 //! neither bodies nor motion change.
 
 use crate::chain::evaluate::{Evaluator, Segment};
-use crate::chain::model::Model;
+use crate::chain::model::{JointModel, Model};
 use crate::chain::parameter::Role;
 use crate::robot::derivatives::Derivatives;
 use nalgebra::DVector;
@@ -171,14 +171,19 @@ impl Evaluator<'_> {
         }
     }
 
-    /// Whether a channel that counts depends on the torque of a joint.
-    fn reaches_signal(&self, joint: usize) -> bool {
-        let channels = self.model.channels().iter().enumerate();
-        let mut active = channels.filter(|(_, channel)| channel.active);
+    /// Whether a channel that is asked for depends on a row of the rigid body.
+    pub(super) fn reaches_signal(&self, row: usize) -> bool {
+        let lags = |joint: &JointModel| joint.elasticity.is_some() || joint.backlash.is_some();
+        if row >= self.torque_rows()
+            || self.model.mechanism().is_some()
+            || self.model.joints().iter().any(lags)
+        {
+            return true;
+        }
+        let mut wanted = (0..self.wanted.len()).filter(|&c| self.wanted[c]);
         match &self.coupling {
-            _ if joint >= self.torque_rows() || self.model.mechanism().is_some() => true,
-            Some(v) => active.any(|(c, _)| c >= v.ncols() || v[(joint, c)] != 0.0),
-            None => active.any(|(c, _)| c == joint),
+            Some(v) => wanted.any(|c| c >= v.ncols() || v[(row, c)] != 0.0),
+            None => wanted.any(|c| c == row),
         }
     }
 

@@ -28,9 +28,15 @@ impl Evaluator<'_> {
         distinct.dedup();
         let mut whole = self.block.clone();
         whole.clear(samples);
+        let all = self.wanted.clone();
         for delay in distinct {
             let members: Vec<usize> = (0..wanted.len())
                 .filter(|&c| wanted[c].0 == delay)
+                .collect();
+            self.wanted = all
+                .iter()
+                .zip(&wanted)
+                .map(|(w, of)| *w && of.0 == delay)
                 .collect();
             self.shifted(segment, delay);
             for &c in &members {
@@ -53,6 +59,7 @@ impl Evaluator<'_> {
                 }
             }
         }
+        self.wanted = all;
         self.block = whole;
     }
 

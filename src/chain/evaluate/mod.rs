@@ -92,6 +92,8 @@ pub struct Evaluator<'m> {
     derivatives: Option<Derivatives>,
     /// Whether the samples are the whole course of a motion.
     along: bool,
+    /// Channels that are asked for; the others are left unfinished.
+    wanted: Vec<bool>,
     joint_motion: [Vec<Vec<f64>>; 3],
     /// ∂τ_j/∂q_j of laws at the joints; empty without such laws.
     stiffness: Vec<Vec<f64>>,
@@ -165,6 +167,7 @@ impl<'m> Evaluator<'m> {
             regressor: None,
             derivatives: None,
             along,
+            wanted: model.channels().iter().map(|c| c.active).collect(),
             joint_motion: [motion(), motion(), motion()],
             stiffness: if has_joint_laws { motion() } else { Vec::new() },
             rigid: Block::new(rows.count(n), columns.len(), room),
@@ -248,7 +251,7 @@ impl<'m> Evaluator<'m> {
         self.add_tare();
         self.coupling_torque_columns(samples);
         for j in 0..self.model.joints().len() {
-            if self.channel_of(j).is_some() && self.model.channels()[j].active {
+            if self.channel_of(j).is_some() && self.wanted[j] {
                 self.motor_sign(j, segment.motors, range.clone());
                 self.transmission(j, samples);
                 self.motor_laws(j, segment, range.clone());

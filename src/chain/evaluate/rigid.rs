@@ -133,7 +133,10 @@ impl Evaluator<'_> {
         range: Range<usize>,
     ) {
         let torque_rows = self.torque_rows();
-        for row in 0..self.rigid.values.len() {
+        let rows: Vec<usize> = (0..self.rigid.values.len())
+            .filter(|&row| self.reaches_signal(row))
+            .collect();
+        for row in rows {
             for link in (0..wanted.len()).filter(|&link| wanted[link]) {
                 if row < torque_rows && !self.tree.moves(row, link) {
                     continue;
@@ -280,7 +283,7 @@ impl Evaluator<'_> {
                 {
                     *to += weight * x;
                 }
-                if !self.model.channels()[channel].active {
+                if !self.wanted[channel] {
                     continue;
                 }
                 for column in 0..self.block.columns {
