@@ -3,28 +3,18 @@
 mod common;
 
 use common::arm::{Arm, EVERY_SAMPLE};
+use common::interrupting::interrupt;
 use serde_json::Value;
 use std::fs;
-use std::process::{Child, Command};
-use std::thread::sleep;
+use std::process::Command;
 use std::time::Duration;
 
 /// Periods of 200 samples: the search for w over 80 000 rows takes far longer than a signal does.
 const PERIODS: usize = 400;
 
-const SIGINT: u32 = 2;
-
 fn result(arm: &Arm) -> Value {
     let text = fs::read_to_string(arm.path("out/result.json")).unwrap();
     serde_json::from_str(&text).unwrap()
-}
-
-/// Whether a process catches interrupts by now, as the system sees it.
-fn catches_interrupts(child: &Child) -> bool {
-    let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
-    let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
-    let mask = caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
-    mask.is_some_and(|mask| mask & (1 << (SIGINT - 1)) != 0)
 }
 
 #[test]
@@ -39,15 +29,8 @@ fn an_interrupt_leaves_the_best_so_far() {
         arm.edit("problem.toml", &known, "");
     }
     arm.edit("problem.toml", "\"wls\"", "\"maximum_likelihood\"");
-    let mut child = arm.fit("out", &["--set", EVERY_SAMPLE]).spawn().unwrap();
-    while !catches_interrupts(&child) {
-        assert!(child.try_wait().unwrap().is_none(), "ended before its time");
-        sleep(Duration::from_micros(200));
-    }
-    let process = child.id().to_string();
-    let sent = Command::new("kill").args(["-INT", &process]).status();
-    assert!(sent.unwrap().success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let child = arm.fit("out", &["--set", EVERY_SAMPLE]).spawn().unwrap();
+    assert_eq!(interrupt(child, Duration::ZERO), Some(130));
     let result = result(&arm);
     assert_eq!(result["solver"]["stop"], "interrupted");
     assert_eq!(result["solver"]["converged"], false);
@@ -56,5 +39,35 @@ fn an_interrupt_leaves_the_best_so_far() {
     assert!(friction.unwrap()["value"].as_f64().is_some());
     for name in ["predictions.csv", "report.html"] {
         assert!(arm.path("out").join(name).exists(), "{name}");
+    }
+}
+
+/// However early it comes: what the declared model leaves is found and reported as far as it was looked into.
+#[test]
+fn an_interrupted_diagnosis_reports_what_it_has() {
+    if !cfg!(target_os = "linux") {
+        common::skip("whether a process catches interrupts is read from /proc");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let problem = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/problems/arm6_gearbox/problem.toml"
+    );
+    let child = Command::new(env!("CARGO_BIN_EXE_exid"))
+        .args(["diagnose", problem, "--quiet", "--out"])
+        .arg(folder.path())
+        .spawn()
+        .unwrap();
+    assert_eq!(interrupt(child, Duration::from_millis(300)), Some(130));
+    let text = fs::read_to_string(folder.path().join("result.json")).unwrap();
+    let result: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(result["solver"]["stop"], "interrupted");
+    assert_eq!(result["solver"]["converged"], false);
+    assert_ne!(result["verdict"], "nothing_missing");
+    let joints = result["findings"][0]["joints"].as_array().unwrap();
+    assert!(joints.contains(&"a3".into()), "{joints:?}");
+    for name in ["predictions.csv", "report.html"] {
+        assert!(folder.path().join(name).exists(), "{name}");
     }
 }

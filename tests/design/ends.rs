@@ -1,11 +1,8 @@
 //! How a design ends: out of time, interrupted, going on from an earlier one, or without a feasible motion.
 
 use crate::bench::{Bench, holds, value};
-use std::process::{Child, Command};
-use std::thread::sleep;
+use crate::common::interrupting::interrupt;
 use std::time::{Duration, Instant};
-
-const SIGINT: u32 = 2;
 
 /// Beyond the budget: reading, checking on the dense grid and writing, on a machine that does other work.
 const SLACK: Duration = Duration::from_secs(30);
@@ -22,32 +19,15 @@ fn a_budget_ends_the_search_with_the_best_feasible_so_far() {
     assert!(value(&result).is_finite() && holds(&result));
 }
 
-/// Whether a process catches interrupts by now, as the system sees it.
-fn catches_interrupts(child: &Child) -> bool {
-    let status = std::fs::read_to_string(format!("/proc/{}/status", child.id()));
-    let status = status.unwrap_or_default();
-    let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
-    let mask = caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
-    mask.is_some_and(|mask| mask & (1 << (SIGINT - 1)) != 0)
-}
-
 #[cfg(target_os = "linux")]
 #[test]
 fn an_interrupt_leaves_the_best_so_far() {
     let bench = Bench::shipped("scara_excitation");
-    let mut child = bench
+    let child = bench
         .command("out", &["design.budget_s=600", "design.starts=1000000"])
         .spawn()
         .unwrap();
-    while !catches_interrupts(&child) {
-        assert!(child.try_wait().unwrap().is_none(), "ended before its time");
-        sleep(Duration::from_millis(1));
-    }
-    sleep(Duration::from_secs(2));
-    let process = child.id().to_string();
-    let sent = Command::new("kill").args(["-INT", &process]).status();
-    assert!(sent.unwrap().success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(interrupt(child, Duration::from_secs(2)), Some(130));
     let result = bench.result("out");
     assert_eq!(result["solver"]["stop"], "interrupted");
     assert_eq!(result["solver"]["converged"], false);

@@ -3,5 +3,7 @@
 
 mod bench;
 mod clearance;
+#[path = "../common/mod.rs"]
+mod common;
 mod ends;
 mod several;
