@@ -112,8 +112,20 @@ fn rivals(contest: &Contest, floor: &Floor, channels: &[usize]) -> Vec<Rival> {
     rivals
 }
 
+/// Why a finding has no name.
+fn nameless(cut_short: bool) -> &'static str {
+    match cut_short {
+        false => "no effect of the vocabulary explains",
+        true => "had no name yet when the search was interrupted",
+    }
+}
+
 /// The finding of what no effect of the vocabulary explains.
-pub fn unnamed(smooth: &Smooth, refit: &Refit, (floor, tried): (&Floor, usize)) -> Finding {
+pub fn unnamed(
+    smooth: &Smooth,
+    refit: &Refit,
+    (floor, tried, cut_short): (&Floor, usize, bool),
+) -> Finding {
     let c = smooth.channel;
     let channel = &refit.model.channels()[c];
     let left: Vec<f64> = refit.validation[c]
@@ -133,9 +145,9 @@ pub fn unnamed(smooth: &Smooth, refit: &Refit, (floor, tried): (&Floor, usize)) 
         explained_share: floor.share((&refit.validation, &residuals), &[c]),
         p_value: (smooth.evidence.p_value * (tried * smooth.tried) as f64).min(1.0),
         sentence: format!(
-            "Something is missing on {} that no effect of the vocabulary explains; a smooth correction \
-             over {} takes its place, and {}.",
+            "Something is missing on {} that {}; a smooth correction over {} takes its place, and {}.",
             channel.name,
+            nameless(cut_short),
             smooth.over.join(", "),
             explain::improvement(before, after, channel.unit)
         ),
@@ -149,7 +161,7 @@ pub fn unnamed(smooth: &Smooth, refit: &Refit, (floor, tried): (&Floor, usize)) 
 pub fn unexplained(
     refit: &Refit,
     (floor, signal, significance): (&Floor, &[f64], f64),
-    (findings, withdrawn): (&[Finding], &[usize]),
+    (findings, withdrawn, cut_short): (&[Finding], &[usize], bool),
 ) -> Vec<Finding> {
     let channels = refit.model.channels().iter().enumerate();
     let open = channels.filter(|(_, c)| c.active && c.joint.is_some());
@@ -176,9 +188,10 @@ pub fn unexplained(
                 explained_share: 0.0,
                 p_value,
                 sentence: format!(
-                    "Something is missing on {} that neither an effect of the vocabulary nor a smooth correction \
-                     explains: the error on recordings that were not fitted is {:.1} times the noise.",
+                    "Something is missing on {} that {}, and no smooth correction takes its place: the error on \
+                     recordings that were not fitted is {:.1} times the noise.",
                     channel.name,
+                    nameless(cut_short),
                     lack.sqrt()
                 ),
                 rivals: Vec::new(),

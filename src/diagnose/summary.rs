@@ -50,9 +50,17 @@ pub fn correct(
 }
 
 /// What was found, in plain words.
-pub fn paragraph(verdict: Verdict, findings: &[Finding], examined: usize) -> String {
+pub fn paragraph(
+    verdict: Verdict,
+    findings: &[Finding],
+    (examined, cut_short): (usize, bool),
+) -> String {
     let tried = format!("{examined} hypotheses were tried");
     match verdict {
+        Verdict::NothingMissing if cut_short => {
+            "The search was interrupted before it found anything; that does not mean that nothing is missing."
+                .to_string()
+        }
         Verdict::NothingMissing => format!(
             "Nothing is missing that matters: {tried}, and none lowers the error on recordings that were not \
              fitted by as much as 1 %."
@@ -81,6 +89,9 @@ pub fn paragraph(verdict: Verdict, findings: &[Finding], examined: usize) -> Str
                 }
                 _ => "Most of the misfit is left without a name.".to_string(),
             });
+            if cut_short {
+                text.push("The search was interrupted: not every effect has been tried.".to_string());
+            }
             text.join(" ")
         }
     }

@@ -286,15 +286,16 @@ fn report(
     let parameters = after.estimate.parameters.clone();
     let steps = explanation.steps();
     let mut findings = conclude::findings(&steps, &floor, &parameters);
+    let cut_short = bench.control.is_interrupted();
     let without_name = needed
         .iter()
-        .map(|s| conclude::unnamed(s, full, (&floor, tried)));
+        .map(|s| conclude::unnamed(s, full, (&floor, tried, cut_short)));
     findings.extend(without_name);
     let signal = bench.signal_rms(Split::Validation);
     let open = conclude::unexplained(
         full,
         (&floor, &signal, rules.significance),
-        (&findings, &explanation.withdrawn),
+        (&findings, &explanation.withdrawn, cut_short),
     );
     findings.extend(open);
     let corrected = summary::correct(bench, (full, &mut after), &needed);
@@ -304,7 +305,7 @@ fn report(
     notes.extend((!floor.measured).then(|| UNMEASURED.to_string()));
     let diagnosis = Diagnosis {
         verdict,
-        summary: summary::paragraph(verdict, &findings, explanation.examined),
+        summary: summary::paragraph(verdict, &findings, (explanation.examined, cut_short)),
         located: locate(bench, baseline, rules.significance),
         findings,
         mistakes: Vec::new(),
