@@ -6,16 +6,20 @@ use crate::chain::model::{JointModel, Model};
 use crate::chain::parameter::Role;
 use crate::robot::derivatives::Derivatives;
 use nalgebra::DVector;
+use rayon::prelude::*;
 use std::ops::Range;
 use std::rc::Rc;
+
+/// Samples that a thread takes at once.
+const PART: usize = 512;
 
 /// What the bodies of a model do along a course.
 #[derive(Debug, Clone, Default)]
 pub struct KnownBodies {
     /// Of everything but the parameters that have columns below, `[row of the rigid body][sample]`.
     pub(super) torque: Vec<Vec<f64>>,
-    /// Parameters, by their position, and the torque of one unit of each, `[row][sample]`; empty where a row does
-    /// not depend on it.
+    /// Parameters, by their position, and what one unit of each takes of the motors, `[channel][sample]`; empty where a
+    /// channel does not depend on it or does not count.
     columns: Vec<(usize, Vec<Vec<f64>>)>,
     /// By the motion of every joint; none where empty.
     pub(super) slopes: Slopes,
@@ -24,8 +28,8 @@ pub struct KnownBodies {
 impl KnownBodies {
     /// What the bodies do along a course as a function of some inertial parameters, `τ = τ₀ + Σ Y_k φ_k`.
     ///
-    /// `None` where that changes with another parameter of `columns`: an entry of V moves the joints, the tilt of the
-    /// base turns gravity.
+    /// `None` where that changes with another parameter of `columns`, an entry of V that moves the joints or the tilt of
+    /// the base that turns gravity, and for a mechanism with loops.
     pub fn linear(
         model: &Model,
         values: &DVector<f64>,
@@ -34,7 +38,7 @@ impl KnownBodies {
     ) -> Option<Self> {
         let role = |p: &usize| model.parameters()[*p].role;
         let moves = |p: &usize| matches!(role(p), Role::Coupling { .. } | Role::Tilt { .. });
-        if columns.iter().any(moves) {
+        if columns.iter().any(moves) || model.mechanism().is_some() {
             return None;
         }
         let inertial: Vec<usize> = columns
@@ -46,8 +50,35 @@ impl KnownBodies {
         for &p in &inertial {
             rest[p] = 0.0;
         }
-        let mut evaluator = Evaluator::along(model, &rest, &inertial, segment.motors.len());
-        Some(evaluator.linear_bodies(segment, &inertial))
+        let segment = Segment {
+            bodies: None,
+            ..segment
+        };
+        let samples = segment.motors.len();
+        let parts: Vec<Range<usize>> = (0..samples)
+            .step_by(PART)
+            .map(|start| start..samples.min(start + PART))
+            .collect();
+        let of = |range: Range<usize>| {
+            let mut evaluator = Evaluator::along(model, &rest, &inertial, range.len());
+            evaluator.linear_bodies((segment, range), &inertial)
+        };
+        let parts = parts.into_par_iter().map(of).collect::<Vec<_>>();
+        parts.into_iter().reduce(Self::followed_by)
+    }
+
+    /// With what comes after it.
+    fn followed_by(mut self, next: Self) -> Self {
+        let extend = |to: &mut Vec<Vec<f64>>, from: &[Vec<f64>]| {
+            to.iter_mut()
+                .zip(from)
+                .for_each(|(to, from)| to.extend_from_slice(from));
+        };
+        extend(&mut self.torque, &next.torque);
+        for ((_, to), (_, from)) in self.columns.iter_mut().zip(&next.columns) {
+            extend(to, from);
+        }
+        self
     }
 
     /// The torques and columns at every `stride`-th sample.
@@ -121,16 +152,21 @@ impl Evaluator<'_> {
         }
     }
 
-    fn linear_bodies(&mut self, segment: Segment<'_>, inertial: &[usize]) -> KnownBodies {
-        let range = 0..segment.motors.len();
+    fn linear_bodies(
+        &mut self,
+        (segment, range): (Segment<'_>, Range<usize>),
+        inertial: &[usize],
+    ) -> KnownBodies {
         self.rigid.clear(range.len());
+        self.block.clear(range.len());
         self.move_joints(segment.motors, range.clone());
         self.rigid_body(segment, range);
-        self.rigid.settle();
-        let rows = 0..self.rigid.values.len();
+        self.carry_to_motors();
+        self.block.settle();
+        let channels = 0..self.block.values.len();
         let of = |column: usize| -> Vec<Vec<f64>> {
-            let series = |row: usize| self.rigid.derivative(row, column).unwrap_or(&[]).to_vec();
-            rows.clone().map(series).collect()
+            let series = |c: usize| self.block.derivative(c, column).unwrap_or(&[]).to_vec();
+            channels.clone().map(series).collect()
         };
         let columns = inertial.iter().enumerate();
         KnownBodies {
@@ -149,23 +185,16 @@ impl Evaluator<'_> {
             .all(|(p, _)| has(p))
     }
 
-    /// Torques and columns as they are known.
-    pub(super) fn take_known(&mut self, known: &KnownBodies, range: Range<usize>) {
-        let samples = range.len();
-        for (to, torque) in self.rigid.values.iter_mut().zip(&known.torque) {
-            to[..samples].copy_from_slice(&torque[range.clone()]);
-        }
-        for (parameter, rows) in &known.columns {
+    /// What is known of the motors' torques beside what came from the joints, and its columns.
+    pub(super) fn take_columns(&mut self, known: &KnownBodies, range: Range<usize>) {
+        for (parameter, channels) in &known.columns {
             let (value, column) = (self.values[*parameter], self.column[*parameter]);
-            for (row, series) in rows.iter().enumerate().filter(|(_, s)| !s.is_empty()) {
+            for (channel, series) in channels.iter().enumerate().filter(|(_, s)| !s.is_empty()) {
                 let series = &series[range.clone()];
-                let torque = &mut self.rigid.values[row][..samples];
-                torque
-                    .iter_mut()
-                    .zip(series)
-                    .for_each(|(to, y)| *to += value * y);
-                if let Some(column) = column.filter(|_| self.reaches_signal(row)) {
-                    self.rigid.add_scaled((row, column), 1.0, series);
+                let torques = self.block.values[channel].iter_mut().zip(series);
+                torques.for_each(|(to, y)| *to += value * y);
+                if let Some(column) = column {
+                    self.block.add_scaled((channel, column), 1.0, series);
                 }
             }
         }

@@ -32,6 +32,7 @@ use crate::robot::derivatives::Derivatives;
 use crate::robot::inertia::PER_LINK;
 use crate::robot::tree::Tree;
 use nalgebra::{DMatrix, DVector, SMatrix};
+use std::borrow::Cow;
 use std::ops::Range;
 use std::rc::Rc;
 
@@ -82,7 +83,7 @@ pub struct Evaluator<'m> {
     column: Vec<Option<usize>>,
     values: DVector<f64>,
     /// The robot with gravity as the tilt of its base leaves it.
-    tree: Tree,
+    tree: Cow<'m, Tree>,
     coupling: Option<DMatrix<f64>>,
     transfer: Option<SMatrix<f64, PER_LINK, PER_LINK>>,
     /// Inertial parameters of the links without and with the load.
@@ -144,10 +145,10 @@ impl<'m> Evaluator<'m> {
             column[parameter] = Some(k);
         }
         let tree = match model.tilt() {
-            None => model.tree().clone(),
+            None => Cow::Borrowed(model.tree()),
             Some(at) => {
                 let gravity = tilted(&model.tree().gravity(), [values[at], values[at + 1]]);
-                model.tree().clone().with_gravity(gravity.into())
+                Cow::Owned(model.tree().clone().with_gravity(gravity.into()))
             }
         };
         let has_joint_laws = model.joints().iter().any(|joint| {
@@ -234,7 +235,9 @@ impl<'m> Evaluator<'m> {
         self.move_joints(segment.motors, range.clone());
         let lag = self.lag_of_links(segment, samples);
         let moved = Segment {
-            bodies: segment.bodies.filter(|_| lag.is_none()),
+            bodies: segment
+                .bodies
+                .filter(|known| lag.is_none() && self.are_known(known)),
             ..segment
         };
         self.rigid_body(moved, range.clone());
@@ -248,6 +251,9 @@ impl<'m> Evaluator<'m> {
         self.spin_rotors(segment.motors, range.clone());
         self.close_loops(samples);
         self.carry_to_motors();
+        if let Some(known) = moved.bodies {
+            self.take_columns(known, range.clone());
+        }
         self.add_tare();
         self.coupling_torque_columns(samples);
         for j in 0..self.model.joints().len() {
