@@ -277,3 +277,51 @@ fn intervals_cover_the_truth_under_white_noise() {
 fn intervals_cover_the_truth_under_coloured_noise() {
     assert_honest(Colour::Red(0.8));
 }
+
+/// Standard deviations of the base parameters from so many rows of one recording, not averaged over its periods.
+fn deviations(rows: usize) -> Vec<f64> {
+    let model = declared();
+    let values = truth(&model);
+    let motion = motion(&model);
+    let signal = signals(&model, &values, &motion);
+    let mut recording = record(&motion, &signal, Colour::White, 0);
+    let series = recording.position.iter_mut().chain(&mut recording.signal);
+    series.for_each(|s| s.truncate(rows));
+    let mut preparation = Preparation {
+        rate: Some(RATE_HZ),
+        ..Preparation::default()
+    };
+    // So high that every row is kept.
+    preparation.differentiation.cutoff_hz = Some(0.4 * RATE_HZ);
+    let experiment = prepare(recording, &preparation).unwrap();
+    let prior = Prior::none(model.parameters().len());
+    let train = Prepared::new("train".into(), Split::Train, false, experiment);
+    assert_eq!(train.stride, 1);
+    let data = Dataset {
+        recordings: vec![train],
+    };
+    let estimator = (Estimator::Weighted, &prior);
+    let fitted = fit(&model, &data, estimator, &Control::default()).unwrap();
+    let base = fitted.fit.base_parameters.iter();
+    base.map(|b| b.std_dev.unwrap()).collect()
+}
+
+/// Spectra are of segments of at most 4096 rows, and recordings end anywhere.
+#[test]
+fn invariant_deviations_fall_with_the_root_of_the_rows() {
+    const SHORT: usize = 3000;
+    let short = deviations(SHORT);
+    for rows in [4500, 6000, 9000] {
+        let pairs = deviations(rows).into_iter().zip(&short);
+        let ratios: Vec<f64> = pairs.map(|(long, short)| long / short).collect();
+        let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+        let expected = (SHORT as f64 / rows as f64).sqrt();
+        eprintln!("{rows} rows: {mean:.3} of the deviations of {SHORT}, expected {expected:.3}");
+        // A parameter rests on two cells of 24 frequencies of one channel: its variance is known within 14 %, its
+        // deviation within 7 %, the mean over six channels within 3 %; both recordings have such errors.
+        assert!(
+            (mean / expected - 1.0).abs() < 3.0 * 2.0_f64.sqrt() * 0.03,
+            "{rows}: {mean}"
+        );
+    }
+}

@@ -136,6 +136,11 @@ impl Prepared {
         mask.is_none_or(|mask| mask[row * self.stride])
     }
 
+    /// Whether forces of the surroundings on the links are measured.
+    pub fn has_forces(&self) -> bool {
+        !self.forces.is_empty()
+    }
+
     /// Motion and load of the used rows.
     pub fn segment(&self) -> Segment<'_> {
         match &self.rows {

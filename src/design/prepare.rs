@@ -12,7 +12,7 @@ use crate::design::error::{DesignError, Unsuitable};
 use crate::design::shapes;
 use crate::design::workspace::{Place as Point, Rule};
 use crate::fault::Place;
-use crate::problem_file::choices::Choice;
+use crate::problem_file::choices::{Choice, DesignKind};
 use crate::problem_file::design::{DesignParameters, Harmonics};
 use crate::problem_file::{Located, PerJoint, ProblemFile};
 use crate::robot::inertia::PER_LINK;
@@ -48,7 +48,13 @@ impl Prepared {
     /// estimate.
     pub fn read(problem: &ProblemFile) -> Result<Self, DesignError> {
         let robot = setup::robot::open(problem)?;
-        let mut model = setup::model::build(problem, &robot)?;
+        // What a plan of constant velocities is for is not known before.
+        let mut model = match problem.design.kind.value {
+            DesignKind::ConstantVelocity => {
+                setup::model::build(&setup::model::with_unit_constant(problem), &robot)?
+            }
+            DesignKind::Fourier => setup::model::build(problem, &robot)?,
+        };
         let prior = setup::prior::build(problem, &mut model)?;
         if matches!(model.signal(), Signal::BaseWrench | Signal::Both) {
             let place = problem.recordings.as_ref().map(|r| r.signal.place.clone());

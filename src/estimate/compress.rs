@@ -8,7 +8,7 @@
 use crate::chain::dataset::Prepared;
 use crate::chain::evaluate::KnownBodies;
 use crate::chain::model::Model;
-use crate::estimate::rows::{RowBlock, Task, tasks, visit};
+use crate::estimate::rows::{RowBlock, Task, tasks, visit_errors};
 use crate::estimate::weights::{RowFactors, Weights};
 use crate::linalg::triangular::Triangular;
 use nalgebra::{DMatrix, DVector};
@@ -69,7 +69,7 @@ pub fn sum_of_squares(request: &Request<'_>, recordings: &[&Prepared]) -> f64 {
         .par_iter()
         .map(|(recording, task)| {
             let mut sum = 0.0;
-            visit(request.model, request.values, &[], task, |block| {
+            visit_errors(request.model, request.values, &[], task, |block| {
                 sum += Residuals::of(request, *recording, block).squares(&weights);
             });
             sum
@@ -163,7 +163,7 @@ fn compressed(request: &Request<'_>, rows: &[Row], recording: usize, task: &Task
     let mut parts: Vec<Part> = Vec::new();
     let mut mixed: Vec<Vec<f64>> = Vec::new();
     let (model, wanted) = (request.model, request.columns);
-    visit(model, request.values, wanted, task, |block| {
+    visit_errors(model, request.values, wanted, task, |block| {
         let keep = block.counting();
         let residuals: Vec<Vec<f64>> = (0..model.channels().len())
             .map(|c| difference(block, c))

@@ -8,9 +8,9 @@
 //! is divided by 1 − h(f), h the leverage `diag(X(f) A⁻¹ X(f)ᴴ)`, smoothed alike.
 
 use crate::chain::dataset::Prepared;
-use crate::estimate::noise::ResidualSeries;
+use crate::estimate::gaps::Gapped;
 use crate::estimate::problem::FitProblem;
-use crate::estimate::rows::{Task, visit};
+use crate::estimate::rows::{Task, visit_errors};
 use crate::estimate::spectrum::{SEGMENT, Spectrum, Transform};
 use crate::linalg::triangular::Triangular;
 use nalgebra::{Complex, DMatrix, DVector};
@@ -37,8 +37,7 @@ pub fn of_unknowns(problem: &FitProblem<'_>, x: &DVector<f64>) -> Option<DMatrix
     let (open, kept): (Vec<usize>, Vec<usize>) = (0..count).partition(|&j| is_open(j));
     let inverse = inverse_over(&triangular, &kept)?;
     let bread = &inverse * inverse.transpose();
-    let residuals = bridged(problem, problem.counted_residuals(x));
-    let weighted = weigh(problem, &residuals);
+    let residuals = problem.counted_residuals(x);
     let values = problem.parameters(x);
     let mut meat = DMatrix::zeros(count, count);
     for (index, recording) in problem.recordings.iter().enumerate() {
@@ -47,7 +46,7 @@ pub fn of_unknowns(problem: &FitProblem<'_>, x: &DVector<f64>) -> Option<DMatrix
             values: &values,
             recording,
             index,
-            residuals: &weighted[index],
+            counted: counted(problem, index, &residuals[index]),
         };
         meat += part.middle(&inverse);
     }
@@ -78,48 +77,30 @@ fn inverse_over(triangular: &DMatrix<f64>, kept: &[usize]) -> Option<DMatrix<f64
     Some(whole)
 }
 
-/// The residuals with straight lines over rows that a mask leaves out: a spectrum of zeros in their place would be
-/// that of an error which ends at every gap.
-fn bridged(problem: &FitProblem<'_>, mut residuals: ResidualSeries) -> ResidualSeries {
-    for (recording, channels) in problem.recordings.iter().zip(&mut residuals) {
-        let kept: Vec<usize> = (0..recording.rows())
-            .filter(|&r| recording.counts(r))
-            .collect();
-        if kept.is_empty() || kept.len() == recording.rows() {
-            continue;
-        }
-        for series in channels.iter_mut().filter(|s| !s.is_empty()) {
-            for pair in kept.windows(2) {
-                let (from, to) = (series[pair[0]], series[pair[1]]);
-                for row in pair[0] + 1..pair[1] {
-                    let share = (row - pair[0]) as f64 / (pair[1] - pair[0]) as f64;
-                    series[row] = from + share * (to - from);
-                }
-            }
-        }
+/// Residuals times the factors of their rows, and which rows of them count: `[channel][row]`.
+fn counted(problem: &FitProblem<'_>, index: usize, residuals: &[Vec<f64>]) -> Counted {
+    let recording = problem.recordings[index];
+    let factors = problem.factors.as_ref().map(|factors| &factors[index]);
+    let mut counted = Counted::default();
+    for (channel, series) in residuals.iter().enumerate() {
+        let factor = |row: usize| match (recording.counts(row), factors) {
+            (false, _) => 0.0,
+            (true, None) => 1.0,
+            (true, Some(factors)) => factors[channel][row],
+        };
+        let all = 0..series.len();
+        let own: Vec<f64> = all.map(factor).collect();
+        counted.counts.push(own.iter().map(|f| *f != 0.0).collect());
+        let scaled = series.iter().zip(own).map(|(e, f)| e * f);
+        counted.residuals.push(scaled.collect());
     }
-    residuals
+    counted
 }
 
-/// The residuals times W and the factors of single rows.
-fn weigh(problem: &FitProblem<'_>, residuals: &ResidualSeries) -> ResidualSeries {
-    let weights = problem.weights().matrix();
-    let channels = weights.nrows();
-    let of = |(recording, series): (usize, &Vec<Vec<f64>>)| {
-        let rows = series.first().map_or(0, Vec::len);
-        let mut out = vec![vec![0.0; rows]; channels];
-        for i in 0..channels {
-            for j in (0..channels).filter(|&j| weights[(i, j)] != 0.0) {
-                let factors = problem.factors.as_ref().map(|f| &f[recording][j]);
-                for row in 0..rows {
-                    let factor = factors.map_or(1.0, |f| f[row]);
-                    out[i][row] += weights[(i, j)] * factor * series[j][row];
-                }
-            }
-        }
-        out
-    };
-    residuals.iter().enumerate().map(of).collect()
+#[derive(Default)]
+struct Counted {
+    residuals: Vec<Vec<f64>>,
+    counts: Vec<Vec<bool>>,
 }
 
 /// One recording of the fit.
@@ -128,17 +109,18 @@ struct Part<'a> {
     values: &'a DVector<f64>,
     recording: &'a Prepared,
     index: usize,
-    residuals: &'a [Vec<f64>],
+    counted: Counted,
 }
 
 impl Part<'_> {
     /// `Σ_f X(f)ᴴ S(f) X(f)`; `inverse` is R⁻¹ with `A = RᵀR`.
     fn middle(&self, inverse: &DMatrix<f64>) -> DMatrix<f64> {
         let rows = self.recording.rows();
-        let length = rows.min(SEGMENT);
+        // Segments of one length: zeros behind a shorter one would pass for residuals.
+        let length = rows.div_ceil(rows.div_ceil(SEGMENT).max(1));
         let transform = Transform::new(length);
-        let starts: Vec<usize> = (0..rows).step_by(length).collect();
-        let channels = self.residuals.len();
+        let starts: Vec<usize> = (0..rows).step_by(length.max(1)).collect();
+        let channels = self.counted.residuals.len();
         let mut spectrum = Spectrum::new(transform.frequencies() * starts.len(), channels);
         let cells = spectrum.cells_of(transform.frequencies());
         let count = inverse.nrows();
@@ -151,25 +133,15 @@ impl Part<'_> {
             .collect();
         let none = vec![0.0; channels];
         for (&start, leverage) in starts.iter().zip(&leverages) {
-            let end = rows.min(start + length);
-            let transformed: Vec<Vec<Complex<f64>>> = self
-                .residuals
-                .iter()
-                .map(|e| transform.of(&e[start..end]))
-                .collect();
+            let powers = self.powers(&transform, start..rows.min(start + length));
             for (cell, range) in cells.iter().enumerate() {
                 for f in range.clone() {
-                    let e: Vec<Complex<f64>> = transformed.iter().map(|series| series[f]).collect();
                     let leverage = leverage.as_ref().map_or(&none, |l| &l[f]);
-                    spectrum.add(cell, transform.multiplicity(f), (&e, leverage));
+                    spectrum.add(cell, transform.multiplicity(f), (&powers[f], leverage));
                 }
             }
         }
-        let weights = self
-            .problem
-            .weights()
-            .matrix()
-            .map(|w| Complex::new(w, 0.0));
+        let weights = self.weights();
         let roots = spectrum.roots();
         let mixing: Vec<_> = roots.iter().map(|root| root.adjoint() * &weights).collect();
         let parts: Vec<DMatrix<f64>> = starts
@@ -181,19 +153,46 @@ impl Part<'_> {
             .fold(DMatrix::zeros(count, count), |sum, part| sum + part)
     }
 
+    fn weights(&self) -> DMatrix<Complex<f64>> {
+        let weights = self.problem.weights().matrix();
+        weights.map(|w| Complex::new(w, 0.0))
+    }
+
+    /// Power of the weighted residuals of a segment at every frequency.
+    fn powers(&self, transform: &Transform, rows: Range<usize>) -> Vec<DMatrix<Complex<f64>>> {
+        let weights = self.weights();
+        let part = |series: &Vec<f64>| series[rows.clone()].to_vec();
+        let residuals: Vec<Vec<f64>> = self.counted.residuals.iter().map(part).collect();
+        let counts = self.counted.counts.iter();
+        let counts: Vec<Vec<bool>> = counts.map(|series| series[rows.clone()].to_vec()).collect();
+        if counts.iter().flatten().all(|counts| *counts) {
+            let spectra: Vec<_> = residuals.iter().map(|e| transform.of(e)).collect();
+            let at = |f: usize| &weights * DVector::from_fn(spectra.len(), |c, _| spectra[c][f]);
+            let periodogram = |e: DVector<Complex<f64>>| &e * e.adjoint();
+            let frequencies = 0..transform.frequencies();
+            return frequencies.map(|f| periodogram(at(f))).collect();
+        }
+        let gapped = Gapped {
+            residuals: &residuals,
+            counts: &counts,
+        };
+        let powers = gapped.powers(transform).into_iter();
+        powers.map(|p| &weights * p * weights.transpose()).collect()
+    }
+
     /// Columns of a segment before the weights of the channels: `[channel][column][row]`, empty where absent.
-    fn columns(&self, start: usize) -> Vec<Vec<Vec<f64>>> {
+    fn columns(&self, rows: Range<usize>) -> Vec<Vec<Vec<f64>>> {
+        let (start, end) = (rows.start, rows.end);
         let problem = self.problem;
         let positions = problem.unknowns.positions();
         let channels = problem.model.channels();
-        let end = self.recording.rows().min(start + SEGMENT);
         let mut series = vec![vec![Vec::new(); positions.len()]; channels.len()];
         let task = Task {
             recording: self.recording,
             range: start..end,
             bodies: None,
         };
-        visit(problem.model, self.values, &positions, &task, |block| {
+        visit_errors(problem.model, self.values, &positions, &task, |block| {
             let counts = block.counting();
             let at = block.start() - start;
             for (j, columns) in series.iter_mut().enumerate() {
@@ -230,7 +229,8 @@ impl Part<'_> {
         (start, cells): (usize, &[Range<usize>]),
         mixing: &[DMatrix<Complex<f64>>],
     ) -> DMatrix<f64> {
-        let columns = self.columns(start);
+        let end = self.recording.rows().min(start + transform.length());
+        let columns = self.columns(start..end);
         let (channels, count) = (columns.len(), columns.first().map_or(0, Vec::len));
         let frequencies = transform.frequencies();
         let mut rows = DMatrix::zeros(2 * frequencies * channels, count);
@@ -270,13 +270,8 @@ impl Part<'_> {
         (start, cells): (usize, &[Range<usize>]),
         inverse: &DMatrix<f64>,
     ) -> Vec<Vec<f64>> {
-        let weights = self
-            .problem
-            .weights()
-            .matrix()
-            .map(|w| Complex::new(w, 0.0));
-        let projected =
-            self.mixed(transform, (start, cells), &vec![weights; cells.len()]) * inverse;
+        let weights = vec![self.weights(); cells.len()];
+        let projected = self.mixed(transform, (start, cells), &weights) * inverse;
         let frequencies = transform.frequencies();
         let squares = |f: usize, c: usize| {
             let real = projected.row(2 * frequencies * c + f).norm_squared();
@@ -285,10 +280,17 @@ impl Part<'_> {
                 .norm_squared();
             (real + imaginary) / transform.multiplicity(f)
         };
-        let channels = self.residuals.len();
-        (0..frequencies)
-            .map(|f| (0..channels).map(|c| squares(f, c)).collect())
-            .collect()
+        // Of the power in rows that count: gaps have none.
+        let share = |counts: &Vec<bool>| {
+            let kept = counts.iter().filter(|c| **c).count().max(1);
+            counts.len() as f64 / kept as f64
+        };
+        let shares: Vec<f64> = self.counted.counts.iter().map(share).collect();
+        let of = |f: usize| {
+            let shares = shares.iter().enumerate();
+            shares.map(|(c, share)| share * squares(f, c)).collect()
+        };
+        (0..frequencies).map(of).collect()
     }
 }
 

@@ -9,6 +9,7 @@ pub mod error;
 pub mod feasible;
 pub mod figures;
 pub mod fit;
+mod gaps;
 pub mod load;
 pub mod motion;
 pub mod noise;

@@ -2,7 +2,7 @@
 
 use crate::chain::dataset::Prepared;
 use crate::chain::model::Model;
-use crate::estimate::rows::{tasks, visit};
+use crate::estimate::rows::{tasks, torque_gains, visit};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -32,15 +32,17 @@ pub fn predict(model: &Model, values: &DVector<f64>, recording: &Prepared) -> Ve
     whole
 }
 
-/// Residuals of recordings at parameter values.
+/// Residuals of recordings at parameter values; as torques where these err and not the currents.
 pub fn residuals(model: &Model, values: &DVector<f64>, recordings: &[&Prepared]) -> ResidualSeries {
     let of = |recording: &&Prepared| {
         let mut series = predict(model, values, recording);
+        let gains = torque_gains(model, recording);
         for (c, predicted) in series.iter_mut().enumerate() {
             let active = model.channels()[c].active;
+            let gain = gains[c].map_or(1.0, |at| values[at]);
             for (row, value) in predicted.iter_mut().enumerate() {
                 *value = if active && recording.counts(row) {
-                    *value - recording.signal(c)[row]
+                    gain * (*value - recording.signal(c)[row])
                 } else {
                     0.0
                 };

@@ -4,7 +4,7 @@
 use crate::chain::dataset::Prepared;
 use crate::chain::effect::Memory;
 use crate::chain::evaluate::{BLOCK, Block, Evaluator, KnownBodies, Segment};
-use crate::chain::model::Model;
+use crate::chain::model::{Channel, Model};
 use nalgebra::DVector;
 use std::ops::Range;
 
@@ -72,6 +72,7 @@ pub(crate) struct RowBlock<'a> {
 enum Source<'a> {
     Block(&'a Block),
     Stored(&'a Stored),
+    Torques(&'a Torques),
 }
 
 impl RowBlock<'_> {
@@ -79,6 +80,7 @@ impl RowBlock<'_> {
         match self.source {
             Source::Block(block) => block.value(channel),
             Source::Stored(stored) => &stored.values[channel][self.range.clone()],
+            Source::Torques(torques) => &torques.values[channel],
         }
     }
 
@@ -92,6 +94,9 @@ impl RowBlock<'_> {
             Source::Stored(stored) => {
                 let series = &stored.columns[channel * stored.count + column];
                 series.get(self.range.clone())
+            }
+            Source::Torques(torques) => {
+                torques.columns[channel * torques.count + column].as_deref()
             }
         }
     }
@@ -141,6 +146,85 @@ pub(crate) fn visit(
             let block = evaluator.evaluate(segment, range.clone());
             show(range, Source::Block(block));
         });
+    }
+}
+
+/// Gain of every channel whose errors count as torques, and its position among the parameters: those of currents with
+/// an unknown gain where the forces on the links are measured. Such a recording says which torque a current gives, so
+/// the current is what is known and the torque what errs, and
+///
+/// ```text
+/// e = gain·(ŝ − s),   ∂e/∂gain = −s,   ∂e/∂θ = gain·∂ŝ/∂θ
+/// ```
+///
+/// Errors of a torque in the place of an input would pull ŝ towards zero, as those of a regressor do.
+pub(crate) fn torque_gains(model: &Model, recording: &Prepared) -> Vec<Option<usize>> {
+    let of = |channel: &Channel| {
+        let joint = &model.joints()[channel.joint?];
+        joint.gain.filter(|_| joint.polynomial.is_none())
+    };
+    let channels = model.channels().iter();
+    channels
+        .map(|channel| of(channel).filter(|_| recording.has_forces()))
+        .collect()
+}
+
+/// Rows as errors count: like [`visit`], but with errors of torques where [`torque_gains`] has them.
+pub(crate) fn visit_errors(
+    model: &Model,
+    values: &DVector<f64>,
+    columns: &[usize],
+    task: &Task<'_>,
+    mut visitor: impl FnMut(&RowBlock<'_>),
+) {
+    let gains = torque_gains(model, task.recording);
+    if gains.iter().all(Option::is_none) {
+        return visit(model, values, columns, task, visitor);
+    }
+    visit(model, values, columns, task, |block| {
+        let torques = Torques::of(block, (values, columns), &gains);
+        visitor(&RowBlock {
+            recording: block.recording,
+            range: block.range.clone(),
+            source: Source::Torques(&torques),
+        });
+    });
+}
+
+/// Series of a block with errors of torques: `s + e` in the place of ŝ.
+struct Torques {
+    values: Vec<Vec<f64>>,
+    count: usize,
+    columns: Vec<Option<Vec<f64>>>,
+}
+
+impl Torques {
+    fn of(
+        block: &RowBlock<'_>,
+        (values, columns): (&DVector<f64>, &[usize]),
+        gains: &[Option<usize>],
+    ) -> Self {
+        let mut out = Self {
+            values: Vec::with_capacity(gains.len()),
+            count: columns.len(),
+            columns: Vec::with_capacity(gains.len() * columns.len()),
+        };
+        for (channel, at) in gains.iter().enumerate() {
+            let (predicted, recorded) = (block.predicted(channel), block.recorded(channel));
+            let gain = at.map_or(1.0, |at| values[at]);
+            let pairs = predicted.iter().zip(recorded);
+            let shifted = pairs.map(|(p, s)| s + gain * (p - s));
+            out.values.push(shifted.collect());
+            for (k, column) in columns.iter().enumerate() {
+                let derivative = match *at == Some(*column) {
+                    true => Some(recorded.iter().map(|s| -s).collect()),
+                    false => (block.derivative(channel, k))
+                        .map(|series| series.iter().map(|x| gain * x).collect()),
+                };
+                out.columns.push(derivative);
+            }
+        }
+        out
     }
 }
 

@@ -1,7 +1,7 @@
 //! Spectra of weighted residuals over segments of recordings, smoothed over cells of frequency.
 
 use nalgebra::{Complex, DMatrix};
-use realfft::{RealFftPlanner, RealToComplex};
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -19,15 +19,23 @@ const MOST_CELLS: usize = 128;
 /// The transform of segments of one length.
 pub struct Transform {
     plan: Arc<dyn RealToComplex<f64>>,
+    inverse: Arc<dyn ComplexToReal<f64>>,
     length: usize,
 }
 
 impl Transform {
     pub fn new(length: usize) -> Self {
+        let mut planner = RealFftPlanner::new();
         Self {
-            plan: RealFftPlanner::new().plan_fft_forward(length),
+            plan: planner.plan_fft_forward(length),
+            inverse: planner.plan_fft_inverse(length),
             length,
         }
+    }
+
+    /// Rows of a segment.
+    pub fn length(&self) -> usize {
+        self.length
     }
 
     /// Number of frequencies from 0 to half the rate.
@@ -49,6 +57,22 @@ impl Transform {
         scaled
             .map(|z| Complex::new(z.re * scale, z.im * scale))
             .collect()
+    }
+
+    /// `Σ_f X(f) e^(2πi f k)` over positive and negative frequencies, for every k: of a product `X = A B̄` of two
+    /// transforms the correlation of their series, `Σ_t a(t+k) b(t)`, cyclic.
+    pub fn back(&self, mut spectrum: Vec<Complex<f64>>) -> Vec<f64> {
+        let mut output = self.inverse.make_output_vec();
+        // Frequencies that are their own mirror are real in the transform of a real series.
+        for (f, z) in spectrum.iter_mut().enumerate() {
+            if self.multiplicity(f) == 1.0 {
+                z.im = 0.0;
+            }
+        }
+        if self.inverse.process(&mut spectrum, &mut output).is_err() {
+            output.fill(0.0);
+        }
+        output
     }
 
     /// How often a frequency counts in the sum over all: negative ones are the mirror of positive ones.
@@ -89,13 +113,17 @@ impl Spectrum {
         (0..count).map(|cell| from(cell)..from(cell + 1)).collect()
     }
 
-    /// Adds the residuals e of all channels at one frequency and the leverage h of each there.
-    pub fn add(&mut self, cell: usize, weight: f64, (e, leverage): (&[Complex<f64>], &[f64])) {
-        for i in 0..e.len() {
-            for j in 0..e.len() {
-                self.cells[cell][(i, j)] += e[i] * e[j].conj() * Complex::new(weight, 0.0);
-            }
-            self.left[cell][i] += weight * (1.0 - leverage[i]).max(0.0);
+    /// Adds the power P of the residuals of all channels at one frequency, `P = e eᴴ` for a periodogram, and the
+    /// leverage h of each there.
+    pub fn add(
+        &mut self,
+        cell: usize,
+        weight: f64,
+        (power, leverage): (&DMatrix<Complex<f64>>, &[f64]),
+    ) {
+        self.cells[cell] += power * Complex::new(weight, 0.0);
+        for (left, leverage) in self.left[cell].iter_mut().zip(leverage) {
+            *left += weight * (1.0 - leverage).max(0.0);
         }
         self.weight[cell] += weight;
     }

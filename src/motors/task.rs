@@ -12,8 +12,7 @@ use crate::motors::segments::{Segment, Steadiness, steady};
 use crate::outcome::estimate::Estimate;
 use crate::outcome::fit::Fit;
 use crate::problem_file::choices::{Inertials, PositionSide, Signal};
-use crate::problem_file::drive::CurrentLaw;
-use crate::problem_file::{Located, PerJoint, ProblemFile, RecordingsTable};
+use crate::problem_file::{ProblemFile, RecordingsTable};
 use crate::recording::columns::Recording;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::split::Split;
@@ -91,7 +90,9 @@ pub fn run(problem: &ProblemFile) -> Result<MotorRun, MotorsError> {
     check_settings(problem, table)?;
     let robot = setup::robot::open(problem)?;
     check_names(problem, &robot)?;
-    let model = setup::model::build(&with_unit_constant(problem), &robot)?;
+    let mut model = setup::model::build(&setup::model::with_unit_constant(problem), &robot)?;
+    // Bodies of an earlier fit become those of the model; priors of torque constants have a table of their own.
+    setup::prior::build(problem, &mut model)?;
     let rule = Steadiness {
         least_speed: problem.fit.constant_velocity.least_speed.value,
         ..Steadiness::default()
@@ -166,28 +167,14 @@ fn check_names(problem: &ProblemFile, robot: &Robot) -> Result<(), MotorsError> 
     Ok(())
 }
 
-/// The problem with torque constants of one where it gives none: the model wants some, and only its
-/// bodies are used here.
-fn with_unit_constant(problem: &ProblemFile) -> ProblemFile {
-    let mut problem = problem.clone();
-    if problem.drive.current_law.is_none() {
-        let place = Place::file(&problem.path);
-        let one = Located {
-            value: PerJoint::All(1.0),
-            place,
-        };
-        problem.drive.current_law = Some(CurrentLaw::Constant(one));
-    }
-    problem
-}
-
 /// Inertial parameters of the links, with the known load where it hangs on the robot.
 fn link_parameters(
     problem: &ProblemFile,
     model: &Model,
     loaded: bool,
 ) -> Result<Vec<f64>, MotorsError> {
-    let mut parameters = model.tree().parameters();
+    let bodies = 10 * model.tree().len();
+    let mut parameters = model.values().rows(0, bodies).as_slice().to_vec();
     let (true, Some((payload, first))) = (loaded, model.payload()) else {
         return Ok(parameters);
     };

@@ -9,7 +9,7 @@ use crate::fault::Place;
 use crate::problem_file::choices::{Inertials, PositionSide, Signal};
 use crate::problem_file::drive::CurrentLaw;
 use crate::problem_file::robot::PayloadPlace;
-use crate::problem_file::{Located, ProblemFile};
+use crate::problem_file::{Located, PerJoint, ProblemFile};
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::known::{bound_all, fix_all, zero_parameters};
 use crate::setup::robot::{Robot, unknown};
@@ -354,6 +354,18 @@ fn payload(
             )),
         },
     }
+}
+
+/// The problem with torque constants of one where it gives none, for motions that are to show these constants: a
+/// model wants some.
+pub fn with_unit_constant(problem: &ProblemFile) -> ProblemFile {
+    let mut problem = problem.clone();
+    if problem.drive.current_law.is_none() {
+        let place = Place::file(&problem.path);
+        let value = PerJoint::All(1.0);
+        problem.drive.current_law = Some(CurrentLaw::Constant(Located { value, place }));
+    }
+    problem
 }
 
 /// Known bodies must be bodies: every pseudo-inertia positive semidefinite.

@@ -5,6 +5,7 @@
 pub(super) mod bars;
 pub(super) mod boxes;
 pub(super) mod curves;
+pub(super) mod law;
 pub(super) mod rows;
 pub(super) mod scatter;
 pub(super) mod signals;

@@ -46,7 +46,9 @@ fn block(source: &Source, recording: &RecordingSeries, index: usize) -> String {
         "<details{open}><summary><b>{}</b> ({split})</summary>\n<div class=\"plots\">\n",
         escape(&recording.recording)
     );
-    for joint in &recording.joints {
+    // A joint that has no rows in a recording, such as one that rests there, has nothing to show.
+    let shown = |joint: &&JointSeries| joint.recorded.iter().any(|point| point.1.is_finite());
+    for joint in recording.joints.iter().filter(shown) {
         let unit = unit(source, &joint.joint);
         let caption = format!("<b>{}</b> [{}]", escape(&joint.joint), escape(unit));
         let label = format!(
