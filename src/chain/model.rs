@@ -159,6 +159,13 @@ pub struct JointModel {
     pub rounding: f64,
 }
 
+impl JointModel {
+    /// Whether the link lags behind the motor.
+    pub fn has_lag(&self) -> bool {
+        self.elasticity.is_some() || self.backlash.is_some()
+    }
+}
+
 /// A robot with its drives and all parameters.
 #[derive(Debug, Clone)]
 pub struct Model {

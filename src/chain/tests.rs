@@ -87,8 +87,7 @@ fn assert_derivative(model: &Model, (block, segment): (&Block, Segment<'_>), p: 
     let parameter = &model.parameters()[p];
     let h = 1e-5 * parameter.scale;
     // A lag is found by iteration to 1e-11 of itself, which stiff flanks hand on to the torque.
-    let lags = |joint: &JointModel| joint.elasticity.is_some() || joint.backlash.is_some();
-    let rounding = match model.joints().iter().any(lags) {
+    let rounding = match model.joints().iter().any(JointModel::has_lag) {
         true => 1e-12,
         false => 1e-15,
     };

@@ -278,9 +278,7 @@ fn is_of_drive(law: Law) -> bool {
 
 /// Whether every channel is the torque of one motor that its joint follows at once.
 fn has_simple_chain(model: &Model) -> bool {
-    let follows = |joint: &JointModel| {
-        joint.delay.is_none() && joint.elasticity.is_none() && joint.backlash.is_none()
-    };
+    let follows = |joint: &JointModel| joint.delay.is_none() && !joint.has_lag();
     let own = |(c, channel): (usize, &Channel)| channel.joint == Some(c);
     model.is_uncoupled()
         && model.mechanism().is_none()

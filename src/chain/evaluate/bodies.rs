@@ -202,10 +202,9 @@ impl Evaluator<'_> {
 
     /// Whether a channel that is asked for depends on a row of the rigid body.
     pub(super) fn reaches_signal(&self, row: usize) -> bool {
-        let lags = |joint: &JointModel| joint.elasticity.is_some() || joint.backlash.is_some();
         if row >= self.torque_rows()
             || self.model.mechanism().is_some()
-            || self.model.joints().iter().any(lags)
+            || self.model.joints().iter().any(JointModel::has_lag)
         {
             return true;
         }
