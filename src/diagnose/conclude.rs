@@ -6,9 +6,10 @@ use crate::diagnose::explain;
 use crate::diagnose::floor::{Floor, LEAST_EXCESS, UNEXPLAINED};
 use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::refit::Refit;
+use crate::diagnose::relief::MATTERS;
 use crate::diagnose::rivals::Contest;
 use crate::diagnose::rows::rms;
-use crate::diagnose::search::{self, MATTERS, Trial};
+use crate::diagnose::search::{Step as SearchStep, Trial};
 use crate::diagnose::smooth::Smooth;
 use crate::outcome::diagnose::{Evidence, Finding, Rival, Spoiled, Verdict};
 use crate::outcome::parameter::Parameter;
@@ -100,6 +101,7 @@ fn rivals(contest: &Contest, floor: &Floor, channels: &[usize]) -> Vec<Rival> {
                 joints: joint_names(&refit.model, &hypothesis.named_joints()),
                 explained_share: share(refit),
                 separable: alternative.separable,
+                times_longer: alternative.times_longer.filter(|_| !alternative.separable),
             }
         })
         .collect();
@@ -269,7 +271,7 @@ pub fn channels_of(model: &Model, joints: &[usize]) -> Vec<usize> {
 }
 
 /// What was tried, for the table of evidence.
-pub fn evidence(steps: &[search::Step]) -> Vec<Evidence> {
+pub fn evidence(steps: &[SearchStep]) -> Vec<Evidence> {
     let mut evidence = Vec::new();
     for step in steps {
         for (k, trial) in step.trials.iter().enumerate() {

@@ -5,6 +5,9 @@
 //! is that of sums over blocks, longer than residuals remember, of the residual ε times the regressor, which
 //! holds for any autocorrelation within a block (Newey and West 1987); its degrees of freedom are the effective number
 //! of blocks in which the two models differ (Satterthwaite 1946).
+//!
+//! Where the noise of a row is known, the variance is at least `τ Σ σ² d²` with the correlation time τ of the residual,
+//! as of noise of that size, and only what blocks show beyond it has their few degrees of freedom.
 
 use crate::stats::distribution::Distribution;
 
@@ -15,6 +18,8 @@ pub struct Evidence {
     pub slope: f64,
     /// b over its standard deviation.
     pub ratio: f64,
+    /// 1 over the standard deviation of b: the ratio to be expected where the richer model is right.
+    pub distance: f64,
     pub freedom: f64,
     /// Probability of such a ratio, or a larger one, where b = 0; of one test.
     pub p_value: f64,
@@ -26,60 +31,140 @@ const LEAST_BLOCK: usize = 8;
 /// Blocks of a recording at least.
 const LEAST_BLOCKS: usize = 24;
 
+/// With fewer than one and a half effective blocks there is nothing between which they could vary.
+const LEAST_FREEDOM: f64 = 0.5;
+
 /// Blocks are this many times longer than the residual's correlation time.
 const CORRELATION_TIMES: f64 = 4.0;
 
-/// Weighted residuals of two models over the same rows, `[channel][row]`.
-pub fn encompassing(poorer: &[Vec<f64>], richer: &[Vec<f64>]) -> Evidence {
+/// Weighted residuals of a poorer and a richer model over the same rows, `[channel][row]`, and the RMS noise of a row
+/// per channel where it is known.
+pub fn encompassing(
+    (poorer, richer): (&[Vec<f64>], &[Vec<f64>]),
+    noise: Option<&[f64]>,
+) -> Evidence {
     let scale: Vec<f64> = richer.iter().map(|e| deviation(e)).collect();
-    let block = block_length(richer);
-    let rows = richer.iter().map(Vec::len).max().unwrap_or(0);
-    let difference = |c: usize, k: usize| (poorer[c][k] - richer[c][k]) / scale[c];
     let channels: Vec<usize> = (0..richer.len())
         .filter(|&c| !richer[c].is_empty())
         .collect();
-    let (mut product, mut square) = (0.0, 0.0);
+    let pair = Pair {
+        poorer,
+        richer,
+        scale: &scale,
+        channels: &channels,
+    };
+    let (mut product, mut square, mut known) = (0.0, 0.0, 0.0);
     for &c in &channels {
+        let mut own = 0.0;
         for k in 0..richer[c].len() {
-            let d = difference(c, k);
+            let d = pair.difference(c, k);
             product += d * poorer[c][k] / scale[c];
-            square += d * d;
+            own += d * d;
+        }
+        square += own;
+        if let Some(noise) = noise {
+            known += correlation_time(&richer[c]) * own * (noise[c] / scale[c]).powi(2);
         }
     }
     if square <= 0.0 {
         return Evidence {
             slope: 0.0,
             ratio: 0.0,
+            distance: 0.0,
             freedom: 1.0,
             p_value: 1.0,
         };
     }
-    let slope = product / square;
-    let (mut variance, mut weights) = (0.0, Vec::new());
-    for start in (0..rows).step_by(block) {
-        let (mut score, mut weight) = (0.0, 0.0);
-        for &c in &channels {
-            for k in start..richer[c].len().min(start + block) {
-                let d = difference(c, k);
-                score += d * (poorer[c][k] / scale[c] - slope * d);
-                weight += d * d;
-            }
-        }
-        variance += score * score;
-        weights.push(weight);
-    }
-    let fourth: f64 = weights.iter().map(|w| w * w).sum();
-    let freedom = (square * square / fourth - 1.0).max(1.0);
-    let ratio = if variance > 0.0 {
-        product / variance.sqrt()
-    } else {
-        0.0
+    let blocks = pair.variance_of_blocks((product, square));
+    let all: usize = channels.iter().map(|&c| richer[c].len()).sum();
+    let of_noise = (known > 0.0).then_some(Variance {
+        value: known,
+        freedom: all as f64,
+    });
+    let variance = match (blocks, of_noise) {
+        (Some(blocks), Some(noise)) => blocks.at_least(noise),
+        (Some(one), None) | (None, Some(one)) => one,
+        (None, None) => Variance {
+            value: f64::INFINITY,
+            freedom: 1.0,
+        },
     };
-    Evidence {
-        slope,
-        ratio,
-        freedom,
-        p_value: Distribution::StudentT { freedom }.upper_tail(ratio),
+    variance.evidence((product, square))
+}
+
+/// Two models over the channels with rows.
+struct Pair<'a> {
+    poorer: &'a [Vec<f64>],
+    richer: &'a [Vec<f64>],
+    scale: &'a [f64],
+    channels: &'a [usize],
+}
+
+impl Pair<'_> {
+    /// What the models predict otherwise.
+    fn difference(&self, c: usize, k: usize) -> f64 {
+        (self.poorer[c][k] - self.richer[c][k]) / self.scale[c]
+    }
+
+    /// As blocks show it; `None` where the models differ in too few of them.
+    fn variance_of_blocks(&self, (product, square): (f64, f64)) -> Option<Variance> {
+        let slope = product / square;
+        let block = block_length(self.richer);
+        let rows = self.richer.iter().map(Vec::len).max().unwrap_or(0);
+        let (mut variance, mut fourth) = (0.0, 0.0);
+        for start in (0..rows).step_by(block) {
+            let (mut score, mut weight) = (0.0, 0.0);
+            for &c in self.channels {
+                for k in start..self.richer[c].len().min(start + block) {
+                    let d = self.difference(c, k);
+                    score += d * (self.poorer[c][k] / self.scale[c] - slope * d);
+                    weight += d * d;
+                }
+            }
+            variance += score * score;
+            fourth += weight * weight;
+        }
+        let freedom = square * square / fourth - 1.0;
+        (freedom >= LEAST_FREEDOM).then(|| Variance {
+            // Blocks to which the slope was fitted show less than there is.
+            value: variance * (freedom + 1.0) / freedom,
+            freedom: freedom.max(1.0),
+        })
+    }
+}
+
+/// A variance of `Σ d ε` and its degrees of freedom.
+#[derive(Debug, Clone, Copy)]
+struct Variance {
+    value: f64,
+    freedom: f64,
+}
+
+impl Variance {
+    /// Of which a part is known, and the rest is what blocks show beyond it.
+    fn at_least(self, known: Self) -> Self {
+        let beyond = (self.value - known.value).max(0.0);
+        let value = known.value + beyond;
+        let uncertain = known.value * known.value / known.freedom + beyond * beyond / self.freedom;
+        Self {
+            value,
+            freedom: value * value / uncertain,
+        }
+    }
+
+    fn evidence(self, (product, square): (f64, f64)) -> Evidence {
+        let over_deviation = |sum: f64| match self.value > 0.0 {
+            true => sum / self.value.sqrt(),
+            false => 0.0,
+        };
+        let (ratio, freedom) = (over_deviation(product), self.freedom);
+        Evidence {
+            slope: product / square,
+            ratio,
+            distance: over_deviation(square),
+            freedom,
+            p_value: Distribution::StudentT { freedom }.upper_tail(ratio),
+        }
     }
 }
 
@@ -144,7 +229,7 @@ mod tests {
             let e = noise(rows, seed);
             let spurious: Vec<f64> = (0..rows).map(|k| 0.1 * (k as f64 * 0.013).sin()).collect();
             let richer: Vec<f64> = e.iter().zip(&spurious).map(|(e, s)| e - s).collect();
-            let evidence = encompassing(&[e], &[richer]);
+            let evidence = encompassing((&[e], &[richer]), None);
             rejected += usize::from(evidence.p_value < 0.05);
         }
         let expected = 20.0;
@@ -159,9 +244,49 @@ mod tests {
         let e = noise(1000, 7);
         let effect: Vec<f64> = (0..1000).map(|k| (k as f64 * 0.02).sin()).collect();
         let poorer: Vec<f64> = e.iter().zip(&effect).map(|(e, s)| e + s).collect();
-        let evidence = encompassing(&[poorer], &[e]);
+        let evidence = encompassing((&[poorer], &[e]), None);
         // The slope has a standard deviation of 1/√(Σ s²) = 1/√500.
         assert!((evidence.slope - 1.0).abs() < 4.0 / 500.0_f64.sqrt());
         assert!(evidence.p_value < 1e-6);
+    }
+
+    /// A difference of a few rows in one place, as an impact is: one block does not tell its variance, noise that is
+    /// known does.
+    fn impact(rows: usize) -> Vec<f64> {
+        let mut effect = vec![0.0; rows];
+        for (k, height) in [3.0, -5.0, 4.0, 2.0].into_iter().enumerate() {
+            effect[400 + k] = height;
+        }
+        effect
+    }
+
+    #[test]
+    fn impacts_count_where_the_noise_is_known() {
+        let e = noise(1000, 3);
+        let poorer: Vec<f64> = e.iter().zip(impact(1000)).map(|(e, s)| e + s).collect();
+        let of_blocks = encompassing(
+            (std::slice::from_ref(&poorer), std::slice::from_ref(&e)),
+            None,
+        );
+        assert!(of_blocks.p_value > 0.1, "{of_blocks:?}");
+        let known = encompassing((&[poorer], &[e]), Some(&[1.0]));
+        assert!(known.p_value < 1e-6, "{known:?}");
+    }
+
+    #[test]
+    fn known_noise_keeps_the_level_where_models_differ_in_one_place() {
+        let mut rejected = 0;
+        for seed in 0..400 {
+            let e = noise(1000, seed);
+            let richer: Vec<f64> = e
+                .iter()
+                .zip(impact(1000))
+                .map(|(e, s)| e - 0.2 * s)
+                .collect();
+            let evidence = encompassing((&[e], &[richer]), Some(&[1.0]));
+            rejected += usize::from(evidence.p_value < 0.05);
+        }
+        // 20 are expected with a standard deviation of 4.4; more than that would be false alarms.
+        assert!(rejected as f64 <= 20.0 + 3.0 * 4.4, "{rejected}");
     }
 }

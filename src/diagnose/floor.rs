@@ -54,13 +54,27 @@ fn of_steps(series: &[f64]) -> f64 {
     (0.5 * steps / (series.len().max(2) - 1) as f64).sqrt()
 }
 
+/// RMS noise of one row per channel where the motion repeats: the scatter of the periods whose averages the rows are,
+/// or of successive samples in what a model leaves.
+pub fn known(bench: &Bench<'_>, model: &Refit) -> Option<Vec<f64>> {
+    let repeats = |r: &Prepared| r.experiment.noise.is_some();
+    match bench.in_time {
+        false => bench.noise.clone(),
+        true if bench.data.recordings.iter().all(repeats) => {
+            Some(model.validation.iter().map(|e| of_steps(e)).collect())
+        }
+        true => None,
+    }
+}
+
 /// The noise of one row: between periods where there are some, of successive rows where rows are in the order of
 /// time, else what the best model leaves.
 pub fn of_rows(bench: &Bench<'_>, full: &Refit, smooths: &[&Smooth]) -> Floor {
-    let repeats = |r: &Prepared| r.experiment.noise.is_some();
-    if bench.in_time && bench.data.recordings.iter().all(repeats) {
+    if bench.in_time
+        && let Some(rms) = known(bench, full)
+    {
         return Floor {
-            rms: full.validation.iter().map(|e| of_steps(e)).collect(),
+            rms,
             measured: true,
         };
     }

@@ -25,6 +25,8 @@ struct Kind {
     values: Vec<f64>,
     scanned: bool,
     rising: bool,
+    /// A scale of speed, or what has no values to try.
+    begun_anew: bool,
 }
 
 impl Grid {
@@ -60,6 +62,7 @@ impl Grid {
                 },
                 scanned: search == Search::Cycles,
                 rising: matches!(search, Search::Rising(_)),
+                begun_anew: matches!(search, Search::Speed(_) | Search::Typical),
             });
         }
         Self { kinds, of }
@@ -68,6 +71,30 @@ impl Grid {
     /// Whether points come in an order in which each lies further off than the one before.
     pub fn is_rising(&self) -> bool {
         self.kinds.len() == 1 && self.kinds[0].rising
+    }
+
+    /// The own parameter with the most values to try, where several that are not scanned have more than one.
+    pub fn main_shape(&self) -> Option<usize> {
+        let shapes = |kind: &&Kind| !kind.scanned && kind.values.len() > 1;
+        let most = self.kinds.iter().filter(shapes).map(|k| k.values.len());
+        let main = |own: &usize| Some(self.kinds[*own].values.len()) == most.clone().max();
+        let several = most.clone().count() > 1;
+        self.of.iter().position(main).filter(|_| several)
+    }
+
+    /// Scales of speed at each of their values, with what has no values to try where it is declared to start; what
+    /// else there is stays as a search has it. Own parameters by their number.
+    pub fn anew(&self) -> Vec<Vec<(usize, f64)>> {
+        let reset = |kind: &&Kind| kind.begun_anew && kind.linear.is_none();
+        let counts = self.kinds.iter().filter(reset).map(|k| k.values.len());
+        let at = |choice: usize| {
+            let own = self.of.iter().enumerate().filter_map(move |(p, &kind)| {
+                let kind = Some(&self.kinds[kind]).filter(reset)?;
+                Some((p, kind.values[choice.min(kind.values.len() - 1)]))
+            });
+            own.collect()
+        };
+        (0..counts.max().unwrap_or(0)).map(at).collect()
     }
 
     /// Points of what is scanned alone, with everything else at its first value; empty where nothing is.

@@ -41,6 +41,12 @@ impl Hypothesis {
         joints
     }
 
+    /// The same physics on fewer of the same joints.
+    pub fn is_part_of(&self, other: &Self) -> bool {
+        let within = self.joints.iter().all(|j| other.joints.contains(j));
+        self.effect.id == other.effect.id && within && self.joints.len() < other.joints.len()
+    }
+
     /// The same physics on some of the same joints.
     pub fn overlaps(&self, other: &Self) -> bool {
         self.effect.id == other.effect.id && self.joints.iter().any(|j| other.joints.contains(j))

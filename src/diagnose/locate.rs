@@ -77,7 +77,7 @@ fn one(joint: &str, (train, held_out): (&Seen<'_>, &Seen<'_>), level: f64) -> Op
         .collect();
     let energy = |e: &[f64]| e.iter().map(|x| x * x).sum::<f64>();
     let share = 1.0 - energy(&forecast) / energy(held_out.residual);
-    let evidence = encompassing(&[held_out.residual.to_vec()], &[forecast]);
+    let evidence = encompassing((&[held_out.residual.to_vec()], &[forecast]), None);
     if share < LEAST_SHARE || evidence.p_value > level {
         return None;
     }

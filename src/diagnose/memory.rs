@@ -2,8 +2,8 @@
 
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::hypothesis::Hypothesis;
+use crate::diagnose::lead::Lead;
 use crate::diagnose::refit::Refit;
-use crate::diagnose::screen::Lead;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Answers by the hypotheses of a model, in their order.

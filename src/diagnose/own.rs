@@ -163,7 +163,7 @@ impl<'a> OwnProblem<'a> {
             .collect();
         let matrix = matrix.select_columns(&kept);
         let normal = matrix.tr_mul(&matrix);
-        residual.norm_squared() - explained(&normal, &matrix.tr_mul(&residual))
+        residual.norm_squared() - explained(&normal, &matrix.tr_mul(&residual)).0
     }
 
     fn square_root(&self, x: &DVector<f64>) -> SquareRoot {

@@ -5,10 +5,13 @@ use crate::diagnose::conclude::channels_of;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::evidence::encompassing;
 use crate::diagnose::floor::Floor;
-use crate::diagnose::hypothesis;
-use crate::diagnose::refit::{Refit, refit};
+use crate::diagnose::forecast::forecast;
+use crate::diagnose::hypothesis::{self, Hypothesis};
+use crate::diagnose::refit::{Refit, Start, refit};
+use crate::diagnose::relief::MATTERS;
 use crate::diagnose::rows::rms;
-use crate::diagnose::search::{CONFIDENCE, MATTERS, Rules, Trial, attempt, fit_without};
+use crate::diagnose::search::{CONFIDENCE, Rules, Trial, attempt, fit_without};
+use crate::stats::distribution::Distribution;
 
 /// A rival is told apart only if it leaves at least half as much again as the finding does, above the noise.
 const IN_DOUBT: f64 = 0.5;
@@ -22,6 +25,9 @@ pub struct Alternative {
     pub separable: bool,
     /// The alternative forecasts what the finding leaves.
     pub better: bool,
+    /// Recordings of fewer than so many times the length tell the two apart in one case of twenty at most, by
+    /// chance: the ratio of the test grows with the root of the length. `None` where the two are the same torque.
+    pub times_longer: Option<f64>,
 }
 
 /// A finding with the model that lacks it and what could stand in its place.
@@ -29,6 +35,45 @@ pub struct Alternative {
 pub struct Contest {
     pub without: Refit,
     pub alternatives: Vec<Alternative>,
+}
+
+/// A finding in whose place there could stand what the recordings cannot set aside.
+#[derive(Debug, Clone)]
+pub struct Doubt {
+    /// Number of the finding.
+    pub finding: usize,
+    pub found: Stated,
+    pub rivals: Vec<Stated>,
+}
+
+/// A fitted model without what it was fitted to.
+#[derive(Debug, Clone)]
+pub struct Stated {
+    pub hypotheses: Vec<Hypothesis>,
+    pub start: Start,
+}
+
+impl Stated {
+    fn of(refit: &Refit) -> Self {
+        Self {
+            hypotheses: refit.hypotheses.clone(),
+            start: refit.start(),
+        }
+    }
+}
+
+/// The findings of a model that have rivals which cannot be set aside.
+pub fn doubts(full: &Refit, contests: &[Contest]) -> Vec<Doubt> {
+    let of = |(finding, contest): (usize, &Contest)| {
+        let open = contest.alternatives.iter().filter(|a| !a.separable);
+        let rivals: Vec<Stated> = open.map(|a| Stated::of(&a.trial.refit)).collect();
+        (!rivals.is_empty()).then(|| Doubt {
+            finding,
+            found: Stated::of(full),
+            rivals,
+        })
+    };
+    contests.iter().enumerate().filter_map(of).collect()
 }
 
 /// Tries the leading hypotheses in the place of the k-th.
@@ -50,13 +95,12 @@ pub fn contest(
     let alternatives = trials
         .into_iter()
         .map(|trial| {
-            let to_rival = encompassing(&trial.refit.validation, &full.validation);
-            let to_finding = encompassing(&full.validation, &trial.refit.validation);
-            let joints = own.named_joints();
-            let differs = to_rival.p_value < 1.0 - CONFIDENCE
-                || excess(&trial.refit, full, &joints) > MATTERS;
+            let rival = &trial.refit;
+            let to_rival = forecast(bench, (rival, full));
+            let to_finding = forecast(bench, (full, rival));
             Alternative {
-                separable: differs && leaves_more(floor, (&trial.refit, full), &joints),
+                separable: sets_aside(floor, (&trial.refit, full), &own.named_joints()),
+                times_longer: times_longer(to_rival.distance),
                 better: to_finding.p_value * (open.len() as f64) < rules.significance
                     && trial.refit.held_out_score() < full.held_out_score(),
                 trial,
@@ -67,6 +111,21 @@ pub fn contest(
         without,
         alternatives,
     })
+}
+
+/// Whether held-out rows set a rival aside: the model forecasts what the rival leaves, or the rival's error is larger
+/// by what matters, and the difference is not small beside what neither explains.
+pub fn sets_aside(floor: &Floor, (rival, full): (&Refit, &Refit), joints: &[usize]) -> bool {
+    let forecast = encompassing((&rival.validation, &full.validation), None);
+    let differs = forecast.p_value < 1.0 - CONFIDENCE || excess(rival, full, joints) > MATTERS;
+    differs && leaves_more(floor, (rival, full), joints)
+}
+
+/// See [`Alternative::times_longer`].
+fn times_longer(distance: f64) -> Option<f64> {
+    let missed = Distribution::Normal.quantile(CONFIDENCE) - Distribution::Normal.quantile(0.95);
+    let times = (missed / distance).powi(2);
+    times.is_finite().then_some(times)
 }
 
 /// Share by which a rival's held-out RMS error exceeds a model's, the largest over the joints.

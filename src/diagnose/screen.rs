@@ -10,13 +10,14 @@
 //! is the gain of one Gauss-Newton step of all parameters, for the price of projecting a few columns.
 
 use crate::chain::dataset::Prepared;
-use crate::chain::effect::Law;
+use crate::chain::effect::{Law, Linearity};
 use crate::chain::evaluate::Evaluator;
 use crate::chain::model::{Channel, JointModel, Model};
 use crate::diagnose::bench::Bench;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::grid::Grid;
 use crate::diagnose::hypothesis::Hypothesis;
+use crate::diagnose::lead::{Lead, Naming, Point};
 use crate::diagnose::refit::{Refit, Start};
 use crate::diagnose::rows::{Series, rms};
 use crate::estimate::reach::Motion;
@@ -24,16 +25,6 @@ use crate::linalg::triangular::Triangular;
 use crate::recording::split::Split;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-
-/// A hypothesis with the point from which it promises most.
-#[derive(Debug, Clone)]
-pub struct Lead {
-    pub hypothesis: Hypothesis,
-    /// Weighted sum of squares that one step of all parameters takes away.
-    pub gain: f64,
-    /// Values of the hypothesis' own parameters.
-    pub start: Start,
-}
 
 /// The model as it stands, linearised over the fitted recordings.
 pub struct Linearised<'a> {
@@ -56,6 +47,9 @@ type Column = Vec<(usize, Vec<f64>)>;
 
 /// Share of a column that the model as it stands must leave: less is rounding.
 const INDEPENDENT: f64 = 1e-8;
+
+/// Dry friction whose transition is narrower than this leaves it as it is.
+const MOSTLY_REACHED: f64 = 0.8;
 
 /// A value that makes the squared residual so many times larger is far too large.
 const HOPELESS: f64 = 10.0;
@@ -121,39 +115,45 @@ impl<'a> Linearised<'a> {
             let all = bases.iter().map(|(base, _)| base).enumerate().map(from);
             let best = all.max_by(|a, b| a.0.total_cmp(&b.0));
             let (gain, base) = best.unwrap_or((f64::NEG_INFINITY, 0));
-            (gain, (base, point))
+            Point::new(gain, base, point)
         };
         let hopeless = -HOPELESS * self.residual.iter().map(|r| dot(r, r)).sum::<f64>();
-        let best_of = |points: Vec<Vec<f64>>| {
-            let gains: Vec<(f64, (usize, Vec<f64>))> = match grid.is_rising() {
+        let best_first = |points: Vec<Vec<f64>>| {
+            let mut seen: Vec<Point> = match grid.is_rising() {
                 true => {
-                    let gains = points.into_iter().map(gain);
-                    gains.take_while(|(gain, _)| *gain > hopeless).collect()
+                    let seen = points.into_iter().map(gain);
+                    seen.take_while(|point| point.gain > hopeless).collect()
                 }
                 false => points.into_par_iter().map(gain).collect(),
             };
-            gains.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))
+            seen.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+            seen
         };
-        let scanned = best_of(grid.scan());
-        let of_scan = scanned.as_ref().map_or(0.0, |(gain, _)| *gain);
-        let scanned = scanned.as_ref().map(|(_, (_, at))| at.as_slice());
-        let (gain, (base, point)) = best_of(grid.all(scanned))?;
-        let names = own.iter().map(|&p| model.parameters()[p].name.clone());
-        let mut start: Start = names.zip(point).collect();
-        start.extend(bases[base].1.iter().cloned());
-        Some(Lead {
-            hypothesis: hypothesis.clone(),
-            gain: gain.max(of_scan),
-            start,
-        })
+        let scanned = best_first(grid.scan());
+        let scanned = scanned.first();
+        let points = best_first(grid.all(scanned.map(|point| point.at.as_slice())));
+        let naming = Naming {
+            own: own
+                .iter()
+                .map(|&p| model.parameters()[p].name.clone())
+                .collect(),
+            bases: bases.iter().map(|(_, start)| start).collect(),
+            grid: &grid,
+        };
+        let mut lead = naming.lead(hypothesis, &points)?;
+        lead.gain = scanned.map_or(0.0, |point| point.gain).max(lead.gain);
+        Some(lead)
     }
 
     /// Values from which a hypothesis is examined: those of the fit, and where it takes a law's place and borrows its
-    /// parameters, also those raised by what the fit leaves of the signal. The poorer law may have found nothing.
+    /// parameters, also those raised by what the fit leaves of the signal, as the poorer law may have found nothing,
+    /// and those lowered to what the law came to at the speeds of the joint where its transition is wide.
     fn bases(&self, model: &Model, hypothesis: &Hypothesis) -> Vec<(DVector<f64>, Start)> {
         let fitted = self.transfer(model);
         let joint = &model.joints()[hypothesis.joints[0]].name;
+        let reached = self.reached(hypothesis.joints[0]);
         let mut raised = (fitted.clone(), Start::new());
+        let mut lowered = raised.clone();
         for (effect, parameter) in hypothesis.effect.needs.borrows {
             let name = format!("{joint}.{effect}.{parameter}");
             let (Ok(from), Ok(to)) = (self.refit.model.find(&name), model.find(&name)) else {
@@ -170,14 +170,29 @@ impl<'a> Linearised<'a> {
             if largest > 0.0 {
                 // Residuals are weighted to an RMS of one.
                 raised.0[to] += 1.0 / largest;
-                raised.1.push((name, raised.0[to]));
+                raised.1.push((name.clone(), raised.0[to]));
+            }
+            if reached < MOSTLY_REACHED {
+                lowered.0[to] *= reached;
+                lowered.1.push((name, lowered.0[to]));
             }
         }
-        let plain = (fitted, Start::new());
-        match raised.1.is_empty() {
-            true => vec![plain],
-            false => vec![plain, raised],
-        }
+        let mut bases = vec![(fitted, Start::new())];
+        let others = [raised, lowered];
+        bases.extend(others.into_iter().filter(|(_, start)| !start.is_empty()));
+        bases
+    }
+
+    /// RMS of `v/(|v| + w)` of a joint: the share of its dry friction that it comes to.
+    fn reached(&self, joint: usize) -> f64 {
+        let width = self.refit.model.joints()[joint].width;
+        let width = width.map_or(0.0, |index| self.refit.values[index]);
+        let of = |r: &&Prepared| {
+            let speeds = r.segment().motors.dq[joint].iter();
+            let share = |v: &f64| v / (v.abs() + width).max(f64::MIN_POSITIVE);
+            speeds.map(share).collect::<Vec<f64>>()
+        };
+        rms(&self.recordings.iter().flat_map(of).collect::<Vec<f64>>())
     }
 
     /// The fitted values in a larger model.
@@ -213,11 +228,23 @@ impl<'a> Linearised<'a> {
                 }
             }
         }
-        self.one_step(&change, &columns)
+        let stays_possible = |k: usize, step: f64| {
+            let parameter = &model.parameters()[own[k]];
+            let value = values[own[k]] + step;
+            parameter.linearity == Linearity::Nonlinear
+                || (parameter.lower..=parameter.upper).contains(&value)
+        };
+        self.one_step(&change, &columns, &stays_possible)
     }
 
-    /// The gain of one step from a residual that is changed, along further columns.
-    fn one_step(&self, change: &Column, columns: &[Column]) -> f64 {
+    /// The gain of one step from a residual that is changed, along further columns; those along which the step would
+    /// leave what is possible stay out.
+    fn one_step(
+        &self,
+        change: &Column,
+        columns: &[Column],
+        stays_possible: &dyn Fn(usize, f64) -> bool,
+    ) -> f64 {
         let whitened: Vec<DVector<f64>> = columns.iter().map(|c| self.project(c)).collect();
         let shift = self.project(change);
         // r is orthogonal to J, so the changed residual loses only what J takes of the change.
@@ -240,11 +267,22 @@ impl<'a> Linearised<'a> {
                 normal[(j, i)] = normal[(i, j)];
             }
         }
-        before
-            + explained(
+        loop {
+            let (gain, step) = explained(
                 &normal.select_rows(&kept).select_columns(&kept),
                 &right.select_rows(&kept),
-            )
+            );
+            let possible: Vec<usize> = kept
+                .iter()
+                .zip(step.iter())
+                .filter(|(k, step)| stays_possible(**k, -**step))
+                .map(|(k, _)| *k)
+                .collect();
+            if possible.len() == kept.len() {
+                return before + gain;
+            }
+            kept = possible;
+        }
     }
 
     /// R⁻ᵀ Jᵀ c.
@@ -294,10 +332,10 @@ fn with_bodies(refit: &Refit, recording: &Prepared) -> Prepared {
     recording.clone().with_bodies(bodies)
 }
 
-/// `bᵀ A⁻¹ b` over the directions of A that are not rounding.
-pub fn explained(normal: &DMatrix<f64>, right: &DVector<f64>) -> f64 {
+/// `bᵀ A⁻¹ b` and `A⁻¹ b` over the directions of A that are not rounding.
+pub fn explained(normal: &DMatrix<f64>, right: &DVector<f64>) -> (f64, DVector<f64>) {
     if right.is_empty() {
-        return 0.0;
+        return (0.0, DVector::zeros(0));
     }
     let size = normal.diagonal().map(|d| 1.0 / d.sqrt());
     let scaled = DMatrix::from_fn(normal.nrows(), normal.ncols(), |i, j| {
@@ -305,11 +343,10 @@ pub fn explained(normal: &DMatrix<f64>, right: &DVector<f64>) -> f64 {
     });
     let eigen = scaled.symmetric_eigen();
     let rotated = eigen.eigenvectors.tr_mul(&right.component_mul(&size));
-    let pairs = rotated.iter().zip(eigen.eigenvalues.iter());
-    pairs
-        .filter(|(_, value)| **value > INDEPENDENT)
-        .map(|(x, value)| x * x / value)
-        .sum()
+    let over = |x: f64, value: f64| if value > INDEPENDENT { x / value } else { 0.0 };
+    let solved = rotated.zip_map(&eigen.eigenvalues, over);
+    let step = (&eigen.eigenvectors * &solved).component_mul(&size);
+    (rotated.dot(&solved), step)
 }
 
 /// R⁻¹ of the weighted derivatives and the rows of what is known beforehand.

@@ -3,15 +3,17 @@
 use crate::chain::effect::{Law, Linearity};
 use crate::chain::parameter::Role;
 use crate::diagnose::bench::Bench;
-use crate::diagnose::clear;
 use crate::diagnose::error::DiagnoseError;
-use crate::diagnose::evidence::{Evidence, encompassing};
+use crate::diagnose::evidence::Evidence;
+use crate::diagnose::forecast::forecast;
 use crate::diagnose::hypothesis::{self, Hypothesis};
+use crate::diagnose::lead::Lead;
 use crate::diagnose::refit::{Refit, Start, refit, refit_holding};
+use crate::diagnose::relief::{MATTERS, relief};
 use crate::diagnose::rows::rms;
-use crate::diagnose::screen::{Lead, leads};
-use crate::recording::split::Split;
+use crate::diagnose::screen::leads;
 use rayon::prelude::*;
+use std::cmp::Ordering;
 
 /// What a search looks for and how sure it has to be.
 #[derive(Debug, Clone, Copy)]
@@ -35,6 +37,14 @@ pub struct Trial {
     pub relief: f64,
 }
 
+impl Trial {
+    /// Whether it is significant, matters, and forecasts what it was fitted to.
+    fn is_needed(&self, significance: f64) -> bool {
+        let forecasts = self.evidence.slope <= STEEPEST;
+        self.p_value < significance && self.relief >= MATTERS && forecasts
+    }
+}
+
 /// A model grown and what was tried on the way.
 #[derive(Debug, Clone)]
 pub struct Grown {
@@ -54,21 +64,27 @@ pub struct Step {
     pub accepted: bool,
 }
 
-/// An effect matters where it lowers the held-out RMS error of a joint by this share.
-pub const MATTERS: f64 = 0.01;
-
-/// An effect that takes less than this share of the RMS signal of every joint is negligible.
-pub const OF_TORQUE: f64 = 0.002;
-
-/// An effect that takes less than this many times the RMS noise of a row is negligible: what the errors of
-/// differentiation leave at reversals reaches a quarter of the variance of the noise, to which bandwidths are chosen.
-pub const OF_NOISE: f64 = 0.5;
-
 /// Hypotheses fitted exactly in one step.
 const FITTED: usize = 8;
 
+/// Hypotheses of one effect among them, where others promise something too.
+const OF_ONE_EFFECT: usize = 2;
+
 /// Effects that a model can be given; more at once were never told apart.
 const MOST_FINDINGS: usize = 8;
+
+/// The physics that a model was fitted to has a slope of 1 on other recordings; what is twice as large there is
+/// something else, with which it has some shape in common.
+const STEEPEST: f64 = 2.0;
+
+/// A search that reaches less than this share of what one step of all parameters promised is made from other starts too.
+const PROMISED: f64 = 0.5;
+
+/// A parameter that is nearer to a limit than this share of it is at the limit.
+const AT_LIMIT: f64 = 1e-3;
+
+/// Times that a search begins a step again because the richer model led to a better fit of the poorer.
+const SEARCHES_AGAIN: usize = 3;
 
 /// Confidence with which a model is preferred to another that has fewer parameters, and with which a rival is set
 /// aside: several rivals are compared with each finding, so that each may err but once in a hundred.
@@ -85,6 +101,7 @@ pub fn grow(
         steps: Vec::new(),
         examined: 0,
     };
+    let mut searched_again = 0;
     while grown.steps.len() < MOST_FINDINGS && !bench.control.is_interrupted() {
         watch(grown.steps.len());
         let open = hypothesis::open(
@@ -95,7 +112,17 @@ pub fn grow(
             grown.examined = open.len();
         }
         let mut trials = attempt(bench, &grown.refit, (rules, &open))?;
-        let best = choose(&trials, rules.significance);
+        let best = choose(bench, &trials, rules.significance);
+        if let Some(best) = best {
+            let richer = &trials[best].refit;
+            let poorer = fit_without(bench, richer, richer.hypotheses.len() - 1)?;
+            let gained = grown.refit.fitted_score() - poorer.fitted_score();
+            if gained > least_gain(&grown.refit) && searched_again < SEARCHES_AGAIN {
+                grown.refit = poorer;
+                searched_again += 1;
+                continue;
+            }
+        }
         let score = grown.refit.held_out_score();
         if let Some(best) = best {
             trials.swap(0, best);
@@ -124,24 +151,39 @@ pub fn attempt(
     let find = || leads(bench, refit, &all());
     let mut leads = bench.memory.leads(&refit.hypotheses, find)?;
     leads.retain(|lead| lead.gain >= least && open.contains(&lead.hypothesis));
-    leads.truncate(FITTED);
+    let leads = foremost(leads);
     let tried = leads.par_iter().filter_map(|lead| {
         // A hypothesis that cannot be fitted is no hypothesis.
         let trial = try_one(bench, (refit, open.len()), lead).ok()?;
-        is_possible(&trial, lead).then_some(trial)
+        is_possible(&trial.refit, lead).then_some(trial)
     });
     let trials: Vec<Trial> = tried.collect();
     Ok(trials)
 }
 
+/// The leads that are fitted: the most promising, of every effect two before a third of any.
+fn foremost(leads: Vec<Lead>) -> Vec<Lead> {
+    let mut seen: Vec<&str> = Vec::new();
+    let mut rank = |lead: &Lead| {
+        let id = lead.hypothesis.effect.id;
+        seen.push(id);
+        seen.iter().filter(|known| **known == id).count() > OF_ONE_EFFECT
+    };
+    let (mut first, later): (Vec<Lead>, Vec<Lead>) =
+        leads.into_iter().partition(|lead| !rank(lead));
+    first.extend(later);
+    first.truncate(FITTED);
+    first
+}
+
 /// Whether the parameters of a hypothesis came out where its physics has them: friction that drives is no
 /// friction, whatever it explains.
-fn is_possible(trial: &Trial, lead: &Lead) -> bool {
-    let model = &trial.refit.model;
+fn is_possible(refit: &Refit, lead: &Lead) -> bool {
+    let model = &refit.model;
     lead.start.iter().all(|(name, _)| {
         model.find(name).is_ok_and(|index| {
             let parameter = &model.parameters()[index];
-            (parameter.lower..=parameter.upper).contains(&trial.refit.values[index])
+            (parameter.lower..=parameter.upper).contains(&refit.values[index])
         })
     })
 }
@@ -160,20 +202,31 @@ fn try_one(
 ) -> Result<Trial, DiagnoseError> {
     let mut hypotheses = before.hypotheses.clone();
     hypotheses.push(lead.hypothesis.clone());
-    let mut start = before.start();
-    start.extend(lead.start.iter().cloned());
-    let anew = without_shapes(before, lead, &start);
     let fit = || {
         let deviations = before.deviations();
         let from = |start: &Start| refit(bench, &hypotheses, (start, &deviations));
+        let start = with(before, &lead.start);
         let mut best = from(&start)?;
-        if let Some(anew) = &anew {
-            best = better(best, from(anew)?);
+        let falls_short = taken((before, &best)) < PROMISED * lead.gain;
+        let wanting = falls_short || !is_possible(&best, lead);
+        let others = lead.others.iter().filter(|_| wanting);
+        let others: Vec<Start> = others.map(|own| with(before, own)).collect();
+        let all = std::iter::once(&start).chain(&others);
+        let bent = all.filter_map(|start| without_shapes(before, lead, start));
+        for other in others.iter().cloned().chain(bent) {
+            best = better(lead, best, from(&other)?);
+        }
+        for own in &lead.anew {
+            if is_at_a_limit(&best, own) {
+                let mut start = best.start();
+                start.extend(own.iter().cloned());
+                best = better(lead, best, from(&start)?);
+            }
         }
         // A richer model that fits worse was not searched well: everything else first, at the lead's own values.
         if best.fitted_score() > before.fitted_score() {
             let settled = refit_holding(bench, &hypotheses, (&start, &deviations), &lead.start)?;
-            best = better(best, from(&settled.start())?);
+            best = better(lead, best, from(&settled.start())?);
         }
         Ok(best)
     };
@@ -182,12 +235,40 @@ fn try_one(
     Ok(compare(bench, (before, refit), named))
 }
 
-/// The one that fits better.
-fn better(a: Refit, b: Refit) -> Refit {
-    if b.fitted_score() < a.fitted_score() {
-        b
-    } else {
-        a
+/// Sum of squares that a richer model takes from the fitted rows, in units of what the poorer leaves in a row.
+fn taken((before, after): (&Refit, &Refit)) -> f64 {
+    let of = |(old, new): (&Vec<f64>, &Vec<f64>)| match rms(old) {
+        left if left > 0.0 => old.len() as f64 * (1.0 - (rms(new) / left).powi(2)),
+        _ => 0.0,
+    };
+    before.train.iter().zip(&after.train).map(of).sum()
+}
+
+/// Whether one of some parameters ended at a limit of what it may be.
+fn is_at_a_limit(refit: &Refit, own: &Start) -> bool {
+    own.iter().any(|(name, _)| {
+        refit.model.find(name).is_ok_and(|index| {
+            let parameter = &refit.model.parameters()[index];
+            let near = |limit: f64| (refit.values[index] - limit).abs() <= AT_LIMIT * limit.abs();
+            near(parameter.lower) || near(parameter.upper)
+        })
+    })
+}
+
+/// Values of a fit with those of a hypothesis.
+fn with(before: &Refit, own: &Start) -> Start {
+    let mut start = before.start();
+    start.extend(own.iter().cloned());
+    start
+}
+
+/// The one that fits better, or that alone is possible.
+fn better(lead: &Lead, a: Refit, b: Refit) -> Refit {
+    let rank = |refit: &Refit| (!is_possible(refit, lead), refit.fitted_score());
+    let (of_a, of_b) = (rank(&a), rank(&b));
+    match of_b.0.cmp(&of_a.0).then(of_b.1.total_cmp(&of_a.1)) {
+        Ordering::Less => b,
+        _ => a,
     }
 }
 
@@ -221,7 +302,7 @@ pub fn compare(
     (before, refit): (&Refit, Refit),
     (hypothesis, tried): (Hypothesis, usize),
 ) -> Trial {
-    let evidence = encompassing(&before.validation, &refit.validation);
+    let evidence = forecast(bench, (before, &refit));
     Trial {
         p_value: (evidence.p_value * tried as f64).min(1.0),
         relief: relief(bench, &hypothesis, (before, &refit)),
@@ -231,34 +312,11 @@ pub fn compare(
     }
 }
 
-/// Largest share by which the held-out RMS error of a joint falls where the effect is worth the name: what it
-/// takes away has to be [`OF_TORQUE`] of the signal itself and [`OF_NOISE`] of the noise, and where it filters the
-/// motion only what it takes from frequencies at which that stands clear of its noise counts.
-fn relief(bench: &Bench<'_>, hypothesis: &Hypothesis, (before, after): (&Refit, &Refit)) -> f64 {
-    let held_out = bench.recordings(Split::Validation);
-    let filters = matches!(hypothesis.effect.law, Law::Spring);
-    let band = filters.then(|| clear::band(bench, hypothesis));
-    let left = |residual: &[f64]| match band {
-        Some(band) => clear::rms(residual, band),
-        None => rms(residual),
-    };
-    let of = |c: usize| {
-        let (old, new) = (left(&before.validation[c]), left(&after.validation[c]));
-        let taken = (old * old - new * new).max(0.0).sqrt();
-        let signals = held_out.iter().flat_map(|r| r.signal(c)).copied();
-        let signal = rms(&signals.collect::<Vec<f64>>());
-        let noise = bench.noise.as_ref().map_or(0.0, |noise| noise[c]);
-        (taken >= (OF_TORQUE * signal).max(OF_NOISE * noise)).then_some(1.0 - new / old)
-    };
-    let channels = (0..before.validation.len()).filter(|&c| !before.validation[c].is_empty());
-    channels.filter_map(of).fold(0.0, f64::max)
-}
-
 /// The trial to accept: of those that are significant and matter the one with the least held-out error, or
 /// one with fewer parameters that is not significantly worse.
-fn choose(trials: &[Trial], significance: f64) -> Option<usize> {
+fn choose(bench: &Bench<'_>, trials: &[Trial], significance: f64) -> Option<usize> {
     let accepted: Vec<usize> = (0..trials.len())
-        .filter(|&k| trials[k].p_value < significance && trials[k].relief >= MATTERS)
+        .filter(|&k| trials[k].is_needed(significance))
         .collect();
     let score = |k: usize| trials[k].refit.held_out_score();
     let best = *accepted
@@ -266,8 +324,11 @@ fn choose(trials: &[Trial], significance: f64) -> Option<usize> {
         .min_by(|&&a, &&b| score(a).total_cmp(&score(b)))?;
     let as_good = accepted.iter().copied().filter(|&k| {
         k == best || {
-            let against = encompassing(&trials[k].refit.validation, &trials[best].refit.validation);
+            let pair = (&trials[k].refit, &trials[best].refit);
+            let against = forecast(bench, pair);
+            let is_part = trials[k].hypothesis.is_part_of(&trials[best].hypothesis);
             against.p_value > 1.0 - CONFIDENCE
+                || is_part && relief(bench, &trials[best].hypothesis, pair) < MATTERS
         }
     });
     as_good.min_by(|&a, &b| {
@@ -287,7 +348,7 @@ pub fn prune(
             .into_par_iter()
             .map(|k| without(bench, &refit, (k, tried)))
             .collect::<Result<_, _>>()?;
-        let needed = |t: &Trial| t.p_value < rules.significance && t.relief >= MATTERS;
+        let needed = |t: &Trial| t.is_needed(rules.significance);
         let weakest = (0..dropped.len())
             .filter(|&k| !needed(&dropped[k]))
             .min_by(|&a, &b| {
@@ -297,10 +358,10 @@ pub fn prune(
                     .total_cmp(&dropped[b].evidence.ratio)
             });
         match weakest {
-            Some(k) if dropped.len() > 1 => {
+            Some(k) => {
                 refit = fit_without(bench, &refit, k)?;
             }
-            _ => return Ok((refit, dropped)),
+            None => return Ok((refit, dropped)),
         }
     }
 }

@@ -121,7 +121,7 @@ fn one(
         over: of_train.variables.iter().map(|v| v.name.clone()).collect(),
         tried: 1,
         relief: 1.0 - rms(&after) / rms(held_out.1),
-        evidence: encompassing(&[held_out.1.to_vec()], &[after]),
+        evidence: encompassing((&[held_out.1.to_vec()], &[after]), None),
         train: fitted.as_slice().to_vec(),
         validation: forecast.as_slice().to_vec(),
     })

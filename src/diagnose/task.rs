@@ -12,7 +12,7 @@ use crate::diagnose::holdout;
 use crate::diagnose::locate::locate;
 use crate::diagnose::refit::{Refit, refit};
 use crate::diagnose::rest;
-use crate::diagnose::rivals::{Contest, contest, exchange};
+use crate::diagnose::rivals::{Contest, Doubt, contest, doubts, exchange};
 use crate::diagnose::search::{self, Grown, Rules, Trial, fit_without, grow, prune};
 use crate::diagnose::smooth::{self, Smooth};
 use crate::diagnose::summary;
@@ -38,6 +38,8 @@ pub struct DiagnoseRun {
     /// Predictions of the declared and of the final model, `[recording][channel][row]`.
     pub baseline: Predictions,
     pub finally: Predictions,
+    /// Findings with rivals that the recordings cannot set aside.
+    pub doubts: Vec<Doubt>,
 }
 
 /// Steps of a diagnosis, as progress shows them.
@@ -133,13 +135,12 @@ pub fn run(
     };
     let drifting = over_periods(&over_time, (&data, &explanation.full), (rules, watch))?;
     let drifts = drifting.is_some();
-    let (mut diagnosis, fitted, before, after) = match drifting {
+    let (mut diagnosis, fitted, [before, after], doubts) = match drifting {
         Some(grown) => {
-            let declared = baseline(&over_time)?;
             let explanation = conclude_search(&over_time, grown, (rules, watch))?;
-            report(&over_time, &declared, (&explanation, rules))?
+            report(&over_time, (&explanation, rules))?
         }
-        None => report(&bench, &declared, (&explanation, rules))?,
+        None => report(&bench, (&explanation, rules))?,
     };
     diagnosis.mistakes = mistakes;
     let note = held_out.then(|| HELD_OUT.to_string());
@@ -150,6 +151,7 @@ pub fn run(
         model: fitted.model,
         baseline: before,
         finally: after,
+        doubts,
         data: if drifts { unrolled } else { data },
     })
 }
@@ -265,14 +267,15 @@ fn prefixes(bench: &Bench<'_>, full: &Refit) -> Result<Vec<Refit>, DiagnoseError
 const UNMEASURED: &str = "Nothing repeats, so the noise is not known apart from the misfit: shares are of what the \
                           best model found takes away, and what it leaves counts as noise.";
 
-type Reported = (Diagnosis, Fitted, Predictions, Predictions);
+type Reported = (Diagnosis, Fitted, [Predictions; 2], Vec<Doubt>);
 
 fn report(
     bench: &Bench<'_>,
-    baseline: &Refit,
     (explanation, rules): (&Explanation, Rules<'_>),
 ) -> Result<Reported, DiagnoseError> {
     let full = &explanation.full;
+    // The search may have found a better fit of the declared model than its first one.
+    let baseline = &baseline(bench)?;
     let recordings = bench.recordings(Split::Train);
     let fitted = |refit: &Refit| outcome(&refit.problem(&recordings), &refit.solution, bench.data);
     let (before, mut after) = (fitted(baseline), fitted(full));
@@ -284,8 +287,7 @@ fn report(
         .collect();
     let floor = floor::of_rows(bench, full, &needed);
     let parameters = after.estimate.parameters.clone();
-    let steps = explanation.steps();
-    let mut findings = conclude::findings(&steps, &floor, &parameters);
+    let mut findings = conclude::findings(&explanation.steps(), &floor, &parameters);
     let cut_short = bench.control.is_interrupted();
     let without_name = needed
         .iter()
@@ -324,7 +326,8 @@ fn report(
         evidence: conclude::evidence(&explanation.tried),
     };
     let first = predictions(&baseline.model, &baseline.values, bench.data);
-    Ok((diagnosis, after, first, corrected))
+    let doubts = doubts(full, &explanation.contests);
+    Ok((diagnosis, after, [first, corrected], doubts))
 }
 
 /// Lack of fit of two models pooled over the joints that findings name.

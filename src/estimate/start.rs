@@ -116,7 +116,7 @@ fn resets(problem: &FitProblem<'_>) -> Vec<(usize, Vec<f64>)> {
         };
         let limits = (parameter.value, parameter.lower, parameter.upper);
         match info.search {
-            Search::Speed(_) => {
+            Search::Speed(_) | Search::OverSpeed(_) => {
                 let motion = Motion::of(problem.recordings, joint);
                 resets.push((unknown, motion.values(info.search, limits)));
             }
@@ -190,7 +190,10 @@ fn grid(problem: &FitProblem<'_>, joint: usize) -> Vec<Point> {
 /// How a parameter is looked for, where it shapes a friction law of the joint's motor.
 fn search(model: &Model, (joint, parameter): (usize, usize)) -> Option<Search> {
     let (own, info) = motor_law(model, parameter, Memory::None)?;
-    let has_grid = matches!(info.search, Search::Values(_) | Search::Speed(_));
+    let has_grid = matches!(
+        info.search,
+        Search::Values(_) | Search::Speed(_) | Search::OverSpeed(_)
+    );
     (own == joint && has_grid).then_some(info.search)
 }
 

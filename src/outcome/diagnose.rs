@@ -136,6 +136,10 @@ pub struct Rival {
     pub explained_share: f64,
     /// Whether these recordings tell it from the finding.
     pub separable: bool,
+    /// Of a rival that is not separable: recordings of fewer than so many times the length do not tell it apart but by
+    /// chance, once in twenty times; `None` where no length does, because the two are the same torque.
+    #[serde(default, with = "number::optional")]
+    pub times_longer: Option<f64>,
 }
 
 /// A recording that would tell rivals apart.

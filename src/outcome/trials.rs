@@ -70,15 +70,34 @@ pub struct Found {
     pub explained_share: f64,
     /// Rivals that the recording cannot separate from it.
     #[serde(default)]
-    pub inseparable: Vec<Named>,
+    pub inseparable: Vec<Inseparable>,
 }
 
-/// An effect with its joints.
+/// A rival that a recording cannot separate from a finding, and whether a longer one can.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Named {
+pub struct Inseparable {
     pub effect: String,
     pub joints: Vec<String>,
+    /// As the diagnosis says; see [`crate::outcome::diagnose::Rival`].
+    #[serde(default, with = "number::optional")]
+    pub times_longer: Option<f64>,
+    /// Whether a recording of the same robot tells it apart that is [`LONGER`] times as long.
+    #[serde(default)]
+    pub told_apart: Option<bool>,
 }
+
+/// Names of laws that are not in the vocabulary begin so.
+pub const OUTSIDE: &str = "outside: ";
+
+impl Hidden {
+    /// Whether it has no name in the vocabulary.
+    pub fn is_outside(&self) -> bool {
+        self.effect.starts_with(OUTSIDE)
+    }
+}
+
+/// Claims that two effects cannot be separated are put to recordings that are so many times as long.
+pub const LONGER: usize = 4;
 
 /// Detections of one effect in a range of sizes.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -135,6 +154,13 @@ pub struct Rates {
     pub both_found: Share,
     /// Findings of trials with vocabulary effects that are neither concealed nor said to be inseparable from it.
     pub wrong_names: Share,
+    /// Rivals that are said to be inseparable from a finding, and a recording of [`LONGER`] times the length tells them
+    /// apart.
+    #[serde(default)]
+    pub told_apart: Share,
+    /// The same of those that no recording of that length should tell apart.
+    #[serde(default)]
+    pub wrongly_inseparable: Share,
     /// Physics outside the vocabulary that was given a name.
     pub outside_named: Share,
     /// Median of the held-out error after over before, one effect.

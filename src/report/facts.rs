@@ -22,6 +22,14 @@ pub(super) fn trial_rates(trials: &Trials) -> Vec<(&'static str, Share)> {
         ("one effect: the joints are right", rates.joints_right),
         ("two effects: both are found", rates.both_found),
         ("findings with a wrong name", rates.wrong_names),
+        (
+            "said to be inseparable, told apart by longer recordings",
+            rates.told_apart,
+        ),
+        (
+            "said to be so in longer recordings too, told apart by them",
+            rates.wrongly_inseparable,
+        ),
         ("outside the vocabulary, yet named", rates.outside_named),
         ("controls with a finding", controls),
         (

@@ -7,6 +7,7 @@
 
 pub mod conceal;
 pub mod error;
+pub mod longer;
 pub mod outside;
 pub mod plan;
 pub mod robot;

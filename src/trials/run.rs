@@ -18,7 +18,7 @@ use crate::trials::conceal::Concealed;
 use crate::trials::error::TrialError;
 use crate::trials::plan::{Plan, RATE, Scope};
 use crate::trials::robot::ENCODER_COUNTS;
-use crate::trials::score;
+use crate::trials::{longer, score};
 use std::fs::{self, File};
 use std::io::BufWriter;
 use std::path::Path;
@@ -62,7 +62,10 @@ fn one(plan: &Plan, control: &Control<'_>) -> Result<Trial, TrialError> {
     };
     let sizes = sizes(plan, &folder.join(CLEAN).join(PROBLEM), control)?;
     let informed = informed(plan, &problem, control)?;
-    Ok(score::judge(plan, (&diagnosed, informed.as_ref()), &sizes))
+    let mut trial = score::judge(plan, (&diagnosed, informed.as_ref()), &sizes);
+    let claims = (&diagnosed.doubts[..], &mut trial.found[..]);
+    longer::judge(plan, claims, (&folder.join(LONGER), control))?;
+    Ok(trial)
 }
 
 /// The declared problem in the folder of a trial.
@@ -70,6 +73,9 @@ pub const PROBLEM: &str = "problem.toml";
 
 /// The folder in it with the same problem and recordings without noise.
 pub const CLEAN: &str = "clean";
+
+/// The folder in it with longer recordings.
+const LONGER: &str = "longer";
 
 /// Writes everything of a trial into an empty folder: the robot, the declared problem with its recordings, the
 /// same without noise, and the truth as a problem for `exid simulate`.
@@ -207,14 +213,14 @@ fn informed(
 }
 
 /// A declared model with its recordings.
-struct Opened {
+pub struct Opened {
     problem: ProblemFile,
     robot: setup::robot::Robot,
-    data: Dataset,
+    pub data: Dataset,
 }
 
 impl Opened {
-    fn read(path: &Path) -> Result<Self, TrialError> {
+    pub fn read(path: &Path) -> Result<Self, TrialError> {
         let problem = ProblemFile::read(path, &[], &effect::ids())?;
         let robot = setup::robot::open(&problem)?;
         let mut model = setup::model::build(&problem, &robot)?;
@@ -227,13 +233,17 @@ impl Opened {
         })
     }
 
-    fn fit(
+    pub fn bench<'b>(&'b self, data: &'b Dataset, control: &'b Control<'b>) -> Bench<'b> {
+        Bench::new((&self.problem, &self.robot), data, control)
+    }
+
+    pub fn fit(
         &self,
         data: &Dataset,
         (hypotheses, start): (&[Hypothesis], &Start),
         control: &Control<'_>,
     ) -> Result<Refit, TrialError> {
-        let bench = Bench::new((&self.problem, &self.robot), data, control);
+        let bench = self.bench(data, control);
         let first = bench.signal_rms(Split::Train);
         Ok(refit(&bench, hypotheses, (start, &first))?)
     }

@@ -3,7 +3,7 @@
 use crate::diagnose::refit::Refit;
 use crate::diagnose::task::DiagnoseRun;
 use crate::outcome::diagnose::Finding;
-use crate::outcome::trials::{Found, Hidden, Named, Trial};
+use crate::outcome::trials::{Found, Hidden, Inseparable, Trial};
 use crate::trials::conceal::Concealed;
 use crate::trials::plan::Plan;
 use crate::trials::run::{Informed, Sizes, values};
@@ -65,9 +65,11 @@ fn found(finding: &Finding) -> Found {
         joints: finding.joints.clone(),
         explained_share: finding.explained_share,
         inseparable: rivals
-            .map(|rival| Named {
+            .map(|rival| Inseparable {
                 effect: rival.effect.clone(),
                 joints: rival.joints.clone(),
+                times_longer: rival.times_longer,
+                told_apart: None,
             })
             .collect(),
     }

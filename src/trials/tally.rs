@@ -1,7 +1,8 @@
 //! The rates over many trials.
 
-use crate::chain::effect;
-use crate::outcome::trials::{FalseFindings, Found, Power, Rates, Share, Trial, Trials};
+use crate::outcome::trials::{
+    FalseFindings, Found, Hidden, LONGER, Power, Rates, Share, Trial, Trials,
+};
 use crate::stats::distribution::Distribution;
 use crate::trials::score::names;
 use std::collections::BTreeMap;
@@ -47,16 +48,13 @@ fn size(trial: &Trial) -> f64 {
 /// The name of the one effect of the vocabulary that a trial conceals.
 fn single(trial: &Trial) -> Option<&str> {
     match &trial.concealed[..] {
-        [one] if effect::find(&one.effect).is_some() => Some(&one.effect),
+        [one] if !one.is_outside() => Some(&one.effect),
         _ => None,
     }
 }
 
 fn is_outside(trial: &Trial) -> bool {
-    trial
-        .concealed
-        .iter()
-        .any(|h| effect::find(&h.effect).is_none())
+    trial.concealed.iter().any(Hidden::is_outside)
 }
 
 fn confusion(trials: &[&Trial]) -> BTreeMap<String, BTreeMap<String, usize>> {
@@ -128,6 +126,7 @@ fn rates(trials: &[Trial]) -> Rates {
     };
     let (mut errors, mut frictions) = (Vec::new(), Vec::new());
     for trial in trials.iter().filter(|t| size(t) >= LEAST_SIZE) {
+        count_claims(trial, &mut rates);
         if trial.concealed.is_empty() {
             continue;
         }
@@ -160,6 +159,19 @@ fn rates(trials: &[Trial]) -> Rates {
     rates.median_error_ratio = median(errors);
     rates.median_friction_ratio = median(frictions);
     rates
+}
+
+/// Counts the rivals that a trial said to be inseparable.
+fn count_claims(trial: &Trial, rates: &mut Rates) {
+    for claim in trial.found.iter().flat_map(|f| &f.inseparable) {
+        let Some(told_apart) = claim.told_apart else {
+            continue;
+        };
+        rates.told_apart.count(told_apart);
+        if claim.times_longer.is_none_or(|times| times > LONGER as f64) {
+            rates.wrongly_inseparable.count(told_apart);
+        }
+    }
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {

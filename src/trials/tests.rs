@@ -1,12 +1,14 @@
 //! Trials follow from their seed, robots are possible, and rates count what they say.
 
 use crate::chain::effect;
-use crate::outcome::trials::{Found, Hidden, Trial};
+use crate::diagnose::hypothesis::Hypothesis;
+use crate::diagnose::rivals::{Doubt, Stated};
+use crate::outcome::trials::{Found, Hidden, Inseparable, Trial};
 use crate::problem::solution::Control;
-use crate::trials::conceal;
 use crate::trials::plan::{Plan, Scope};
 use crate::trials::run::run;
 use crate::trials::tally::tally;
+use crate::trials::{conceal, longer};
 
 #[test]
 fn every_effect_that_is_not_declared_is_concealed_in_some_trial() {
@@ -116,4 +118,48 @@ fn rates_count_large_effects_and_controls() {
         0.95_f64.sqrt(),
         epsilon = 1e-9
     );
+}
+
+#[test]
+fn longer_recordings_judge_what_is_said_to_be_inseparable() {
+    let scope = Scope {
+        effects: vec!["torque_offset"],
+        robots: vec!["arm3"],
+        ..Scope::all(5)
+    };
+    let plan = Plan::draw(&scope, (1, 0));
+    let truth = plan.concealed[0].hypothesis.clone();
+    let joint = truth.joints[0];
+    let other = |id: &str| Stated {
+        hypotheses: vec![Hypothesis {
+            effect: effect::find(id).unwrap(),
+            ..truth.clone()
+        }],
+        start: Vec::new(),
+    };
+    let names = vec![plan.robot.name(joint).to_string()];
+    let claim = |id: &str| Inseparable {
+        effect: id.to_string(),
+        joints: names.clone(),
+        ..Inseparable::default()
+    };
+    let rivals = ["asymmetric_friction", "rotor_inertia"];
+    let mut found = [Found {
+        effect: "torque_offset".to_string(),
+        joints: names.clone(),
+        inseparable: rivals.map(claim).to_vec(),
+        ..Found::default()
+    }];
+    let doubt = Doubt {
+        finding: 0,
+        found: other("torque_offset"),
+        rivals: rivals.map(other).to_vec(),
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().join("longer");
+    let control = Control::default();
+    longer::judge(&plan, (&[doubt], &mut found), (&place, &control)).unwrap();
+    let told: Vec<Option<bool>> = found[0].inseparable.iter().map(|c| c.told_apart).collect();
+    // An offset is half the difference of Coulomb levels in both directions; an inertia is something else.
+    assert_eq!(told, [Some(false), Some(true)]);
 }

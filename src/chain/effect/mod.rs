@@ -207,6 +207,8 @@ pub enum Search {
     Range(&'static [f64]),
     /// Shares of the greatest speed of the joint.
     Speed(&'static [f64]),
+    /// Multiples of one over the greatest speed of the joint.
+    OverSpeed(&'static [f64]),
     /// Shares of the duration of the recording.
     Duration(&'static [f64]),
     /// Cycles over the range of the joint's positions, from one to what the sampling resolves.

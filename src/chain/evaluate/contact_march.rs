@@ -25,6 +25,9 @@ const STEPS: usize = 60;
 /// Halvings of a Newton step that does not come closer.
 const HALVINGS: i32 = 30;
 
+/// A miss of less than this share of its terms is rounding.
+const ROUNDING: f64 = 2.0 * f64::EPSILON;
+
 /// A Newton step that moves δ by less than this share of it is the last one.
 const SETTLED: f64 = 1e-14;
 
@@ -71,6 +74,8 @@ pub(super) fn solve_with(
 struct Miss {
     value: Vec<f64>,
     slope: Vec<f64>,
+    /// Sum of the sizes of the terms, of which rounding takes its share.
+    terms: f64,
 }
 
 impl Miss {
@@ -78,6 +83,7 @@ impl Miss {
         Self {
             value: vec![0.0; count],
             slope: vec![0.0; count * count],
+            terms: 0.0,
         }
     }
 
@@ -144,6 +150,9 @@ impl Newton<'_> {
         self.miss_at_moved();
         std::mem::swap(&mut self.miss, &mut self.tried);
         for _ in 0..STEPS {
+            if self.miss.size() <= ROUNDING * self.miss.terms {
+                break;
+            }
             let Some(change) = self.miss.step() else {
                 break;
             };
@@ -176,19 +185,26 @@ impl Newton<'_> {
     fn miss_at_moved(&mut self) {
         let (a, c, k) = (self.slope, self.coefficients, self.sample);
         let [first, second] = &self.past;
+        self.tried.terms = 0.0;
         for f in 0..self.moved.len() {
             let mut miss = -self.source[f][k];
             for g in 0..self.moved.len() {
                 let at = c.at(k, (f, g));
                 let rate = a * self.moved[g] + first[g];
-                miss += c.mass[at] * (a * rate + second[g])
-                    + c.damping[at] * rate
-                    + c.stiffness[at] * self.moved[g];
+                let [mass, damping, stiffness] = [
+                    c.mass[at] * (a * rate + second[g]),
+                    c.damping[at] * rate,
+                    c.stiffness[at] * self.moved[g],
+                ];
+                miss += mass + damping + stiffness;
+                self.tried.terms += mass.abs() + damping.abs() + stiffness.abs();
                 self.tried.slope[f * self.moved.len() + g] =
                     c.mass[at] * a * a + c.damping[at] * a + c.stiffness[at];
             }
             let rate = a * self.moved[f] + first[f];
             let [torque, by_value, by_rate] = (self.resistance)(f, self.moved[f], rate);
+            let turned = (by_value * self.moved[f]).abs() + (by_rate * rate).abs();
+            self.tried.terms += self.source[f][k].abs() + turned;
             self.tried.value[f] = miss + torque;
             self.tried.slope[f * self.moved.len() + f] += by_value + a * by_rate;
         }

@@ -31,6 +31,9 @@ const FLANK_DAMPING: f64 = 1e3;
 /// Passes over the course; the matrices change little with δ, so that those about the motion without lag usually do.
 const PASSES: usize = 24;
 
+/// A pass that moves δ by more than this share of the pass before leads nowhere.
+const RATTLES: f64 = 0.9;
+
 /// Bodies are linearised anew where a pass moves δ by more than this share of the pass before.
 const FAST: f64 = 0.1;
 
@@ -67,7 +70,8 @@ impl Lagging {
     fn contact(&self, lag: f64, rate: f64) -> Contact {
         let g = self.half_gap;
         let (near, far) = (lag - g, lag + g);
-        let (s, r) = (near.hypot(FLANK_WIDTH), far.hypot(FLANK_WIDTH));
+        let rounded = |x: f64| (x * x + FLANK_WIDTH * FLANK_WIDTH).sqrt();
+        let (s, r) = (rounded(near), rounded(far));
         let (near_share, far_share) = (near / s, far / r);
         let (near_bend, far_bend) = (
             FLANK_WIDTH.powi(2) / s.powi(3),
@@ -229,7 +233,8 @@ impl Evaluator<'_> {
                 .fold(0.0_f64, |m, x| m.max(x.abs()));
             lag.motion = next;
             self.move_by_lag(&lag, &without);
-            if change <= PASS_TOLERANCE * size {
+            // Far from any course that repeats a link rattles, and no pass comes closer to one.
+            if change <= PASS_TOLERANCE * size || change > RATTLES * before {
                 break;
             }
             torque = match change <= FAST * before {

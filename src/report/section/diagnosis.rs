@@ -1,12 +1,18 @@
 //! What is missing in the declared model: findings with their rivals, and the errors before and after.
 
-use crate::outcome::diagnose::{Diagnosis, Finding};
+use crate::outcome::diagnose::{Diagnosis, Finding, Rival};
 use crate::report::html::escape;
 use crate::report::number::{optional, percent, significant};
 use crate::report::plots::rows::{Bars, bars};
 use crate::report::plots::{PREDICTED, RECORDED, figure, key};
 use crate::report::section::{Section, Source};
 use crate::report::table::{Cell, Table};
+
+/// Less than so many times the length is not worth saying.
+const NOT_BY_LENGTH: f64 = 2.0;
+
+/// From so many times the length on, two models are the same for any recording that is ever made.
+const SAME: f64 = 1e4;
 
 pub(super) fn missing(source: &Source) -> Option<Section> {
     let diagnosis = source.diagnosis()?;
@@ -54,21 +60,32 @@ fn one(finding: &Finding) -> String {
     if !finding.rivals.is_empty() {
         let mut table = Table::new(&["Rival", "Joints", "Explains", "These recordings"]);
         for rival in &finding.rivals {
-            let told = if rival.separable {
-                "tell it apart"
-            } else {
-                "cannot tell it apart"
-            };
             table.row(vec![
                 Cell::text(&rival.effect),
                 Cell::text(rival.joints.join(", ")),
                 Cell::Number(percent(rival.explained_share)),
-                Cell::text(told),
+                Cell::text(told_apart(rival)),
             ]);
         }
         html.push_str(&table.html());
     }
     html
+}
+
+/// Whether the recordings tell a rival apart, and longer ones would.
+fn told_apart(rival: &Rival) -> String {
+    let as_it_is = "cannot tell it apart";
+    match rival.times_longer {
+        _ if rival.separable => "tell it apart".to_string(),
+        Some(times) if times < NOT_BY_LENGTH => as_it_is.to_string(),
+        Some(times) if times < SAME => {
+            format!(
+                "{as_it_is}, nor could any of less than {} times the length",
+                significant(times)
+            )
+        }
+        _ => format!("{as_it_is}, nor could longer ones: it is the same torque"),
+    }
 }
 
 /// What the missing physics had done to the other parameters.

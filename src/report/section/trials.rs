@@ -1,7 +1,7 @@
 //! Trials of the diagnosis: rates, detections over the size of the effect, and what was taken for what.
 
 use crate::outcome::Part;
-use crate::outcome::trials::{Power, Share, Trials};
+use crate::outcome::trials::{OUTSIDE, Power, Share, Trials};
 use crate::report::facts;
 use crate::report::number::{percent, significant};
 use crate::report::plots::PREDICTED;
@@ -99,7 +99,8 @@ fn confusion(trials: &Trials) -> String {
     for (concealed, found) in &trials.confusion {
         let all: usize = found.values().sum();
         // What lies outside the vocabulary has no name to be found.
-        let is_right = |name: &str| name == concealed || outside(concealed) && name == "unnamed";
+        let is_right =
+            |name: &str| name == concealed || concealed.starts_with(OUTSIDE) && name == "unnamed";
         let right: usize = found
             .iter()
             .filter(|(name, _)| is_right(name))
@@ -115,11 +116,6 @@ fn confusion(trials: &Trials) -> String {
         ]);
     }
     table.html()
-}
-
-/// Whether a law has no name in the vocabulary.
-fn outside(concealed: &str) -> bool {
-    concealed.starts_with("outside: ")
 }
 
 fn by_effect(power: &[Power]) -> String {

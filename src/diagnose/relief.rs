@@ -1,0 +1,76 @@
+//! Whether a finding matters: how much of what a model leaves on held-out rows it takes away.
+
+use crate::chain::dataset::Prepared;
+use crate::chain::effect::Law;
+use crate::diagnose::bench::Bench;
+use crate::diagnose::clear;
+use crate::diagnose::hypothesis::Hypothesis;
+use crate::diagnose::refit::Refit;
+use crate::diagnose::rows::rms;
+use crate::diagnose::underway;
+use crate::recording::split::Split;
+
+/// An effect matters where it lowers the held-out RMS error of a joint by this share.
+pub const MATTERS: f64 = 0.01;
+
+/// An effect that takes less than this share of the RMS signal of every joint is negligible.
+pub const OF_TORQUE: f64 = 0.002;
+
+/// An effect that takes less than this many times the RMS noise of a row is negligible: what the errors of
+/// differentiation leave at reversals reaches a quarter of the variance of the noise, to which bandwidths are chosen.
+pub const OF_NOISE: f64 = 0.5;
+
+/// A delay of less than this share of the interval between samples is none: stamps of samples are not better.
+const OF_INTERVAL: f64 = 0.05;
+
+/// Largest share by which the held-out RMS error of a joint falls where the effect is worth the name: what it
+/// takes away has to be [`OF_TORQUE`] of the signal itself and [`OF_NOISE`] of the noise. Where it filters the motion
+/// only what it takes from frequencies at which that stands clear of its noise counts, and where it shifts the motion
+/// in time only what it takes while the joint is under way.
+pub fn relief(
+    bench: &Bench<'_>,
+    hypothesis: &Hypothesis,
+    (before, after): (&Refit, &Refit),
+) -> f64 {
+    let held_out = bench.recordings(Split::Validation);
+    let filters = matches!(hypothesis.effect.law, Law::Spring);
+    let band = filters.then(|| clear::band(bench, hypothesis));
+    let shifts = matches!(hypothesis.effect.law, Law::Delay);
+    if shifts && longest_delay(after, hypothesis) < OF_INTERVAL * shortest_interval(&held_out) {
+        return 0.0;
+    }
+    let of = |c: usize| {
+        let joint = after.model.channels()[c].joint.filter(|_| shifts);
+        let under_way = joint.map(|joint| underway::rows(bench, (after, joint)));
+        let left = |residual: &[f64]| match (band, &under_way) {
+            (Some(band), _) => clear::rms(residual, band),
+            (_, Some(rows)) => rms(&underway::kept(residual, rows)),
+            _ => rms(residual),
+        };
+        let (old, new) = (left(&before.validation[c]), left(&after.validation[c]));
+        let taken = (old * old - new * new).max(0.0).sqrt();
+        let signals = held_out.iter().flat_map(|r| r.signal(c)).copied();
+        let signal = rms(&signals.collect::<Vec<f64>>());
+        let noise = bench.noise.as_ref().map_or(0.0, |noise| noise[c]);
+        (taken >= (OF_TORQUE * signal).max(OF_NOISE * noise)).then_some(1.0 - new / old)
+    };
+    let named = hypothesis.named_joints();
+    let own = |joint: Option<usize>| joint.is_none_or(|joint| named.contains(&joint));
+    let channels = (0..before.validation.len()).filter(|&c| {
+        !before.validation[c].is_empty() && (!shifts || own(after.model.channels()[c].joint))
+    });
+    channels.filter_map(of).fold(0.0, f64::max)
+}
+
+/// s, of the joints of a hypothesis.
+fn longest_delay(refit: &Refit, hypothesis: &Hypothesis) -> f64 {
+    let joints = hypothesis.joints.iter();
+    let delays = joints.filter_map(|&j| refit.model.joints()[j].delay);
+    delays.map(|k| refit.values[k].abs()).fold(0.0, f64::max)
+}
+
+/// s between samples of recordings.
+fn shortest_interval(recordings: &[&Prepared]) -> f64 {
+    let rates = recordings.iter().map(|r| r.experiment.rate_hz);
+    rates.map(f64::recip).fold(f64::INFINITY, f64::min)
+}

@@ -1,0 +1,55 @@
+//! Rows at which a joint is under way, away from its reversals.
+//!
+//! Around a reversal a joint sticks, and a speed that is differentiated from encoders with a bandwidth f changes sign
+//! at another instant than friction does, and is smeared over 1/f. That shift, of some tenths of a millisecond, looks
+//! like a delay of the signal; a delay shows while the joint moves too.
+
+use crate::chain::dataset::Prepared;
+use crate::diagnose::bench::Bench;
+use crate::diagnose::refit::Refit;
+use crate::diagnose::rows;
+use crate::recording::split::Split;
+
+/// Beyond this share of its RMS speed a joint is under way, however near a reversal is.
+const FAST: f64 = 0.5;
+
+/// The rows of the held-out recordings that count, and whether the joint and all to which it is coupled are fast there,
+/// or further than half a period of their bandwidth from any reversal.
+pub fn rows(bench: &Bench<'_>, (model, joint): (&Refit, usize)) -> Vec<bool> {
+    let coupling = model.model.coupling(&model.values);
+    let coupled = |k: &usize| coupling[(joint, *k)] != 0.0 || coupling[(*k, joint)] != 0.0;
+    let joints: Vec<usize> = (0..coupling.nrows()).filter(coupled).collect();
+    let held_out = bench.recordings(Split::Validation);
+    let of = |r: &&Prepared| {
+        let away: Vec<Vec<bool>> = joints.iter().map(|&k| away(r, k)).collect();
+        let counting = (0..r.rows()).filter(|&row| r.counts(row));
+        counting
+            .map(|row| away.iter().all(|of| of[row]))
+            .collect::<Vec<bool>>()
+    };
+    held_out.iter().flat_map(of).collect()
+}
+
+fn away(recording: &Prepared, joint: usize) -> Vec<bool> {
+    let speed = &recording.segment().motors.dq[joint];
+    let bandwidth = recording.experiment.bandwidth[joint].cutoff_hz;
+    let fast = FAST * rows::rms(speed);
+    let mut away = vec![true; speed.len()];
+    let rate = recording.experiment.rate_hz / recording.stride as f64;
+    let reach = (0.5 * rate / bandwidth).ceil().max(1.0) as usize;
+    for k in 1..speed.len() {
+        if (speed[k] < 0.0) != (speed[k - 1] < 0.0) {
+            let end = (k + reach).min(speed.len());
+            for near in k.saturating_sub(reach)..end {
+                away[near] = speed[near].abs() > fast;
+            }
+        }
+    }
+    away
+}
+
+/// A series at some of its rows.
+pub fn kept(series: &[f64], rows: &[bool]) -> Vec<f64> {
+    let kept = series.iter().zip(rows).filter(|(_, kept)| **kept);
+    kept.map(|(x, _)| *x).collect()
+}
