@@ -136,6 +136,11 @@ impl Prepared {
         mask.is_none_or(|mask| mask[row * self.stride])
     }
 
+    /// The used rows that count.
+    pub fn counting(&self) -> impl Iterator<Item = usize> {
+        (0..self.rows()).filter(|&row| self.counts(row))
+    }
+
     /// Whether forces of the surroundings on the links are measured.
     pub fn has_forces(&self) -> bool {
         !self.forces.is_empty()

@@ -60,7 +60,7 @@ impl<'a> Bench<'a> {
         let channels = channels.map_or(0, |r| r.experiment.signal.len());
         let of = |c: usize| {
             let counting = self.data.of(split).flat_map(|r| {
-                let rows = (0..r.rows()).filter(|&row| r.counts(row));
+                let rows = r.counting();
                 rows.map(move |row| r.signal(c)[row])
             });
             rms(&counting.collect::<Vec<f64>>()).max(f64::MIN_POSITIVE)

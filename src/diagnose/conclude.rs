@@ -96,12 +96,13 @@ fn rivals(contest: &Contest, floor: &Floor, channels: &[usize]) -> Vec<Rival> {
         .map(|alternative| {
             let refit = &alternative.trial.refit;
             let hypothesis = &alternative.trial.hypothesis;
+            let separation = alternative.separation;
             Rival {
                 effect: hypothesis.effect.id.to_string(),
                 joints: joint_names(&refit.model, &hypothesis.named_joints()),
                 explained_share: share(refit),
-                separable: alternative.separable,
-                times_longer: alternative.times_longer.filter(|_| !alternative.separable),
+                separable: separation.separable,
+                times_longer: separation.times_longer.filter(|_| !separation.separable),
             }
         })
         .collect();

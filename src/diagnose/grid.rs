@@ -77,7 +77,10 @@ impl Grid {
     pub fn main_shape(&self) -> Option<usize> {
         let shapes = |kind: &&Kind| !kind.scanned && kind.values.len() > 1;
         let most = self.kinds.iter().filter(shapes).map(|k| k.values.len());
-        let main = |own: &usize| Some(self.kinds[*own].values.len()) == most.clone().max();
+        let main = |own: &usize| {
+            let kind = &self.kinds[*own];
+            shapes(&kind) && Some(kind.values.len()) == most.clone().max()
+        };
         let several = most.clone().count() > 1;
         self.of.iter().position(main).filter(|_| several)
     }

@@ -33,12 +33,6 @@ pub struct Point {
     pub at: Vec<f64>,
 }
 
-impl Point {
-    pub fn new(gain: f64, base: usize, at: Vec<f64>) -> Self {
-        Self { gain, base, at }
-    }
-}
-
 /// How points become starts.
 #[derive(Debug)]
 pub struct Naming<'a> {
@@ -54,10 +48,12 @@ impl Naming<'_> {
     pub fn lead(&self, hypothesis: &Hypothesis, best_first: &[Point]) -> Option<Lead> {
         let best = best_first.first()?;
         let mut apart = vec![best];
-        for point in best_first {
-            let new = |main: usize| apart.iter().all(|known| known.at[main] != point.at[main]);
-            if apart.len() <= OTHERS && self.grid.main_shape().is_some_and(new) {
-                apart.push(point);
+        if let Some(main) = self.grid.main_shape() {
+            for point in best_first {
+                let is_new = apart.iter().all(|known| known.at[main] != point.at[main]);
+                if apart.len() <= OTHERS && is_new {
+                    apart.push(point);
+                }
             }
         }
         let remembers = hypothesis.effect.needs.memory == Memory::Course;

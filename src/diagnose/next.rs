@@ -16,7 +16,10 @@ const STARTS: usize = 8;
 /// such finding, or where a rival cannot be stated as a list of effects.
 pub fn experiment(bench: &Bench<'_>, full: &Refit, contests: &[Contest]) -> Option<NextExperiment> {
     let (k, open) = contests.iter().enumerate().find_map(|(k, contest)| {
-        let open = contest.alternatives.iter().filter(|a| !a.separable);
+        let open = contest
+            .alternatives
+            .iter()
+            .filter(|a| !a.separation.separable);
         let refits: Vec<&Refit> = open.map(|a| &a.trial.refit).collect();
         (!refits.is_empty()).then_some((k, refits))
     })?;

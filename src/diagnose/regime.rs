@@ -30,7 +30,7 @@ impl Regimes {
         let series = |pick: &dyn Fn(&Prepared) -> Vec<f64>| -> Vec<f64> {
             let of = |r: &&Prepared| {
                 let all = pick(r);
-                let counting = (0..r.rows()).filter(|&row| r.counts(row));
+                let counting = r.counting();
                 counting.map(|row| all[row]).collect::<Vec<f64>>()
             };
             recordings.iter().flat_map(of).collect()
@@ -97,6 +97,11 @@ fn times(recording: &Prepared) -> Vec<f64> {
     (0..recording.rows()).map(|k| recording.time(k)).collect()
 }
 
+/// Whether a speed changes sign between the row before and this one.
+pub fn turns(speed: &[f64], row: usize) -> bool {
+    row > 0 && (speed[row] < 0.0) != (speed[row - 1] < 0.0)
+}
+
 /// Way of a joint since its speed changed sign last, at every row; from the first row on until it does.
 fn since_reversal(recording: &Prepared, joint: usize) -> Vec<f64> {
     let motors = recording.segment().motors;
@@ -104,7 +109,7 @@ fn since_reversal(recording: &Prepared, joint: usize) -> Vec<f64> {
     let mut turned = q.first().copied().unwrap_or(0.0);
     let mut out = Vec::with_capacity(q.len());
     for k in 0..q.len() {
-        if k > 0 && (v[k] < 0.0) != (v[k - 1] < 0.0) {
+        if turns(v, k) {
             turned = q[k];
         }
         out.push((q[k] - turned).abs());

@@ -20,11 +20,17 @@ const IN_DOUBT: f64 = 0.5;
 #[derive(Debug, Clone)]
 pub struct Alternative {
     pub trial: Trial,
-    /// The finding forecasts what the alternative leaves, or the alternative's error is larger by what matters, and
-    /// the difference is not small beside what neither explains.
-    pub separable: bool,
+    pub separation: Separation,
     /// The alternative forecasts what the finding leaves.
     pub better: bool,
+}
+
+/// How far recordings tell a rival from a finding.
+#[derive(Debug, Clone, Copy)]
+pub struct Separation {
+    /// The finding forecasts what the rival leaves, or the rival's error is larger by what matters, and the difference
+    /// is not small beside what neither explains.
+    pub separable: bool,
     /// Recordings of fewer than so many times the length tell the two apart in one case of twenty at most, by
     /// chance: the ratio of the test grows with the root of the length. `None` where the two are the same torque.
     pub times_longer: Option<f64>,
@@ -65,7 +71,10 @@ impl Stated {
 /// The findings of a model that have rivals which cannot be set aside.
 pub fn doubts(full: &Refit, contests: &[Contest]) -> Vec<Doubt> {
     let of = |(finding, contest): (usize, &Contest)| {
-        let open = contest.alternatives.iter().filter(|a| !a.separable);
+        let open = contest
+            .alternatives
+            .iter()
+            .filter(|a| !a.separation.separable);
         let rivals: Vec<Stated> = open.map(|a| Stated::of(&a.trial.refit)).collect();
         (!rivals.is_empty()).then(|| Doubt {
             finding,
@@ -95,12 +104,10 @@ pub fn contest(
     let alternatives = trials
         .into_iter()
         .map(|trial| {
-            let rival = &trial.refit;
-            let to_rival = forecast(bench, (rival, full));
-            let to_finding = forecast(bench, (full, rival));
+            let to_finding = forecast(bench, (full, &trial.refit));
+            let separation = separation(floor, (&trial.refit, full), &own.named_joints());
             Alternative {
-                separable: sets_aside(floor, (&trial.refit, full), &own.named_joints()),
-                times_longer: times_longer(to_rival.distance),
+                separation,
                 better: to_finding.p_value * (open.len() as f64) < rules.significance
                     && trial.refit.held_out_score() < full.held_out_score(),
                 trial,
@@ -113,19 +120,16 @@ pub fn contest(
     })
 }
 
-/// Whether held-out rows set a rival aside: the model forecasts what the rival leaves, or the rival's error is larger
-/// by what matters, and the difference is not small beside what neither explains.
-pub fn sets_aside(floor: &Floor, (rival, full): (&Refit, &Refit), joints: &[usize]) -> bool {
+/// How far held-out rows tell a rival from a model, the finding of which acts on some joints.
+pub fn separation(floor: &Floor, (rival, full): (&Refit, &Refit), joints: &[usize]) -> Separation {
     let forecast = encompassing((&rival.validation, &full.validation), None);
     let differs = forecast.p_value < 1.0 - CONFIDENCE || excess(rival, full, joints) > MATTERS;
-    differs && leaves_more(floor, (rival, full), joints)
-}
-
-/// See [`Alternative::times_longer`].
-fn times_longer(distance: f64) -> Option<f64> {
     let missed = Distribution::Normal.quantile(CONFIDENCE) - Distribution::Normal.quantile(0.95);
-    let times = (missed / distance).powi(2);
-    times.is_finite().then_some(times)
+    let times = (missed / forecast.distance).powi(2);
+    Separation {
+        separable: differs && leaves_more(floor, (rival, full), joints),
+        times_longer: times.is_finite().then_some(times),
+    }
 }
 
 /// Share by which a rival's held-out RMS error exceeds a model's, the largest over the joints.

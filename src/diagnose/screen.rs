@@ -97,12 +97,7 @@ impl<'a> Linearised<'a> {
             true => self.known.iter().collect(),
             false => self.recordings.clone(),
         };
-        let own: Vec<usize> = (0..model.parameters().len())
-            .filter(|&p| {
-                let parameter = &model.parameters()[p];
-                parameter.is_free() && self.refit.model.find(&parameter.name).is_err()
-            })
-            .collect();
+        let own = self.own_parameters(&model);
         let bases = self.bases(&model, hypothesis);
         let motion = Motion::of(&self.recordings, hypothesis.joints[0]);
         let grid = Grid::new(&model, &own, (hypothesis.effect, &motion));
@@ -115,7 +110,11 @@ impl<'a> Linearised<'a> {
             let all = bases.iter().map(|(base, _)| base).enumerate().map(from);
             let best = all.max_by(|a, b| a.0.total_cmp(&b.0));
             let (gain, base) = best.unwrap_or((f64::NEG_INFINITY, 0));
-            Point::new(gain, base, point)
+            Point {
+                gain,
+                base,
+                at: point,
+            }
         };
         let hopeless = -HOPELESS * self.residual.iter().map(|r| dot(r, r)).sum::<f64>();
         let best_first = |points: Vec<Vec<f64>>| {
@@ -145,16 +144,29 @@ impl<'a> Linearised<'a> {
         Some(lead)
     }
 
+    /// Positions of the free parameters that a larger model has beyond the fitted one.
+    fn own_parameters(&self, model: &Model) -> Vec<usize> {
+        let is_own = |p: &usize| {
+            let parameter = &model.parameters()[*p];
+            parameter.is_free() && self.refit.model.find(&parameter.name).is_err()
+        };
+        (0..model.parameters().len()).filter(is_own).collect()
+    }
+
     /// Values from which a hypothesis is examined: those of the fit, and where it takes a law's place and borrows its
     /// parameters, also those raised by what the fit leaves of the signal, as the poorer law may have found nothing,
     /// and those lowered to what the law came to at the speeds of the joint where its transition is wide.
     fn bases(&self, model: &Model, hypothesis: &Hypothesis) -> Vec<(DVector<f64>, Start)> {
         let fitted = self.transfer(model);
+        let borrows = hypothesis.effect.needs.borrows;
+        if borrows.is_empty() {
+            return vec![(fitted, Start::new())];
+        }
         let joint = &model.joints()[hypothesis.joints[0]].name;
         let reached = self.reached(hypothesis.joints[0]);
         let mut raised = (fitted.clone(), Start::new());
         let mut lowered = raised.clone();
-        for (effect, parameter) in hypothesis.effect.needs.borrows {
+        for (effect, parameter) in borrows {
             let name = format!("{joint}.{effect}.{parameter}");
             let (Ok(from), Ok(to)) = (self.refit.model.find(&name), model.find(&name)) else {
                 continue;

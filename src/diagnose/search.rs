@@ -14,6 +14,7 @@ use crate::diagnose::rows::rms;
 use crate::diagnose::screen::leads;
 use rayon::prelude::*;
 use std::cmp::Ordering;
+use std::collections::HashMap;
 
 /// What a search looks for and how sure it has to be.
 #[derive(Debug, Clone, Copy)]
@@ -163,14 +164,12 @@ pub fn attempt(
 
 /// The leads that are fitted: the most promising, of every effect two before a third of any.
 fn foremost(leads: Vec<Lead>) -> Vec<Lead> {
-    let mut seen: Vec<&str> = Vec::new();
-    let mut rank = |lead: &Lead| {
-        let id = lead.hypothesis.effect.id;
-        seen.push(id);
-        seen.iter().filter(|known| **known == id).count() > OF_ONE_EFFECT
-    };
-    let (mut first, later): (Vec<Lead>, Vec<Lead>) =
-        leads.into_iter().partition(|lead| !rank(lead));
+    let mut taken: HashMap<&str, usize> = HashMap::new();
+    let (mut first, later): (Vec<Lead>, Vec<Lead>) = leads.into_iter().partition(|lead| {
+        let of_effect = taken.entry(lead.hypothesis.effect.id).or_default();
+        *of_effect += 1;
+        *of_effect <= OF_ONE_EFFECT
+    });
     first.extend(later);
     first.truncate(FITTED);
     first
@@ -249,7 +248,9 @@ fn is_at_a_limit(refit: &Refit, own: &Start) -> bool {
     own.iter().any(|(name, _)| {
         refit.model.find(name).is_ok_and(|index| {
             let parameter = &refit.model.parameters()[index];
-            let near = |limit: f64| (refit.values[index] - limit).abs() <= AT_LIMIT * limit.abs();
+            let near = |limit: f64| {
+                limit.is_finite() && (refit.values[index] - limit).abs() <= AT_LIMIT * limit.abs()
+            };
             near(parameter.lower) || near(parameter.upper)
         })
     })

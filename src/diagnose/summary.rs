@@ -36,7 +36,7 @@ pub fn correct(
                 Split::Train => &mut train,
                 Split::Validation => &mut held_out,
             };
-            let counting = (0..recording.rows()).filter(|&row| recording.counts(row));
+            let counting = recording.counting();
             for (row, correction) in counting.zip(series) {
                 of_channels[smooth.channel][row] -= correction;
             }

@@ -7,6 +7,7 @@
 use crate::chain::dataset::Prepared;
 use crate::diagnose::bench::Bench;
 use crate::diagnose::refit::Refit;
+use crate::diagnose::regime::turns;
 use crate::diagnose::rows;
 use crate::recording::split::Split;
 
@@ -22,7 +23,7 @@ pub fn rows(bench: &Bench<'_>, (model, joint): (&Refit, usize)) -> Vec<bool> {
     let held_out = bench.recordings(Split::Validation);
     let of = |r: &&Prepared| {
         let away: Vec<Vec<bool>> = joints.iter().map(|&k| away(r, k)).collect();
-        let counting = (0..r.rows()).filter(|&row| r.counts(row));
+        let counting = r.counting();
         counting
             .map(|row| away.iter().all(|of| of[row]))
             .collect::<Vec<bool>>()
@@ -37,12 +38,10 @@ fn away(recording: &Prepared, joint: usize) -> Vec<bool> {
     let mut away = vec![true; speed.len()];
     let rate = recording.experiment.rate_hz / recording.stride as f64;
     let reach = (0.5 * rate / bandwidth).ceil().max(1.0) as usize;
-    for k in 1..speed.len() {
-        if (speed[k] < 0.0) != (speed[k - 1] < 0.0) {
-            let end = (k + reach).min(speed.len());
-            for near in k.saturating_sub(reach)..end {
-                away[near] = speed[near].abs() > fast;
-            }
+    for k in (0..speed.len()).filter(|&k| turns(speed, k)) {
+        let end = (k + reach).min(speed.len());
+        for near in k.saturating_sub(reach)..end {
+            away[near] = speed[near].abs() > fast;
         }
     }
     away

@@ -80,7 +80,7 @@ fn errors(data: &Dataset, split: Split, (entrant, channel): (&Entrant<'_>, usize
     let of = |(k, recording): (usize, &Prepared)| {
         let predicted = &entrant.predictions[k][channel];
         let recorded = recording.signal(channel);
-        let rows = (0..recording.rows()).filter(|&row| recording.counts(row));
+        let rows = recording.counting();
         rows.map(|row| predicted[row] - recorded[row]).collect()
     };
     let recordings = data.recordings.iter().enumerate();

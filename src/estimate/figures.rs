@@ -114,7 +114,7 @@ pub fn figures_by_recording<'v>(
 
 fn add_rows(sums: &mut Sums, recording: &Prepared, (predicted, channel): (&[f64], usize)) {
     let recorded = recording.signal(channel);
-    for row in (0..recording.rows()).filter(|&row| recording.counts(row)) {
+    for row in recording.counting() {
         sums.add(predicted[row], recorded[row]);
     }
 }

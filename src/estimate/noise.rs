@@ -84,6 +84,6 @@ pub fn row_covariance(model: &Model, residuals: &ResidualSeries, unknowns: usize
 
 /// Rows of recordings that count.
 pub fn counting_rows(recordings: &[&Prepared]) -> usize {
-    let of = |r: &&Prepared| (0..r.rows()).filter(|&row| r.counts(row)).count();
+    let of = |r: &&Prepared| r.counting().count();
     recordings.iter().map(of).sum()
 }

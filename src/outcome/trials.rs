@@ -89,11 +89,9 @@ pub struct Inseparable {
 /// Names of laws that are not in the vocabulary begin so.
 pub const OUTSIDE: &str = "outside: ";
 
-impl Hidden {
-    /// Whether it has no name in the vocabulary.
-    pub fn is_outside(&self) -> bool {
-        self.effect.starts_with(OUTSIDE)
-    }
+/// Whether what is concealed has no name in the vocabulary.
+pub fn is_outside(effect: &str) -> bool {
+    effect.starts_with(OUTSIDE)
 }
 
 /// Claims that two effects cannot be separated are put to recordings that are so many times as long.

@@ -2,10 +2,11 @@
 
 use crate::chain::dataset::Dataset;
 use crate::chain::effect::Memory;
+use crate::diagnose::conclude::joint_names;
 use crate::diagnose::drift::unrolled;
 use crate::diagnose::floor;
 use crate::diagnose::refit::Refit;
-use crate::diagnose::rivals::{Doubt, Stated, sets_aside};
+use crate::diagnose::rivals::{Doubt, Stated, separation};
 use crate::outcome::trials::{Found, LONGER};
 use crate::problem::solution::Control;
 use crate::trials::error::TrialError;
@@ -30,21 +31,25 @@ pub fn judge(
     prepare(&longer, folder, control)?;
     let opened = Opened::read(&folder.join(PROBLEM))?;
     for doubt in doubts {
-        let joints = joints_of(&doubt.found, doubt.finding);
-        let Some(finding) = found.get_mut(doubt.finding) else {
+        let named = doubt.found.hypotheses.get(doubt.finding);
+        let (Some(named), Some(finding)) = (named, found.get_mut(doubt.finding)) else {
             continue;
         };
+        let joints = named.named_joints();
         let data = rows(&opened.data, doubt);
         let fit = |stated: &Stated| opened.fit(&data, (&stated.hypotheses, &stated.start), control);
         let full = fit(&doubt.found)?;
         let noise = floor::of_rows(&opened.bench(&data, control), &full, &[]);
         for rival in &doubt.rivals {
             let other = fit(rival)?;
-            let apart = |pair: (&Refit, &Refit)| sets_aside(&noise, pair, &joints);
+            let apart = |pair: (&Refit, &Refit)| separation(&noise, pair, &joints).separable;
             let told_apart = apart((&other, &full)) || apart((&full, &other));
-            let named = names(rival, &other);
+            let Some(own) = other.hypotheses.last() else {
+                continue;
+            };
+            let names = joint_names(&other.model, &own.named_joints());
             let claims = finding.inseparable.iter_mut();
-            let own = claims.filter(|claim| (&claim.effect, &claim.joints) == (&named.0, &named.1));
+            let own = claims.filter(|c| c.effect == own.effect.id && c.joints == names);
             own.for_each(|claim| claim.told_apart = Some(told_apart));
         }
     }
@@ -59,19 +64,4 @@ fn rows(data: &Dataset, doubt: &Doubt) -> Dataset {
         true => unrolled(data),
         false => data.clone(),
     }
-}
-
-fn joints_of(stated: &Stated, k: usize) -> Vec<usize> {
-    stated
-        .hypotheses
-        .get(k)
-        .map_or_else(Vec::new, |h| h.named_joints())
-}
-
-/// Effect and joints of the hypothesis that stands in the place of the finding.
-fn names(stated: &Stated, refit: &Refit) -> (String, Vec<String>) {
-    let joints = joints_of(stated, stated.hypotheses.len() - 1);
-    let name = |j: usize| refit.model.joints()[j].name.clone();
-    let effect = stated.hypotheses.last().map_or("", |h| h.effect.id);
-    (effect.to_string(), joints.into_iter().map(name).collect())
 }

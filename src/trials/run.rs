@@ -64,7 +64,7 @@ fn one(plan: &Plan, control: &Control<'_>) -> Result<Trial, TrialError> {
     let informed = informed(plan, &problem, control)?;
     let mut trial = score::judge(plan, (&diagnosed, informed.as_ref()), &sizes);
     let claims = (&diagnosed.doubts[..], &mut trial.found[..]);
-    longer::judge(plan, claims, (&folder.join(LONGER), control))?;
+    longer::judge(plan, claims, (&folder.join(LONGER_FOLDER), control))?;
     Ok(trial)
 }
 
@@ -75,7 +75,7 @@ pub const PROBLEM: &str = "problem.toml";
 pub const CLEAN: &str = "clean";
 
 /// The folder in it with longer recordings.
-const LONGER: &str = "longer";
+const LONGER_FOLDER: &str = "longer";
 
 /// Writes everything of a trial into an empty folder: the robot, the declared problem with its recordings, the
 /// same without noise, and the truth as a problem for `exid simulate`.

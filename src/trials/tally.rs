@@ -1,7 +1,7 @@
 //! The rates over many trials.
 
 use crate::outcome::trials::{
-    FalseFindings, Found, Hidden, LONGER, Power, Rates, Share, Trial, Trials,
+    self, FalseFindings, Found, LONGER, Power, Rates, Share, Trial, Trials,
 };
 use crate::stats::distribution::Distribution;
 use crate::trials::score::names;
@@ -48,13 +48,14 @@ fn size(trial: &Trial) -> f64 {
 /// The name of the one effect of the vocabulary that a trial conceals.
 fn single(trial: &Trial) -> Option<&str> {
     match &trial.concealed[..] {
-        [one] if !one.is_outside() => Some(&one.effect),
+        [one] if !trials::is_outside(&one.effect) => Some(&one.effect),
         _ => None,
     }
 }
 
 fn is_outside(trial: &Trial) -> bool {
-    trial.concealed.iter().any(Hidden::is_outside)
+    let mut effects = trial.concealed.iter().map(|h| &h.effect);
+    effects.any(|effect| trials::is_outside(effect))
 }
 
 fn confusion(trials: &[&Trial]) -> BTreeMap<String, BTreeMap<String, usize>> {

@@ -3,8 +3,9 @@
 use crate::chain::effect;
 use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::rivals::{Doubt, Stated};
-use crate::outcome::trials::{Found, Hidden, Inseparable, Trial};
+use crate::outcome::trials::{Found, Hidden, Inseparable, Trial, is_outside};
 use crate::problem::solution::Control;
+use crate::trials::outside::Outside;
 use crate::trials::plan::{Plan, Scope};
 use crate::trials::run::run;
 use crate::trials::tally::tally;
@@ -21,6 +22,9 @@ fn every_effect_that_is_not_declared_is_concealed_in_some_trial() {
                 .any(|c| c.hypothesis.effect.id == known.id)
         };
         assert!(drawn.iter().any(has), "{}", known.id);
+    }
+    for law in Outside::ALL {
+        assert!(is_outside(law.name()) && effect::find(law.name()).is_none());
     }
     let controls = drawn
         .iter()

@@ -1,7 +1,7 @@
 //! Trials of the diagnosis: rates, detections over the size of the effect, and what was taken for what.
 
 use crate::outcome::Part;
-use crate::outcome::trials::{OUTSIDE, Power, Share, Trials};
+use crate::outcome::trials::{Power, Share, Trials, is_outside};
 use crate::report::facts;
 use crate::report::number::{percent, significant};
 use crate::report::plots::PREDICTED;
@@ -99,8 +99,7 @@ fn confusion(trials: &Trials) -> String {
     for (concealed, found) in &trials.confusion {
         let all: usize = found.values().sum();
         // What lies outside the vocabulary has no name to be found.
-        let is_right =
-            |name: &str| name == concealed || concealed.starts_with(OUTSIDE) && name == "unnamed";
+        let is_right = |name: &str| name == concealed || is_outside(concealed) && name == "unnamed";
         let right: usize = found
             .iter()
             .filter(|(name, _)| is_right(name))
