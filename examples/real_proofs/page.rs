@@ -7,10 +7,11 @@ use std::fmt::Write;
 pub fn page(done: &[(&Proof, DiagnoseRun)]) -> String {
     let mut page = String::from(
         "# Recordings of real robots, with one effect left out of the declared model\n\n\
-         The tool sees the recording and the declared model. Held-out errors are of rows that were not fitted: another \
-         run for the UR10e, the second half of the run for TX40 and EMPS, every third block of the one run with a load. \
-         Made by\n\n```sh\ncargo run --release --example real_proofs\n```\n\n\
-         from public recordings that do not ship (`EXID_DATA`).\n",
+         The tool sees the recording and the declared model. Held-out errors are of rows that were not fitted: another\n\
+         run for the UR10e, the second half of the run for TX40 and EMPS, every third block of the one run with a load.\n\
+         The problems are those of `examples/real_proofs`;\n\n\
+         ```sh\ncargo run --release --example real_proofs\n```\n\n\
+         made this page from public recordings that do not ship (`EXID_DATA`), in a quarter of an hour on two cores.\n",
     );
     for (proof, run) in done {
         section(&mut page, proof, run);

@@ -109,8 +109,9 @@ fn earlier(target: &Path, scope: &Scope, count: u64) -> Vec<Trial> {
 fn outcome(scope: &Scope, trials: Vec<Trial>, (started, made): (Instant, usize)) -> Outcome {
     let wall_s = started.elapsed().as_secs_f64();
     let mut tallied = tally(trials);
-    tallied.rates.core_seconds =
-        (made > 0).then(|| wall_s * rayon::current_num_threads() as f64 / made as f64);
+    tallied.rates.core_seconds = processor_seconds()
+        .filter(|_| made > 0)
+        .map(|spent| spent / made as f64);
     Outcome {
         name: "trials".to_string(),
         run: Record {
@@ -123,4 +124,17 @@ fn outcome(scope: &Scope, trials: Vec<Trial>, (started, made): (Instant, usize))
         estimate: Estimate::default(),
         part: Part::Trials(tallied),
     }
+}
+
+/// Processor time that this program has taken, where the system tells it.
+#[cfg(unix)]
+fn processor_seconds() -> Option<f64> {
+    use rustix::time::{ClockId, clock_gettime};
+    let spent = clock_gettime(ClockId::ProcessCPUTime);
+    Some(spent.tv_sec as f64 + 1e-9 * spent.tv_nsec as f64)
+}
+
+#[cfg(not(unix))]
+fn processor_seconds() -> Option<f64> {
+    None
 }

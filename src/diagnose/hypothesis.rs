@@ -104,13 +104,14 @@ pub fn open(
 }
 
 /// Whether a joint may have the effect and does not: no joint has it twice, a rotor inertia that is
-/// given is known, a parameter that it takes from another effect is there, and another law does not
-/// already stand in the place that it would take.
+/// given is known, and a parameter that it takes from another effect, or a law that it refines, is there.
 fn may_have(model: &Model, joint: usize, effect: &Effect) -> bool {
     let listed = &model.joints()[joint].effects;
     let has = |id: &str| listed.iter().any(|(e, _)| e.id == id);
     let lent = effect.needs.borrows.iter().all(|(lender, _)| has(lender));
-    !has(effect.id) && lent
+    let refines = effect.needs.refines;
+    let refined = refines.is_empty() || refines.iter().any(|law| has(law));
+    !has(effect.id) && lent && refined
 }
 
 fn couplings(model: &Model, effect: &'static Effect, joints: &[usize]) -> Vec<Hypothesis> {

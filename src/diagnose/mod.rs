@@ -40,6 +40,7 @@ pub mod rows;
 pub mod screen;
 pub mod search;
 pub mod smooth;
+pub mod speeds;
 pub mod summary;
 pub mod task;
 pub mod underway;

@@ -62,6 +62,15 @@ pub fn relief(
     channels.filter_map(of).fold(0.0, f64::max)
 }
 
+/// Share by which a model's held-out RMS error exceeds another's, the largest over the joints.
+pub fn excess((poorer, richer): (&Refit, &Refit), joints: &[usize]) -> f64 {
+    let of = |&j: &usize| match (poorer.validation.get(j), richer.validation.get(j)) {
+        (Some(poorer), Some(richer)) if !richer.is_empty() => rms(poorer) / rms(richer) - 1.0,
+        _ => 0.0,
+    };
+    joints.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
+}
+
 /// s, of the joints of a hypothesis.
 fn longest_delay(refit: &Refit, hypothesis: &Hypothesis) -> f64 {
     let joints = hypothesis.joints.iter();

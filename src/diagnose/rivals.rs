@@ -8,8 +8,7 @@ use crate::diagnose::floor::Floor;
 use crate::diagnose::forecast::forecast;
 use crate::diagnose::hypothesis::{self, Hypothesis};
 use crate::diagnose::refit::{Refit, Start, refit};
-use crate::diagnose::relief::MATTERS;
-use crate::diagnose::rows::rms;
+use crate::diagnose::relief::{MATTERS, excess};
 use crate::diagnose::search::{CONFIDENCE, Rules, Trial, attempt, fit_without};
 use crate::stats::distribution::Distribution;
 
@@ -21,7 +20,7 @@ const IN_DOUBT: f64 = 0.5;
 pub struct Alternative {
     pub trial: Trial,
     pub separation: Separation,
-    /// The alternative forecasts what the finding leaves.
+    /// The alternative forecasts what the finding leaves, and where it has more parameters that matters.
     pub better: bool,
 }
 
@@ -105,11 +104,14 @@ pub fn contest(
         .into_iter()
         .map(|trial| {
             let to_finding = forecast(bench, (full, &trial.refit));
+            let its_joints = trial.hypothesis.named_joints();
+            let is_no_richer = trial.refit.freedom() <= full.freedom();
             let separation = separation(floor, (&trial.refit, full), &own.named_joints());
             Alternative {
                 separation,
                 better: to_finding.p_value * (open.len() as f64) < rules.significance
-                    && trial.refit.held_out_score() < full.held_out_score(),
+                    && trial.refit.held_out_score() < full.held_out_score()
+                    && (is_no_richer || excess((full, &trial.refit), &its_joints) > MATTERS),
                 trial,
             }
         })
@@ -123,22 +125,13 @@ pub fn contest(
 /// How far held-out rows tell a rival from a model, the finding of which acts on some joints.
 pub fn separation(floor: &Floor, (rival, full): (&Refit, &Refit), joints: &[usize]) -> Separation {
     let forecast = encompassing((&rival.validation, &full.validation), None);
-    let differs = forecast.p_value < 1.0 - CONFIDENCE || excess(rival, full, joints) > MATTERS;
+    let differs = forecast.p_value < 1.0 - CONFIDENCE || excess((rival, full), joints) > MATTERS;
     let missed = Distribution::Normal.quantile(CONFIDENCE) - Distribution::Normal.quantile(0.95);
     let times = (missed / forecast.distance).powi(2);
     Separation {
         separable: differs && leaves_more(floor, (rival, full), joints),
         times_longer: times.is_finite().then_some(times),
     }
-}
-
-/// Share by which a rival's held-out RMS error exceeds a model's, the largest over the joints.
-fn excess(rival: &Refit, full: &Refit, joints: &[usize]) -> f64 {
-    let of = |&j: &usize| match (rival.validation.get(j), full.validation.get(j)) {
-        (Some(rival), Some(full)) if !full.is_empty() => rms(rival) / rms(full) - 1.0,
-        _ => 0.0,
-    };
-    joints.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Whether a rival leaves more above the noise than a model does, by [`IN_DOUBT`] of that: what neither explains tilts

@@ -51,6 +51,9 @@ const INDEPENDENT: f64 = 1e-8;
 /// Dry friction whose transition is narrower than this leaves it as it is.
 const MOSTLY_REACHED: f64 = 0.8;
 
+/// Rising values that are tried at the same time, some of them perhaps beyond the first that is far too large.
+const AT_ONCE: usize = 4;
+
 /// A value that makes the squared residual so many times larger is far too large.
 const HOPELESS: f64 = 10.0;
 
@@ -120,7 +123,10 @@ impl<'a> Linearised<'a> {
         let best_first = |points: Vec<Vec<f64>>| {
             let mut seen: Vec<Point> = match grid.is_rising() {
                 true => {
-                    let seen = points.into_iter().map(gain);
+                    let at_once = points.chunks(AT_ONCE);
+                    let seen = at_once.flat_map(|some| -> Vec<Point> {
+                        some.par_iter().cloned().map(gain).collect()
+                    });
                     seen.take_while(|point| point.gain > hopeless).collect()
                 }
                 false => points.into_par_iter().map(gain).collect(),

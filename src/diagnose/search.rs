@@ -9,9 +9,10 @@ use crate::diagnose::forecast::forecast;
 use crate::diagnose::hypothesis::{self, Hypothesis};
 use crate::diagnose::lead::Lead;
 use crate::diagnose::refit::{Refit, Start, refit, refit_holding};
-use crate::diagnose::relief::{MATTERS, relief};
+use crate::diagnose::relief::{MATTERS, excess, relief};
 use crate::diagnose::rows::rms;
 use crate::diagnose::screen::leads;
+use crate::diagnose::speeds;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::HashMap;
@@ -105,6 +106,11 @@ pub fn grow(
     let mut searched_again = 0;
     while grown.steps.len() < MOST_FINDINGS && !bench.control.is_interrupted() {
         watch(grown.steps.len());
+        // A law that later ones have left with a bend alone is theirs.
+        let bent = |h: &Hypothesis| !speeds::are_reached(bench, &grown.refit, h);
+        if let Some(k) = grown.refit.hypotheses.iter().position(bent) {
+            grown.refit = fit_without(bench, &grown.refit, k)?;
+        }
         let open = hypothesis::open(
             (&grown.refit.model, &grown.refit.prior),
             (rules.sought, bench.in_time),
@@ -156,7 +162,7 @@ pub fn attempt(
     let tried = leads.par_iter().filter_map(|lead| {
         // A hypothesis that cannot be fitted is no hypothesis.
         let trial = try_one(bench, (refit, open.len()), lead).ok()?;
-        is_possible(&trial.refit, lead).then_some(trial)
+        is_possible(bench, &trial.refit, lead).then_some(trial)
     });
     let trials: Vec<Trial> = tried.collect();
     Ok(trials)
@@ -176,15 +182,17 @@ fn foremost(leads: Vec<Lead>) -> Vec<Lead> {
 }
 
 /// Whether the parameters of a hypothesis came out where its physics has them: friction that drives is no
-/// friction, whatever it explains.
-fn is_possible(refit: &Refit, lead: &Lead) -> bool {
+/// friction, whatever it explains, and a law of speed changes within the speeds of its joint.
+fn is_possible(bench: &Bench<'_>, refit: &Refit, lead: &Lead) -> bool {
     let model = &refit.model;
-    lead.start.iter().all(|(name, _)| {
+    let mut own = lead.start.iter();
+    let within_limits = own.all(|(name, _)| {
         model.find(name).is_ok_and(|index| {
             let parameter = &model.parameters()[index];
             (parameter.lower..=parameter.upper).contains(&refit.values[index])
         })
-    })
+    });
+    within_limits && speeds::are_reached(bench, refit, &lead.hypothesis)
 }
 
 /// Weighted sum of squares of one joint whose loss lowers its RMS error by half of what matters: what
@@ -207,25 +215,25 @@ fn try_one(
         let start = with(before, &lead.start);
         let mut best = from(&start)?;
         let falls_short = taken((before, &best)) < PROMISED * lead.gain;
-        let wanting = falls_short || !is_possible(&best, lead);
+        let wanting = falls_short || !is_possible(bench, &best, lead);
         let others = lead.others.iter().filter(|_| wanting);
         let others: Vec<Start> = others.map(|own| with(before, own)).collect();
         let all = std::iter::once(&start).chain(&others);
         let bent = all.filter_map(|start| without_shapes(before, lead, start));
         for other in others.iter().cloned().chain(bent) {
-            best = better(lead, best, from(&other)?);
+            best = better((bench, lead), best, from(&other)?);
         }
         for own in &lead.anew {
             if is_at_a_limit(&best, own) {
                 let mut start = best.start();
                 start.extend(own.iter().cloned());
-                best = better(lead, best, from(&start)?);
+                best = better((bench, lead), best, from(&start)?);
             }
         }
         // A richer model that fits worse was not searched well: everything else first, at the lead's own values.
         if best.fitted_score() > before.fitted_score() {
             let settled = refit_holding(bench, &hypotheses, (&start, &deviations), &lead.start)?;
-            best = better(lead, best, from(&settled.start())?);
+            best = better((bench, lead), best, from(&settled.start())?);
         }
         Ok(best)
     };
@@ -264,8 +272,8 @@ fn with(before: &Refit, own: &Start) -> Start {
 }
 
 /// The one that fits better, or that alone is possible.
-fn better(lead: &Lead, a: Refit, b: Refit) -> Refit {
-    let rank = |refit: &Refit| (!is_possible(refit, lead), refit.fitted_score());
+fn better((bench, lead): (&Bench<'_>, &Lead), a: Refit, b: Refit) -> Refit {
+    let rank = |refit: &Refit| (!is_possible(bench, refit, lead), refit.fitted_score());
     let (of_a, of_b) = (rank(&a), rank(&b));
     match of_b.0.cmp(&of_a.0).then(of_b.1.total_cmp(&of_a.1)) {
         Ordering::Less => b,
@@ -314,7 +322,7 @@ pub fn compare(
 }
 
 /// The trial to accept: of those that are significant and matter the one with the least held-out error, or
-/// one with fewer parameters that is not significantly worse.
+/// one with fewer parameters that is not significantly worse, or not by what matters.
 fn choose(bench: &Bench<'_>, trials: &[Trial], significance: f64) -> Option<usize> {
     let accepted: Vec<usize> = (0..trials.len())
         .filter(|&k| trials[k].is_needed(significance))
@@ -327,9 +335,12 @@ fn choose(bench: &Bench<'_>, trials: &[Trial], significance: f64) -> Option<usiz
         k == best || {
             let pair = (&trials[k].refit, &trials[best].refit);
             let against = forecast(bench, pair);
-            let is_part = trials[k].hypothesis.is_part_of(&trials[best].hypothesis);
+            let richest = &trials[best].hypothesis;
+            let is_poorer = pair.0.freedom() < pair.1.freedom();
             against.p_value > 1.0 - CONFIDENCE
-                || is_part && relief(bench, &trials[best].hypothesis, pair) < MATTERS
+                || is_poorer && excess(pair, &richest.named_joints()) <= MATTERS
+                || trials[k].hypothesis.is_part_of(richest)
+                    && relief(bench, richest, pair) < MATTERS
         }
     });
     as_good.min_by(|&a, &b| {

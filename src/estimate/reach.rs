@@ -47,6 +47,16 @@ impl Motion {
         motion
     }
 
+    /// Whether most of what a law does over a scale of speed happens within the speeds of the joint: a Stribeck effect
+    /// falls to 37 %, a sigmoid comes to tanh(1), three quarters. Otherwise it is a line with some bend, as others are.
+    pub fn shows(&self, search: Search, value: f64) -> bool {
+        match search {
+            Search::Speed(_) => value.abs() <= self.fastest,
+            Search::OverSpeed(_) => value.abs() * self.fastest >= 2.0,
+            _ => true,
+        }
+    }
+
     /// Values to try of a parameter that starts at `value` and stays between limits.
     pub fn values(&self, search: Search, (value, lower, upper): (f64, f64, f64)) -> Vec<f64> {
         let range = self.greatest - self.least;

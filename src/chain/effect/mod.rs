@@ -60,6 +60,9 @@ pub struct Needs {
     pub borrows: &'static [(&'static str, &'static str)],
     /// The effect of the same joint whose torque this one takes the place of.
     pub replaces: Option<&'static str>,
+    /// Effects of the same joint of which it refines one: where none is there, it would only imitate it. Empty where it
+    /// stands alone.
+    pub refines: &'static [&'static str],
     pub lasts: Lasts,
 }
 
@@ -69,6 +72,7 @@ impl Needs {
         memory: Memory::None,
         borrows: &[],
         replaces: None,
+        refines: &[],
         lasts: Lasts::Always,
     };
 }

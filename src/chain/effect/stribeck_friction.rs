@@ -44,7 +44,10 @@ pub const EFFECT: Effect = Effect {
         },
     ],
     law: Law::Motor(&Stribeck),
-    needs: Needs::NOTHING,
+    needs: Needs {
+        refines: &["coulomb_friction", "sigmoid_friction"],
+        ..Needs::NOTHING
+    },
 };
 
 #[derive(Debug)]

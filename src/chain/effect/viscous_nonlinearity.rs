@@ -38,7 +38,10 @@ pub const EFFECT: Effect = Effect {
         },
     ],
     law: Law::Motor(&PowerLaw),
-    needs: Needs::NOTHING,
+    needs: Needs {
+        refines: &["viscous_friction"],
+        ..Needs::NOTHING
+    },
 };
 
 #[derive(Debug)]

@@ -16,8 +16,9 @@ pub(super) type Resistance<'a> = &'a dyn Fn(usize, f64, f64) -> [f64; 3];
 /// Passes over a period until it repeats.
 const PERIODS: usize = 40;
 
-/// A period repeats when its end differs from its start by less than this share.
-const REPEATS: f64 = 1e-13;
+/// A period repeats from where two samples in a row, all that later ones know of the past, differ from those of the
+/// period before by less than this share of the largest: rounding alone keeps them further apart than digits go.
+const REPEATS: f64 = 1e-11;
 
 /// Newton steps at a sample.
 const STEPS: usize = 60;
@@ -40,6 +41,7 @@ pub(super) fn solve_with(
 ) -> Course {
     let mut course = first.clone();
     let mut history = cyclic.then(|| end(first));
+    let mut tolerance: Option<[f64; 2]> = None;
     let count = coefficients.members;
     let mut newton = Newton {
         coefficients,
@@ -55,19 +57,29 @@ pub(super) fn solve_with(
         tried: Miss::new(count),
     };
     for _ in 0..PERIODS {
+        let mut alike = 0;
         for k in 0..coefficients.samples() {
-            newton.settle((&mut course, history.as_ref()), k);
+            let moved = newton.settle((&mut course, history.as_ref()), k);
+            alike = match tolerance {
+                Some([lag, rate]) if moved[0] <= lag && moved[1] <= rate => alike + 1,
+                _ => 0,
+            };
+            if alike == 2 {
+                return course;
+            }
         }
-        let reached = end(&course);
-        let repeats = history
-            .as_ref()
-            .is_some_and(|h| (h - &reached).amax() <= REPEATS * reached.amax());
-        if !cyclic || repeats {
+        if !cyclic {
             break;
         }
-        history = Some(reached);
+        history = Some(end(&course));
+        tolerance =
+            Some([0, 1].map(|order: usize| REPEATS * largest(course[order].iter().flatten())));
     }
     course
+}
+
+fn largest<'a>(of: impl IntoIterator<Item = &'a f64>) -> f64 {
+    of.into_iter().fold(0.0, |most, x| most.max(x.abs()))
 }
 
 /// Left side less right side, and its derivatives by δ, row after row.
@@ -122,7 +134,8 @@ struct Newton<'a> {
 }
 
 impl Newton<'_> {
-    fn settle(&mut self, (course, history): (&mut Course, Option<&History>), k: usize) {
+    /// Solves a sample of a course; by how much δ and δ̇ moved.
+    fn settle(&mut self, (course, history): (&mut Course, Option<&History>), k: usize) -> [f64; 2] {
         let alone = k == 0 && history.is_none();
         let count = self.value.len();
         self.sample = k;
@@ -133,22 +146,35 @@ impl Newton<'_> {
             }
         }
         let before = k.saturating_sub(usize::from(history.is_none() || k > 0));
-        for f in 0..count {
-            self.value[f] = course[0][f][before];
-        }
+        self.begin(&course[0], [before, k]);
         self.find();
+        let mut moved = [0.0_f64; 2];
         for f in 0..count {
             let rate = self.slope * self.value[f] + self.past[0][f];
+            moved[0] = moved[0].max((self.value[f] - course[0][f][k]).abs());
+            moved[1] = moved[1].max((rate - course[1][f][k]).abs());
             course[0][f][k] = self.value[f];
             course[1][f][k] = rate;
             course[2][f][k] = self.slope * rate + self.past[1][f];
         }
+        moved
+    }
+
+    /// Begins at the sample before or where the course had this one, whichever misses less.
+    fn begin(&mut self, lags: &[Vec<f64>], samples: [usize; 2]) {
+        for (attempt, at) in samples.into_iter().enumerate() {
+            for (to, series) in self.moved.iter_mut().zip(lags) {
+                *to = series[at];
+            }
+            self.miss_at_moved();
+            if attempt == 0 || self.tried.size() < self.miss.size() {
+                std::mem::swap(&mut self.miss, &mut self.tried);
+                self.value.clone_from(&self.moved);
+            }
+        }
     }
 
     fn find(&mut self) {
-        self.moved.clone_from(&self.value);
-        self.miss_at_moved();
-        std::mem::swap(&mut self.miss, &mut self.tried);
         for _ in 0..STEPS {
             if self.miss.size() <= ROUNDING * self.miss.terms {
                 break;
@@ -156,7 +182,6 @@ impl Newton<'_> {
             let Some(change) = self.miss.step() else {
                 break;
             };
-            let largest = |of: &[f64]| of.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
             let last = largest(&change) <= SETTLED * largest(&self.value);
             if !self.descend(&change) || last {
                 break;
