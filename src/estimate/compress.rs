@@ -162,57 +162,72 @@ fn spread(part: &Part, order: usize) -> DMatrix<f64> {
 fn compressed(request: &Request<'_>, rows: &[Row], recording: usize, task: &Task<'_>) -> Vec<Part> {
     let mut parts: Vec<Part> = Vec::new();
     let mut mixed: Vec<Vec<f64>> = Vec::new();
+    let mut residuals = vec![Vec::new(); request.model.channels().len()];
     let (model, wanted) = (request.model, request.columns);
     visit_errors(model, request.values, wanted, task, |block| {
         let keep = block.counting();
-        let residuals: Vec<Vec<f64>> = (0..model.channels().len())
-            .map(|c| difference(block, c))
-            .collect();
+        for (channel, to) in residuals.iter_mut().enumerate() {
+            to.clear();
+            if model.channels()[channel].active {
+                to.extend(difference(block, channel));
+            }
+        }
         for (number, row) in rows.iter().enumerate() {
-            let depends =
-                |k: &usize| (row.terms.iter()).any(|&(c, _)| block.derivative(c, *k).is_some());
-            let columns: Vec<usize> = (0..wanted.len()).filter(depends).collect();
+            let part = part_of(&mut parts, (number, row), (block, wanted.len()));
+            let Part {
+                columns, factor, ..
+            } = &mut parts[part];
             let series = |c: usize, k: usize| match columns.get(k) {
                 Some(&column) => block.derivative(c, column),
                 None => Some(residuals[c].as_slice()),
             };
             let count = columns.len() + 1;
-            let plain = match row.terms.as_slice() {
-                [(c, 1.0)] if keep.is_none() && request.factors.is_none() => (0..count)
-                    .map(|k| series(*c, k))
-                    .collect::<Option<Vec<&[f64]>>>(),
-                _ => None,
-            };
-            let slices = plain.unwrap_or_else(|| {
-                mixed.resize_with(count.max(mixed.len()), Vec::new);
-                for (k, to) in mixed.iter_mut().enumerate().take(count) {
-                    to.clear();
-                    to.resize(block.range.len(), 0.0);
-                    for &(c, weight) in &row.terms {
-                        let factors = factors_of(request, recording, c, block);
-                        if let Some(from) = series(c, k) {
-                            add(to, (weight, factors), from);
-                        }
-                    }
-                    only(to, keep.as_deref());
+            let mut slices: Vec<&[f64]> = Vec::with_capacity(count);
+            match row.terms.as_slice() {
+                [(c, 1.0)] if keep.is_none() && request.factors.is_none() => {
+                    slices.extend((0..count).filter_map(|k| series(*c, k)));
                 }
-                mixed.iter().take(count).map(Vec::as_slice).collect()
-            });
-            let known = parts
-                .iter()
-                .position(|p| p.row == number && p.columns == columns);
-            let part = known.unwrap_or_else(|| {
-                parts.push(Part {
-                    row: number,
-                    factor: Triangular::new(count),
-                    columns: columns.clone(),
-                });
-                parts.len() - 1
-            });
-            parts[part].factor.absorb_columns(&slices);
+                _ => {
+                    mixed.resize_with(count.max(mixed.len()), Vec::new);
+                    for (k, to) in mixed.iter_mut().enumerate().take(count) {
+                        to.clear();
+                        to.resize(block.range.len(), 0.0);
+                        for &(c, weight) in &row.terms {
+                            let factors = factors_of(request, recording, c, block);
+                            if let Some(from) = series(c, k) {
+                                add(to, (weight, factors), from);
+                            }
+                        }
+                        only(to, keep.as_deref());
+                    }
+                    slices.extend(mixed.iter().take(count).map(Vec::as_slice));
+                }
+            }
+            factor.absorb_columns(&slices);
         }
     });
     parts
+}
+
+/// Position of the part of a row of W over the columns that it depends on in a block, appended where it is new.
+fn part_of(
+    parts: &mut Vec<Part>,
+    (number, row): (usize, &Row),
+    (block, wanted): (&RowBlock<'_>, usize),
+) -> usize {
+    let depends = |k: &usize| (row.terms.iter()).any(|&(c, _)| block.derivative(c, *k).is_some());
+    let columns = (0..wanted).filter(depends);
+    let is_same = |p: &Part| p.row == number && columns.clone().eq(p.columns.iter().copied());
+    let known = parts.iter().position(is_same);
+    known.unwrap_or_else(|| {
+        let columns: Vec<usize> = columns.collect();
+        parts.push(Part {
+            row: number,
+            factor: Triangular::new(columns.len() + 1),
+            columns,
+        });
+        parts.len() - 1
+    })
 }
 
 /// Adds a series times a weight and the factors of single rows.
@@ -237,9 +252,9 @@ fn only(series: &mut Vec<f64>, keep: Option<&[bool]>) {
     }
 }
 
-fn difference(block: &RowBlock<'_>, channel: usize) -> Vec<f64> {
+fn difference(block: &RowBlock<'_>, channel: usize) -> impl Iterator<Item = f64> {
     let pairs = block.predicted(channel).iter().zip(block.recorded(channel));
-    pairs.map(|(p, r)| p - r).collect()
+    pairs.map(|(p, r)| p - r)
 }
 
 fn factors_of<'a>(
@@ -267,7 +282,7 @@ impl Residuals {
                     return Vec::new();
                 }
                 let factors = factors_of(request, recording, c, block);
-                let mut series = difference(block, c);
+                let mut series: Vec<f64> = difference(block, c).collect();
                 if let Some(factors) = factors {
                     series.iter_mut().zip(factors).for_each(|(e, f)| *e *= f);
                 }

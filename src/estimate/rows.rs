@@ -108,9 +108,12 @@ impl RowBlock<'_> {
 
     /// Which of the rows count; `None` where all do.
     pub fn counting(&self) -> Option<Vec<bool>> {
+        let mut rows = self.range.clone();
+        if rows.all(|row| self.recording.counts(row)) {
+            return None;
+        }
         let rows = self.range.clone();
-        let counts: Vec<bool> = rows.map(|row| self.recording.counts(row)).collect();
-        counts.contains(&false).then_some(counts)
+        Some(rows.map(|row| self.recording.counts(row)).collect())
     }
 }
 

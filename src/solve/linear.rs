@@ -15,6 +15,9 @@ use crate::solve::admissible_start;
 use crate::solve::bounded::{self, Bounds};
 use crate::solve::error::{SolveError, SolveErrorKind};
 
+/// What the cost has beyond the residual that it is given with is rounding below this share of it.
+const ROUNDING: f64 = 1e-13;
+
 /// How the linear solver tells dependent columns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
@@ -69,18 +72,22 @@ pub fn solve(
         return Err(ProblemError::whole(ProblemErrorKind::NotAffine { view }).into());
     }
     let start = admissible_start(form, start)?;
-    let root = problem.linearize(&start)?.square_root;
-    let (columns, system) = root
-        .and_then(|root| reduce(&root, settings.rank_tolerance))
-        .ok_or_else(|| SolveError::whole(SolveErrorKind::ModelNotFinite))?;
+    let not_finite = || SolveError::whole(SolveErrorKind::ModelNotFinite);
+    let point = problem.linearize(&start)?;
+    let root = point.square_root.ok_or_else(not_finite)?;
+    let (columns, system) = reduce(&root, settings.rank_tolerance).ok_or_else(not_finite)?;
     let limits = step_bounds(form, &start, &columns.kept);
     let step = bounded::minimize(&system.matrix, &system.right, &limits);
-    let mut x = start;
+    let mut x = start.clone();
     for (j, value) in columns.kept.iter().zip(step.iter()) {
         x[*j] += value;
     }
     let x = bounds::project(form, &x);
-    let cost = problem.values(&x)?.cost;
+    // The residual is affine, so what it is at the optimum is known from the start.
+    let constant = point.cost - 0.5 * root.residual.norm_squared();
+    let is_rounding = constant.abs() <= ROUNDING * point.cost;
+    let left = &root.matrix * (&x - start) + &root.residual;
+    let cost = 0.5 * left.norm_squared() + if is_rounding { 0.0 } else { constant };
     Ok(LinearSolution {
         solution: Solution {
             active_bounds: bounds::active(form, &x),
@@ -88,7 +95,7 @@ pub fn solve(
             cost,
             stop: Stop::Optimal,
             iterations: 1,
-            evaluations: 2,
+            evaluations: 1,
             trace: Trace::default(),
         },
         factor: Triangular::of(&system.matrix),

@@ -1,7 +1,7 @@
 //! Torques of the bodies along a course and their derivatives by its motion, kept for evaluations in which
 //! neither bodies nor motion change.
 
-use crate::chain::evaluate::{Evaluator, Segment};
+use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
 use crate::chain::model::{JointModel, Model};
 use crate::chain::parameter::Role;
 use crate::robot::derivatives::Derivatives;
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::rc::Rc;
 
-/// Samples that a thread takes at once.
+/// Samples that a thread takes up.
 const PART: usize = 512;
 
 /// What the bodies of a model do along a course.
@@ -59,26 +59,53 @@ impl KnownBodies {
             .step_by(PART)
             .map(|start| start..samples.min(start + PART))
             .collect();
-        let of = |range: Range<usize>| {
-            let mut evaluator = Evaluator::along(model, &rest, &inertial, range.len());
-            evaluator.linear_bodies((segment, range), &inertial)
+        let of = |part: Range<usize>| {
+            let mut evaluator = Evaluator::along(model, &rest, &inertial, BLOCK);
+            let mut bodies = Self::empty((model, &inertial), part.len());
+            for start in part.clone().step_by(BLOCK) {
+                let range = start..part.end.min(start + BLOCK);
+                evaluator.append_linear(&mut bodies, (segment, range));
+            }
+            bodies
         };
-        let parts = parts.into_par_iter().map(of).collect::<Vec<_>>();
-        parts.into_iter().reduce(Self::followed_by)
+        let parts: Vec<Self> = parts.into_par_iter().map(of).collect();
+        Some(Self::joined(&parts))
     }
 
-    /// With what comes after it.
-    fn followed_by(mut self, next: Self) -> Self {
-        let extend = |to: &mut Vec<Vec<f64>>, from: &[Vec<f64>]| {
-            to.iter_mut()
-                .zip(from)
-                .for_each(|(to, from)| to.extend_from_slice(from));
-        };
-        extend(&mut self.torque, &next.torque);
-        for ((_, to), (_, from)) in self.columns.iter_mut().zip(&next.columns) {
-            extend(to, from);
+    /// No samples yet, and room for some.
+    fn empty((model, inertial): (&Model, &[usize]), room: usize) -> Self {
+        let rows = model.signal().rows().count(model.tree().len());
+        let channels = model.channels().len();
+        Self {
+            torque: vec![Vec::with_capacity(room); rows],
+            columns: inertial
+                .iter()
+                .map(|&p| (p, vec![Vec::new(); channels]))
+                .collect(),
+            slopes: Slopes::default(),
         }
-        self
+    }
+
+    /// The samples of parts, one after the other.
+    fn joined(parts: &[Self]) -> Self {
+        let Some(first) = parts.first() else {
+            return Self::default();
+        };
+        let join = |pick: &dyn Fn(&Self) -> &Vec<f64>| {
+            let series: Vec<&[f64]> = parts.iter().map(|part| pick(part).as_slice()).collect();
+            series.concat()
+        };
+        let torque = (0..first.torque.len()).map(|row| join(&|part| &part.torque[row]));
+        let columns = first.columns.iter().enumerate().map(|(k, (p, channels))| {
+            let channels = 0..channels.len();
+            let of = |c: usize| join(&|part| &part.columns[k].1[c]);
+            (*p, channels.map(of).collect())
+        });
+        Self {
+            torque: torque.collect(),
+            columns: columns.collect(),
+            slopes: Slopes::default(),
+        }
     }
 
     /// The torques and columns at every `stride`-th sample.
@@ -152,27 +179,26 @@ impl Evaluator<'_> {
         }
     }
 
-    fn linear_bodies(
+    /// Appends what the bodies do over some samples, [`BLOCK`] at most.
+    fn append_linear(
         &mut self,
+        to: &mut KnownBodies,
         (segment, range): (Segment<'_>, Range<usize>),
-        inertial: &[usize],
-    ) -> KnownBodies {
-        self.rigid.clear(range.len());
-        self.block.clear(range.len());
+    ) {
+        let samples = range.len();
+        self.rigid.clear(samples);
+        self.block.clear(samples);
         self.move_joints(segment.motors, range.clone());
         self.rigid_body(segment, range);
         self.carry_to_motors();
         self.block.settle();
-        let channels = 0..self.block.values.len();
-        let of = |column: usize| -> Vec<Vec<f64>> {
-            let series = |c: usize| self.block.derivative(c, column).unwrap_or(&[]).to_vec();
-            channels.clone().map(series).collect()
-        };
-        let columns = inertial.iter().enumerate();
-        KnownBodies {
-            torque: self.rigid.values.clone(),
-            columns: columns.map(|(column, &p)| (p, of(column))).collect(),
-            slopes: Slopes::default(),
+        for (to, torque) in to.torque.iter_mut().zip(&self.rigid.values) {
+            to.extend_from_slice(&torque[..samples]);
+        }
+        for (column, (_, channels)) in to.columns.iter_mut().enumerate() {
+            for (channel, to) in channels.iter_mut().enumerate() {
+                to.extend_from_slice(self.block.derivative(channel, column).unwrap_or(&[]));
+            }
         }
     }
 

@@ -25,7 +25,7 @@ pub use bodies::KnownBodies;
 
 use crate::chain::effect::base_tilt::tilted;
 use crate::chain::effect::{Law, Memory};
-use crate::chain::model::{Model, Signal};
+use crate::chain::model::{JointModel, Model, Signal};
 use crate::chain::parameter::Role;
 use crate::robot::batch::{RegressorBatch, Trajectory};
 use crate::robot::derivatives::Derivatives;
@@ -232,7 +232,9 @@ impl<'m> Evaluator<'m> {
         let samples = range.len();
         self.block.clear(samples);
         self.rigid.clear(samples);
-        self.move_joints(segment.motors, range.clone());
+        if !self.are_joints_known(segment) {
+            self.move_joints(segment.motors, range.clone());
+        }
         let lag = self.lag_of_links(segment, samples);
         let moved = Segment {
             bodies: segment
@@ -265,6 +267,16 @@ impl<'m> Evaluator<'m> {
                 self.carry_to_signal(j, samples);
             }
         }
+    }
+
+    /// Whether nothing asks where the joints are: what the bodies do is known, and no law acts on their motion.
+    fn are_joints_known(&self, segment: Segment<'_>) -> bool {
+        let model = self.model;
+        let bodies = segment.bodies.is_some_and(|known| self.are_known(known));
+        let lags = model.joints().iter().any(JointModel::has_lag);
+        let moves =
+            model.tilt().is_some() || model.mechanism().is_some() || self.wrench_row().is_some();
+        bodies && !lags && !moves && self.stiffness.is_empty() && self.coupling_entries().is_empty()
     }
 
     /// Joint torques come first among the channels, if they are measured at all.

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 impl Evaluator<'_> {
     /// Row of the first component of the base wrench, if it is measured.
-    fn wrench_row(&self) -> Option<usize> {
+    pub(super) fn wrench_row(&self) -> Option<usize> {
         match self.model.signal() {
             Signal::BaseWrench => Some(0),
             Signal::Both => Some(self.model.joints().len()),
