@@ -54,6 +54,10 @@ const MOSTLY_REACHED: f64 = 0.8;
 /// Rising values that are tried at the same time, some of them perhaps beyond the first that is far too large.
 const AT_ONCE: usize = 4;
 
+/// Times that the steps of rising values are halved about the best: impacts move by a row within them, and a search
+/// does not see past that.
+const HALVINGS: usize = 2;
+
 /// A value that makes the squared residual so many times larger is far too large.
 const HOPELESS: f64 = 10.0;
 
@@ -136,7 +140,11 @@ impl<'a> Linearised<'a> {
         };
         let scanned = best_first(grid.scan());
         let scanned = scanned.first();
-        let points = best_first(grid.all(scanned.map(|point| point.at.as_slice())));
+        let mut points = best_first(grid.all(scanned.map(|point| point.at.as_slice())));
+        for _ in 0..HALVINGS * usize::from(grid.is_rising()) {
+            points.extend(best_first(beside_best(&points)));
+            points.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        }
         let naming = Naming {
             own: own
                 .iter()
@@ -321,6 +329,22 @@ impl<'a> Linearised<'a> {
         let of = |(c, series): &(usize, Vec<f64>)| dot(&self.residual[*c], series);
         column.iter().map(of).sum()
     }
+}
+
+/// Half the way from the best of some points, which come first, to those next to it.
+fn beside_best(points: &[Point]) -> Vec<Vec<f64>> {
+    let Some(best) = points.first() else {
+        return Vec::new();
+    };
+    let of = |point: &Point| point.at[0] - best.at[0];
+    let below = points.iter().filter(|p| of(p) < 0.0);
+    let above = points.iter().filter(|p| of(p) > 0.0);
+    let nearest = [
+        below.max_by(|a, b| of(a).total_cmp(&of(b))),
+        above.min_by(|a, b| of(a).total_cmp(&of(b))),
+    ];
+    let halfway = |point: &Point| best.at.iter().map(|x| x + 0.5 * of(point)).collect();
+    nearest.into_iter().flatten().map(halfway).collect()
 }
 
 /// Whether a law acts on the channel of its own joint alone where motors are not coupled, and leaves motion and
