@@ -51,6 +51,15 @@ pub fn experiment(bench: &Bench<'_>, full: &Refit, contests: &[Contest]) -> Opti
     if let Some(noise) = &bench.noise {
         design.insert("noise".to_string(), json!(noise));
     }
+    // With the same period the new recording fits the problem file of the old.
+    if let Some(period) = bench
+        .problem
+        .recordings
+        .as_ref()
+        .and_then(|r| r.period.as_ref())
+    {
+        design.entry("period").or_insert(json!(period.value));
+    }
     if !design.contains_key("budget_s") && !design.contains_key("starts") {
         design.insert("starts".to_string(), json!(STARTS));
     }

@@ -124,26 +124,13 @@ impl<'a> Linearised<'a> {
             }
         };
         let hopeless = -HOPELESS * self.residual.iter().map(|r| dot(r, r)).sum::<f64>();
-        let best_first = |points: Vec<Vec<f64>>| {
-            let mut seen: Vec<Point> = match grid.is_rising() {
-                true => {
-                    let at_once = points.chunks(AT_ONCE);
-                    let seen = at_once.flat_map(|some| -> Vec<Point> {
-                        some.par_iter().cloned().map(gain).collect()
-                    });
-                    seen.take_while(|point| point.gain > hopeless).collect()
-                }
-                false => points.into_par_iter().map(gain).collect(),
-            };
-            seen.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-            seen
-        };
+        let rising = grid.is_rising().then_some(hopeless);
+        let best_first = |points: Vec<Vec<f64>>| best_first(points, rising, &gain);
         let scanned = best_first(grid.scan());
         let scanned = scanned.first();
         let mut points = best_first(grid.all(scanned.map(|point| point.at.as_slice())));
-        for _ in 0..HALVINGS * usize::from(grid.is_rising()) {
-            points.extend(best_first(beside_best(&points)));
-            points.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        if grid.is_rising() {
+            points = halved(points, &best_first);
         }
         let naming = Naming {
             own: own
@@ -329,6 +316,34 @@ impl<'a> Linearised<'a> {
         let of = |(c, series): &(usize, Vec<f64>)| dot(&self.residual[*c], series);
         column.iter().map(of).sum()
     }
+}
+
+/// Points by what they gain, the most first; of rising values those before the first that is `hopeless`.
+fn best_first(
+    points: Vec<Vec<f64>>,
+    hopeless: Option<f64>,
+    gain: &(dyn Fn(Vec<f64>) -> Point + Sync),
+) -> Vec<Point> {
+    let mut seen: Vec<Point> = match hopeless {
+        Some(hopeless) => {
+            let at_once = points.chunks(AT_ONCE);
+            let seen = at_once
+                .flat_map(|some| -> Vec<Point> { some.par_iter().cloned().map(gain).collect() });
+            seen.take_while(|point| point.gain > hopeless).collect()
+        }
+        None => points.into_par_iter().map(gain).collect(),
+    };
+    seen.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    seen
+}
+
+/// Points with steps about the best halved again and again.
+fn halved(mut points: Vec<Point>, best_first: &dyn Fn(Vec<Vec<f64>>) -> Vec<Point>) -> Vec<Point> {
+    for _ in 0..HALVINGS {
+        points.extend(best_first(beside_best(&points)));
+        points.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    }
+    points
 }
 
 /// Half the way from the best of some points, which come first, to those next to it.
