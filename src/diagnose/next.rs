@@ -80,7 +80,10 @@ fn declared(bench: &Bench<'_>) -> Option<Map<String, Value>> {
     let name = format!("{}_next", bench.problem.name.value);
     table.insert("name".to_string(), json!(name));
     table.retain(|key, _| !matches!(key.as_str(), "diagnose" | "fit" | "simulate"));
-    let path = |path: &FilePath| json!(path.resolved.to_string_lossy());
+    let path = |path: &FilePath| {
+        let whole = std::path::absolute(&path.resolved).unwrap_or_else(|_| path.resolved.clone());
+        json!(whole.to_string_lossy())
+    };
     let robot = table.get_mut("robot")?.as_object_mut()?;
     match &bench.problem.robot.source {
         RobotSource::Urdf(file) => robot.insert("urdf".to_string(), path(file)),
