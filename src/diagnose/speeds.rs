@@ -1,7 +1,6 @@
 //! Whether the scales of speed of a law lie within the speeds that recordings have.
 
-use crate::chain::effect::Memory;
-use crate::chain::parameter::Role;
+use crate::chain::effect::{Effect, Memory};
 use crate::diagnose::bench::Bench;
 use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::refit::Refit;
@@ -14,21 +13,14 @@ pub fn are_reached(bench: &Bench<'_>, refit: &Refit, hypothesis: &Hypothesis) ->
     if hypothesis.effect.needs.memory != Memory::None {
         return true;
     }
-    let model = &refit.model;
     let train = bench.recordings(Split::Train);
-    let mut parameters = model.parameters().iter().zip(refit.values.iter());
-    parameters.all(|(parameter, value)| {
-        let Role::Effect {
-            joint,
-            effect,
-            parameter,
-        } = parameter.role
-        else {
-            return true;
-        };
-        let (law, _) = model.joints()[joint].effects[effect];
-        let is_own = law.id == hypothesis.effect.id && hypothesis.joints.contains(&joint);
-        let info = law.parameters.get(parameter).filter(|_| is_own);
-        info.is_none_or(|info| Motion::of(&train, joint).shows(info.search, *value))
+    hypothesis.joints.iter().all(|&joint| {
+        let motion = Motion::of(&train, joint);
+        let effects = &refit.model.joints()[joint].effects;
+        let own = |(law, _): &&(&Effect, usize)| law.id == hypothesis.effect.id;
+        effects.iter().find(own).is_none_or(|&(law, first)| {
+            let mut parameters = law.parameters.iter().zip(first..);
+            parameters.all(|(info, at)| motion.shows(info.search, refit.values[at]))
+        })
     })
 }

@@ -108,12 +108,9 @@ impl RowBlock<'_> {
 
     /// Which of the rows count; `None` where all do.
     pub fn counting(&self) -> Option<Vec<bool>> {
+        let counts = |row| self.recording.counts(row);
         let mut rows = self.range.clone();
-        if rows.all(|row| self.recording.counts(row)) {
-            return None;
-        }
-        let rows = self.range.clone();
-        Some(rows.map(|row| self.recording.counts(row)).collect())
+        (!rows.all(counts)).then(|| self.range.clone().map(counts).collect())
     }
 }
 

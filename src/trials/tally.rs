@@ -54,8 +54,8 @@ fn single(trial: &Trial) -> Option<&str> {
 }
 
 fn is_outside(trial: &Trial) -> bool {
-    let mut effects = trial.concealed.iter().map(|h| &h.effect);
-    effects.any(|effect| trials::is_outside(effect))
+    let mut concealed = trial.concealed.iter();
+    concealed.any(|hidden| trials::is_outside(&hidden.effect))
 }
 
 fn confusion(trials: &[&Trial]) -> BTreeMap<String, BTreeMap<String, usize>> {

@@ -69,7 +69,7 @@ impl KnownBodies {
             bodies
         };
         let parts: Vec<Self> = parts.into_par_iter().map(of).collect();
-        Some(Self::joined(&parts))
+        Self::joined(&parts)
     }
 
     /// No samples yet, and room for some.
@@ -86,11 +86,9 @@ impl KnownBodies {
         }
     }
 
-    /// The samples of parts, one after the other.
-    fn joined(parts: &[Self]) -> Self {
-        let Some(first) = parts.first() else {
-            return Self::default();
-        };
+    /// The samples of parts, one after the other; `None` of none.
+    fn joined(parts: &[Self]) -> Option<Self> {
+        let first = parts.first()?;
         let join = |pick: &dyn Fn(&Self) -> &Vec<f64>| {
             let series: Vec<&[f64]> = parts.iter().map(|part| pick(part).as_slice()).collect();
             series.concat()
@@ -101,11 +99,11 @@ impl KnownBodies {
             let of = |c: usize| join(&|part| &part.columns[k].1[c]);
             (*p, channels.map(of).collect())
         });
-        Self {
+        Some(Self {
             torque: torque.collect(),
             columns: columns.collect(),
             slopes: Slopes::default(),
-        }
+        })
     }
 
     /// The torques and columns at every `stride`-th sample.

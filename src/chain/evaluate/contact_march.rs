@@ -7,7 +7,7 @@
 //! with the differences of [`march`](super::march), sample after sample, each by Newton's method, because a flank
 //! that is reached at one sample decides what the next one meets.
 
-use crate::chain::evaluate::march::{Coefficients, Course, History, end, past};
+use crate::chain::evaluate::march::{Coefficients, Course, History, end, largest, past};
 use nalgebra::{DMatrix, DVector};
 
 /// A torque that resists δ of a member: itself and its derivatives by δ and δ̇.
@@ -76,10 +76,6 @@ pub(super) fn solve_with(
             Some([0, 1].map(|order: usize| REPEATS * largest(course[order].iter().flatten())));
     }
     course
-}
-
-fn largest<'a>(of: impl IntoIterator<Item = &'a f64>) -> f64 {
-    of.into_iter().fold(0.0, |most, x| most.max(x.abs()))
 }
 
 /// Left side less right side, and its derivatives by δ, row after row.

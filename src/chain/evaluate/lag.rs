@@ -16,7 +16,7 @@ use crate::chain::effect::law::signum;
 use crate::chain::effect::{Contribution, Law};
 use crate::chain::evaluate::bodies::{KnownBodies, Slopes};
 use crate::chain::evaluate::contact_march::solve_with;
-use crate::chain::evaluate::march::{Coefficients, Course, March};
+use crate::chain::evaluate::march::{Coefficients, Course, March, largest};
 use crate::chain::evaluate::rigid::at_joint;
 use crate::chain::evaluate::{Evaluator, Segment};
 use crate::robot::batch::torques;
@@ -226,10 +226,7 @@ impl Evaluator<'_> {
                 break;
             };
             let change = largest_difference(&next[0], &lag.motion[0]);
-            let size = next[0]
-                .iter()
-                .flatten()
-                .fold(0.0_f64, |m, x| m.max(x.abs()));
+            let size = largest(next[0].iter().flatten());
             lag.motion = next;
             self.move_by_lag(&lag, &without);
             // Far from any course that repeats a link rattles, and no pass comes closer to one.

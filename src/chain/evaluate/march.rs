@@ -14,6 +14,11 @@ use nalgebra::{DMatrix, DVector};
 /// δ, δ̇, δ̈ of every member: `[order][member][sample]`.
 pub(super) type Course = [Vec<Vec<f64>>; 3];
 
+/// The largest size; 0 of none.
+pub(super) fn largest<'a>(of: impl IntoIterator<Item = &'a f64>) -> f64 {
+    of.into_iter().fold(0.0, |most, x| most.max(x.abs()))
+}
+
 /// M, V and Q of every sample, members x members, row after row, sample after sample.
 #[derive(Debug, Clone)]
 pub(super) struct Coefficients {

@@ -232,14 +232,13 @@ impl<'m> Evaluator<'m> {
         let samples = range.len();
         self.block.clear(samples);
         self.rigid.clear(samples);
-        if !self.are_joints_known(segment) {
+        let known = segment.bodies.filter(|known| self.are_known(known));
+        if known.is_none() || self.is_motion_asked_for() {
             self.move_joints(segment.motors, range.clone());
         }
         let lag = self.lag_of_links(segment, samples);
         let moved = Segment {
-            bodies: segment
-                .bodies
-                .filter(|known| lag.is_none() && self.are_known(known)),
+            bodies: known.filter(|_| lag.is_none()),
             ..segment
         };
         self.rigid_body(moved, range.clone());
@@ -269,14 +268,15 @@ impl<'m> Evaluator<'m> {
         }
     }
 
-    /// Whether nothing asks where the joints are: what the bodies do is known, and no law acts on their motion.
-    fn are_joints_known(&self, segment: Segment<'_>) -> bool {
+    /// Whether something beside the bodies asks where the joints are.
+    fn is_motion_asked_for(&self) -> bool {
         let model = self.model;
-        let bodies = segment.bodies.is_some_and(|known| self.are_known(known));
-        let lags = model.joints().iter().any(JointModel::has_lag);
-        let moves =
-            model.tilt().is_some() || model.mechanism().is_some() || self.wrench_row().is_some();
-        bodies && !lags && !moves && self.stiffness.is_empty() && self.coupling_entries().is_empty()
+        model.tilt().is_some()
+            || model.mechanism().is_some()
+            || model.joints().iter().any(JointModel::has_lag)
+            || self.wrench_row().is_some()
+            || !self.stiffness.is_empty()
+            || !self.coupling_entries().is_empty()
     }
 
     /// Joint torques come first among the channels, if they are measured at all.
