@@ -51,6 +51,7 @@ fn a_longer_run_goes_on_where_a_shorter_one_ended() {
     }
     assert_eq!(second["false_findings"]["controls"], 1);
     assert!(second["false_findings"]["upper95"].as_f64().unwrap() <= 1.0);
+    assert!(second["rates"]["core_seconds"].as_f64().unwrap() > 0.0);
     assert!(second["confusion"].is_object() && second["power"].is_array());
     assert!(folder.path().join("out/report.html").is_file());
 }
@@ -73,12 +74,14 @@ fn an_effect_or_a_robot_that_does_not_exist_is_refused() {
 /// for seconds, and a play that strikes three times, which blocks of rows do not tell the variance of; a rotor that other
 /// hypotheses crowded out; bristles whose Stribeck speed had run against its limit; a sigmoid whose first start led to
 /// friction that drives; reversals beside a coupling, whose shift of 0.2 ms had been taken for a delay of all signals;
-/// and a delay of one signal that had been given to all.
+/// a delay of one signal that had been given to all; an offset that had become a spring that pulls from far away; and a
+/// play whose strikes move by a row within a step of the grid.
 #[test]
 fn names_what_is_missing_and_nothing_else_where_a_search_had_gone_wrong() {
     let of_one = [(2, 56), (2, 62), (2, 32), (1, 170), (2, 127)];
     let of_another = [26, 402, 68, 87, 306, 207, 302].map(|number| (9, number));
-    for (seed, number) in of_one.into_iter().chain(of_another) {
+    let of_others = [(13, 12), (13, 155)];
+    for (seed, number) in of_one.into_iter().chain(of_another).chain(of_others) {
         let trial = run::run(&Scope::all(seed), number, &Control::default());
         let found: Vec<&str> = trial.found.iter().map(|f| f.effect.as_str()).collect();
         assert!(trial.all_found, "{seed}, {number}: {found:?}");

@@ -203,6 +203,47 @@ fn emps_matches_published_parameters() {
     assert!(residual <= RESIDUAL, "{residual} N");
 }
 
+/// Effects that a diagnosis finds in EMPS where the declared model has no friction at all, first half fitted and second
+/// held out.
+#[test]
+fn emps_without_friction_gets_back_what_is_fitted_by_hand() {
+    let Some(data) = common::data_dir() else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let text = fs::read_to_string(data.join("data/emps/tracking.csv")).unwrap();
+    let (header, rows) = text.split_once('\n').unwrap();
+    let rows: Vec<&str> = rows.lines().collect();
+    let (first, second) = rows.split_at(rows.len() / 2);
+    for (name, rows) in [("first", first), ("second", second)] {
+        let file = folder.path().join(format!("emps_{name}.csv"));
+        fs::write(file, format!("{header}\n{}\n", rows.join("\n"))).unwrap();
+    }
+    let problem = include_str!("../examples/real_proofs/emps_frictionless.toml");
+    fs::write(folder.path().join("problem.toml"), problem).unwrap();
+    fs::write(folder.path().join("robot.urdf"), EMPS).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_exid"))
+        .current_dir(folder.path())
+        .args(["diagnose", "problem.toml", "--json", "--out", "out"])
+        .output()
+        .unwrap();
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{words}");
+    let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let findings = result["findings"].as_array().unwrap();
+    let found: Vec<&str> = findings
+        .iter()
+        .map(|f| f["effect"].as_str().unwrap())
+        .collect();
+    eprintln!("EMPS without friction: {found:?}");
+    let by_hand = [
+        "coulomb_friction",
+        "viscous_friction",
+        "asymmetric_friction",
+    ];
+    assert_eq!(found[..3], by_hand);
+}
+
 /// Effort limits of the LWR4+ in its URDF, N·m.
 const LWR4_EFFORT: [f64; 7] = [176.0, 176.0, 100.0, 100.0, 100.0, 38.0, 38.0];
 

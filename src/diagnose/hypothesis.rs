@@ -150,3 +150,60 @@ fn bodies(
     let on = |&j: &usize| Hypothesis::on(effect, vec![j]);
     joints.iter().filter(|&&j| known(j)).map(on).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::effect::find;
+    use crate::chain::model::{Inertials, ModelSettings, Signal};
+    use crate::robot::random::{generator, tree};
+
+    /// Ids of what a model whose two joints have the same effects leaves open on the first.
+    fn open_beside(effects: &[&str]) -> Vec<&'static str> {
+        let effects: Vec<_> = effects.iter().map(|id| find(id).unwrap()).collect();
+        let model = Model::new(ModelSettings {
+            signal: Signal::Current,
+            inertials: Inertials::Estimate,
+            torque_constant: None,
+            current_polynomial: None,
+            rotor_inertia: None,
+            coupling: None,
+            offset: None,
+            effects: vec![effects; 2],
+            payload: None,
+            locked: vec![false; 2],
+            tree: tree(&mut generator(3), 2),
+        })
+        .unwrap();
+        let prior = Prior::none(model.parameters().len());
+        let open = open((&model, &prior), (None, true)).into_iter();
+        let first = open.filter(|hypothesis| hypothesis.joints == [0]);
+        first.map(|hypothesis| hypothesis.effect.id).collect()
+    }
+
+    #[test]
+    fn what_refines_a_law_is_open_beside_that_law_alone() {
+        for (law, refinement) in [
+            ("coulomb_friction", "stribeck_friction"),
+            ("sigmoid_friction", "stribeck_friction"),
+            ("viscous_friction", "viscous_nonlinearity"),
+        ] {
+            let (without, with) = (open_beside(&[]), open_beside(&[law]));
+            assert!(without.contains(&law) && !without.contains(&refinement));
+            assert!(
+                !with.contains(&law) && with.contains(&refinement),
+                "{with:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn no_joint_has_an_effect_twice() {
+        for id in open_beside(&[]) {
+            let has = find(id).unwrap().law;
+            if !matches!(has, Law::Coupling | Law::Body) {
+                assert!(!open_beside(&[id]).contains(&id), "{id}");
+            }
+        }
+    }
+}

@@ -85,3 +85,24 @@ impl Motion {
         values
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_law_of_speed_shows_where_the_joint_is_fast_enough_for_it_to_change() {
+        let motion = Motion {
+            least: -1.0,
+            greatest: 1.0,
+            fastest: 2.0,
+            duration: 10.0,
+            longest_step: 0.01,
+        };
+        let fall = Search::Speed(&[0.1]);
+        assert!(motion.shows(fall, 1.9) && !motion.shows(fall, 2.1));
+        let rise = Search::OverSpeed(&[2.0]);
+        assert!(motion.shows(rise, 1.1) && motion.shows(rise, -1.1) && !motion.shows(rise, 0.9));
+        assert!(motion.shows(Search::Typical, 1e9));
+    }
+}
