@@ -47,7 +47,7 @@ pub(super) struct Measure {
     pub cost: f64,
     pub gap: f64,
     pub stationarity: f64,
-    /// S follows from the variables.
+    /// S follows from the variables, and is positive definite by more than rounding.
     pub inside: bool,
     /// Cost that counts as one.
     unit: f64,
@@ -116,11 +116,14 @@ impl<'a> Iterate<'a> {
         for (cone, state) in program.cones.iter().zip(&mut self.states) {
             let exact = cone.at(&self.step);
             // S itself where it is inside; a cone that is still missed keeps its own.
-            let room = (NEAR * state.s.amax()).max(ROUNDING * cone.size(&self.step));
+            let rounding = ROUNDING * cone.size(&self.step);
+            let room = (NEAR * state.s.amax()).max(rounding);
             let near = (exact - state.s).amax() <= room;
             if near && small::cholesky(&exact, cone.order).is_some() {
                 state.s = exact;
                 state.miss = Small::zeros();
+                let within = exact - small::identity(cone.order) * rounding;
+                inside &= small::cholesky(&within, cone.order).is_some();
             } else {
                 state.miss = exact - state.s;
                 inside = false;
