@@ -7,14 +7,14 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::chain::evaluate::bodies;
+use crate::chain::evaluate::{BLOCK, bodies};
 use crate::chain::model::Model;
 use crate::design::laws::{Evaluated, Laws};
 use crate::design::motion::{Joints, MOTION, Motion, of_motors};
 use crate::design::observation::Observation;
 use crate::design::series::Basis;
 use crate::robot::batch;
-use crate::robot::derivatives::Derivatives;
+use crate::robot::derivative_batch::DerivativeBatch;
 
 /// A motor whose torque is limited, under one of the loads.
 #[derive(Debug, Clone, PartialEq)]
@@ -161,26 +161,22 @@ impl<'m> Torques<'m> {
         let (n, samples) = (self.coupling.nrows(), motion.len());
         let empty = || std::array::from_fn(|_| vec![vec![0.0; samples]; n]);
         let mut all: Vec<[Vec<Vec<f64>>; MOTION]> = self.limited.iter().map(|_| empty()).collect();
-        let mut derivatives = Derivatives::new(self.model.tree());
-        let mut state = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
+        let mut derivatives = DerivativeBatch::new(self.model.tree(), BLOCK);
         for (load, bodies) in self.bodies.iter().enumerate() {
-            for k in 0..samples {
-                for (values, series) in state.iter_mut().zip(&motion.values) {
-                    values.iter_mut().zip(series).for_each(|(v, s)| *v = s[k]);
-                }
-                let slices = [&state[0][..], &state[1], &state[2]];
-                derivatives.evaluate(self.model.tree(), bodies, slices);
-                let parts = [
-                    &derivatives.position,
-                    &derivatives.velocity,
-                    &derivatives.mass,
-                ];
+            for start in (0..samples).step_by(BLOCK) {
+                let part = start..samples.min(start + BLOCK);
+                let states = (motion.trajectory(), part.clone());
+                derivatives.evaluate(self.model.tree(), bodies, states);
                 let own = self.limited.iter().zip(&mut all);
                 for (limited, slopes) in own.filter(|(l, _)| l.load == load) {
-                    for (order, part) in parts.into_iter().enumerate() {
-                        for i in 0..n {
-                            slopes[order][i][k] =
-                                self.coupling.column(limited.joint).dot(&part.column(i));
+                    let shares = self.coupling.column(limited.joint);
+                    for (order, slopes) in slopes.iter_mut().enumerate() {
+                        for (i, slopes) in slopes.iter_mut().enumerate() {
+                            for (row, share) in shares.iter().enumerate() {
+                                let by = derivatives.slope(order, (row, i));
+                                let pairs = slopes[part.clone()].iter_mut().zip(by);
+                                pairs.for_each(|(to, by)| *to += share * by);
+                            }
                         }
                     }
                 }

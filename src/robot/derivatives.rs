@@ -1,5 +1,5 @@
-//! Derivatives of the joint torque with respect to position, velocity and acceleration, and with them
-//! the mass matrix.
+//! Derivatives of joint torque and base reaction with respect to position, velocity and acceleration, and
+//! with them the mass matrix.
 //!
 //! Spatial vectors (angular, linear) about the base origin in base coordinates; for single-axis joints
 //! the closed forms of Singh, Russell and Wensing (2022, "Efficient analytical derivatives of rigid-body
@@ -12,232 +12,436 @@
 //! ```
 //!
 //! with I_i, B_i and f_i summed over the links that joint i moves, `Ψ̇ = v_p × S`,
-//! `Ψ̈ = a_p × S + v_p × Ψ̇` and `B(I, v) = ½ ((v×*) I − I (v×) + (I v) ×̄*)`.
+//! `Ψ̈ = a_p × S + v_p × Ψ̇` and `B(I, v) = ½ ((v×*) I − I (v×) + (I v) ×̄*)`. Of a rigid body with mass m, first
+//! moment h and second moment Σ = ∫ r rᵀ dm (inertia tr(Σ) 1 − Σ) that moves with v = (ω, u), most of B cancels:
+//!
+//! ```text
+//! I (α, a) = (tr(Σ) α − Σ α + h × a, m a − h × α)        l = m u − h × ω
+//! B (α, a) = (−ω × Σ α − u (h·α) + (h·u) α, α × l)
+//! ```
 
-use crate::robot::inertia::Inertia;
 use crate::robot::motion::{JointState, placement};
-use crate::robot::tree::Tree;
-use nalgebra::{DMatrix, Matrix3, Matrix6, Vector3, Vector6};
+use crate::robot::newton_euler::Load;
+use crate::robot::scalar::Scalar;
+use crate::robot::tree::{Link, Tree};
+use crate::robot::vector::{Mat3, Vec3};
 
-/// Spatial quantities of one joint and its link.
+/// Torque and its derivatives at one state, or at eight in lanes; memory reused from call to call.
 #[derive(Clone, Debug)]
-struct Spatial {
-    /// From link to base coordinates.
-    turn: Matrix3<f64>,
-    origin: Vector3<f64>,
-    axis: Vector6<f64>,
-    axis_rate: Vector6<f64>,
-    axis_second_rate: Vector6<f64>,
-    velocity: Vector6<f64>,
-    acceleration: Vector6<f64>,
-    inertia: Matrix6<f64>,
-    bias: Matrix6<f64>,
-    force: Vector6<f64>,
-}
-
-/// Torque, its derivatives and the mass matrix at one state; memory reused from call to call.
-#[derive(Clone, Debug)]
-pub struct Derivatives {
-    links: Vec<Spatial>,
+pub struct Derivatives<T> {
+    links: Vec<Spatial<T>>,
     /// τ, N·m or N.
-    pub torque: Vec<f64>,
-    /// ∂τ/∂q, n x n.
-    pub position: DMatrix<f64>,
-    /// ∂τ/∂q̇, n x n.
-    pub velocity: DMatrix<f64>,
-    /// ∂τ/∂q̈, n x n: the mass matrix.
-    pub mass: DMatrix<f64>,
-    /// Derivatives of the base reaction (force, then moment), 6 x n, with respect to q, q̇ and q̈: the
-    /// base stands before every joint, so they are the forms above before the product with S_j.
-    pub base: [DMatrix<f64>; 3],
+    torque: Vec<T>,
+    /// By q, q̇ and q̈: rows of the joints, then of the base reaction (force, moment); columns of the joints.
+    slopes: [Vec<T>; 3],
 }
 
-impl Derivatives {
+impl<T: Scalar> Derivatives<T> {
     pub fn new(tree: &Tree) -> Self {
         let n = tree.len();
-        let rest = Spatial {
-            turn: Matrix3::identity(),
-            origin: Vector3::zeros(),
-            axis: Vector6::zeros(),
-            axis_rate: Vector6::zeros(),
-            axis_second_rate: Vector6::zeros(),
-            velocity: Vector6::zeros(),
-            acceleration: Vector6::zeros(),
-            inertia: Matrix6::zeros(),
-            bias: Matrix6::zeros(),
-            force: Vector6::zeros(),
-        };
+        let zeros = || vec![T::constant(0.0); (n + 6) * n];
         Self {
-            links: vec![rest; n],
-            torque: vec![0.0; n],
-            position: DMatrix::zeros(n, n),
-            velocity: DMatrix::zeros(n, n),
-            mass: DMatrix::zeros(n, n),
-            base: std::array::from_fn(|_| DMatrix::zeros(6, n)),
+            links: vec![Spatial::rest(); n],
+            torque: vec![T::constant(0.0); n],
+            slopes: [zeros(), zeros(), zeros()],
         }
     }
 
+    /// Torque of a joint at the state that was evaluated last, N·m (N).
+    pub fn torque(&self, joint: usize) -> T {
+        self.torque[joint]
+    }
+
+    /// Derivative of a row with respect to a joint's position (order 0), velocity (1) or acceleration (2): rows 0 to
+    /// n − 1 are torques of joints, n to n + 5 the force and the moment of the base.
+    pub fn slope(&self, order: usize, (row, joint): (usize, usize)) -> T {
+        self.slopes[order][row * self.links.len() + joint]
+    }
+
+    /// Torques, then slopes order after order, row after row.
+    pub(crate) fn all(&self) -> [&[T]; 4] {
+        let [position, velocity, mass] = &self.slopes;
+        [&self.torque, position, velocity, mass]
+    }
+
     /// Evaluates at q, q̇, q̈ (n values each) with the 10 n inertial parameters.
-    pub fn evaluate(&mut self, tree: &Tree, parameters: &[f64], state: [&[f64]; 3]) {
+    #[inline(always)]
+    pub fn evaluate(&mut self, tree: &Tree, parameters: &[f64], state: [&[T]; 3]) {
         self.outward(tree, parameters, state);
         self.inward(tree);
         self.project(tree);
     }
 
-    fn outward(&mut self, tree: &Tree, parameters: &[f64], [q, dq, ddq]: [&[f64]; 3]) {
+    #[inline(always)]
+    fn outward(&mut self, tree: &Tree, parameters: &[f64], [q, dq, ddq]: [&[T]; 3]) {
+        let mut base = Spatial::rest();
+        base.turn = Mat3::constant([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+        base.acceleration.linear = Vec3::constant((-tree.gravity()).into());
         for (j, link) in tree.links().iter().enumerate() {
-            let (parent_turn, parent_origin, v, a) = match link.parent {
-                Some(p) => {
-                    let parent = &self.links[p];
-                    (
-                        parent.turn,
-                        parent.origin,
-                        parent.velocity,
-                        parent.acceleration,
-                    )
-                }
-                None => {
-                    let mut a = Vector6::zeros();
-                    a.fixed_rows_mut::<3>(3).copy_from(&-tree.gravity());
-                    (Matrix3::identity(), Vector3::zeros(), Vector6::zeros(), a)
-                }
+            let parent = match link.parent {
+                Some(p) => self.links[p],
+                None => base,
             };
-            let (turn, offset) = placement(link, &JointState::of(link, q[j], dq[j], ddq[j]));
-            let down = Matrix3::from_fn(|r, c| turn.0[r][c]);
-            let here = &mut self.links[j];
-            here.turn = parent_turn * down.transpose();
-            here.origin = parent_origin + parent_turn * Vector3::from(offset.0);
-            let z = here.turn * Vector3::from(link.axis);
-            here.axis = if link.revolute {
-                stack(z, here.origin.cross(&z))
-            } else {
-                stack(Vector3::zeros(), z)
-            };
-            here.axis_rate = cross_motion(&v, &here.axis);
-            here.axis_second_rate =
-                cross_motion(&a, &here.axis) + cross_motion(&v, &here.axis_rate);
-            here.velocity = v + here.axis * dq[j];
-            here.acceleration = a + here.axis * ddq[j] + here.axis_rate * dq[j];
-            let body = Inertia(std::array::from_fn(|k| parameters[10 * j + k]));
-            here.inertia = spatial_inertia(&body, &here.turn, &here.origin);
-            let momentum = here.inertia * here.velocity;
-            here.bias = coriolis(&here.inertia, &here.velocity, &momentum);
-            here.force = here.inertia * here.acceleration + cross_force(&here.velocity, &momentum);
+            let state = JointState::of(link, q[j], dq[j], ddq[j]);
+            let mut here = parent.moved(link, &state);
+            here.load(&parameters[10 * j..10 * j + 10]);
+            self.links[j] = here;
         }
     }
 
+    #[inline(always)]
     fn inward(&mut self, tree: &Tree) {
         for j in (0..tree.len()).rev() {
             if let Some(p) = tree.links()[j].parent {
                 let (before, from) = self.links.split_at_mut(j);
-                before[p].inertia += from[0].inertia;
-                before[p].bias += from[0].bias;
-                before[p].force += from[0].force;
+                before[p].body.add(&from[0].body);
+                before[p].bias.add(&from[0].bias);
+                before[p].force.force += from[0].force.force;
+                before[p].force.moment += from[0].force.moment;
             }
         }
     }
 
+    #[inline(always)]
     fn project(&mut self, tree: &Tree) {
-        self.position.as_mut_slice().fill(0.0);
-        self.velocity.as_mut_slice().fill(0.0);
-        self.mass.as_mut_slice().fill(0.0);
+        let n = tree.len();
+        let [position, velocity, mass] = &mut self.slopes;
         for (i, link) in tree.links().iter().enumerate() {
             let at = &self.links[i];
-            self.torque[i] = at.axis.dot(&at.force);
-            let inertia_axis = at.inertia * at.axis;
-            let doubled_bias = at.bias * 2.0;
-            let of_position = doubled_bias * at.axis_rate
-                + at.inertia * at.axis_second_rate
-                + cross_force(&at.axis, &at.force);
-            let of_velocity = doubled_bias * at.axis + at.inertia * at.axis_rate * 2.0;
-            for (matrix, column) in
-                self.base
-                    .iter_mut()
-                    .zip([&of_position, &of_velocity, &inertia_axis])
-            {
-                for k in 0..3 {
-                    matrix[(k, i)] = column[k + 3];
-                    matrix[(k + 3, i)] = column[k];
-                }
+            self.torque[i] = at.axis.on(at.force);
+            let of_acceleration = at.body.times(at.axis);
+            let of_velocity = twice(sum(at.bias.times(at.axis), at.body.times(at.axis_rate)));
+            let of_position = sum(
+                sum(
+                    twice(at.bias.times(at.axis_rate)),
+                    at.body.times(at.axis_second_rate),
+                ),
+                at.axis.cross_load(at.force),
+            );
+            let bias_row = at.bias.transpose_times(at.axis);
+            for k in 0..3 {
+                let (force, moment) = ((n + k) * n + i, (n + 3 + k) * n + i);
+                position[force] = of_position.force.0[k];
+                position[moment] = of_position.moment.0[k];
+                velocity[force] = of_velocity.force.0[k];
+                velocity[moment] = of_velocity.moment.0[k];
+                mass[force] = of_acceleration.force.0[k];
+                mass[moment] = of_acceleration.moment.0[k];
             }
-            let bias_row = doubled_bias.transpose() * at.axis;
             for &j in &link.ancestors {
                 let ancestor = &self.links[j];
-                self.position[(i, j)] = bias_row.dot(&ancestor.axis_rate)
-                    + inertia_axis.dot(&ancestor.axis_second_rate);
-                self.velocity[(i, j)] =
-                    bias_row.dot(&ancestor.axis) + 2.0 * inertia_axis.dot(&ancestor.axis_rate);
-                self.position[(j, i)] = ancestor.axis.dot(&of_position);
-                self.velocity[(j, i)] = ancestor.axis.dot(&of_velocity);
-                let mass = inertia_axis.dot(&ancestor.axis);
-                self.mass[(i, j)] = mass;
-                self.mass[(j, i)] = mass;
+                let (own, other) = (i * n + j, j * n + i);
+                let by_bias = bias_row.dot(ancestor.axis_rate.angular);
+                position[own] = by_bias + by_bias + ancestor.axis_second_rate.on(of_acceleration);
+                let half =
+                    bias_row.dot(ancestor.axis.angular) + ancestor.axis_rate.on(of_acceleration);
+                velocity[own] = half + half;
+                position[other] = ancestor.axis.on(of_position);
+                velocity[other] = ancestor.axis.on(of_velocity);
+                let entry = ancestor.axis.on(of_acceleration);
+                mass[own] = entry;
+                mass[other] = entry;
             }
         }
     }
 }
 
-fn stack(angular: Vector3<f64>, linear: Vector3<f64>) -> Vector6<f64> {
-    Vector6::new(
-        angular.x, angular.y, angular.z, linear.x, linear.y, linear.z,
-    )
+/// A velocity or an acceleration about the base origin.
+#[derive(Clone, Copy, Debug)]
+struct Twist<T> {
+    angular: Vec3<T>,
+    linear: Vec3<T>,
 }
 
-fn parts(v: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    (
-        Vector3::new(v[0], v[1], v[2]),
-        Vector3::new(v[3], v[4], v[5]),
-    )
+impl<T: Scalar> Twist<T> {
+    #[inline(always)]
+    fn zero() -> Self {
+        Self {
+            angular: Vec3::zero(),
+            linear: Vec3::zero(),
+        }
+    }
+
+    #[inline(always)]
+    fn plus_scaled(self, s: T, other: Self) -> Self {
+        Self {
+            angular: self.angular.plus_scaled(s, other.angular),
+            linear: self.linear.plus_scaled(s, other.linear),
+        }
+    }
+
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        Self {
+            angular: self.angular + other.angular,
+            linear: self.linear + other.linear,
+        }
+    }
+
+    /// `v × m` for motions.
+    #[inline(always)]
+    fn cross(self, m: Self) -> Self {
+        Self {
+            angular: self.angular.cross(m.angular),
+            linear: self.angular.cross(m.linear) + self.linear.cross(m.angular),
+        }
+    }
+
+    /// `v ×* f` for a motion and a force.
+    #[inline(always)]
+    fn cross_load(self, f: Load<T>) -> Load<T> {
+        Load {
+            force: self.angular.cross(f.force),
+            moment: self.angular.cross(f.moment) + self.linear.cross(f.force),
+        }
+    }
+
+    /// `Sᵀ f`.
+    #[inline(always)]
+    fn on(self, f: Load<T>) -> T {
+        self.angular.dot(f.moment) + self.linear.dot(f.force)
+    }
 }
 
-/// `v × m` for motions.
-fn cross_motion(v: &Vector6<f64>, m: &Vector6<f64>) -> Vector6<f64> {
-    let ((w, u), (a, b)) = (parts(v), parts(m));
-    stack(w.cross(&a), w.cross(&b) + u.cross(&a))
+#[inline(always)]
+fn sum<T: Scalar>(a: Load<T>, b: Load<T>) -> Load<T> {
+    Load {
+        force: a.force + b.force,
+        moment: a.moment + b.moment,
+    }
 }
 
-/// `v ×* f` for a motion and a force.
-fn cross_force(v: &Vector6<f64>, f: &Vector6<f64>) -> Vector6<f64> {
-    let ((w, u), (n, l)) = (parts(v), parts(f));
-    stack(w.cross(&n) + u.cross(&l), w.cross(&l))
+#[inline(always)]
+fn twice<T: Scalar>(a: Load<T>) -> Load<T> {
+    sum(a, a)
 }
 
-fn motion_matrix(v: &Vector6<f64>) -> Matrix6<f64> {
-    let (w, u) = parts(v);
-    blocks(
-        [&w.cross_matrix(), &Matrix3::zeros()],
-        [&u.cross_matrix(), &w.cross_matrix()],
-    )
+/// I: mass, first moment and second moment (xx, xy, yy, xz, yz, zz) about the base origin.
+#[derive(Clone, Copy, Debug)]
+struct Body<T> {
+    mass: T,
+    first: Vec3<T>,
+    second: [T; 6],
 }
 
-fn blocks(top: [&Matrix3<f64>; 2], bottom: [&Matrix3<f64>; 2]) -> Matrix6<f64> {
-    let mut m = Matrix6::zeros();
-    m.fixed_view_mut::<3, 3>(0, 0).copy_from(top[0]);
-    m.fixed_view_mut::<3, 3>(0, 3).copy_from(top[1]);
-    m.fixed_view_mut::<3, 3>(3, 0).copy_from(bottom[0]);
-    m.fixed_view_mut::<3, 3>(3, 3).copy_from(bottom[1]);
-    m
+impl<T: Scalar> Body<T> {
+    #[inline(always)]
+    fn zero() -> Self {
+        Self {
+            mass: T::constant(0.0),
+            first: Vec3::zero(),
+            second: [T::constant(0.0); 6],
+        }
+    }
+
+    /// A body with ten inertial parameters about the origin of a frame with this turn and origin.
+    #[inline(always)]
+    fn placed(parameters: &[f64], turn: &Mat3<T>, origin: Vec3<T>) -> Self {
+        let half = 0.5 * (parameters[4] + parameters[6] + parameters[9]);
+        let own = Mat3::constant([
+            [half - parameters[4], -parameters[5], -parameters[7]],
+            [-parameters[5], half - parameters[6], -parameters[8]],
+            [-parameters[7], -parameters[8], half - parameters[9]],
+        ]);
+        let mass = T::constant(parameters[0]);
+        let moment = turn.times(Vec3::constant([
+            parameters[1],
+            parameters[2],
+            parameters[3],
+        ]));
+        let [x, y, z] = turn.0;
+        let (a, b, c) = (own.times(Vec3(x)), own.times(Vec3(y)), own.times(Vec3(z)));
+        let ([rx, ry, rz], Vec3([wx, wy, wz])) = (
+            origin.0,
+            moment.plus_scaled(mass * T::constant(0.5), origin),
+        );
+        Self {
+            mass,
+            first: moment.plus_scaled(mass, origin),
+            second: [
+                a.dot(Vec3(x)) + rx.mul_add(wx, rx * wx),
+                a.dot(Vec3(y)) + rx.mul_add(wy, ry * wx),
+                b.dot(Vec3(y)) + ry.mul_add(wy, ry * wy),
+                a.dot(Vec3(z)) + rx.mul_add(wz, rz * wx),
+                b.dot(Vec3(z)) + ry.mul_add(wz, rz * wy),
+                c.dot(Vec3(z)) + rz.mul_add(wz, rz * wz),
+            ],
+        }
+    }
+
+    /// `I m`.
+    #[inline(always)]
+    fn times(&self, m: Twist<T>) -> Load<T> {
+        let [xx, _, yy, _, _, zz] = self.second;
+        let turned = Mat3::symmetric(self.second).times(m.angular);
+        Load {
+            force: -self
+                .first
+                .cross(m.angular)
+                .plus_scaled(-self.mass, m.linear),
+            moment: self.first.cross(m.linear) - turned.plus_scaled(-(xx + yy + zz), m.angular),
+        }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, other: &Self) {
+        self.mass += other.mass;
+        self.first += other.first;
+        for k in 0..6 {
+            self.second[k] += other.second[k];
+        }
+    }
 }
 
-/// Inertia of a body about the base origin in base coordinates.
-fn spatial_inertia(body: &Inertia, turn: &Matrix3<f64>, origin: &Vector3<f64>) -> Matrix6<f64> {
-    let rotation = nalgebra::Rotation3::from_matrix_unchecked(*turn);
-    let moved = body.seen_from(&rotation, origin);
-    let h = moved.first_moment().cross_matrix();
-    blocks(
-        [&moved.tensor(), &h],
-        [&-h, &(Matrix3::identity() * moved.mass())],
-    )
+/// B: what maps a turn to a moment, and the linear momentum l.
+#[derive(Clone, Copy, Debug)]
+struct Bias<T> {
+    turn: Mat3<T>,
+    momentum: Vec3<T>,
 }
 
-/// `B(I, v)` with the momentum I v at hand.
-fn coriolis(inertia: &Matrix6<f64>, v: &Vector6<f64>, momentum: &Vector6<f64>) -> Matrix6<f64> {
-    let cross = motion_matrix(v);
-    let (n, l) = parts(momentum);
-    // (p ×̄*) m = m ×* p as a matrix acting on m.
-    let swapped = blocks(
-        [&-n.cross_matrix(), &-l.cross_matrix()],
-        [&-l.cross_matrix(), &Matrix3::zeros()],
-    );
-    (-cross.transpose() * inertia - inertia * cross + swapped) * 0.5
+impl<T: Scalar> Bias<T> {
+    #[inline(always)]
+    fn zero() -> Self {
+        Self {
+            turn: Mat3::constant([[0.0; 3]; 3]),
+            momentum: Vec3::zero(),
+        }
+    }
+
+    #[inline(always)]
+    fn of(body: &Body<T>, v: Twist<T>, momentum: Vec3<T>) -> Self {
+        let [xx, xy, yy, xz, yz, zz] = body.second;
+        let [x, y, z] = [
+            Vec3([xx, xy, xz]).cross(v.angular),
+            Vec3([xy, yy, yz]).cross(v.angular),
+            Vec3([xz, yz, zz]).cross(v.angular),
+        ];
+        let ([ux, uy, uz], [hx, hy, hz]) = (v.linear.0, body.first.0);
+        let along = body.first.dot(v.linear);
+        Self {
+            turn: Mat3([
+                [x.0[0] - ux * hx + along, y.0[0] - ux * hy, z.0[0] - ux * hz],
+                [x.0[1] - uy * hx, y.0[1] - uy * hy + along, z.0[1] - uy * hz],
+                [x.0[2] - uz * hx, y.0[2] - uz * hy, z.0[2] - uz * hz + along],
+            ]),
+            momentum,
+        }
+    }
+
+    /// `B m`.
+    #[inline(always)]
+    fn times(&self, m: Twist<T>) -> Load<T> {
+        Load {
+            force: m.angular.cross(self.momentum),
+            moment: self.turn.times(m.angular),
+        }
+    }
+
+    /// The angular part of `Bᵀ m`; the linear one vanishes.
+    #[inline(always)]
+    fn transpose_times(&self, m: Twist<T>) -> Vec3<T> {
+        self.turn.transpose_times(m.angular) + self.momentum.cross(m.linear)
+    }
+
+    #[inline(always)]
+    fn add(&mut self, other: &Self) {
+        for r in 0..3 {
+            for c in 0..3 {
+                self.turn.0[r][c] += other.turn.0[r][c];
+            }
+        }
+        self.momentum += other.momentum;
+    }
+}
+
+/// One joint and its link; inward also the links that the joint moves.
+#[derive(Clone, Copy, Debug)]
+struct Spatial<T> {
+    /// From link to base coordinates.
+    turn: Mat3<T>,
+    origin: Vec3<T>,
+    /// S
+    axis: Twist<T>,
+    /// Ψ̇
+    axis_rate: Twist<T>,
+    /// Ψ̈
+    axis_second_rate: Twist<T>,
+    velocity: Twist<T>,
+    acceleration: Twist<T>,
+    body: Body<T>,
+    bias: Bias<T>,
+    force: Load<T>,
+}
+
+impl<T: Scalar> Spatial<T> {
+    #[inline(always)]
+    fn rest() -> Self {
+        Self {
+            turn: Mat3::constant([[0.0; 3]; 3]),
+            origin: Vec3::zero(),
+            axis: Twist::zero(),
+            axis_rate: Twist::zero(),
+            axis_second_rate: Twist::zero(),
+            velocity: Twist::zero(),
+            acceleration: Twist::zero(),
+            body: Body::zero(),
+            bias: Bias::zero(),
+            force: Load::zero(),
+        }
+    }
+
+    /// The next link outward, without its body.
+    #[inline(always)]
+    fn moved(&self, link: &Link, state: &JointState<T>) -> Self {
+        let (down, offset) = placement(link, state);
+        let [x, y, z] = self.turn.0;
+        let turn = Mat3([
+            down.times(Vec3(x)).0,
+            down.times(Vec3(y)).0,
+            down.times(Vec3(z)).0,
+        ]);
+        let origin = self.origin + self.turn.times(offset);
+        let along = turn.times(Vec3::constant(link.axis));
+        let axis = if link.revolute {
+            Twist {
+                angular: along,
+                linear: origin.cross(along),
+            }
+        } else {
+            Twist {
+                angular: Vec3::zero(),
+                linear: along,
+            }
+        };
+        let axis_rate = self.velocity.cross(axis);
+        Self {
+            turn,
+            origin,
+            axis,
+            axis_rate,
+            axis_second_rate: self
+                .acceleration
+                .cross(axis)
+                .plus(self.velocity.cross(axis_rate)),
+            velocity: self.velocity.plus_scaled(state.dq, axis),
+            acceleration: self
+                .acceleration
+                .plus_scaled(state.ddq, axis)
+                .plus_scaled(state.dq, axis_rate),
+            ..Self::rest()
+        }
+    }
+
+    /// Gives the link its body: ten inertial parameters.
+    #[inline(always)]
+    fn load(&mut self, parameters: &[f64]) {
+        self.body = Body::placed(parameters, &self.turn, self.origin);
+        let momentum = self.body.times(self.velocity);
+        self.bias = Bias::of(&self.body, self.velocity, momentum.force);
+        self.force = sum(
+            self.body.times(self.acceleration),
+            self.velocity.cross_load(momentum),
+        );
+    }
 }

@@ -18,6 +18,12 @@ pub trait Lanes: Scalar {
     /// Eight consecutive values of a series from `start`; a short end repeats its last value.
     #[inline(always)]
     fn load(series: &[f64], start: usize) -> Self {
+        if let Some(Ok(whole)) = series
+            .get(start..start + LANES)
+            .map(<[f64; LANES]>::try_from)
+        {
+            return Self::from_array(whole);
+        }
         let mut values = [0.0; LANES];
         for (lane, value) in values.iter_mut().enumerate() {
             *value = series[(start + lane).min(series.len() - 1)];

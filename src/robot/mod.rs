@@ -2,6 +2,7 @@
 
 mod assemble;
 pub mod batch;
+pub mod derivative_batch;
 pub mod derivatives;
 pub mod error;
 mod file;

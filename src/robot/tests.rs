@@ -3,6 +3,7 @@
 mod broken;
 
 use crate::robot::batch::{RegressorBatch, Trajectory, torques};
+use crate::robot::derivative_batch::DerivativeBatch;
 use crate::robot::derivatives::Derivatives;
 use crate::robot::forward_dynamics::ForwardDynamics;
 use crate::robot::inertia::Inertia;
@@ -227,19 +228,14 @@ fn matches_differences_of_torque_in_position_velocity_acceleration() {
             let state = State::random(&mut rng, tree.len());
             derivatives.evaluate(&tree, &pi, state.slices());
             let expected = torque(&tree, &pi, &state);
-            let got = DVector::from_column_slice(&derivatives.torque);
+            let n = tree.len();
+            let got = DVector::from_fn(n, |j, _| derivatives.torque(j));
             assert!((got - &expected).amax() <= 1e-11 * expected.amax().max(1.0));
-            for (which, matrix) in [
-                &derivatives.position,
-                &derivatives.velocity,
-                &derivatives.mass,
-            ]
-            .into_iter()
-            .enumerate()
-            {
-                for j in 0..tree.len() {
+            for which in 0..3 {
+                for j in 0..n {
                     let column = differences(|h| torque(&tree, &pi, &shifted(&state, which, j, h)));
-                    let error = (matrix.column(j) - &column).amax();
+                    let got = DVector::from_fn(n, |row, _| derivatives.slope(which, (row, j)));
+                    let error = (got - &column).amax();
                     assert!(
                         error <= 1e-7 * column.amax().max(1.0),
                         "{which} {j}: {error:e}"
@@ -258,10 +254,12 @@ fn matches_differences_of_base_reaction() {
         let state = State::random(&mut rng, tree.len());
         derivatives.evaluate(&tree, pi.as_slice(), state.slices());
         let reaction = |s: &State| regressor(&tree, Rows::Base, s) * &pi;
-        for (which, matrix) in derivatives.base.iter().enumerate() {
+        for which in 0..3 {
             for j in 0..tree.len() {
                 let column = differences(|h| reaction(&shifted(&state, which, j, h)));
-                let error = (matrix.column(j) - &column).amax();
+                let first = tree.len();
+                let got = DVector::from_fn(6, |k, _| derivatives.slope(which, (first + k, j)));
+                let error = (got - &column).amax();
                 assert!(
                     error <= 1e-7 * column.amax().max(1.0),
                     "{which} {j}: {error:e}"
@@ -329,7 +327,18 @@ fn invariant_lanes_match_single_samples_in_every_instruction_set() {
         ] {
             let mut batch = RegressorBatch::with_instructions(&tree, Rows::Both, samples, set);
             batch.evaluate(&tree, trajectory, 0..samples);
+            let mut slopes = DerivativeBatch::with_instructions(&tree, samples, set);
+            slopes.evaluate(&tree, &tree.parameters(), (trajectory, 0..samples));
+            let mut single = Derivatives::new(&tree);
             for (k, state) in states.iter().enumerate() {
+                single.evaluate(&tree, &tree.parameters(), state.slices());
+                for at in (0..n + 6).flat_map(|row| (0..n).map(move |j| (row, j))) {
+                    for order in 0..3 {
+                        let (got, expected) = (slopes.slope(order, at)[k], single.slope(order, at));
+                        let bound = 1e-11 * expected.abs().max(100.0);
+                        assert!((got - expected).abs() <= bound, "{set:?} {order} {at:?}");
+                    }
+                }
                 let y = regressor(&tree, Rows::Both, state);
                 let scale = y.amax();
                 for row in 0..n + 6 {

@@ -1,7 +1,7 @@
 //! Random robots with drives, friction and sensors of plausible size.
 
 use crate::robot::batch::{Trajectory, torques};
-use crate::robot::derivatives::Derivatives;
+use crate::robot::derivative_batch::DerivativeBatch;
 use crate::robot::random::{body_about, symmetric, vector};
 use crate::robot::tree::{Joint, JointKind, Limits, Tree};
 use crate::robot::urdf::inertial;
@@ -224,14 +224,12 @@ fn sizes(rng: &mut ChaCha8Rng, tree: &Tree) -> (Vec<f64>, Vec<f64>) {
     let mut torque: Vec<f64> = all.iter().map(rms).collect();
     let largest = torque.iter().copied().fold(0.0, f64::max);
     torque.iter_mut().for_each(|t| *t = t.max(0.05 * largest));
-    let mut derivatives = Derivatives::new(tree);
-    let mut mass = vec![0.0; n];
-    for k in 0..STATES {
-        let at = |series: &[Vec<f64>]| -> Vec<f64> { series.iter().map(|s| s[k]).collect() };
-        derivatives.evaluate(tree, &parameters, [&at(q), &at(dq), &at(ddq)]);
-        for (j, mass) in mass.iter_mut().enumerate() {
-            *mass += derivatives.mass[(j, j)] / STATES as f64;
-        }
-    }
-    (torque, mass)
+    let mut derivatives = DerivativeBatch::new(tree, STATES);
+    let states = (Trajectory { q, dq, ddq }, 0..STATES);
+    derivatives.evaluate(tree, &parameters, states);
+    let mean = |j: usize| {
+        let entries = &derivatives.slope(2, (j, j))[..STATES];
+        entries.iter().sum::<f64>() / STATES as f64
+    };
+    (torque, (0..n).map(mean).collect())
 }

@@ -4,7 +4,7 @@
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
 use crate::chain::model::{JointModel, Model};
 use crate::chain::parameter::Role;
-use crate::robot::derivatives::Derivatives;
+use crate::robot::derivative_batch::DerivativeBatch;
 use nalgebra::DVector;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -146,6 +146,16 @@ impl Slopes {
         (k * self.rows + row) * self.joints + joint
     }
 
+    /// Writes an entry over some samples.
+    fn put(&mut self, entry: (usize, usize), samples: Range<usize>, by: [&[f64]; 3]) {
+        for (order, by) in by.into_iter().enumerate() {
+            for (k, by) in samples.clone().zip(by) {
+                let at = self.at(k, entry);
+                self.by[order][at] = *by;
+            }
+        }
+    }
+
     /// Those by some of the joints.
     pub fn of_joints(&self, joints: &[usize]) -> Self {
         let pick = |by: &Vec<f64>| {
@@ -169,7 +179,7 @@ impl Evaluator<'_> {
         self.move_joints(segment.motors, range.clone());
         self.rigid_body(segment, range.clone());
         let all: Vec<usize> = (0..self.model.joints().len()).collect();
-        let (_, slopes) = self.slopes(segment.loaded, range, &all);
+        let (_, slopes) = self.slopes(segment.loaded, range.len(), &all);
         KnownBodies {
             torque: self.rigid.values.clone(),
             columns: Vec::new(),
@@ -243,28 +253,23 @@ impl Evaluator<'_> {
     pub(super) fn slopes(
         &mut self,
         loaded: bool,
-        range: Range<usize>,
+        samples: usize,
         joints: &[usize],
     ) -> (Vec<Vec<f64>>, Slopes) {
-        let (n, samples) = (self.model.joints().len(), range.len());
         let bodies = Rc::clone(&self.bodies[usize::from(loaded)]);
-        let (rows, torque_rows) = (self.rigid.values.len(), self.torque_rows());
+        let rows = self.rigid.values.len();
         let mut torque = vec![vec![0.0; samples]; joints.len()];
         let mut slopes = Slopes::zeros(rows, joints.len(), samples);
-        let mut state = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
         let mut derivatives = self.lend_derivatives();
-        for k in 0..samples {
-            self.state_at(k, &mut state);
-            let slices = [&state[0][..], &state[1], &state[2]];
-            derivatives.evaluate(&self.tree, &bodies, slices);
+        for start in (0..samples).step_by(BLOCK) {
+            let part = start..samples.min(start + BLOCK);
+            derivatives.evaluate(&self.tree, &bodies, (self.trajectory(), part.clone()));
             for (f, &joint) in joints.iter().enumerate() {
-                torque[f][k] = derivatives.torque[joint];
+                let of_joint = &derivatives.torque(joint)[..part.len()];
+                torque[f][part.clone()].copy_from_slice(of_joint);
                 for row in 0..rows {
-                    let at = slopes.at(k, (row, f));
-                    let by = by_motion(&derivatives, (row, torque_rows), joint);
-                    for (slope, by) in slopes.by.iter_mut().zip(by) {
-                        slope[at] = by;
-                    }
+                    let by = self.by_motion(&derivatives, (row, joint));
+                    slopes.put((row, f), part.clone(), by);
                 }
             }
         }
@@ -272,17 +277,23 @@ impl Evaluator<'_> {
         (torque, slopes)
     }
 
-    /// The recursion for derivatives, which goes back to `self.derivatives` after use.
-    pub(super) fn lend_derivatives(&mut self) -> Derivatives {
-        let anew = || Derivatives::new(&self.tree);
+    /// The batch for derivatives, which goes back to `self.derivatives` after use.
+    pub(super) fn lend_derivatives(&mut self) -> DerivativeBatch {
+        let anew = || DerivativeBatch::new(&self.tree, BLOCK);
         self.derivatives.take().unwrap_or_else(anew)
     }
-}
 
-/// Derivatives of a row of the rigid body with respect to q_i, q̇_i and q̈_i at the state that was evaluated last.
-pub(super) fn by_motion(d: &Derivatives, (row, torque_rows): (usize, usize), i: usize) -> [f64; 3] {
-    match row.checked_sub(torque_rows) {
-        None => [d.position[(row, i)], d.velocity[(row, i)], d.mass[(row, i)]],
-        Some(component) => [0, 1, 2].map(|order| d.base[order][(component, i)]),
+    /// Derivatives of a row of the rigid body with respect to q_i, q̇_i and q̈_i over the samples that were evaluated last.
+    pub(super) fn by_motion<'d>(
+        &self,
+        derivatives: &'d DerivativeBatch,
+        (row, i): (usize, usize),
+    ) -> [&'d [f64]; 3] {
+        let n = self.model.joints().len();
+        let row = match row.checked_sub(self.torque_rows()) {
+            None => row,
+            Some(component) => n + component,
+        };
+        [0, 1, 2].map(|order| derivatives.slope(order, (row, i)))
     }
 }

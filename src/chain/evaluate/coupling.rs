@@ -2,8 +2,7 @@
 //!
 //! `∂τ_M/∂V_ij = Vᵀ (∂τ/∂q_i m_j + ∂τ/∂q̇_i ṁ_j + ∂τ/∂q̈_i m̈_j) + e_j τ_i`
 
-use crate::chain::evaluate::bodies::by_motion;
-use crate::chain::evaluate::{Evaluator, Segment};
+use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
 use std::ops::Range;
 use std::rc::Rc;
 
@@ -14,41 +13,28 @@ impl Evaluator<'_> {
         if entries.is_empty() {
             return;
         }
-        let n = self.model.joints().len();
-        let torque_rows = self.torque_rows();
         let bodies = Rc::clone(&self.bodies[usize::from(segment.loaded)]);
         let motors = segment.motors;
-        let mut state = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
         let mut derivatives = self.lend_derivatives();
-        for (k, sample) in range.enumerate() {
-            self.state_at(k, &mut state);
-            let slices = [&state[0][..], &state[1], &state[2]];
-            derivatives.evaluate(&self.tree, &bodies, slices);
+        for start in (0..range.len()).step_by(BLOCK) {
+            let part = start..range.len().min(start + BLOCK);
+            derivatives.evaluate(&self.tree, &bodies, (self.trajectory(), part.clone()));
             for &(column, i, j) in &entries {
-                let m = [motors.q, motors.dq, motors.ddq].map(|series| series[j][sample]);
-                let spring = self.stiffness.get(i).map_or(0.0, |s| s[k]) * m[0];
                 for row in 0..self.rigid.values.len() {
-                    let [by_q, by_dq, by_ddq] = by_motion(&derivatives, (row, torque_rows), i);
-                    let own = if row == i && row < torque_rows {
-                        spring
-                    } else {
-                        0.0
-                    };
-                    let change = by_q * m[0] + by_dq * m[1] + by_ddq * m[2] + own;
-                    self.rigid.series(row, column)[k] += change;
+                    let [by_q, by_dq, by_ddq] = self.by_motion(&derivatives, (row, i));
+                    let spring = self.stiffness.get(i);
+                    let spring = spring.filter(|_| row == i && row < self.torque_rows());
+                    let series = self.rigid.series(row, column);
+                    for (at, k) in part.clone().enumerate() {
+                        let sample = range.start + k;
+                        let m = [motors.q, motors.dq, motors.ddq].map(|series| series[j][sample]);
+                        let own = spring.map_or(0.0, |stiffness| stiffness[k] * m[0]);
+                        series[k] += by_q[at] * m[0] + by_dq[at] * m[1] + by_ddq[at] * m[2] + own;
+                    }
                 }
             }
         }
         self.derivatives = Some(derivatives);
-    }
-
-    /// Joint motion of one sample.
-    pub(super) fn state_at(&self, k: usize, state: &mut [Vec<f64>; 3]) {
-        for (values, motion) in state.iter_mut().zip(&self.joint_motion) {
-            for (value, series) in values.iter_mut().zip(motion) {
-                *value = series[k];
-            }
-        }
     }
 
     /// `e_j τ_i`.

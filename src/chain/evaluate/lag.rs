@@ -306,7 +306,7 @@ impl Evaluator<'_> {
     /// are now.
     fn linearise(&mut self, segment: Segment<'_>, samples: usize, lag: &mut Lag) -> Vec<Vec<f64>> {
         let members = lag.rows();
-        let (mut torque, slopes) = self.slopes(segment.loaded, 0..samples, &members);
+        let (mut torque, slopes) = self.slopes(segment.loaded, samples, &members);
         lag.slopes = slopes;
         self.add_springs((segment, samples), lag, &mut torque);
         torque

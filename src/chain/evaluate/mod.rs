@@ -28,7 +28,7 @@ use crate::chain::effect::{Law, Memory};
 use crate::chain::model::{JointModel, Model, Signal};
 use crate::chain::parameter::Role;
 use crate::robot::batch::{RegressorBatch, Trajectory};
-use crate::robot::derivatives::Derivatives;
+use crate::robot::derivative_batch::DerivativeBatch;
 use crate::robot::inertia::PER_LINK;
 use crate::robot::tree::Tree;
 use nalgebra::{DMatrix, DVector, SMatrix};
@@ -90,7 +90,7 @@ pub struct Evaluator<'m> {
     bodies: [Rc<[f64]>; 2],
     /// Made when first needed: most evaluations need neither.
     regressor: Option<RegressorBatch>,
-    derivatives: Option<Derivatives>,
+    derivatives: Option<DerivativeBatch>,
     /// Whether the samples are the whole course of a motion.
     along: bool,
     /// Channels that are asked for; the others are left unfinished.

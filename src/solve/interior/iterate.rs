@@ -1,7 +1,7 @@
 //! The iterate of the method: step, cones, and one predictor-corrector step of it.
 
 use crate::problem::solution::{Stop, Trace};
-use crate::solve::interior::block::State;
+use crate::solve::interior::block::{Cone, State};
 use crate::solve::interior::normal::{Factor, gram};
 use crate::solve::interior::program::Program;
 use crate::solve::interior::small::{self, Small};
@@ -114,20 +114,7 @@ impl<'a> Iterate<'a> {
         let mut gap = 0.0;
         let mut inside = true;
         for (cone, state) in program.cones.iter().zip(&mut self.states) {
-            let exact = cone.at(&self.step);
-            // S itself where it is inside; a cone that is still missed keeps its own.
-            let rounding = ROUNDING * cone.size(&self.step);
-            let room = (NEAR * state.s.amax()).max(rounding);
-            let near = (exact - state.s).amax() <= room;
-            if near && small::cholesky(&exact, cone.order).is_some() {
-                state.s = exact;
-                state.miss = Small::zeros();
-                let within = exact - small::identity(cone.order) * rounding;
-                inside &= small::cholesky(&within, cone.order).is_some();
-            } else {
-                state.miss = exact - state.s;
-                inside = false;
-            }
+            inside &= is_inside(cone, &self.step, state);
             state.scale(cone)?;
             cone.subtract_adjoint(&state.z, &mut miss);
             for (&j, slope) in cone.columns.iter().zip(&cone.slopes) {
@@ -286,6 +273,23 @@ impl<'a> Iterate<'a> {
             multipliers,
         }
     }
+}
+
+/// Gives a cone the S that follows from the variables where that is inside; a cone that is still missed keeps its own.
+/// Whether S is inside by more than rounding.
+fn is_inside(cone: &Cone, step: &DVector<f64>, state: &mut State) -> bool {
+    let exact = cone.at(step);
+    let rounding = ROUNDING * cone.size(step);
+    let room = (NEAR * state.s.amax()).max(rounding);
+    let near = (exact - state.s).amax() <= room;
+    if !near || small::cholesky(&exact, cone.order).is_none() {
+        state.miss = exact - state.s;
+        return false;
+    }
+    state.s = exact;
+    state.miss = Small::zeros();
+    let within = exact - small::identity(cone.order) * rounding;
+    small::cholesky(&within, cone.order).is_some()
 }
 
 fn exact_least(matrix: &Small, order: usize) -> f64 {
