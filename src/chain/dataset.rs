@@ -38,9 +38,15 @@ struct Rows {
 }
 
 impl Prepared {
+    /// Every row that says something of its own is used.
     pub fn new(name: String, split: Split, loaded: bool, experiment: Experiment) -> Self {
         let stride = stride(&experiment);
-        let whole = Self {
+        Self::with_all_rows(name, split, loaded, experiment).thinned(stride)
+    }
+
+    /// Every row is used.
+    pub fn with_all_rows(name: String, split: Split, loaded: bool, experiment: Experiment) -> Self {
+        Self {
             name,
             split,
             loaded,
@@ -49,8 +55,7 @@ impl Prepared {
             forces: Vec::new(),
             bodies: None,
             rows: None,
-        };
-        whole.thinned(stride)
+        }
     }
 
     /// The same recording, of which every n-th used row is used.

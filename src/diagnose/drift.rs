@@ -27,15 +27,18 @@ pub fn sought(data: &Dataset, rules: Rules<'_>) -> Option<Vec<String>> {
     (!wanted.is_empty()).then_some(wanted)
 }
 
-/// The recordings with their periods one after another.
+/// The recordings with their periods one after another. The noise of samples as they were recorded is each row's own,
+/// so that every row is used; a filter leaves neighbours alike.
 pub fn unrolled(data: &Dataset) -> Dataset {
     let of = |recording: &Prepared| match unrolled_experiment(&recording.experiment) {
-        Some(experiment) => Prepared::new(
-            recording.name.clone(),
-            recording.split,
-            recording.loaded,
-            experiment,
-        ),
+        Some(experiment) => {
+            let prepare = match experiment.parallel {
+                Some(_) => Prepared::new,
+                None => Prepared::with_all_rows,
+            };
+            let name = recording.name.clone();
+            prepare(name, recording.split, recording.loaded, experiment)
+        }
         None => recording.clone(),
     };
     Dataset {

@@ -25,6 +25,8 @@ struct Kind {
     values: Vec<f64>,
     scanned: bool,
     rising: bool,
+    /// A time: the times of a law follow one another.
+    time: bool,
     /// A scale of speed, or what has no values to try.
     begun_anew: bool,
 }
@@ -62,6 +64,7 @@ impl Grid {
                 },
                 scanned: search == Search::Cycles,
                 rising: matches!(search, Search::Rising(_)),
+                time: matches!(search, Search::Duration(_)),
                 begun_anew: matches!(search, Search::Speed(_) | Search::Typical),
             });
         }
@@ -128,7 +131,7 @@ impl Grid {
         self.points(choices.collect())
     }
 
-    /// Every combination of the choices, one value per own parameter.
+    /// Every combination of the choices in which times follow one another, one value per own parameter.
     fn points(&self, choices: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         let mut points = vec![Vec::new()];
         for values in &choices {
@@ -141,7 +144,38 @@ impl Grid {
             };
             points = points.into_iter().flat_map(longer).collect();
         }
+        let times: Vec<usize> = (0..choices.len()).filter(|&k| self.kinds[k].time).collect();
+        let follow = |point: &Vec<f64>| times.is_sorted_by(|&a, &b| point[a] < point[b]);
+        points.retain(follow);
         let spread = |point: Vec<f64>| self.of.iter().map(|&kind| point[kind]).collect();
         points.into_iter().map(spread).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_begins_ends_later() {
+        let kind = |values: &[f64], time: bool| Kind {
+            parameter: None,
+            linear: None,
+            values: values.to_vec(),
+            scanned: false,
+            rising: false,
+            time,
+            begun_anew: false,
+        };
+        let grid = Grid {
+            kinds: vec![
+                kind(&[5.0], false),
+                kind(&[1.0, 2.0], true),
+                kind(&[1.0, 2.0, 3.0], true),
+            ],
+            of: vec![0, 1, 2],
+        };
+        let points = [[5.0, 1.0, 2.0], [5.0, 1.0, 3.0], [5.0, 2.0, 3.0]];
+        assert_eq!(grid.all(None), points.map(Vec::from));
     }
 }
