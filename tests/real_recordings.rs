@@ -21,9 +21,14 @@ fn fit(data: &Path, problem: &str, robot: Option<&str>) -> Value {
     if let Some(robot) = robot {
         fs::write(folder.path().join("robot.urdf"), robot).unwrap();
     }
+    result(folder.path(), "fit")
+}
+
+/// What a command says of the problem in a folder.
+fn result(folder: &Path, verb: &str) -> Value {
     let output = Command::new(env!("CARGO_BIN_EXE_exid"))
-        .current_dir(folder.path())
-        .args(["fit", "problem.toml", "--json", "--out", "out"])
+        .current_dir(folder)
+        .args([verb, "problem.toml", "--json", "--out", "out"])
         .output()
         .unwrap();
     let words = String::from_utf8_lossy(&output.stderr);
@@ -222,15 +227,8 @@ fn emps_without_friction_gets_back_what_is_fitted_by_hand() {
     let problem = include_str!("../examples/real_proofs/emps_frictionless.toml");
     fs::write(folder.path().join("problem.toml"), problem).unwrap();
     fs::write(folder.path().join("robot.urdf"), EMPS).unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_exid"))
-        .current_dir(folder.path())
-        .args(["diagnose", "problem.toml", "--json", "--out", "out"])
-        .output()
-        .unwrap();
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{words}");
-    let result: Value = serde_json::from_slice(&output.stdout).unwrap();
-    let findings = result["findings"].as_array().unwrap();
+    let diagnosis = result(folder.path(), "diagnose");
+    let findings = diagnosis["findings"].as_array().unwrap();
     let found: Vec<&str> = findings
         .iter()
         .map(|f| f["effect"].as_str().unwrap())

@@ -15,6 +15,7 @@ use crate::design::observation::Observation;
 use crate::design::series::Basis;
 use crate::robot::batch;
 use crate::robot::derivative_batch::DerivativeBatch;
+use std::ops::Range;
 
 /// A motor whose torque is limited, under one of the loads.
 #[derive(Debug, Clone, PartialEq)]
@@ -169,16 +170,7 @@ impl<'m> Torques<'m> {
                 derivatives.evaluate(self.model.tree(), bodies, states);
                 let own = self.limited.iter().zip(&mut all);
                 for (limited, slopes) in own.filter(|(l, _)| l.load == load) {
-                    let shares = self.coupling.column(limited.joint);
-                    for (order, slopes) in slopes.iter_mut().enumerate() {
-                        for (i, slopes) in slopes.iter_mut().enumerate() {
-                            for (row, share) in shares.iter().enumerate() {
-                                let by = derivatives.slope(order, (row, i));
-                                let pairs = slopes[part.clone()].iter_mut().zip(by);
-                                pairs.for_each(|(to, by)| *to += share * by);
-                            }
-                        }
-                    }
+                    self.carry_slopes(limited.joint, (&derivatives, part.clone()), slopes);
                 }
             }
         }
@@ -187,6 +179,29 @@ impl<'m> Torques<'m> {
             self.law_slopes(limited.joint, &motors, slopes);
         }
         all
+    }
+
+    /// Adds `∂τ_M/∂(q, q̇, q̈)` of the bodies over some samples, through the column of V of a motor.
+    fn carry_slopes(
+        &self,
+        motor: usize,
+        (derivatives, part): (&DerivativeBatch, Range<usize>),
+        slopes: &mut [Vec<Vec<f64>>; MOTION],
+    ) {
+        let shares = self.coupling.column(motor);
+        for (row, share) in shares
+            .iter()
+            .enumerate()
+            .filter(|(_, share)| **share != 0.0)
+        {
+            for (order, slopes) in slopes.iter_mut().enumerate() {
+                for (i, slopes) in slopes.iter_mut().enumerate() {
+                    let by = derivatives.slope(order, (row, i));
+                    let pairs = slopes[part.clone()].iter_mut().zip(by);
+                    pairs.for_each(|(to, by)| *to += share * by);
+                }
+            }
+        }
     }
 
     fn law_slopes(&self, j: usize, motors: &Motion, slopes: &mut [Vec<Vec<f64>>; MOTION]) {

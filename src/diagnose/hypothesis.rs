@@ -155,24 +155,15 @@ fn bodies(
 mod tests {
     use super::*;
     use crate::chain::effect::find;
-    use crate::chain::model::{Inertials, ModelSettings, Signal};
+    use crate::chain::model::{ModelSettings, Signal};
     use crate::robot::random::{generator, tree};
 
     /// Ids of what a model whose two joints have the same effects leaves open on the first.
     fn open_beside(effects: &[&str]) -> Vec<&'static str> {
         let effects: Vec<_> = effects.iter().map(|id| find(id).unwrap()).collect();
         let model = Model::new(ModelSettings {
-            signal: Signal::Current,
-            inertials: Inertials::Estimate,
-            torque_constant: None,
-            current_polynomial: None,
-            rotor_inertia: None,
-            coupling: None,
-            offset: None,
             effects: vec![effects; 2],
-            payload: None,
-            locked: vec![false; 2],
-            tree: tree(&mut generator(3), 2),
+            ..ModelSettings::bodies(tree(&mut generator(3), 2), Signal::Current)
         })
         .unwrap();
         let prior = Prior::none(model.parameters().len());
