@@ -1,12 +1,14 @@
 //! The noise of one row of a channel, which a residual is held against.
 
 use crate::chain::dataset::Prepared;
+use crate::chain::model::Model;
 use crate::diagnose::bench::Bench;
 use crate::diagnose::refit::Refit;
 use crate::diagnose::rows::rms;
 use crate::diagnose::smooth::Smooth;
 use crate::diagnose::summary;
 use crate::estimate::figures::noise_rms;
+use crate::outcome::joint::JointFigures;
 
 /// Least excess over the noise that shares are taken of.
 pub const LEAST_EXCESS: f64 = 0.05;
@@ -32,6 +34,17 @@ impl Floor {
             rows += count;
         }
         if rows > 0.0 { sum / rows } else { 1.0 }
+    }
+
+    /// Holds the held-out errors of active channels against this noise.
+    pub fn judge(&self, model: &Model, joints: &mut [JointFigures]) {
+        let channels = model.channels().iter().zip(&self.rms);
+        let active = channels.filter(|(channel, _)| channel.active);
+        for ((_, noise), joint) in active.zip(joints) {
+            let held_out = joint.rmse_validation.unwrap_or(joint.rmse_train);
+            joint.noise_rms = Some(*noise);
+            joint.lack_of_fit = Some((held_out / noise).powi(2));
+        }
     }
 
     /// Share of the excess over the noise that a second model does not have.

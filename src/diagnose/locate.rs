@@ -37,8 +37,8 @@ pub fn locate(bench: &Bench<'_>, refit: &Refit, significance: f64) -> Vec<Locate
         let Some(joint) = channel.joint.filter(|_| channel.active) else {
             continue;
         };
-        let of_train = Regimes::of(model, (joint, &fitted.predicted[c]), &train);
-        let of_held_out = Regimes::of(model, (joint, &tested.predicted[c]), &held_out);
+        let of_train = Regimes::of(model, (joint, &fitted.predicted), &train);
+        let of_held_out = Regimes::of(model, (joint, &tested.predicted), &held_out);
         let count = of_train.variables.len();
         let mut found: Vec<Located> = (0..count)
             .filter_map(|k| {

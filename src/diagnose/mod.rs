@@ -10,7 +10,7 @@
 //! take (Frisch and Waugh 1933, Lovell 1963), the leading ones are fitted exactly, the best that passes the
 //! test of forecast encompassing (Chong and Hendry 1986; Harvey, Leybourne and Newbold 1998) joins the
 //! model, and so on until none does; then each is dropped on trial, and a name that explains less than it
-//! leaves is withdrawn.
+//! leaves, or that is the shadow of another joint, is withdrawn.
 
 pub mod bench;
 pub mod clear;
@@ -39,6 +39,7 @@ pub mod rivals;
 pub mod rows;
 pub mod screen;
 pub mod search;
+pub mod shadow;
 pub mod smooth;
 pub mod speeds;
 pub mod summary;

@@ -8,7 +8,7 @@ use crate::diagnose::bench::Bench;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::own;
-use crate::diagnose::rows::{Series, rms};
+use crate::diagnose::rows::{Series, deviations, rms};
 use crate::estimate::error::EstimateError;
 use crate::estimate::problem::FitProblem;
 use crate::estimate::unknowns::Unknowns;
@@ -104,18 +104,11 @@ impl Refit {
     }
 }
 
-fn score(residuals: &[Vec<f64>]) -> f64 {
+/// `Σ_c N_c ln(mean e_c²)`.
+pub fn score(residuals: &[Vec<f64>]) -> f64 {
     let of = |e: &Vec<f64>| e.len() as f64 * 2.0 * rms(e).max(f64::MIN_POSITIVE).ln();
     let active = residuals.iter().filter(|e| !e.is_empty());
     active.map(of).sum()
-}
-
-fn deviations(residuals: &[Vec<f64>]) -> Vec<f64> {
-    let of = |e: &Vec<f64>| match rms(e) {
-        deviation if deviation > 0.0 => deviation,
-        _ => 1.0,
-    };
-    residuals.iter().map(of).collect()
 }
 
 /// Fits the declared model with hypotheses, from values by name and with deviations of the residuals to

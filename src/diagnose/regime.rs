@@ -1,5 +1,5 @@
 //! The variables over which a residual may be spread: speed, position, load, acceleration, time, distance since
-//! the last reversal, the motion of other joints.
+//! the last reversal, the motion and the load of other joints.
 
 use crate::chain::dataset::Prepared;
 use crate::chain::model::{JointModel, Model};
@@ -13,6 +13,8 @@ pub struct Variable {
     pub values: Vec<f64>,
     /// Whether the residual is looked at by direction of motion too.
     pub by_direction: bool,
+    /// Whether it is of another joint.
+    pub of_another: bool,
 }
 
 /// The variables of one joint, and the direction of its motion.
@@ -24,66 +26,120 @@ pub struct Regimes {
 }
 
 impl Regimes {
-    /// Variables of `joint`; `load` is the torque that the model predicts there, over the same rows.
-    pub fn of(model: &Model, (joint, load): (usize, &[f64]), recordings: &[&Prepared]) -> Self {
-        let kind = model.joints()[joint].kind;
-        let series = |pick: &dyn Fn(&Prepared) -> Vec<f64>| -> Vec<f64> {
-            let of = |r: &&Prepared| {
-                let all = pick(r);
-                let counting = r.counting();
-                counting.map(|row| all[row]).collect::<Vec<f64>>()
-            };
-            recordings.iter().flat_map(of).collect()
+    /// Variables of `joint`; `loads` are what the model predicts, per channel, over the same rows.
+    pub fn of(
+        model: &Model,
+        (joint, loads): (usize, &[Vec<f64>]),
+        recordings: &[&Prepared],
+    ) -> Self {
+        let rows = Rows {
+            model,
+            loads,
+            recordings,
         };
-        let velocity = series(&|r| r.segment().motors.dq[joint].to_vec());
-        let named = |name: &str, unit, values, by_direction| Variable {
-            name: name.to_string(),
-            unit,
-            values,
-            by_direction,
-        };
-        let turns = kind == JointKind::Revolute;
-        let unit = |turning, sliding| if turns { turning } else { sliding };
-        let mut variables = vec![
-            named("speed", unit("rad/s", "m/s"), velocity.clone(), false),
-            named(
-                "position",
-                unit("rad", "m"),
-                series(&|r| r.segment().motors.q[joint].to_vec()),
-                true,
-            ),
-            named("load", model.channels()[joint].unit, load.to_vec(), true),
-            named(
-                "acceleration",
-                unit("rad/s²", "m/s²"),
-                series(&|r| r.segment().motors.ddq[joint].to_vec()),
-                false,
-            ),
-            named("time", "s", series(&times), false),
-            named(
-                "reversal",
-                unit("rad", "m"),
-                series(&|r| since_reversal(r, joint)),
-                true,
-            ),
-        ];
+        let velocity = rows.speed(joint);
+        let mut variables = rows.of_joint(joint);
         for (k, other) in others(model, joint) {
-            let turns = other.kind == JointKind::Revolute;
-            let unit = |turning, sliding| if turns { turning } else { sliding };
-            let speed = series(&|r| r.segment().motors.dq[k].to_vec());
-            let product = speed.iter().zip(&velocity).map(|(a, b)| a * b).collect();
-            let position = series(&|r| r.segment().motors.q[k].to_vec());
-            let name = |of: &str| format!("{of} {}", other.name);
-            variables.extend([
-                named(&name("speed of"), unit("rad/s", "m/s"), speed, false),
-                named(&name("position of"), unit("rad", "m"), position, true),
-                named(&name("speed times that of"), "1/s²", product, false),
-            ]);
+            variables.extend(rows.of_another((k, other), &velocity));
         }
         Self {
             variables,
             direction: velocity.iter().map(|v| 1.0_f64.copysign(*v)).collect(),
         }
+    }
+}
+
+/// The rows that count.
+struct Rows<'a> {
+    model: &'a Model,
+    loads: &'a [Vec<f64>],
+    recordings: &'a [&'a Prepared],
+}
+
+impl Rows<'_> {
+    fn series(&self, pick: &dyn Fn(&Prepared) -> Vec<f64>) -> Vec<f64> {
+        let of = |r: &&Prepared| {
+            let all = pick(r);
+            let counting = r.counting();
+            counting.map(|row| all[row]).collect::<Vec<f64>>()
+        };
+        self.recordings.iter().flat_map(of).collect()
+    }
+
+    fn position(&self, joint: usize) -> Vec<f64> {
+        self.series(&|r| r.segment().motors.q[joint].to_vec())
+    }
+
+    fn speed(&self, joint: usize) -> Vec<f64> {
+        self.series(&|r| r.segment().motors.dq[joint].to_vec())
+    }
+
+    /// Unit and values of what the model predicts for a joint.
+    fn load(&self, joint: usize) -> Option<(&'static str, Vec<f64>)> {
+        let mut channels = self.model.channels().iter().zip(self.loads);
+        let own = channels.find(|(channel, _)| channel.joint == Some(joint) && channel.active)?;
+        Some((own.0.unit, own.1.clone()))
+    }
+
+    fn of_joint(&self, joint: usize) -> Vec<Variable> {
+        let unit = units(&self.model.joints()[joint]);
+        let acceleration = self.series(&|r| r.segment().motors.ddq[joint].to_vec());
+        let reversal = self.series(&|r| since_reversal(r, joint));
+        let (of_load, load) = self.load(joint).unwrap_or_default();
+        vec![
+            named("speed", (unit[1], self.speed(joint))),
+            named("position", (unit[0], self.position(joint))).by_direction(),
+            named("load", (of_load, load)).by_direction(),
+            named("acceleration", (unit[2], acceleration)),
+            named("time", ("s", self.series(&times))),
+            named("reversal", (unit[0], reversal)).by_direction(),
+        ]
+    }
+
+    fn of_another(&self, (k, other): (usize, &JointModel), velocity: &[f64]) -> Vec<Variable> {
+        let unit = units(other);
+        let name = |of: &str| format!("{of} {}", other.name);
+        let speed = self.speed(k);
+        let product = speed.iter().zip(velocity).map(|(a, b)| a * b).collect();
+        let motion = [
+            named(&name("speed of"), (unit[1], speed)),
+            named(&name("position of"), (unit[0], self.position(k))).by_direction(),
+            named(&name("speed times that of"), ("1/s²", product)),
+        ];
+        let load = self.load(k).map(|load| named(&name("load of"), load));
+        let all = motion.into_iter().chain(load);
+        all.map(|variable| Variable {
+            of_another: true,
+            ..variable
+        })
+        .collect()
+    }
+}
+
+fn named(name: &str, (unit, values): (&'static str, Vec<f64>)) -> Variable {
+    Variable {
+        name: name.to_string(),
+        unit,
+        values,
+        by_direction: false,
+        of_another: false,
+    }
+}
+
+impl Variable {
+    fn by_direction(self) -> Self {
+        Self {
+            by_direction: true,
+            ..self
+        }
+    }
+}
+
+/// Units of position, speed and acceleration.
+fn units(joint: &JointModel) -> [&'static str; 3] {
+    match joint.kind {
+        JointKind::Revolute => ["rad", "rad/s", "rad/s²"],
+        JointKind::Prismatic => ["m", "m/s", "m/s²"],
     }
 }
 

@@ -9,7 +9,7 @@ use crate::diagnose::forecast::forecast;
 use crate::diagnose::hypothesis::{self, Hypothesis};
 use crate::diagnose::refit::{Refit, Start, refit};
 use crate::diagnose::relief::{MATTERS, excess};
-use crate::diagnose::search::{CONFIDENCE, Rules, Trial, attempt, fit_without};
+use crate::diagnose::search::{CONFIDENCE, Rules, Trial, attempt, fit_without, fits_better};
 use crate::stats::distribution::Distribution;
 
 /// A rival is told apart only if it leaves at least half as much again as the finding does, above the noise.
@@ -20,7 +20,8 @@ const IN_DOUBT: f64 = 0.5;
 pub struct Alternative {
     pub trial: Trial,
     pub separation: Separation,
-    /// The alternative forecasts what the finding leaves, and where it has more parameters that matters.
+    /// The alternative forecasts what the finding leaves, and where it has more parameters that matters and it fits
+    /// better too.
     pub better: bool,
 }
 
@@ -111,7 +112,9 @@ pub fn contest(
                 separation,
                 better: to_finding.p_value * (open.len() as f64) < rules.significance
                     && trial.refit.held_out_score() < full.held_out_score()
-                    && (is_no_richer || excess((full, &trial.refit), &its_joints) > MATTERS),
+                    && (is_no_richer
+                        || excess((full, &trial.refit), &its_joints) > MATTERS
+                            && fits_better((full, &trial.refit))),
                 trial,
             }
         })
@@ -128,20 +131,27 @@ pub fn separation(floor: &Floor, (rival, full): (&Refit, &Refit), joints: &[usiz
     let differs = forecast.p_value < 1.0 - CONFIDENCE || excess((rival, full), joints) > MATTERS;
     let missed = Distribution::Normal.quantile(CONFIDENCE) - Distribution::Normal.quantile(0.95);
     let times = (missed / forecast.distance).powi(2);
+    let leave = (&rival.validation[..], &full.validation[..]);
+    // Taken as it is where the noise is not measured.
+    let is_clear = !floor.measured || leaves_more(floor, leave, &channels_of(&full.model, joints));
     Separation {
-        separable: differs && leaves_more(floor, (rival, full), joints),
+        separable: differs && is_clear,
         times_longer: times.is_finite().then_some(times),
     }
 }
 
-/// Whether a rival leaves more above the noise than a model does, by [`IN_DOUBT`] of that: what neither explains tilts
-/// the comparison of the two as much as their physics. Taken as it is where the noise is not measured.
-fn leaves_more(floor: &Floor, (rival, full): (&Refit, &Refit), joints: &[usize]) -> bool {
-    let of = |c: usize| {
-        let lack = |refit: &Refit| floor.lack_of_fit(&refit.validation, &[c]);
-        lack(rival) - lack(full) > IN_DOUBT * (lack(full) - 1.0).max(0.0)
+/// Whether a rival leaves more above the noise than a model does in one of some channels, by [`IN_DOUBT`] of that: what
+/// neither explains tilts the comparison of the two as much as their physics.
+pub fn leaves_more(
+    floor: &Floor,
+    (rival, model): (&[Vec<f64>], &[Vec<f64>]),
+    channels: &[usize],
+) -> bool {
+    let of = |c: &usize| {
+        let lack = |residuals: &[Vec<f64>]| floor.lack_of_fit(residuals, &[*c]);
+        lack(rival) - lack(model) > IN_DOUBT * (lack(model) - 1.0).max(0.0)
     };
-    !floor.measured || channels_of(&full.model, joints).into_iter().any(of)
+    channels.iter().any(of)
 }
 
 /// The model with the best alternative in the place of the k-th hypothesis, if one is better.

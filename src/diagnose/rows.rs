@@ -109,3 +109,12 @@ pub fn rms(series: &[f64]) -> f64 {
     let squares: f64 = series.iter().map(|x| x * x).sum();
     (squares / series.len().max(1) as f64).sqrt()
 }
+
+/// RMS of the residuals of each channel; 1 where there is nothing.
+pub fn deviations(residuals: &[Vec<f64>]) -> Vec<f64> {
+    let of = |e: &Vec<f64>| match rms(e) {
+        deviation if deviation > 0.0 => deviation,
+        _ => 1.0,
+    };
+    residuals.iter().map(of).collect()
+}

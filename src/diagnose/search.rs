@@ -13,6 +13,7 @@ use crate::diagnose::relief::{MATTERS, excess, relief};
 use crate::diagnose::rows::rms;
 use crate::diagnose::screen::leads;
 use crate::diagnose::speeds;
+use crate::stats::distribution::Distribution;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::HashMap;
@@ -321,8 +322,17 @@ pub fn compare(
     }
 }
 
+/// Whether a richer model fits better than a poorer one by more than parameters without a meaning would, with
+/// [`CONFIDENCE`] (Wilks 1938): held-out rows that go beyond the fitted ones may favour it by chance, where what the
+/// poorer model learned too little about happens to look like one of its parameters.
+pub fn fits_better((poorer, richer): (&Refit, &Refit)) -> bool {
+    let freedom = richer.freedom().saturating_sub(poorer.freedom()).max(1) as f64;
+    let gain = poorer.fitted_score() - richer.fitted_score();
+    gain > Distribution::ChiSquared { freedom }.quantile(CONFIDENCE)
+}
+
 /// The trial to accept: of those that are significant and matter the one with the least held-out error, or
-/// one with fewer parameters that is not significantly worse, or not by what matters.
+/// one with fewer parameters that is not significantly worse, or not by what matters, or fits as well.
 fn choose(bench: &Bench<'_>, trials: &[Trial], significance: f64) -> Option<usize> {
     let accepted: Vec<usize> = (0..trials.len())
         .filter(|&k| trials[k].is_needed(significance))
@@ -339,6 +349,7 @@ fn choose(bench: &Bench<'_>, trials: &[Trial], significance: f64) -> Option<usiz
             let is_poorer = pair.0.freedom() < pair.1.freedom();
             against.p_value > 1.0 - CONFIDENCE
                 || is_poorer && excess(pair, &richest.named_joints()) <= MATTERS
+                || is_poorer && !fits_better(pair)
                 || trials[k].hypothesis.is_part_of(richest)
                     && relief(bench, richest, pair) < MATTERS
         }

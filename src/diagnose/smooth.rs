@@ -57,7 +57,7 @@ pub fn of_all(bench: &Bench<'_>, refit: &Refit) -> Vec<Smooth> {
             continue;
         };
         let regimes =
-            [0, 1].map(|k| Regimes::of(model, (joint, &series[k].predicted[c]), &recordings[k]));
+            [0, 1].map(|k| Regimes::of(model, (joint, &series[k].predicted), &recordings[k]));
         let noise = bench.noise.as_ref().map_or(0.0, |noise| noise[c]);
         let residuals = [&refit.train[c][..], &refit.validation[c]];
         if let Some(smooth) = best(&regimes, residuals, noise) {

@@ -16,12 +16,13 @@ use crate::diagnose::rivals::{Contest, Doubt, contest, doubts, exchange};
 use crate::diagnose::search::{self, Grown, Rules, Trial, fit_without, grow, prune};
 use crate::diagnose::smooth::{self, Smooth};
 use crate::diagnose::summary;
-use crate::diagnose::{next, outweighed, own};
+use crate::diagnose::{next, outweighed, own, shadow};
 use crate::estimate::figures::{Predictions, noise_rms, predictions};
 use crate::estimate::fit::{Fitted, outcome};
 use crate::estimate::task::{notes, preprocessing};
 use crate::outcome::diagnose::{Baseline, Diagnosis, Final, Finding};
 use crate::outcome::estimate::Estimate;
+use crate::outcome::parameter::Parameter;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::problem_file::diagnose::SoughtEffects;
@@ -203,7 +204,7 @@ fn explain(
 }
 
 /// Prunes a grown model, has rivals contest each finding, exchanges what is bettered, and withdraws names that explain
-/// less than they leave.
+/// less than they leave or that are the shadow of another joint.
 fn conclude_search(
     bench: &Bench<'_>,
     mut grown: Grown,
@@ -234,7 +235,10 @@ fn conclude_search(
                 round += 1;
             }
             None => {
-                if let Some(k) = outweighed::weakest(&floor, &full, &contests) {
+                let withdraw = outweighed::weakest(&floor, &full, &contests).or_else(|| {
+                    shadow::first((bench, rules.significance), (&floor, &full), &contests)
+                });
+                if let Some(k) = withdraw {
                     withdrawn.extend(full.hypotheses[k].named_joints());
                     grown.refit = fit_without(bench, &full, k)?;
                     round = EXCHANGES;
@@ -278,7 +282,7 @@ fn report(
     let baseline = &baseline(bench)?;
     let recordings = bench.recordings(Split::Train);
     let fitted = |refit: &Refit| outcome(&refit.problem(&recordings), &refit.solution, bench.data);
-    let (before, mut after) = (fitted(baseline), fitted(full));
+    let (mut before, mut after) = (fitted(baseline), fitted(full));
     let smooths = smooth::of_all(bench, full);
     let tried = smooths.len();
     let needed: Vec<&Smooth> = smooths
@@ -287,20 +291,20 @@ fn report(
         .collect();
     let floor = floor::of_rows(bench, full, &needed);
     let parameters = after.estimate.parameters.clone();
-    let mut findings = conclude::findings(&explanation.steps(), &floor, &parameters);
     let cut_short = bench.control.is_interrupted();
-    let without_name = needed
-        .iter()
-        .map(|s| conclude::unnamed(s, full, (&floor, tried, cut_short)));
-    findings.extend(without_name);
-    let signal = bench.signal_rms(Split::Validation);
-    let open = conclude::unexplained(
-        full,
-        (&floor, &signal, rules.significance),
-        (&findings, &explanation.withdrawn, cut_short),
+    let of_smooth = (&needed[..], tried);
+    let findings = findings(
+        bench,
+        (explanation, rules, &floor),
+        (of_smooth, &parameters),
     );
-    findings.extend(open);
     let corrected = summary::correct(bench, (full, &mut after), &needed);
+    if bench.in_time && floor.measured {
+        // Between periods there is also what the findings say changes from one to the next.
+        for fitted in [&mut before, &mut after] {
+            floor.judge(&fitted.model, &mut fitted.estimate.joints);
+        }
+    }
     let lacks = lacks(&floor, &findings, (baseline, full));
     let verdict = conclude::verdict(&findings, lacks);
     let mut notes = notes(&after.model, bench.data);
@@ -328,6 +332,29 @@ fn report(
     let first = predictions(&baseline.model, &baseline.values, bench.data);
     let doubts = doubts(full, &explanation.contests);
     Ok((diagnosis, after, [first, corrected], doubts))
+}
+
+/// What has a name, what a smooth correction takes the place of, and what is left.
+fn findings(
+    bench: &Bench<'_>,
+    (explanation, rules, floor): (&Explanation, Rules<'_>, &Floor),
+    ((smooths, tried), parameters): ((&[&Smooth], usize), &[Parameter]),
+) -> Vec<Finding> {
+    let full = &explanation.full;
+    let mut findings = conclude::findings(&explanation.steps(), floor, parameters);
+    let cut_short = bench.control.is_interrupted();
+    let without_name = smooths
+        .iter()
+        .map(|s| conclude::unnamed(s, full, (floor, tried, cut_short)));
+    findings.extend(without_name);
+    let signal = bench.signal_rms(Split::Validation);
+    let open = conclude::unexplained(
+        full,
+        (floor, &signal, rules.significance),
+        (&findings, &explanation.withdrawn, cut_short),
+    );
+    findings.extend(open);
+    findings
 }
 
 /// Lack of fit of two models pooled over the joints that findings name.

@@ -16,6 +16,7 @@ use crate::setup;
 use crate::simulate::{self, Simulated, write_csv};
 use crate::trials::conceal::Concealed;
 use crate::trials::error::TrialError;
+use crate::trials::outside::Added;
 use crate::trials::plan::{Plan, RATE, Scope};
 use crate::trials::robot::ENCODER_COUNTS;
 use crate::trials::{longer, score};
@@ -138,15 +139,18 @@ fn simulated(plan: &Plan) -> String {
 
 /// Writes the recordings with or without noise, with the law outside the vocabulary where there is one.
 fn write(plan: &Plan, made: &Simulated, (folder, noisy): (&Path, bool)) -> Result<(), TrialError> {
+    let law = plan.outside.and_then(|(law, joints, share)| {
+        let current = plan.robot.torque[joints.0] / plan.robot.torque_constant[joints.0];
+        let first = made.recordings.first()?;
+        Added::of_size((law, joints), &first.table, (share * current, RATE))
+    });
     for recording in &made.recordings {
         let mut recording = recording.clone();
         if !noisy {
             recording.remove_noise(&made.realised_noise);
         }
-        if let Some((law, (joint, neighbour), share)) = plan.outside {
-            let current = plan.robot.torque[joint] / plan.robot.torque_constant[joint];
-            let size = (share * current, RATE);
-            law.add(&mut recording.table, (joint, neighbour), size);
+        if let Some(law) = law {
+            law.add_to(&mut recording.table);
         }
         let file = File::create(folder.join(&recording.name))?;
         write_csv(BufWriter::new(file), &recording)?;

@@ -1,0 +1,211 @@
+//! Names that are the shadow of another joint.
+//!
+//! Where a finding leaves a misfit that no name explains, what is missing may be something of another joint that the
+//! vocabulary has no law for: a channel that hears the current of another, friction that grows with a neighbour's
+//! position. Such a thing has shapes in common with many laws, and the one that it resembles most takes the largest part
+//! of it. In the place of the finding there is put the variable x of another joint that fits best, its speed, position,
+//! load or the product of both speeds, with every parameter of the model fitted again:
+//!
+//! ```text
+//! min_{θ, γ} ‖e(θ) + γ x‖²    and where x acts by direction of motion, γ x + κ x d,  d = sign(v)
+//! ```
+//!
+//! If that forecasts what the finding leaves on recordings that were not fitted, and leaves much less, the name is not
+//! that of the physics, and it is withdrawn.
+
+use crate::chain::dataset::Prepared;
+use crate::chain::effect::Linearity;
+use crate::diagnose::bench::Bench;
+use crate::diagnose::conclude::channels_of;
+use crate::diagnose::evidence::encompassing;
+use crate::diagnose::floor::{Floor, UNEXPLAINED};
+use crate::diagnose::refit::{Refit, score};
+use crate::diagnose::regime::{Regimes, Variable};
+use crate::diagnose::rivals::{Contest, leaves_more};
+use crate::diagnose::rows::{Series, deviations};
+use crate::linalg::triangular::Triangular;
+use crate::recording::split::Split;
+use nalgebra::DVector;
+
+/// Steps of all parameters in the place of a search: the first from a fitted model, the next with the weights and the
+/// derivatives that it leads to.
+const STEPS: usize = 4;
+
+/// The first finding that a variable of another joint explains better, if there is one; only where the noise is
+/// measured.
+pub fn first(
+    (bench, significance): (&Bench<'_>, f64),
+    (floor, full): (&Floor, &Refit),
+    contests: &[Contest],
+) -> Option<usize> {
+    let is_open = |c: &usize| {
+        let joint = full.model.channels()[*c].joint;
+        joint.is_some() && floor.lack_of_fit(&full.validation, &[*c]) > UNEXPLAINED
+    };
+    (0..contests.len()).find(|&k| {
+        let joints = full.hypotheses[k].named_joints();
+        let mut channels = channels_of(&full.model, &joints);
+        channels.retain(is_open);
+        if !floor.measured || channels.is_empty() {
+            return false;
+        }
+        let without = Without::new(bench, &contests[k].without);
+        let tried = channels.len() as f64;
+        channels.iter().any(|&c| {
+            let better = |left: &Vec<Vec<f64>>| {
+                let evidence = encompassing((&full.validation, left), None);
+                evidence.p_value * tried < significance
+                    && leaves_more(floor, (&full.validation, left), &[c])
+            };
+            without.with_another(c).as_ref().is_some_and(better)
+        })
+    })
+}
+
+/// The model that lacks a finding, over the fitted and the held-out rows.
+struct Without<'a> {
+    refit: &'a Refit,
+    recordings: [Vec<&'a Prepared>; 2],
+    /// Derivatives with respect to the unknowns, over the fitted rows.
+    columns: Vec<usize>,
+    series: [Series; 2],
+}
+
+/// A variable of another joint in one channel, `[split][column][row]`.
+struct Another {
+    channel: usize,
+    columns: [Vec<Vec<f64>>; 2],
+}
+
+impl<'a> Without<'a> {
+    fn new(bench: &'a Bench<'_>, refit: &'a Refit) -> Self {
+        let recordings = [Split::Train, Split::Validation].map(|split| bench.recordings(split));
+        let columns = refit.unknowns.positions();
+        let of = |k: usize, columns: &[usize]| {
+            Series::of(&refit.model, &refit.values, columns, &recordings[k])
+        };
+        Self {
+            series: [of(0, &columns), of(1, &[])],
+            refit,
+            columns,
+            recordings,
+        }
+    }
+
+    /// Held-out residuals with the variable of another joint in a channel that fits best after one step.
+    fn with_another(&self, channel: usize) -> Option<Vec<Vec<f64>>> {
+        let joint = self.refit.model.channels()[channel].joint?;
+        let regimes = [0, 1].map(|k| {
+            let loads = &self.series[k].predicted;
+            Regimes::of(&self.refit.model, (joint, loads), &self.recordings[k])
+        });
+        let variables = 0..regimes[0].variables.len();
+        let others = variables.filter(|&k| regimes[0].variables[k].of_another);
+        let tried = others.filter_map(|k| {
+            let of =
+                |split: usize| columns(&regimes[split].variables[k], &regimes[split].direction);
+            let another = Another {
+                channel,
+                columns: [of(0), of(1)],
+            };
+            let step = self.step((&self.series[0], &self.refit.train), &another)?;
+            let left = self.after(&step, &another);
+            Some((score(&left), another))
+        });
+        let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
+        best.and_then(|(_, another)| self.searched(&another))
+    }
+
+    /// Fitted residuals to first order after a step.
+    fn after(&self, step: &DVector<f64>, another: &Another) -> Vec<Vec<f64>> {
+        let mut left = self.refit.train.clone();
+        for (c, residual) in left.iter_mut().enumerate() {
+            let of_model = self.series[0].columns[c].iter().map(Option::as_ref);
+            for (column, by) in of_model.chain(another.of(0, c)).zip(step.iter()) {
+                let rows = column.into_iter().flatten();
+                residual
+                    .iter_mut()
+                    .zip(rows)
+                    .for_each(|(e, x)| *e -= by * x);
+            }
+        }
+        left
+    }
+
+    /// Held-out residuals after a search of all parameters.
+    fn searched(&self, another: &Another) -> Option<Vec<Vec<f64>>> {
+        let model = &self.refit.model;
+        let mut values = self.refit.values.clone();
+        let mut factors = DVector::zeros(another.columns[0].len());
+        let mut series = self.series[0].clone();
+        let mut residual = self.refit.train.clone();
+        for _ in 0..STEPS {
+            let step = self.step((&series, &residual), another)?;
+            for (&p, by) in self.columns.iter().zip(step.iter()) {
+                let parameter = &model.parameters()[p];
+                values[p] -= by;
+                if parameter.linearity == Linearity::Nonlinear {
+                    values[p] = values[p].clamp(parameter.lower, parameter.upper);
+                }
+            }
+            factors -= step.rows(self.columns.len(), factors.len());
+            series = Series::of(model, &values, &self.columns, &self.recordings[0]);
+            residual = another.added((0, &factors), series.residuals());
+        }
+        let held_out = Series::of(model, &values, &[], &self.recordings[1]);
+        Some(another.added((1, &factors), held_out.residuals()))
+    }
+
+    /// `min ‖e − [J, X] x‖²` over the fitted rows, each channel in units of what it leaves.
+    fn step(
+        &self,
+        (series, residual): (&Series, &[Vec<f64>]),
+        another: &Another,
+    ) -> Option<DVector<f64>> {
+        let count = self.columns.len() + another.columns[0].len();
+        let mut factor = Triangular::new(count + 1);
+        let scale = deviations(residual);
+        for (c, residual) in residual.iter().enumerate() {
+            let over = |column: Option<&Vec<f64>>| -> Vec<f64> {
+                let none = || vec![0.0; residual.len()];
+                column.map_or_else(none, |x| x.iter().map(|x| x / scale[c]).collect())
+            };
+            let of_model = series.columns[c].iter().map(Option::as_ref);
+            let all = of_model.chain(another.of(0, c)).chain([Some(residual)]);
+            let all: Vec<Vec<f64>> = all.map(over).collect();
+            factor.absorb_columns(&all.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        }
+        let system = factor.system()?;
+        system.matrix.solve_upper_triangular(&system.right)
+    }
+}
+
+impl Another {
+    /// Its columns in a channel.
+    fn of(&self, split: usize, channel: usize) -> impl Iterator<Item = Option<&Vec<f64>>> {
+        let columns = self.columns[split].iter();
+        columns.map(move |x| (channel == self.channel).then_some(x))
+    }
+
+    fn added(
+        &self,
+        (split, factors): (usize, &DVector<f64>),
+        mut residuals: Vec<Vec<f64>>,
+    ) -> Vec<Vec<f64>> {
+        for (column, by) in self.columns[split].iter().zip(factors.iter()) {
+            let pairs = residuals[self.channel].iter_mut().zip(column);
+            pairs.for_each(|(e, x)| *e += by * x);
+        }
+        residuals
+    }
+}
+
+/// x, and where it acts by direction of motion x d.
+fn columns(variable: &Variable, direction: &[f64]) -> Vec<Vec<f64>> {
+    let mut columns = vec![variable.values.clone()];
+    if variable.by_direction {
+        let pairs = variable.values.iter().zip(direction);
+        columns.push(pairs.map(|(x, d)| x * d).collect());
+    }
+    columns
+}
