@@ -1,18 +1,21 @@
 //! From a grown model to what is reported: findings, what they explain, what is left, the verdict.
 
 use crate::chain::model::Model;
+use crate::diagnose::bench::Bench;
 use crate::diagnose::evidence::block_length;
 use crate::diagnose::explain;
 use crate::diagnose::floor::{Floor, LEAST_EXCESS, UNEXPLAINED};
 use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::refit::Refit;
-use crate::diagnose::relief::MATTERS;
+use crate::diagnose::relief::{MATTERS, OF_TORQUE};
 use crate::diagnose::rivals::Contest;
 use crate::diagnose::rows::rms;
 use crate::diagnose::search::{Step as SearchStep, Trial};
 use crate::diagnose::smooth::Smooth;
+use crate::diagnose::underway;
 use crate::outcome::diagnose::{Evidence, Finding, Rival, Spoiled, Verdict};
 use crate::outcome::parameter::Parameter;
+use crate::recording::split::Split;
 use crate::stats::distribution::Distribution;
 
 /// Share of the excess that findings explain where they explain the misfit.
@@ -21,9 +24,12 @@ const MOSTLY: f64 = 0.9;
 /// Share of the excess that findings explain where they explain part of it.
 const PARTLY: f64 = 0.5;
 
-/// Nor is one below this share of the RMS signal of any weight: rows are some hundredths of a second apart, and at
+/// A residual below this share of the RMS signal is of no weight: rows are some hundredths of a second apart, and at
 /// every reversal dry friction, a tenth of the usual torque or more, turns over between two of them.
 const OF_SIGNAL: f64 = 0.03;
+
+/// Residuals are looked at in all rows and in those under way, where reversals are no excuse.
+const VIEWS: usize = 2;
 
 /// Share of what a finding explains that other physics has to explain to be its rival.
 const RIVALLING: f64 = 0.5;
@@ -159,48 +165,65 @@ pub fn unnamed(
 }
 
 /// Findings of channels without one whose held-out residual is much larger than noise, and larger than chance would
-/// have it: not even where the misfit lies says what it is. `signal` is the RMS of each channel; where a name was
-/// withdrawn there is a misfit of weight.
+/// have it, and not mostly explained by what is found elsewhere: not even where the misfit lies says what it is. Where a
+/// name was withdrawn there is a misfit of weight.
 pub fn unexplained(
-    refit: &Refit,
-    (floor, signal, significance): (&Floor, &[f64], f64),
+    bench: &Bench<'_>,
+    ([declared, refit], floor, significance): ([&Refit; 2], &Floor, f64),
     (findings, withdrawn, cut_short): (&[Finding], &[usize], bool),
 ) -> Vec<Finding> {
+    let signal = bench.signal_rms(Split::Validation);
     let channels = refit.model.channels().iter().enumerate();
-    let open = channels.filter(|(_, c)| c.active && c.joint.is_some());
-    let tried = open.clone().count() as f64;
+    let open = channels.filter_map(|(c, channel)| {
+        let joint = channel.joint.filter(|_| channel.active)?;
+        Some((c, &channel.name, joint))
+    });
+    let tried = (VIEWS * open.clone().count()) as f64;
     let found = |name: &String| findings.iter().any(|f| f.joints.contains(name));
-    open.filter(|(_, channel)| floor.measured && !found(&channel.name))
-        .filter_map(|(c, channel)| {
+    let is_left = |c: usize| floor.share((&declared.validation, &refit.validation), &[c]) < MOSTLY;
+    open.filter(|(c, name, _)| floor.measured && !found(name) && is_left(*c))
+        .filter_map(|(c, name, joint)| {
             let residual = &refit.validation[c];
-            let lack = floor.lack_of_fit(&refit.validation, &[c]);
-            let effective = residual.len() as f64 / block_length(std::slice::from_ref(residual)) as f64;
-            let spread = Distribution::FisherF {
-                numerator: effective,
-                denominator: effective,
+            let least = match withdrawn.contains(&joint) {
+                true => 0.0,
+                false => OF_SIGNAL,
             };
-            let p_value = (spread.upper_tail(lack) * tried).min(1.0);
-            let doubted = channel.joint.is_some_and(|j| withdrawn.contains(&j));
-            let of_weight = doubted || rms(residual) > OF_SIGNAL * signal[c];
-            (lack > UNEXPLAINED && of_weight && p_value < significance).then(|| Finding {
+            let under_way = underway::kept(residual, &underway::rows(bench, (refit, joint)));
+            let views: [(&[f64], f64); VIEWS] = [(residual, least), (&under_way, OF_TORQUE)];
+            let of_weight = views
+                .into_iter()
+                .filter(|(rows, least)| rms(rows) > least * signal[c]);
+            let chances = of_weight.filter_map(|(rows, _)| chance(rows, floor.rms[c]));
+            let p_value = (chances.reduce(f64::min)? * tried).min(1.0);
+            (p_value < significance).then(|| Finding {
                 effect: "unnamed".to_string(),
-                joints: vec![channel.name.clone()],
+                joints: vec![name.clone()],
                 parameters: Vec::new(),
                 rmse_validation_before: rms(residual),
                 rmse_validation_after: rms(residual),
                 explained_share: 0.0,
                 p_value,
                 sentence: format!(
-                    "Something is missing on {} that {}, and no smooth correction takes its place: the error on \
+                    "Something is missing on {name} that {}, and no smooth correction takes its place: the error on \
                      recordings that were not fitted is {:.1} times the noise.",
-                    channel.name,
                     nameless(cut_short),
-                    lack.sqrt()
+                    rms(residual) / floor.rms[c]
                 ),
                 rivals: Vec::new(),
             })
         })
         .collect()
+}
+
+/// Probability that noise alone leaves as much in some rows, where that is beyond [`UNEXPLAINED`].
+fn chance(residual: &[f64], noise: f64) -> Option<f64> {
+    let lack = (rms(residual) / noise).powi(2);
+    let effective = residual.len() as f64 / block_length(&[residual.to_vec()]) as f64;
+    let spread = Distribution::FisherF {
+        numerator: effective,
+        denominator: effective,
+    };
+    (lack > UNEXPLAINED).then(|| spread.upper_tail(lack))
 }
 
 /// Whether a smooth model says something that is significant and matters.

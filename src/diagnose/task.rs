@@ -347,10 +347,9 @@ fn findings(
         .iter()
         .map(|s| conclude::unnamed(s, full, (floor, tried, cut_short)));
     findings.extend(without_name);
-    let signal = bench.signal_rms(Split::Validation);
     let open = conclude::unexplained(
-        full,
-        (floor, &signal, rules.significance),
+        bench,
+        ([&explanation.prefixes[0], full], floor, rules.significance),
         (&findings, &explanation.withdrawn, cut_short),
     );
     findings.extend(open);
