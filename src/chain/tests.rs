@@ -158,13 +158,22 @@ fn assert_known_bodies(model: &Model, segment: Segment<'_>) {
         others[p] *= 1.5;
     }
     let known = KnownBodies::linear(model, &others, &columns, segment).unwrap();
+    assert_same_with(&known, (model, &columns), segment);
+}
+
+/// With bodies that are known the signal and its derivatives are the same.
+fn assert_same_with(
+    known: &KnownBodies,
+    (model, columns): (&Model, &[usize]),
+    segment: Segment<'_>,
+) {
     let known = Segment {
-        bodies: Some(&known),
+        bodies: Some(known),
         ..segment
     };
     let [anew, kept] = [segment, known].map(|segment| {
         let samples = segment.motors.len();
-        let mut evaluator = Evaluator::along(model, &model.values(), &columns, samples);
+        let mut evaluator = Evaluator::along(model, &model.values(), columns, samples);
         evaluator.evaluate_course(segment).clone()
     });
     let assert_same = |a: &[f64], b: &[f64]| {
@@ -181,6 +190,49 @@ fn assert_known_bodies(model: &Model, segment: Segment<'_>) {
                 [&anew, &kept].map(|block| block.derivative(c, k).unwrap_or(&none).to_vec());
             assert_same(&a, &b);
         }
+    }
+}
+
+/// Where the links have settled behind their motors, laws of the drives leave them where they are.
+#[test]
+fn matches_itself_with_links_that_have_settled() {
+    const SAMPLES: usize = 80;
+    let ids = [
+        "coulomb_friction",
+        "transmission_efficiency",
+        "torque_ripple",
+        "joint_spring",
+        "joint_elasticity",
+    ];
+    let effects = ids.map(|id| find(id).unwrap());
+    for (seed, signal) in (60..).zip(SIGNALS) {
+        let mut rng = generator(seed);
+        let model = valued((&effects, signal), &mut rng);
+        let [q, dq, ddq] = smooth_motion(&mut rng, 4, SAMPLES);
+        let time: Vec<f64> = (0..SAMPLES).map(|k| 0.02 * k as f64).collect();
+        let segment = Segment {
+            time: &time,
+            cyclic: seed.is_multiple_of(2),
+            ..Segment::states(
+                Trajectory {
+                    q: &q,
+                    dq: &dq,
+                    ddq: &ddq,
+                },
+                true,
+            )
+        };
+        let is_of_drive = |p: &usize| match model.parameters()[*p].role {
+            Role::Effect { joint, effect, .. } => {
+                let (effect, _) = model.joints()[joint].effects[effect];
+                matches!(effect.law, Law::Motor(_) | Law::Transmission(_))
+            }
+            _ => false,
+        };
+        let columns: Vec<usize> = (0..model.parameters().len()).filter(is_of_drive).collect();
+        let mut evaluator = Evaluator::along(&model, &model.values(), &[], SAMPLES);
+        let settled = evaluator.settled_bodies(segment);
+        assert_same_with(&settled, (&model, &columns), segment);
     }
 }
 

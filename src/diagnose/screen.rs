@@ -32,7 +32,7 @@ pub struct Linearised<'a> {
     recordings: Vec<&'a Prepared>,
     /// The same with what the bodies do, which laws of drives leave as it is.
     known: Vec<Prepared>,
-    has_simple_chain: bool,
+    chain: Chain,
     scale: Vec<f64>,
     predicted: Vec<Vec<f64>>,
     /// Weighted: `[channel][column]`.
@@ -76,12 +76,13 @@ impl<'a> Linearised<'a> {
         let residual = weighted_difference(&series.predicted, &series.recorded, &scale);
         let known = refit.prior.rows().select_columns(&positions);
         let inverse = inverse_factor(&columns, &known);
-        let known = recordings.iter().map(|r| with_bodies(refit, r)).collect();
+        let chain = Chain::of(&refit.model);
+        let known = |r: &&Prepared| with_bodies((refit, chain), r);
         Self {
             refit,
+            known: recordings.iter().map(known).collect(),
             recordings,
-            known,
-            has_simple_chain: has_simple_chain(&refit.model),
+            chain,
             scale,
             predicted: series.predicted,
             columns,
@@ -95,15 +96,14 @@ impl<'a> Linearised<'a> {
         let mut all = self.refit.hypotheses.clone();
         all.push(hypothesis.clone());
         let (mut model, _) = bench.model(&all).ok()?;
-        let law = hypothesis.effect.law;
-        if self.has_simple_chain && hypothesis.joints.len() == 1 && is_of_drive(law) {
+        if hypothesis.joints.len() == 1 && self.chain.leaves_others(&self.refit.model, hypothesis) {
             model.predict_only(hypothesis.joints[0]);
         }
-        let leaves_bodies = is_of_drive(law) || matches!(law, Law::Spring | Law::Play);
-        let recordings: Vec<&Prepared> = match self.has_simple_chain && leaves_bodies {
-            true => self.known.iter().collect(),
-            false => self.recordings.clone(),
-        };
+        let recordings: Vec<&Prepared> =
+            match self.chain.knows_bodies(&self.refit.model, hypothesis) {
+                true => self.known.iter().collect(),
+                false => self.recordings.clone(),
+            };
         let own = self.own_parameters(&model);
         let bases = self.bases(&model, hypothesis);
         let motion = Motion::of(&self.recordings, hypothesis.joints[0]);
@@ -362,30 +362,59 @@ fn beside_best(points: &[Point]) -> Vec<Vec<f64>> {
     nearest.into_iter().flatten().map(halfway).collect()
 }
 
-/// Whether a law acts on the channel of its own joint alone where motors are not coupled, and leaves motion and
-/// bodies as they are.
-fn is_of_drive(law: Law) -> bool {
-    matches!(
-        law,
-        Law::Motor(_) | Law::Joint(_) | Law::Transmission(_) | Law::Gain | Law::Current
-    )
+/// How the torque of a joint becomes the signal of a channel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Chain {
+    /// Every channel is the torque of one motor that its joint follows at once.
+    Simple,
+    /// The same, but that links lag their motors.
+    Lagging,
+    /// Motors are coupled, signals late, or joints driven together.
+    Other,
 }
 
-/// Whether every channel is the torque of one motor that its joint follows at once.
-fn has_simple_chain(model: &Model) -> bool {
-    let follows = |joint: &JointModel| joint.delay.is_none() && !joint.has_lag();
-    let own = |(c, channel): (usize, &Channel)| channel.joint == Some(c);
-    model.is_uncoupled()
-        && model.mechanism().is_none()
-        && model.channels().iter().enumerate().all(own)
-        && model.joints().iter().all(follows)
+impl Chain {
+    fn of(model: &Model) -> Self {
+        let own = |(c, channel): (usize, &Channel)| channel.joint == Some(c);
+        let is_plain = model.is_uncoupled()
+            && model.mechanism().is_none()
+            && model.channels().iter().enumerate().all(own)
+            && model.joints().iter().all(|joint| joint.delay.is_none());
+        match (is_plain, model.joints().iter().any(JointModel::has_lag)) {
+            (true, false) => Self::Simple,
+            (true, true) => Self::Lagging,
+            (false, _) => Self::Other,
+        }
+    }
+
+    /// Whether a hypothesis acts on the channels of its own joints alone, and leaves motion and bodies as they are.
+    fn leaves_others(self, model: &Model, hypothesis: &Hypothesis) -> bool {
+        let joints = hypothesis.joints.iter();
+        let lags = joints.clone().any(|&j| model.joints()[j].has_lag());
+        let is_of_drive = match hypothesis.effect.law {
+            Law::Motor(_) | Law::Transmission(_) | Law::Gain | Law::Current => true,
+            // A torque at a joint moves a link that lags.
+            Law::Joint(_) => !lags,
+            _ => false,
+        };
+        self != Self::Other && is_of_drive
+    }
+
+    /// Whether what the bodies do is known for a hypothesis.
+    fn knows_bodies(self, model: &Model, hypothesis: &Hypothesis) -> bool {
+        let lags = matches!(hypothesis.effect.law, Law::Spring | Law::Play);
+        self == Self::Simple && lags || self.leaves_others(model, hypothesis)
+    }
 }
 
 /// A recording with what the bodies of a fitted model do along it.
-fn with_bodies(refit: &Refit, recording: &Prepared) -> Prepared {
+fn with_bodies((refit, chain): (&Refit, Chain), recording: &Prepared) -> Prepared {
     let rows = recording.experiment.rows();
     let mut evaluator = Evaluator::along(&refit.model, &refit.values, &[], rows);
-    let bodies = evaluator.known_bodies(recording.whole());
+    let bodies = match chain {
+        Chain::Lagging => evaluator.settled_bodies(recording.whole()),
+        Chain::Simple | Chain::Other => evaluator.known_bodies(recording.whole()),
+    };
     recording.clone().with_bodies(bodies)
 }
 

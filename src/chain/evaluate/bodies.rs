@@ -23,6 +23,8 @@ pub struct KnownBodies {
     columns: Vec<(usize, Vec<Vec<f64>>)>,
     /// By the motion of every joint; none where empty.
     pub(super) slopes: Slopes,
+    /// Where the joints are, `[order][joint][sample]`, and nothing that is still to be known moves them any more.
+    pub(super) joints: Option<[Vec<Vec<f64>>; 3]>,
 }
 
 impl KnownBodies {
@@ -83,6 +85,7 @@ impl KnownBodies {
                 .map(|&p| (p, vec![Vec::new(); channels]))
                 .collect(),
             slopes: Slopes::default(),
+            joints: None,
         }
     }
 
@@ -103,17 +106,20 @@ impl KnownBodies {
             torque: torque.collect(),
             columns: columns.collect(),
             slopes: Slopes::default(),
+            joints: None,
         })
     }
 
-    /// The torques and columns at every `stride`-th sample.
+    /// The torques, columns and joints at every `stride`-th sample.
     pub fn thinned(&self, stride: usize) -> Self {
         let thin = |s: &Vec<f64>| s.iter().step_by(stride).copied().collect();
+        let thin_all = |of: &Vec<Vec<f64>>| of.iter().map(thin).collect();
         let of_column = |(p, rows): &(usize, Vec<Vec<f64>>)| (*p, rows.iter().map(thin).collect());
         Self {
             torque: self.torque.iter().map(thin).collect(),
             columns: self.columns.iter().map(of_column).collect(),
             slopes: Slopes::default(),
+            joints: self.joints.as_ref().map(|of| of.each_ref().map(thin_all)),
         }
     }
 }
@@ -184,6 +190,32 @@ impl Evaluator<'_> {
             torque: self.rigid.values.clone(),
             columns: Vec::new(),
             slopes,
+            joints: None,
+        }
+    }
+
+    /// What the bodies do along a whole recording where links lag their motors, for models with further laws that do not
+    /// move the links.
+    pub fn settled_bodies(&mut self, segment: Segment<'_>) -> KnownBodies {
+        let range = 0..segment.motors.len();
+        self.rigid.clear(range.len());
+        self.move_joints(segment.motors, range.clone());
+        self.lag_of_links(segment, range.len());
+        self.rigid_body(segment, range);
+        KnownBodies {
+            torque: self.rigid.values.clone(),
+            columns: Vec::new(),
+            slopes: Slopes::default(),
+            joints: Some(self.joint_motion.clone()),
+        }
+    }
+
+    /// Joints where they are known to be.
+    pub(super) fn take_joints(&mut self, joints: &[Vec<Vec<f64>>; 3], range: Range<usize>) {
+        for (to, from) in self.joint_motion.iter_mut().zip(joints) {
+            for (to, from) in to.iter_mut().zip(from) {
+                to[..range.len()].copy_from_slice(&from[range.clone()]);
+            }
         }
     }
 

@@ -233,10 +233,19 @@ impl<'m> Evaluator<'m> {
         self.block.clear(samples);
         self.rigid.clear(samples);
         let known = segment.bodies.filter(|known| self.are_known(known));
-        if known.is_none() || self.is_motion_asked_for() {
-            self.move_joints(segment.motors, range.clone());
-        }
-        let lag = self.lag_of_links(segment, samples);
+        let settled = known.and_then(|known| known.joints.as_ref());
+        let lag = match settled {
+            Some(joints) => {
+                self.take_joints(joints, range.clone());
+                None
+            }
+            None => {
+                if known.is_none() || self.is_motion_asked_for() {
+                    self.move_joints(segment.motors, range.clone());
+                }
+                self.lag_of_links(segment, samples)
+            }
+        };
         let moved = Segment {
             bodies: known.filter(|_| lag.is_none()),
             ..segment
