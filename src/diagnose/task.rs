@@ -28,6 +28,7 @@ use crate::problem_file::ProblemFile;
 use crate::problem_file::diagnose::SoughtEffects;
 use crate::recording::split::Split;
 use crate::setup;
+use nalgebra::DVector;
 
 /// A diagnosis with the recordings that it was made from.
 #[derive(Debug)]
@@ -35,6 +36,8 @@ pub struct DiagnoseRun {
     pub diagnosis: Diagnosis,
     pub estimate: Estimate,
     pub model: Model,
+    /// Values of the parameters of that model.
+    pub values: DVector<f64>,
     pub data: Dataset,
     /// Predictions of the declared and of the final model, `[recording][channel][row]`.
     pub baseline: Predictions,
@@ -150,6 +153,7 @@ pub fn run(
         diagnosis,
         estimate: fitted.estimate,
         model: fitted.model,
+        values: fitted.values,
         baseline: before,
         finally: after,
         doubts,

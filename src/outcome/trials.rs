@@ -45,6 +45,10 @@ pub struct Trial {
     /// RMS relative error of the friction parameters of the declared model, with what was found, and with the truth.
     #[serde(default)]
     pub friction_error: Option<[f64; 3]>,
+    /// RMS error of the torque that links and rotors ask for along the held-out motion, over the noise of a sample, of
+    /// the same three models; nothing where the links are known.
+    #[serde(default)]
+    pub body_error: Option<[f64; 3]>,
     /// Why the trial has no answer, where it has none.
     #[serde(default)]
     pub failure: Option<String>,
@@ -169,6 +173,11 @@ pub struct Rates {
     pub median_friction_ratio: Option<f64>,
     /// Share of trials in which that ratio is at most 1.5.
     pub friction_back: Share,
+    /// The same of the torque that links and rotors ask for.
+    #[serde(default, with = "number::optional")]
+    pub median_body_ratio: Option<f64>,
+    #[serde(default)]
+    pub bodies_back: Share,
     /// Processor seconds a trial, of the last run.
     #[serde(with = "number::optional")]
     pub core_seconds: Option<f64>,

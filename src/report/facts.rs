@@ -36,6 +36,10 @@ pub(super) fn trial_rates(trials: &Trials) -> Vec<(&'static str, Share)> {
             "friction back within 1.5 of the informed fit",
             rates.friction_back,
         ),
+        (
+            "bodies back within 1.5 of the informed fit",
+            rates.bodies_back,
+        ),
     ]
 }
 

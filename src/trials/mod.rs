@@ -5,6 +5,7 @@
 //! The size of what is concealed is the held-out RMS of what the declared model, fitted to recordings without
 //! noise, leaves of it, over the RMS noise of a row: what the fitted parameters absorb is no misfit.
 
+pub mod bodies;
 pub mod conceal;
 pub mod error;
 pub mod longer;

@@ -1,12 +1,15 @@
 //! What a trial came to: whether the findings are what was concealed.
 
+use crate::chain::model::Model;
 use crate::diagnose::refit::Refit;
 use crate::diagnose::task::DiagnoseRun;
 use crate::outcome::diagnose::Finding;
 use crate::outcome::trials::{Found, Hidden, Inseparable, Trial};
+use crate::trials::bodies;
 use crate::trials::conceal::Concealed;
 use crate::trials::plan::Plan;
 use crate::trials::run::{Informed, Sizes, values};
+use nalgebra::DVector;
 
 /// A finding may list so many rivals that it cannot set aside and still be right by one of them.
 pub const RIVALS: usize = 2;
@@ -52,6 +55,7 @@ pub fn judge(
         verdict: run.diagnosis.verdict.words().to_string(),
         error_ratio: error_ratio(run),
         friction_error: informed.and_then(|informed| friction_error(plan, run, informed)),
+        body_error: informed.and_then(|informed| body_error(plan, run, informed)),
         concealed,
         found,
         ..head(plan)
@@ -161,4 +165,12 @@ fn friction_error(plan: &Plan, run: &DiagnoseRun, informed: &Informed) -> Option
         error(&of_run)?,
         of_fit(&informed.known)?,
     ])
+}
+
+/// Error of what the bodies ask for: declared model, model found, model that knew the truth.
+fn body_error(plan: &Plan, run: &DiagnoseRun, informed: &Informed) -> Option<[f64; 3]> {
+    let of = |model: &Model, values: &DVector<f64>| bodies::error(plan, (model, values), &run.data);
+    let of_fit = |fit: &Refit| of(&fit.model, &fit.values);
+    let found = of(&run.model, &run.values)?;
+    Some([of_fit(&informed.declared)?, found, of_fit(&informed.known)?])
 }

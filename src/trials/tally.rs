@@ -19,7 +19,7 @@ const NOTHING: &str = "nothing";
 /// Finding of a misfit that nothing in the vocabulary explains.
 const UNNAMED: &str = "unnamed";
 
-/// A friction parameter is back if its error is at most so many times that of a fit that knew the truth.
+/// Friction and bodies are back if their error is at most so many times that of a fit that knew the truth.
 const BACK: f64 = 1.5;
 
 /// Sums up trials.
@@ -125,7 +125,7 @@ fn rates(trials: &[Trial]) -> Rates {
         least_size: LEAST_SIZE,
         ..Rates::default()
     };
-    let (mut errors, mut frictions) = (Vec::new(), Vec::new());
+    let (mut errors, mut frictions, mut bodies) = (Vec::new(), Vec::new(), Vec::new());
     for trial in trials.iter().filter(|t| size(t) >= LEAST_SIZE) {
         count_claims(trial, &mut rates);
         if trial.concealed.is_empty() {
@@ -156,9 +156,14 @@ fn rates(trials: &[Trial]) -> Rates {
             frictions.push(found / known);
             rates.friction_back.count(found <= BACK * known);
         }
+        if let Some([_, found, known]) = trial.body_error {
+            bodies.push(found / known);
+            rates.bodies_back.count(found <= BACK * known);
+        }
     }
     rates.median_error_ratio = median(errors);
     rates.median_friction_ratio = median(frictions);
+    rates.median_body_ratio = median(bodies);
     rates
 }
 

@@ -45,6 +45,10 @@ fn rates(trials: &Trials) -> String {
             "error of friction over that of the informed fit, median",
             trials.rates.median_friction_ratio,
         ),
+        (
+            "error of the bodies' torque over that of the informed fit, median",
+            trials.rates.median_body_ratio,
+        ),
         ("processor seconds a trial", trials.rates.core_seconds),
     ];
     for (what, value) in figures {
