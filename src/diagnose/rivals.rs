@@ -140,7 +140,7 @@ pub fn separation(floor: &Floor, (rival, full): (&Refit, &Refit), joints: &[usiz
     }
 }
 
-/// Whether a rival leaves more above the noise than a model does in one of some channels, by [`IN_DOUBT`] of that: what
+/// Whether a rival leaves more above the noise than a model does in one of some channels, by half of that at least: what
 /// neither explains tilts the comparison of the two as much as their physics.
 pub fn leaves_more(
     floor: &Floor,

@@ -4,8 +4,8 @@ use crate::outcome::Part;
 use crate::outcome::trials::{Power, Share, Trials, is_outside};
 use crate::report::facts;
 use crate::report::number::{percent, significant};
-use crate::report::plots::PREDICTED;
 use crate::report::plots::curves::{Curve, curves};
+use crate::report::plots::{PREDICTED, figure};
 use crate::report::section::{Section, Source};
 use crate::report::table::{Cell, Table};
 
@@ -90,12 +90,15 @@ fn picture(power: &[Power]) -> String {
         .iter()
         .map(|(size, share)| (size.max(0.1).log10(), share.value()));
     let curve = Curve::new(at.collect(), PREDICTED);
-    curves(
+    let plot = curves(
         &[curve],
         &[0.0, 0.95, 1.0],
         "log10 of the effect over the noise (lower end of the range)",
         "Share of trials with one effect that are right, over the size of the effect",
-    )
+    );
+    let caption =
+        "<b>Share of trials that are right</b>, one effect; the line in between is at 95 %";
+    format!("<div class=\"plots\">{}</div>\n", figure(caption, &plot))
 }
 
 fn confusion(trials: &Trials) -> String {
