@@ -72,6 +72,20 @@ impl Prior {
     pub fn residual(&self, values: &DVector<f64>) -> DVector<f64> {
         &self.rows * values - &self.mean
     }
+
+    /// Rows over the parameters at `columns`, over `others` that nothing is known of, and the deviation at parameter
+    /// values in the last column.
+    pub fn system(
+        &self,
+        (columns, others): (&[usize], usize),
+        values: &DVector<f64>,
+    ) -> DMatrix<f64> {
+        let of_columns = self.rows.select_columns(columns);
+        let last = columns.len() + others;
+        let mut system = of_columns.insert_columns(columns.len(), others + 1, 0.0);
+        system.set_column(last, &self.residual(values));
+        system
+    }
 }
 
 trait InverseRoot {

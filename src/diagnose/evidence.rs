@@ -9,6 +9,7 @@
 //! Where the noise of a row is known, the variance is at least `τ Σ σ² d²` with the correlation time τ of the residual,
 //! as of noise of that size, and only what blocks show beyond it has their few degrees of freedom.
 
+use crate::diagnose::rows::deviation;
 use crate::stats::distribution::Distribution;
 
 /// The test of one model against another.
@@ -166,12 +167,6 @@ impl Variance {
             p_value: Distribution::StudentT { freedom }.upper_tail(ratio),
         }
     }
-}
-
-fn deviation(series: &[f64]) -> f64 {
-    let squares: f64 = series.iter().map(|x| x * x).sum();
-    let deviation = (squares / series.len().max(1) as f64).sqrt();
-    if deviation > 0.0 { deviation } else { 1.0 }
 }
 
 /// Rows of a block: four correlation times of the residual that remembers longest.

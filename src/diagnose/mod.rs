@@ -30,6 +30,7 @@ pub mod memory;
 pub mod next;
 pub mod outweighed;
 pub mod own;
+pub mod passage;
 pub mod periods;
 pub mod refit;
 pub mod regime;

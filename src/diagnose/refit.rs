@@ -104,8 +104,7 @@ impl Refit {
     }
 }
 
-/// `Σ_c N_c ln(mean e_c²)`.
-pub fn score(residuals: &[Vec<f64>]) -> f64 {
+fn score(residuals: &[Vec<f64>]) -> f64 {
     let of = |e: &Vec<f64>| e.len() as f64 * 2.0 * rms(e).max(f64::MIN_POSITIVE).ln();
     let active = residuals.iter().filter(|e| !e.is_empty());
     active.map(of).sum()

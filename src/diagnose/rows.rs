@@ -110,11 +110,15 @@ pub fn rms(series: &[f64]) -> f64 {
     (squares / series.len().max(1) as f64).sqrt()
 }
 
-/// RMS of the residuals of each channel; 1 where there is nothing.
-pub fn deviations(residuals: &[Vec<f64>]) -> Vec<f64> {
-    let of = |e: &Vec<f64>| match rms(e) {
+/// Root mean square; 1 where there is nothing.
+pub fn deviation(series: &[f64]) -> f64 {
+    match rms(series) {
         deviation if deviation > 0.0 => deviation,
         _ => 1.0,
-    };
-    residuals.iter().map(of).collect()
+    }
+}
+
+/// Deviations of the residuals of each channel.
+pub fn deviations(residuals: &[Vec<f64>]) -> Vec<f64> {
+    residuals.iter().map(|e| deviation(e)).collect()
 }

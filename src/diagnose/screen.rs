@@ -10,14 +10,15 @@
 //! is the gain of one Gauss-Newton step of all parameters, for the price of projecting a few columns.
 
 use crate::chain::dataset::Prepared;
-use crate::chain::effect::{Law, Linearity};
+use crate::chain::effect::Linearity;
 use crate::chain::evaluate::Evaluator;
-use crate::chain::model::{Channel, JointModel, Model};
+use crate::chain::model::Model;
 use crate::diagnose::bench::Bench;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::grid::Grid;
 use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::lead::{Lead, Naming, Point};
+use crate::diagnose::passage::Chain;
 use crate::diagnose::refit::{Refit, Start};
 use crate::diagnose::rows::{Series, rms};
 use crate::estimate::reach::Motion;
@@ -25,13 +26,14 @@ use crate::linalg::triangular::Triangular;
 use crate::recording::split::Split;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// The model as it stands, linearised over the fitted recordings.
 pub struct Linearised<'a> {
     refit: &'a Refit,
     recordings: Vec<&'a Prepared>,
-    /// The same with what the bodies do, which laws of drives leave as it is.
-    known: Vec<Prepared>,
+    /// The same with what the bodies do, which laws of drives leave as it is; made when first needed.
+    known: OnceLock<Vec<Prepared>>,
     chain: Chain,
     scale: Vec<f64>,
     predicted: Vec<Vec<f64>>,
@@ -76,13 +78,11 @@ impl<'a> Linearised<'a> {
         let residual = weighted_difference(&series.predicted, &series.recorded, &scale);
         let known = refit.prior.rows().select_columns(&positions);
         let inverse = inverse_factor(&columns, &known);
-        let chain = Chain::of(&refit.model);
-        let known = |r: &&Prepared| with_bodies((refit, chain), r);
         Self {
             refit,
-            known: recordings.iter().map(known).collect(),
             recordings,
-            chain,
+            known: OnceLock::new(),
+            chain: Chain::of(&refit.model),
             scale,
             predicted: series.predicted,
             columns,
@@ -101,7 +101,7 @@ impl<'a> Linearised<'a> {
         }
         let recordings: Vec<&Prepared> =
             match self.chain.knows_bodies(&self.refit.model, hypothesis) {
-                true => self.known.iter().collect(),
+                true => self.known().iter().collect(),
                 false => self.recordings.clone(),
             };
         let own = self.own_parameters(&model);
@@ -143,6 +143,22 @@ impl<'a> Linearised<'a> {
         let mut lead = naming.lead(hypothesis, &points)?;
         lead.gain = scanned.map_or(0.0, |point| point.gain).max(lead.gain);
         Some(lead)
+    }
+
+    /// What further columns of a channel would take.
+    pub fn gain_of(&self, channel: usize, columns: &[Vec<f64>]) -> f64 {
+        let weighted = |column: &Vec<f64>| -> Column {
+            let over = column.iter().map(|x| x / self.scale[channel]);
+            vec![(channel, over.collect())]
+        };
+        let columns: Vec<Column> = columns.iter().map(weighted).collect();
+        self.one_step(&Column::new(), &columns, &|_, _| true)
+    }
+
+    fn known(&self) -> &[Prepared] {
+        let with_bodies = |r: &&Prepared| with_bodies((self.refit, self.chain), r);
+        let make = || self.recordings.iter().map(with_bodies).collect();
+        self.known.get_or_init(make)
     }
 
     /// Positions of the free parameters that a larger model has beyond the fitted one.
@@ -360,51 +376,6 @@ fn beside_best(points: &[Point]) -> Vec<Vec<f64>> {
     ];
     let halfway = |point: &Point| best.at.iter().map(|x| x + 0.5 * of(point)).collect();
     nearest.into_iter().flatten().map(halfway).collect()
-}
-
-/// How the torque of a joint becomes the signal of a channel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Chain {
-    /// Every channel is the torque of one motor that its joint follows at once.
-    Simple,
-    /// The same, but that links lag their motors.
-    Lagging,
-    /// Motors are coupled, signals late, or joints driven together.
-    Other,
-}
-
-impl Chain {
-    fn of(model: &Model) -> Self {
-        let own = |(c, channel): (usize, &Channel)| channel.joint == Some(c);
-        let is_plain = model.is_uncoupled()
-            && model.mechanism().is_none()
-            && model.channels().iter().enumerate().all(own)
-            && model.joints().iter().all(|joint| joint.delay.is_none());
-        match (is_plain, model.joints().iter().any(JointModel::has_lag)) {
-            (true, false) => Self::Simple,
-            (true, true) => Self::Lagging,
-            (false, _) => Self::Other,
-        }
-    }
-
-    /// Whether a hypothesis acts on the channels of its own joints alone, and leaves motion and bodies as they are.
-    fn leaves_others(self, model: &Model, hypothesis: &Hypothesis) -> bool {
-        let joints = hypothesis.joints.iter();
-        let lags = joints.clone().any(|&j| model.joints()[j].has_lag());
-        let is_of_drive = match hypothesis.effect.law {
-            Law::Motor(_) | Law::Transmission(_) | Law::Gain | Law::Current => true,
-            // A torque at a joint moves a link that lags.
-            Law::Joint(_) => !lags,
-            _ => false,
-        };
-        self != Self::Other && is_of_drive
-    }
-
-    /// Whether what the bodies do is known for a hypothesis.
-    fn knows_bodies(self, model: &Model, hypothesis: &Hypothesis) -> bool {
-        let lags = matches!(hypothesis.effect.law, Law::Spring | Law::Play);
-        self == Self::Simple && lags || self.leaves_others(model, hypothesis)
-    }
 }
 
 /// A recording with what the bodies of a fitted model do along it.

@@ -19,10 +19,11 @@ use crate::diagnose::bench::Bench;
 use crate::diagnose::conclude::channels_of;
 use crate::diagnose::evidence::encompassing;
 use crate::diagnose::floor::{Floor, UNEXPLAINED};
-use crate::diagnose::refit::{Refit, score};
+use crate::diagnose::refit::Refit;
 use crate::diagnose::regime::{Regimes, Variable};
 use crate::diagnose::rivals::{Contest, leaves_more};
 use crate::diagnose::rows::{Series, deviations};
+use crate::diagnose::screen::Linearised;
 use crate::linalg::triangular::Triangular;
 use crate::recording::split::Split;
 use nalgebra::DVector;
@@ -42,11 +43,14 @@ pub fn first(
         let joint = full.model.channels()[*c].joint;
         joint.is_some() && floor.lack_of_fit(&full.validation, &[*c]) > UNEXPLAINED
     };
+    if !floor.measured {
+        return None;
+    }
     (0..contests.len()).find(|&k| {
         let joints = full.hypotheses[k].named_joints();
         let mut channels = channels_of(&full.model, &joints);
         channels.retain(is_open);
-        if !floor.measured || channels.is_empty() {
+        if channels.is_empty() {
             return false;
         }
         let without = Without::new(bench, &contests[k].without);
@@ -65,10 +69,8 @@ pub fn first(
 /// The model that lacks a finding, over the fitted and the held-out rows.
 struct Without<'a> {
     refit: &'a Refit,
+    linearised: Linearised<'a>,
     recordings: [Vec<&'a Prepared>; 2],
-    /// Derivatives with respect to the unknowns, over the fitted rows.
-    columns: Vec<usize>,
-    series: [Series; 2],
 }
 
 /// A variable of another joint in one channel, `[split][column][row]`.
@@ -79,91 +81,68 @@ struct Another {
 
 impl<'a> Without<'a> {
     fn new(bench: &'a Bench<'_>, refit: &'a Refit) -> Self {
-        let recordings = [Split::Train, Split::Validation].map(|split| bench.recordings(split));
-        let columns = refit.unknowns.positions();
-        let of = |k: usize, columns: &[usize]| {
-            Series::of(&refit.model, &refit.values, columns, &recordings[k])
-        };
         Self {
-            series: [of(0, &columns), of(1, &[])],
             refit,
-            columns,
-            recordings,
+            linearised: Linearised::new(bench, refit),
+            recordings: [Split::Train, Split::Validation].map(|split| bench.recordings(split)),
         }
     }
 
-    /// Held-out residuals with the variable of another joint in a channel that fits best after one step.
+    /// Held-out residuals with the variable of another joint in a channel that takes most.
     fn with_another(&self, channel: usize) -> Option<Vec<Vec<f64>>> {
-        let joint = self.refit.model.channels()[channel].joint?;
-        let regimes = [0, 1].map(|k| {
-            let loads = &self.series[k].predicted;
-            Regimes::of(&self.refit.model, (joint, loads), &self.recordings[k])
+        let model = &self.refit.model;
+        let joint = model.channels()[channel].joint?;
+        let regimes = self.recordings.each_ref().map(|recordings| {
+            let series = Series::of(model, &self.refit.values, &[], recordings);
+            Regimes::of(model, (joint, &series.predicted), recordings)
         });
         let variables = 0..regimes[0].variables.len();
         let others = variables.filter(|&k| regimes[0].variables[k].of_another);
-        let tried = others.filter_map(|k| {
-            let of =
-                |split: usize| columns(&regimes[split].variables[k], &regimes[split].direction);
-            let another = Another {
-                channel,
-                columns: [of(0), of(1)],
-            };
-            let step = self.step((&self.series[0], &self.refit.train), &another)?;
-            let left = self.after(&step, &another);
-            Some((score(&left), another))
+        let tried = others.map(|k| {
+            let of = |regimes: &Regimes| columns(&regimes.variables[k], &regimes.direction);
+            let columns = regimes.each_ref().map(of);
+            let gain = self.linearised.gain_of(channel, &columns[0]);
+            (gain, Another { channel, columns })
         });
-        let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
+        let best = tried.max_by(|a, b| a.0.total_cmp(&b.0));
         best.and_then(|(_, another)| self.searched(&another))
-    }
-
-    /// Fitted residuals to first order after a step.
-    fn after(&self, step: &DVector<f64>, another: &Another) -> Vec<Vec<f64>> {
-        let mut left = self.refit.train.clone();
-        for (c, residual) in left.iter_mut().enumerate() {
-            let of_model = self.series[0].columns[c].iter().map(Option::as_ref);
-            for (column, by) in of_model.chain(another.of(0, c)).zip(step.iter()) {
-                let rows = column.into_iter().flatten();
-                residual
-                    .iter_mut()
-                    .zip(rows)
-                    .for_each(|(e, x)| *e -= by * x);
-            }
-        }
-        left
     }
 
     /// Held-out residuals after a search of all parameters.
     fn searched(&self, another: &Another) -> Option<Vec<Vec<f64>>> {
-        let model = &self.refit.model;
+        let (model, unknowns) = (&self.refit.model, self.refit.unknowns.positions());
         let mut values = self.refit.values.clone();
         let mut factors = DVector::zeros(another.columns[0].len());
-        let mut series = self.series[0].clone();
-        let mut residual = self.refit.train.clone();
         for _ in 0..STEPS {
-            let step = self.step((&series, &residual), another)?;
-            for (&p, by) in self.columns.iter().zip(step.iter()) {
+            let series = Series::of(model, &values, &unknowns, &self.recordings[0]);
+            let residual = another.added((0, &factors), series.residuals());
+            let step = self.step((&series, &residual), another, &values)?;
+            for (&p, by) in unknowns.iter().zip(step.iter()) {
                 let parameter = &model.parameters()[p];
                 values[p] -= by;
                 if parameter.linearity == Linearity::Nonlinear {
                     values[p] = values[p].clamp(parameter.lower, parameter.upper);
                 }
             }
-            factors -= step.rows(self.columns.len(), factors.len());
-            series = Series::of(model, &values, &self.columns, &self.recordings[0]);
-            residual = another.added((0, &factors), series.residuals());
+            factors -= step.rows(unknowns.len(), factors.len());
         }
         let held_out = Series::of(model, &values, &[], &self.recordings[1]);
         Some(another.added((1, &factors), held_out.residuals()))
     }
 
-    /// `min ‖e − [J, X] x‖²` over the fitted rows, each channel in units of what it leaves.
+    /// `min ‖e − [J, X] x‖²` over the fitted rows, each channel in units of what it leaves, and over what is known
+    /// beforehand at parameter `values`.
     fn step(
         &self,
         (series, residual): (&Series, &[Vec<f64>]),
         another: &Another,
+        values: &DVector<f64>,
     ) -> Option<DVector<f64>> {
-        let count = self.columns.len() + another.columns[0].len();
-        let mut factor = Triangular::new(count + 1);
+        let unknowns = self.refit.unknowns.positions();
+        let own = another.columns[0].len();
+        let known = self.refit.prior.system((&unknowns, own), values);
+        let mut factor = Triangular::new(known.ncols());
+        factor.absorb(known.as_slice());
         let scale = deviations(residual);
         for (c, residual) in residual.iter().enumerate() {
             let over = |column: Option<&Vec<f64>>| -> Vec<f64> {

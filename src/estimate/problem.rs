@@ -13,7 +13,7 @@ use crate::estimate::weights::{RowFactors, Weights};
 use crate::linalg::triangular::Triangular;
 use crate::problem::form::{Form, Objective, Structure, Variable};
 use crate::problem::{Linearization, OutsideDomain, Problem, SquareRoot, Values};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Where the weights of the channels come from.
@@ -215,12 +215,8 @@ impl<'a> FitProblem<'a> {
         let values = self.parameters(x);
         let mut whole = factor(&self.request(&values), self.recordings);
         if !self.prior.is_empty() {
-            let mut rows = DMatrix::zeros(self.prior.len(), self.columns.len() + 1);
-            for (k, &p) in self.columns.iter().enumerate() {
-                rows.set_column(k, &self.prior.rows().column(p));
-            }
-            rows.set_column(self.columns.len(), &self.prior.residual(&values));
-            whole.absorb(rows.as_slice());
+            let known = self.prior.system((&self.columns, 0), &values);
+            whole.absorb(known.as_slice());
         }
         whole
     }

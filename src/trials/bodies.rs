@@ -24,11 +24,11 @@ pub fn error(plan: &Plan, (model, values): (&Model, &DVector<f64>), data: &Datas
         let found = torques(&robot.tree, &bodies(model, values, false), motors);
         for j in 0..robot.tree.len() {
             let rotor = format!("{}.rotor_inertia.Jm", robot.name(j));
-            let of_found = model.find(&rotor).map_or(0.0, |p| values[p]);
-            let surplus = match plan.known_rotors {
-                true => 0.0,
-                false => of_found - concealed(plan, &rotor),
+            let true_rotor = match plan.known_rotors {
+                true => robot.rotor_inertia[j],
+                false => concealed(plan, &rotor),
             };
+            let surplus = model.find(&rotor).map_or(0.0, |p| values[p]) - true_rotor;
             let noise = robot.noise[j] * robot.torque_constant[j];
             for row in recording.counting() {
                 let error = found[j][row] - truth[j][row] + surplus * motors.ddq[j][row];
