@@ -48,7 +48,13 @@ fn a_push_at_another_time_is_fitted_where_it_is() {
         "{}",
         found[0].explained_share
     );
+    // Held against the noise of samples: between periods there is the push too.
+    for joint in &run.diagnosis.baseline.joints {
+        let is_large = joint.lack_of_fit.unwrap() > 10.0;
+        assert_eq!(is_large, joint.joint == pushed, "{joint:?}");
+    }
     for joint in &run.diagnosis.outcome.joints {
-        assert!(joint.lack_of_fit.unwrap() < 1.8, "{joint:?}");
+        let left = joint.lack_of_fit.unwrap();
+        assert!((0.5..1.8).contains(&left), "{joint:?}");
     }
 }

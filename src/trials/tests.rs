@@ -67,6 +67,19 @@ fn a_trial_is_the_same_again() {
     );
 }
 
+/// A rotor and a spring that the declared model lacks: its links take their place, and no longer do with what is found.
+#[test]
+fn bodies_are_as_right_with_what_is_found_as_with_the_truth() {
+    for number in [13, 20] {
+        let trial = run(&Scope::all(5), number, &Control::default());
+        let [declared, found, known] = trial.body_error.unwrap();
+        assert!(declared > 5.0 * known, "{number}: {declared} {known}");
+        assert!(found < 1.5 * known, "{number}: {found} {known}");
+        // Of the noise of a sample, where thousands of samples are fitted.
+        assert!(known < 0.2, "{number}: {known}");
+    }
+}
+
 fn trial(seed: u64, size: Option<f64>, found: Option<&str>) -> Trial {
     let joints = vec!["j1".to_string()];
     let right = size.is_some() && found == Some("joint_spring");
