@@ -5,15 +5,20 @@ use exid::estimate::task::{self, FitRun};
 use exid::outcome::parameter::{Parameter, Source};
 use exid::problem::solution::Control;
 use exid::problem_file::ProblemFile;
+use exid::simulate::{self, write_csv};
+use std::fs::File;
 use std::path::Path;
 
-fn fit(file: &str, overrides: &[&str]) -> FitRun {
+fn read(file: &str, overrides: &[&str]) -> ProblemFile {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("problems/panda_friction")
         .join(file);
     let overrides: Vec<String> = overrides.iter().map(|o| o.to_string()).collect();
-    let problem = ProblemFile::read(&path, &overrides, &exid::chain::effect::ids()).unwrap();
-    task::run(&problem, &Control::default(), |_| {}).unwrap()
+    ProblemFile::read(&path, &overrides, &exid::chain::effect::ids()).unwrap()
+}
+
+fn fit(file: &str, overrides: &[&str]) -> FitRun {
+    task::run(&read(file, overrides), &Control::default(), |_| {}).unwrap()
 }
 
 /// The arm alone, with a friction law and settings of the fit.
@@ -25,6 +30,7 @@ fn arm(effects: &str, overrides: &[&str]) -> FitRun {
 }
 
 const STRIBECK: &str = "\"coulomb_friction\", \"viscous_friction\", \"stribeck_friction\"";
+const LUGRE: &str = "\"coulomb_friction\", \"viscous_friction\", \"presliding_hysteresis\"";
 const SIGMOID: &str = "\"sigmoid_friction\", \"viscous_friction\"";
 
 /// Largest difference of two estimates over their combinations, in standard deviations of the first.
@@ -106,6 +112,71 @@ fn a_lasso_takes_parameters_to_zero_and_says_how_strong_it_is() {
 }
 
 const STRIBECK_LINEAR: &str = "\"coulomb_friction\", \"viscous_friction\"";
+
+/// Bristles of a joint with this Coulomb friction, N·m, and its viscous friction, N·m·s/rad.
+fn bristles(dry: f64, viscous: f64) -> [(&'static str, f64); 6] {
+    [
+        ("viscous_friction.Fv", viscous),
+        ("coulomb_friction.Fc", dry),
+        ("presliding_hysteresis.sigma0", 100.0 * dry),
+        ("presliding_hysteresis.sigma1", dry),
+        ("presliding_hysteresis.Fs", 0.3 * dry),
+        ("presliding_hysteresis.vs", 0.1),
+    ]
+}
+
+/// A joint's excess of friction at low speed with the opposite sign and a scale of speed ten times as large looks like
+/// its viscous friction; searches end there unless they begin near the truth.
+#[test]
+fn bristles_come_back_as_they_are_and_not_as_viscous_friction() {
+    let joints = [1.5, 1.5, 1.2, 1.2, 0.8, 0.6, 0.5]
+        .into_iter()
+        .zip([2.5, 2.5, 2.0, 2.0, 0.9, 0.8, 0.6]);
+    let truth: Vec<(String, f64)> = (1..)
+        .zip(joints)
+        .flat_map(|(j, (dry, viscous))| {
+            bristles(dry, viscous).map(|(name, x)| (format!("joint{j}.{name}"), x))
+        })
+        .collect();
+    let values = truth.iter().map(|(name, x)| format!("{name:?}={x}"));
+    let effects = format!("drive.effects=[{LUGRE}]");
+    let simulated = read(
+        "problem.toml",
+        &[
+            &effects,
+            "simulate.trajectory=\"random\"",
+            "simulate.periods=3",
+            "simulate.noise=[0.1,0.1,0.1,0.1,0.04,0.04,0.04]",
+            &format!(
+                "simulate.values={{{}}}",
+                values.collect::<Vec<_>>().join(",")
+            ),
+        ],
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let (mut held, mut all) = (0, 0);
+    for seed in [2003, 2006, 2009] {
+        let made = simulate::run(&simulated, seed, &Control::default()).unwrap();
+        let path = folder.path().join(&made.recordings[0].name);
+        write_csv(File::create(&path).unwrap(), &made.recordings[0]).unwrap();
+        let train = format!("recordings.train=[{:?}]", path.display().to_string());
+        let run = arm(LUGRE, &[&train, "recordings.validation=[]"]);
+        for (name, value) in &truth {
+            let found = run
+                .fitted
+                .estimate
+                .parameters
+                .iter()
+                .find(|p| p.name == *name);
+            let [low, high] = found.unwrap().ci95.unwrap_or([f64::NAN; 2]);
+            all += 1;
+            held += usize::from((low..=high).contains(value));
+        }
+    }
+    eprintln!("{held} of {all} intervals of 95 % hold the truth");
+    // Less than this by chance: once in fifty thousand times.
+    assert!(held * 100 >= all * 85, "{held} of {all}");
+}
 
 /// Truth of the hand: `problems/panda_friction/hand.toml`.
 const HAND: [(&str, f64); 10] = [

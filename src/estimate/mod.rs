@@ -22,6 +22,7 @@ pub mod realization;
 mod reweight;
 mod rounded;
 pub(crate) mod rows;
+mod shapes;
 pub mod spectrum;
 pub mod standstill;
 mod start;

@@ -1,36 +1,44 @@
 //! Where a nonlinear fit starts: the linear unknowns at their optimum, and the shape of every friction law at the
-//! best point of its grid.
+//! best end of searches from a grid.
 //!
 //! A friction law has shallow optima besides the deepest one (bristles as stiff as sampling can tell, a scale of speed
-//! that no speed reaches), and one search finds the nearest. So every joint's law is tried at every point of its grid,
-//! all joints at a time with the linear unknowns solved for, and every joint keeps the point at which its own channel
-//! leaves least.
-//!
-//! Bristles that bend before they slide show their stiffness so much more than how friction falls with speed that a
-//! search settles the latter wrongly while it still looks for the former. With the stiffness found, it is begun anew
-//! from every scale of speed, and every joint keeps the better end.
+//! that no speed reaches, an excess at low speed that stands in for viscous friction), and one search finds the
+//! nearest. So the laws of every joint are searched for from every point of their grid: first on the joint's own
+//! channel alone, as the laws of the other joints are not known yet, then, from where the whole fit comes to, by what
+//! all channels say, until no joint finds a better shape. What the bodies can do on one channel alone hides much of
+//! what tells two shapes apart.
 
-use crate::chain::effect::{Law, Memory, ParameterInfo, Search};
+use crate::chain::effect::{Law, ParameterInfo, Search};
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
 use crate::estimate::error::EstimateError;
 use crate::estimate::fit::{ITERATIONS_PER_ROUND, solve};
 use crate::estimate::problem::FitProblem;
 use crate::estimate::reach::Motion;
+use crate::estimate::shapes::{Others, Point, Shapes};
 use crate::estimate::unknowns::Unknowns;
 use crate::problem::Problem;
 use crate::problem::form::Structure;
 use crate::problem::solution::Control;
 use nalgebra::DVector;
+use rayon::prelude::*;
 
 /// Points of a joint's grid that are tried at most.
 const MOST_POINTS: usize = 36;
 
-/// Iterations of a search that is compared with others.
-const ITERATIONS_ANEW: usize = 40;
+/// Steps of a round of searches, and the ends of each joint that go on: a few steps from every point of the grid show
+/// which are worth more.
+const ROUNDS: [(usize, usize); 2] = [(2, 4), (STEPS, 1)];
+const STEPS: usize = 30;
 
-/// Values of some parameters, by their positions in the model.
-type Point = Vec<(usize, f64)>;
+/// Iterations of the whole fit before the shapes of single joints are searched for anew.
+const ITERATIONS_BETWEEN: usize = 40;
+
+/// Most often that happens. Laws that are not those of the robot can have many optima of nearly the same depth.
+const REVISIONS: usize = 3;
+
+/// Weighted squares below which two optima differ by less than one standard deviation of one unknown.
+const SETTLED: f64 = 1.0;
 
 /// The unknowns from which a search begins.
 pub(super) fn find(
@@ -40,91 +48,84 @@ pub(super) fn find(
     if problem.form().structure == Structure::Affine {
         return Ok(problem.start());
     }
-    let grids: Vec<Vec<Point>> = (0..problem.model.joints().len())
-        .map(|joint| grid(problem, joint))
-        .collect();
-    let count = grids.iter().map(Vec::len).max().unwrap_or(1);
-    if count <= 1 {
-        return at(problem, &[], control);
+    let joints = 0..problem.model.joints().len();
+    let grids: Vec<Vec<Point>> = joints.clone().map(|joint| grid(problem, joint)).collect();
+    let declared = at(problem, &[], control)?;
+    if grids.iter().all(|grid| grid.len() <= 1) {
+        return Ok(declared);
     }
-    let mut least = vec![(f64::INFINITY, 0); grids.len()];
-    for k in 0..count {
-        let tried: Vec<Point> = grids
-            .iter()
-            .map(|g| g[k.min(g.len() - 1)].clone())
-            .collect();
-        let start = at(problem, &tried, control)?;
-        for (joint, left) in left(problem, &start).into_iter().enumerate() {
-            if k < grids[joint].len() && left < least[joint].0 {
-                least[joint] = (left, k);
-            }
+    let laws: Vec<Vec<usize>> = joints.map(|joint| of_motor(problem, joint)).collect();
+    let alone = Shapes::new(problem, &declared, (&laws, Others::Free));
+    let (_, best): (Vec<f64>, Vec<Point>) = best_ends(&alone, &grids).into_iter().unzip();
+    let mut x = at(problem, &best, control)?;
+    for _ in 0..REVISIONS {
+        x = solve(problem, &x, (ITERATIONS_BETWEEN, control))?.x;
+        if control.is_interrupted() {
+            break;
         }
-    }
-    let best = least.iter().zip(&grids).map(|((_, k), g)| g[*k].clone());
-    let start = at(problem, &best.collect::<Vec<_>>(), control)?;
-    match problem.model.memory() {
-        Memory::Course => begun_anew(problem, start, control),
-        _ => Ok(start),
-    }
-}
-
-/// The end of a search, or of those from its end with the scales of speed at every value of their grid: all of the
-/// end that costs least, and of every joint the law of the end that leaves least in its own channel.
-fn begun_anew(
-    problem: &FitProblem<'_>,
-    start: DVector<f64>,
-    control: &Control<'_>,
-) -> Result<DVector<f64>, EstimateError> {
-    let search = |from: &DVector<f64>| solve(problem, from, (ITERATIONS_ANEW, control));
-    let mut ends = vec![search(&start)?];
-    let positions = problem.unknowns.positions();
-    let resets = resets(problem);
-    let count = resets.iter().map(|(_, values)| values.len()).max();
-    for k in 0..count.unwrap_or(0) {
-        let mut from = ends[0].x.clone();
-        for (unknown, values) in &resets {
-            from[*unknown] = values[k.min(values.len() - 1)];
-        }
-        // Friction at high speed made up for what the law lacked: it is solved for anew.
-        let shapes = positions.iter().copied().zip(from.iter().copied());
-        let shapes: Point = shapes.skip(problem.unknowns.base.base.len()).collect();
-        ends.push(search(&at(problem, &[shapes], control)?)?);
-    }
-    let left: Vec<Vec<f64>> = ends.iter().map(|end| left(problem, &end.x)).collect();
-    let least = |of: &dyn Fn(usize) -> f64| {
-        let order = |a: &usize, b: &usize| of(*a).total_cmp(&of(*b));
-        (0..ends.len()).min_by(order).unwrap_or(0)
-    };
-    let mut best = ends[least(&|k| ends[k].cost)].x.clone();
-    for (unknown, &p) in positions.iter().enumerate() {
-        if let Role::Effect { joint, .. } = problem.model.parameters()[p].role {
-            best[unknown] = ends[least(&|k| left[k][joint])].x[unknown];
-        }
-    }
-    Ok(best)
-}
-
-/// Unknowns of laws with memory that a search begins anew, and from which values: scales of speed from their grid,
-/// what has no grid from where it is declared to start. What has a grid of its own stays as it was found.
-fn resets(problem: &FitProblem<'_>) -> Vec<(usize, Vec<f64>)> {
-    let model = problem.model;
-    let mut resets = Vec::new();
-    for (unknown, p) in problem.unknowns.positions().into_iter().enumerate() {
-        let parameter = &model.parameters()[p];
-        let Some((joint, info)) = motor_law(model, p, Memory::Course) else {
-            continue;
+        let Some(better) = revised(problem, &x, (&laws, &grids)) else {
+            break;
         };
-        let limits = (parameter.value, parameter.lower, parameter.upper);
-        match info.search {
-            Search::Speed(_) | Search::OverSpeed(_) => {
-                let motion = Motion::of(problem.recordings, joint);
-                resets.push((unknown, motion.values(info.search, limits)));
-            }
-            Search::Typical => resets.push((unknown, vec![parameter.value])),
-            _ => {}
+        x = at(problem, &better, control)?;
+    }
+    Ok(x)
+}
+
+/// The shapes at x, of every joint with the best end of searches from its grid where that leaves less of what all
+/// channels say than the one from x; `None` where none does.
+fn revised(
+    problem: &FitProblem<'_>,
+    x: &DVector<f64>,
+    (laws, grids): (&[Vec<usize>], &[Vec<Point>]),
+) -> Option<Vec<Point>> {
+    let unknowns = problem.unknowns.positions();
+    let value = |p: &usize| Some((*p, x[unknowns.iter().position(|u| u == p)?]));
+    let point = |law: &Vec<usize>| law.iter().filter_map(value).collect();
+    let here: Vec<Point> = laws.iter().map(point).collect();
+    let whole = Shapes::new(problem, x, (laws, Others::AsElsewhere));
+    let mut points = whole.search(&here, STEPS);
+    let mut any = false;
+    for (point, end) in points.iter_mut().zip(best_ends(&whole, grids)) {
+        if end.0 < point.0 - SETTLED {
+            *point = end;
+            any = true;
         }
     }
-    resets
+    any.then(|| points.into_iter().map(|(_, point)| point).collect())
+}
+
+/// The best end of every joint of searches from all points of its grid, and what it leaves.
+fn best_ends(shapes: &Shapes<'_>, grids: &[Vec<Point>]) -> Vec<(f64, Point)> {
+    let mut points = grids.to_vec();
+    let mut best = Vec::new();
+    for (steps, kept) in ROUNDS {
+        let count = points.iter().map(Vec::len).max().unwrap_or(0);
+        let of = |k: usize| {
+            let from = points.iter().map(|own| own[k.min(own.len() - 1)].clone());
+            shapes.search(&from.collect::<Vec<Point>>(), steps)
+        };
+        let ends: Vec<Vec<(f64, Point)>> = (0..count).into_par_iter().map(of).collect();
+        best.clear();
+        for (joint, points) in points.iter_mut().enumerate() {
+            let own = ends
+                .iter()
+                .take(points.len())
+                .map(|ends| ends[joint].clone());
+            let mut own: Vec<(f64, Point)> = own.collect();
+            own.sort_by(|a, b| a.0.total_cmp(&b.0));
+            own.truncate(kept);
+            best.push(own[0].clone());
+            *points = own.into_iter().map(|(_, point)| point).collect();
+        }
+    }
+    best
+}
+
+/// Unknowns of the laws at a joint's motor.
+fn of_motor(problem: &FitProblem<'_>, joint: usize) -> Vec<usize> {
+    let own = |p: &usize| motor_law(problem.model, *p).is_some_and(|(of, _)| of == joint);
+    let unknowns = problem.unknowns.positions().into_iter();
+    unknowns.filter(own).collect()
 }
 
 /// The optimum over the linear unknowns with the others at a point, or where they start.
@@ -150,19 +151,6 @@ fn at(
     Ok(start)
 }
 
-/// Sum of the squared residuals of every joint's own channel; zero where it has none.
-fn left(problem: &FitProblem<'_>, x: &DVector<f64>) -> Vec<f64> {
-    let series = problem.counted_residuals(x);
-    let mut left = vec![0.0; problem.model.joints().len()];
-    for (c, channel) in problem.model.channels().iter().enumerate() {
-        if let Some(joint) = channel.joint {
-            let own = series.iter().flat_map(|recording| &recording[c]);
-            left[joint] = own.map(|e| e * e).sum();
-        }
-    }
-    left
-}
-
 /// Points of the shapes of a joint's friction laws, the declared one first.
 fn grid(problem: &FitProblem<'_>, joint: usize) -> Vec<Point> {
     let model = problem.model;
@@ -183,13 +171,15 @@ fn grid(problem: &FitProblem<'_>, joint: usize) -> Vec<Point> {
         points = points.into_iter().flat_map(longer).collect();
     }
     points.truncate(MOST_POINTS);
-    points.insert(0, declared);
+    if !declared.is_empty() {
+        points.insert(0, declared);
+    }
     points
 }
 
 /// How a parameter is looked for, where it shapes a friction law of the joint's motor.
 fn search(model: &Model, (joint, parameter): (usize, usize)) -> Option<Search> {
-    let (own, info) = motor_law(model, parameter, Memory::None)?;
+    let (own, info) = motor_law(model, parameter)?;
     let has_grid = matches!(
         info.search,
         Search::Values(_) | Search::Speed(_) | Search::OverSpeed(_)
@@ -197,12 +187,8 @@ fn search(model: &Model, (joint, parameter): (usize, usize)) -> Option<Search> {
     (own == joint && has_grid).then_some(info.search)
 }
 
-/// The joint of a parameter of a law at a motor with at least this memory, and what is known of the parameter.
-fn motor_law(
-    model: &Model,
-    parameter: usize,
-    memory: Memory,
-) -> Option<(usize, &'static ParameterInfo)> {
+/// The joint of a parameter of a law at a motor, and what is known of the parameter.
+fn motor_law(model: &Model, parameter: usize) -> Option<(usize, &'static ParameterInfo)> {
     let Role::Effect {
         joint,
         effect,
@@ -212,8 +198,6 @@ fn motor_law(
         return None;
     };
     let effect = model.joints()[joint].effects.get(effect)?.0;
-    let remembers = memory == Memory::None || effect.needs.memory == memory;
-    let at_motor = matches!(effect.law, Law::Motor(_));
     let info = effect.parameters.get(parameter)?;
-    (at_motor && remembers).then_some((joint, info))
+    matches!(effect.law, Law::Motor(_)).then_some((joint, info))
 }
