@@ -24,6 +24,10 @@ pub const PULL: f64 = 1e-6;
 /// Margin beyond which a body is as good as any, kg.
 const LARGEST_MARGIN: f64 = 0.05;
 
+/// Shares of the way back to a member well inside, tried in turn where a solver's answer lacks some of the margin: its
+/// rows hold up to its tolerance.
+const WAY_BACK: [f64; 4] = [1e-6, 1e-4, 1e-2, 1.0];
+
 /// Share of a distance from the reference that counts while a possible member is looked for.
 const NEARBY: f64 = 1e-3;
 
@@ -240,7 +244,14 @@ impl Class<'_> {
             .solve(&start, &Terms::default(), &Control::default())
             .ok()?;
         let usable = found.solution.stop == Stop::Optimal || found.gap.is_finite();
-        usable.then(|| member + self.null * found.solution.x)
+        let x = found.solution.x;
+        let at = |back: f64| &member + self.null * (&x + back * (&start - &x));
+        let has_margin = |member: &DVector<f64>| {
+            let rows = Class { member, ..*self }.rows(margin);
+            rows.is_some_and(|rows| rows.least() >= 0.0)
+        };
+        let mut tried = std::iter::once(0.0).chain(WAY_BACK).map(at);
+        tried.find(has_margin).filter(|_| usable)
     }
 
     /// z that brings the pseudo-inertias closest to those of a reference, whatever the constraints say.
