@@ -277,6 +277,41 @@ fn scaled(
     middle + step * low
 }
 
+#[test]
+fn a_shifted_joint_keeps_its_amplitudes_and_the_others_keep_everything() {
+    let robot = seven_joints(&[]);
+    let experiment = robot.experiment(&DOptimal, TEN_SECONDS);
+    let rows = limits::rows(&experiment.joints, &experiment.bounds, Ends::Free);
+    let problem = Excitation::new(&experiment, 1.0, 1.0);
+    let starts = Starts::of(&experiment, &problem, &rows);
+    let mut rng = generator(5);
+    let x = starts.random(&mut rng);
+    let shifted = starts.shifted(&x, 1, &mut rng);
+    let (harmonics, width) = (TEN_SECONDS.harmonics, TEN_SECONDS.width());
+    let own = |x: &DVector<f64>, k: usize| x.rows(k * width, width).into_owned();
+    let moved: Vec<usize> = (0..7).filter(|&k| own(&x, k) != own(&shifted, k)).collect();
+    let [joint] = moved[..] else {
+        panic!("{moved:?}")
+    };
+    let (before, after) = (own(&x, joint), own(&shifted, joint));
+    assert_eq!(before[0], after[0]);
+    let amplitude = |x: &DVector<f64>, l: usize| x[l].hypot(x[harmonics + l]);
+    for l in 1..=harmonics {
+        assert!((amplitude(&before, l) / amplitude(&after, l) - 1.0).abs() < 1e-12);
+    }
+    // The same motion a part of the period earlier, which the first harmonic tells.
+    let angle = |x: &DVector<f64>| x[harmonics + 1].atan2(x[1]);
+    let phase = angle(&before) - angle(&after);
+    let at = |x: &DVector<f64>, t: f64| -> f64 {
+        let functions = TEN_SECONDS.functions(0, t);
+        x.iter().zip(&functions).map(|(c, f)| c * f).sum()
+    };
+    let earlier = phase / std::f64::consts::TAU * TEN_SECONDS.period;
+    for t in [0.0, 1.3, 4.9] {
+        assert!((at(&after, t) - at(&before, t + earlier)).abs() < 1e-12);
+    }
+}
+
 /// Normal coefficients of all harmonics alike, about the middle.
 fn normal_coefficients(middle: &DVector<f64>, rng: &mut ChaCha8Rng) -> DVector<f64> {
     let width = 1 + 2 * TEN_SECONDS.harmonics;

@@ -1,10 +1,10 @@
 //! The search: many starts, the promising ones refined, best so far at any time.
 //!
 //! Starts come in rounds. Those of the first are random; those of later ones change the best motion of the rounds
-//! before: all of it a little, or the motion of one to three joints altogether, because optima near a good one are
-//! better than those of random motions. Where that leads no farther, a round is random again. All starts of a
-//! round are improved for a few steps, in parallel; the best are carried to the end. What a round does depends on
-//! the seed and on earlier rounds only, so the number of threads changes nothing.
+//! before: all of it a little, the motion of one to three joints altogether, or when a joint does what it does,
+//! because optima near a good one are better than those of random motions. Where that leads no farther, a round is
+//! random again. All starts of a round are improved for a few steps, in parallel; the best are carried to the end.
+//! What a round does depends on the seed and on earlier rounds only, so the number of threads changes nothing.
 
 use std::time::{Duration, Instant};
 
@@ -42,7 +42,7 @@ const CHANGES: [Change; ROUND] = [
     Change::Disturbed(0.3),
     Change::Redrawn(1),
     Change::Redrawn(2),
-    Change::Disturbed(0.3),
+    Change::Shifted(1),
     Change::Redrawn(3),
 ];
 
@@ -116,6 +116,8 @@ enum Change {
     Disturbed(f64),
     /// The whole motion of this many joints.
     Redrawn(usize),
+    /// When this many joints do what they do.
+    Shifted(usize),
 }
 
 /// A motion with what it is worth.
@@ -336,6 +338,7 @@ impl Search<'_> {
             (None, Some(best)) => match CHANGES[number % ROUND] {
                 Change::Disturbed(size) => starts.disturbed(best, size, &mut rng),
                 Change::Redrawn(joints) => starts.redrawn(best, joints, &mut rng),
+                Change::Shifted(joints) => starts.shifted(best, joints, &mut rng),
             },
             (None, None) => starts.random(&mut rng),
         };
