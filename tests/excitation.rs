@@ -286,7 +286,7 @@ fn a_shifted_joint_keeps_its_amplitudes_and_the_others_keep_everything() {
     let starts = Starts::of(&experiment, &problem, &rows);
     let mut rng = generator(5);
     let x = starts.random(&mut rng);
-    let shifted = starts.shifted(&x, 1, &mut rng);
+    let shifted = starts.shifted(&x, &mut rng);
     let (harmonics, width) = (TEN_SECONDS.harmonics, TEN_SECONDS.width());
     let own = |x: &DVector<f64>, k: usize| x.rows(k * width, width).into_owned();
     let moved: Vec<usize> = (0..7).filter(|&k| own(&x, k) != own(&shifted, k)).collect();
@@ -314,7 +314,7 @@ fn a_shifted_joint_keeps_its_amplitudes_and_the_others_keep_everything() {
 
 /// Normal coefficients of all harmonics alike, about the middle.
 fn normal_coefficients(middle: &DVector<f64>, rng: &mut ChaCha8Rng) -> DVector<f64> {
-    let width = 1 + 2 * TEN_SECONDS.harmonics;
+    let width = TEN_SECONDS.width();
     DVector::from_fn(middle.len(), |k, _| match k % width {
         0 => middle[k],
         _ => StandardNormal.sample(rng),

@@ -42,7 +42,7 @@ const CHANGES: [Change; ROUND] = [
     Change::Disturbed(0.3),
     Change::Redrawn(1),
     Change::Redrawn(2),
-    Change::Shifted(1),
+    Change::Shifted,
     Change::Redrawn(3),
 ];
 
@@ -116,8 +116,8 @@ enum Change {
     Disturbed(f64),
     /// The whole motion of this many joints.
     Redrawn(usize),
-    /// When this many joints do what they do.
-    Shifted(usize),
+    /// When a joint does what it does.
+    Shifted,
 }
 
 /// A motion with what it is worth.
@@ -338,7 +338,7 @@ impl Search<'_> {
             (None, Some(best)) => match CHANGES[number % ROUND] {
                 Change::Disturbed(size) => starts.disturbed(best, size, &mut rng),
                 Change::Redrawn(joints) => starts.redrawn(best, joints, &mut rng),
-                Change::Shifted(joints) => starts.shifted(best, joints, &mut rng),
+                Change::Shifted => starts.shifted(best, &mut rng),
             },
             (None, None) => starts.random(&mut rng),
         };

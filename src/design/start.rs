@@ -119,25 +119,18 @@ impl<'a> Starts<'a> {
         self.given(&x, rng)
     }
 
-    /// The best motion so far with some joints a part of the period earlier or later: each keeps its speeds and its
-    /// limits and meets other motions of the rest.
-    pub fn shifted(
-        &self,
-        best: &DVector<f64>,
-        joints: usize,
-        rng: &mut ChaCha8Rng,
-    ) -> DVector<f64> {
+    /// The best motion so far with one joint a part of the period earlier or later: it keeps its speeds and its limits
+    /// and meets other motions of the rest.
+    pub fn shifted(&self, best: &DVector<f64>, rng: &mut ChaCha8Rng) -> DVector<f64> {
         let mut x = best.clone();
         let harmonics = (self.width - 1) / 2;
-        for _ in 0..joints {
-            let first = self.width * rng.random_range(0..self.ranges.len());
-            let phase = symmetric(rng, PI);
-            for l in 1..=harmonics {
-                let (sine, cosine) = (l as f64 * phase).sin_cos();
-                let (a, b) = (x[first + l], x[first + harmonics + l]);
-                x[first + l] = a * cosine + b * sine;
-                x[first + harmonics + l] = b * cosine - a * sine;
-            }
+        let first = self.width * rng.random_range(0..self.ranges.len());
+        let phase = symmetric(rng, PI);
+        for l in 1..=harmonics {
+            let (sine, cosine) = (l as f64 * phase).sin_cos();
+            let (a, b) = (x[first + l], x[first + harmonics + l]);
+            x[first + l] = a * cosine + b * sine;
+            x[first + harmonics + l] = b * cosine - a * sine;
         }
         self.given(&x, rng)
     }

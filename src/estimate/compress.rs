@@ -52,7 +52,7 @@ pub fn factor(request: &Request<'_>, recordings: &[&Prepared]) -> Triangular {
 }
 
 /// Matrices of as many columns one below the other.
-fn stacked(matrices: &[DMatrix<f64>], columns: usize) -> DMatrix<f64> {
+pub(super) fn stacked(matrices: &[DMatrix<f64>], columns: usize) -> DMatrix<f64> {
     let mut all = DMatrix::zeros(matrices.iter().map(DMatrix::nrows).sum(), columns);
     let mut first = 0;
     for matrix in matrices {

@@ -12,6 +12,7 @@
 
 use crate::chain::dataset::Prepared;
 use crate::chain::evaluate::KnownBodies;
+use crate::estimate::compress::stacked;
 use crate::estimate::problem::FitProblem;
 use crate::estimate::rows::{RowBlock, Task, course, tasks, visit_errors};
 use crate::linalg::triangular::Triangular;
@@ -163,17 +164,13 @@ impl<'a> Shapes<'a> {
         let columns: Vec<usize> = (0..count)
             .filter(|&k| !shapes.contains(&unknowns[k]))
             .collect();
-        let mut free = own
-            .select_columns(&columns)
-            .resize_vertically(own.nrows() + count + 1, 0.0);
-        free.rows_mut(own.nrows(), count + 1)
-            .copy_from(&elsewhere.select_columns(&columns));
+        let free = [own, &elsewhere].map(|rows| rows.select_columns(&columns));
         Some(Own {
             channel: pick.channel,
             weight: *weight,
             shapes: shapes.to_vec(),
             elsewhere: elsewhere.column(count).into_owned(),
-            others: orthonormal(&free),
+            others: orthonormal(&stacked(&free, columns.len())),
         })
     }
 

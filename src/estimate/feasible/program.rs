@@ -244,6 +244,9 @@ impl Class<'_> {
             .solve(&start, &Terms::default(), &Control::default())
             .ok()?;
         let usable = found.solution.stop == Stop::Optimal || found.gap.is_finite();
+        if !usable {
+            return None;
+        }
         let x = found.solution.x;
         let at = |back: f64| &member + self.null * (&x + back * (&start - &x));
         let has_margin = |member: &DVector<f64>| {
@@ -251,7 +254,7 @@ impl Class<'_> {
             rows.is_some_and(|rows| rows.least() >= 0.0)
         };
         let mut tried = std::iter::once(0.0).chain(WAY_BACK).map(at);
-        tried.find(has_margin).filter(|_| usable)
+        tried.find(has_margin)
     }
 
     /// z that brings the pseudo-inertias closest to those of a reference, whatever the constraints say.

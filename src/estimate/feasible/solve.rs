@@ -4,6 +4,7 @@
 //! the member closest to the robot file's bodies is the answer. Otherwise the cone program decides, and the
 //! class of its answer is searched for the closest member in the same way.
 
+use crate::estimate::compress::stacked;
 use crate::estimate::feasible::prior::InertialPrior;
 use crate::estimate::feasible::program::{Class, Constraints, PULL, Program, pull};
 use crate::estimate::feasible::standard::{Standard, scaled_body};
@@ -190,7 +191,7 @@ fn pulled(
             Default::default(),
         ),
     };
-    let matrix = stack(&[&data, &rows, &weak]);
+    let matrix = stacked(&[data, rows, weak], standard.len());
     let parts = [&residual.offset, &offset, &weak_offset];
     let whole: Vec<f64> = parts.iter().flat_map(|p| p.iter().copied()).collect();
     let margin = match setting.prior {
@@ -230,17 +231,6 @@ fn sparse(
     let x = &found.solution.x;
     found.solution.x = x.rows(0, weights.len()).into_owned();
     Ok(found)
-}
-
-fn stack(parts: &[&DMatrix<f64>]) -> DMatrix<f64> {
-    let rows = parts.iter().map(|p| p.nrows()).sum();
-    let mut whole = DMatrix::zeros(rows, parts[0].ncols());
-    let mut at = 0;
-    for part in parts {
-        whole.rows_mut(at, part.nrows()).copy_from(part);
-        at += part.nrows();
-    }
-    whole
 }
 
 /// What the prior on the bodies adds to the cost.
