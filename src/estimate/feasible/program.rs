@@ -26,7 +26,7 @@ const LARGEST_MARGIN: f64 = 0.05;
 
 /// Shares of the way back to a member well inside, tried in turn where a solver's answer lacks some of the margin: its
 /// rows hold up to its tolerance.
-const WAY_BACK: [f64; 4] = [1e-6, 1e-4, 1e-2, 1.0];
+const WAY_BACK: [f64; 5] = [1e-8, 1e-6, 1e-4, 1e-2, 1.0];
 
 /// Share of a distance from the reference that counts while a possible member is looked for.
 const NEARBY: f64 = 1e-3;
