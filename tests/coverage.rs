@@ -11,7 +11,7 @@ use exid::estimate::fit::{Estimator, fit};
 use exid::problem::solution::Control;
 use exid::recording::columns::Recording;
 use exid::recording::experiment::prepare;
-use exid::recording::settings::Preparation;
+use exid::recording::settings::{Method, Preparation};
 use exid::recording::split::Split;
 use exid::robot::batch::Trajectory;
 use exid::robot::random::{generator, symmetric};
@@ -291,7 +291,7 @@ fn deviations(rows: usize) -> Vec<f64> {
         rate: Some(RATE_HZ),
         ..Preparation::default()
     };
-    // So high that every row is kept.
+    preparation.differentiation.method = Some(Method::Smoother);
     preparation.differentiation.cutoff_hz = Some(0.4 * RATE_HZ);
     let experiment = prepare(recording, &preparation).unwrap();
     let prior = Prior::none(model.parameters().len());

@@ -7,7 +7,7 @@ use crate::recording::split::Split;
 use crate::robot::batch::Trajectory;
 use std::sync::Arc;
 
-/// A low-passed signal holds nothing above its cut-off: rows closer than this many to a period of the
+/// A filtered signal holds nothing above its cut-off: rows closer than this many to a period of the
 /// cut-off only repeat each other. Eight leave the fastest term within 1 % of its peak.
 const ROWS_PER_CUTOFF_PERIOD: f64 = 8.0;
 
@@ -203,24 +203,15 @@ fn thinned(series: &[Vec<f64>], stride: usize) -> Vec<Vec<f64>> {
     series.iter().map(thin).collect()
 }
 
+/// Rows of a recording whose signal and model are both filtered are alike; where nothing is filtered every sample has
+/// noise of its own, and every one is used.
 fn stride(experiment: &Experiment) -> usize {
-    if experiment.periods.is_some() {
-        return 1;
-    }
-    let widest = experiment
-        .bandwidth
-        .iter()
-        .map(|b| b.cutoff_hz)
-        .fold(0.0, f64::max);
-    let widest = match &experiment.parallel {
-        Some(filter) => widest.min(filter.cutoff_hz()),
-        None => widest,
-    };
-    let needed = ROWS_PER_CUTOFF_PERIOD * widest;
-    if needed > 0.0 {
-        ((experiment.rate_hz / needed) as usize).max(1)
-    } else {
-        1
+    match (&experiment.parallel, &experiment.periods) {
+        (Some(filter), None) => {
+            let needed = ROWS_PER_CUTOFF_PERIOD * filter.cutoff_hz();
+            ((experiment.rate_hz / needed) as usize).max(1)
+        }
+        _ => 1,
     }
 }
 

@@ -21,7 +21,7 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
 
 fn of_stated(read: &Read<'_>, period: f64) -> Option<Finding> {
     let (positions, rate_hz) = period::thinned(read.recording, &read.timing);
-    let changed = share_changed(&positions, period * rate_hz)?;
+    let changed = period::changed_after(&positions, period * rate_hz)?;
     if changed < CHANGED {
         return None;
     }
@@ -48,24 +48,6 @@ fn of_stated(read: &Read<'_>, period: f64) -> Option<Finding> {
             what.1,
         ),
     ))
-}
-
-/// Σ (q(k) − q(k + l))² / 2 Var q over all joints, l between samples by linear interpolation.
-fn share_changed(positions: &[Vec<f64>], lag: f64) -> Option<f64> {
-    let (whole, part) = (lag.floor() as usize, lag.fract());
-    let (mut change, mut variance) = (0.0, 0.0);
-    for q in positions {
-        // Fewer samples than a tenth of the period behind it say nothing.
-        let count = q
-            .len()
-            .checked_sub(whole + 1)
-            .filter(|n| *n as f64 > 0.1 * lag)?;
-        let mean = q.iter().sum::<f64>() / q.len() as f64;
-        variance += q.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / q.len() as f64;
-        let later = |k: usize| q[k + whole] + part * (q[k + whole + 1] - q[k + whole]);
-        change += (0..count).map(|k| (q[k] - later(k)).powi(2)).sum::<f64>() / count as f64;
-    }
-    (variance > 0.0).then(|| change / (2.0 * variance))
 }
 
 fn of_unstated(read: &Read<'_>) -> Option<Finding> {

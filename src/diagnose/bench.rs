@@ -3,6 +3,7 @@
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
 use crate::chain::prior::Prior;
+use crate::diagnose::evidence::Samples;
 use crate::diagnose::hypothesis::{Hypothesis, addition};
 use crate::diagnose::memory::Memory;
 use crate::diagnose::rows::rms;
@@ -74,6 +75,15 @@ impl<'a> Bench<'a> {
             model::build_with_addition(self.problem, self.robot, &addition(hypotheses))?;
         let prior = prior::build(self.problem, &mut model)?;
         Ok((model, prior))
+    }
+
+    /// What the rows of its residuals are.
+    pub fn samples(&self) -> Samples {
+        let mut recordings = self.data.recordings.iter();
+        match recordings.any(|r| r.experiment.parallel.is_some()) {
+            true => Samples::Filtered,
+            false => Samples::Recorded,
+        }
     }
 
     pub fn recordings(&self, split: Split) -> Vec<&Prepared> {

@@ -7,7 +7,7 @@ use crate::diagnose::explain;
 use crate::diagnose::floor::{Floor, LEAST_EXCESS, UNEXPLAINED};
 use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::refit::Refit;
-use crate::diagnose::relief::{MATTERS, OF_TORQUE};
+use crate::diagnose::relief::{MATTERS, OF_NOISE, OF_TORQUE};
 use crate::diagnose::rivals::Contest;
 use crate::diagnose::rows::rms;
 use crate::diagnose::search::{Step as SearchStep, Trial};
@@ -229,7 +229,9 @@ fn chance(residual: &[f64], noise: f64) -> Option<f64> {
 /// Whether a smooth model says something that is significant and matters.
 pub fn is_needed(smooth: &Smooth, (significance, tried): (f64, usize)) -> bool {
     let tried = (tried * smooth.tried) as f64;
-    smooth.evidence.p_value * tried < significance && smooth.relief >= MATTERS
+    smooth.evidence.p_value * tried < significance
+        && smooth.relief >= MATTERS
+        && smooth.taken >= OF_NOISE
 }
 
 /// The verdict from the lack of fit of the joints that findings name, before and after, and from what is

@@ -6,10 +6,15 @@
 //! holds for any autocorrelation within a block (Newey and West 1987); its degrees of freedom are the effective number
 //! of blocks in which the two models differ (Satterthwaite 1946).
 //!
+//! Both residuals are taken as innovations of one autoregression per channel, that of the richer model's residual: noise
+//! that remembers is then nearly white, the variance rests on many short blocks and not on a few long ones, and what
+//! distinguishes the models counts where there is little noise (prewhitening: Andrews and Monahan 1992).
+//!
 //! Where the noise of a row is known, the variance is at least `τ Σ σ² d²` with the correlation time τ of the residual,
 //! as of noise of that size, and only what blocks show beyond it has their few degrees of freedom.
 
 use crate::diagnose::rows::deviation;
+use crate::stats::autoregression::Autoregression;
 use crate::stats::distribution::Distribution;
 
 /// The test of one model against another.
@@ -24,6 +29,15 @@ pub struct Evidence {
     pub freedom: f64,
     /// Probability of such a ratio, or a larger one, where b = 0; of one test.
     pub p_value: f64,
+}
+
+/// What the rows of residuals are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Samples {
+    /// Each with noise of its own.
+    Recorded,
+    /// Behind a low-pass, which has emptied the frequencies that innovations would count most.
+    Filtered,
 }
 
 /// Rows of a block at least.
@@ -43,7 +57,13 @@ const CORRELATION_TIMES: f64 = 4.0;
 pub fn encompassing(
     (poorer, richer): (&[Vec<f64>], &[Vec<f64>]),
     noise: Option<&[f64]>,
+    samples: Samples,
 ) -> Evidence {
+    let (poorer, richer, noise) = match samples {
+        Samples::Recorded => whitened(poorer, richer, noise),
+        Samples::Filtered => (poorer.to_vec(), richer.to_vec(), noise.map(<[f64]>::to_vec)),
+    };
+    let (poorer, richer, noise) = (&poorer[..], &richer[..], noise.as_deref());
     let scale: Vec<f64> = richer.iter().map(|e| deviation(e)).collect();
     let channels: Vec<usize> = (0..richer.len())
         .filter(|&c| !richer[c].is_empty())
@@ -91,6 +111,72 @@ pub fn encompassing(
         },
     };
     variance.evidence((product, square))
+}
+
+/// Probability that parameters which a recording has for itself lower the residual as much by chance: each recording is
+/// fitted anew, at whatever time serves best, and noise that remembers is alike in the rows that are fitted and in those
+/// between.
+///
+/// The innovations of both residuals have `Σ u²/σ²`, which falls by a χ² with `parameters` degrees of freedom at a
+/// given beginning and end (Wilks 1938), of which n rows have n²/2.
+pub fn of_own_parameters((poorer, richer): (&[Vec<f64>], &[Vec<f64>]), parameters: usize) -> f64 {
+    let (poorer, richer, _) = whitened(poorer, richer, None);
+    let rows = richer.iter().map(Vec::len).max().unwrap_or(0) as f64;
+    let gain = |(before, after): (&Vec<f64>, &Vec<f64>)| {
+        let squares = |e: &[f64]| e.iter().map(|u| u * u).sum::<f64>();
+        (squares(before) - squares(after)) / deviation(after).powi(2)
+    };
+    let gain: f64 = poorer.iter().zip(&richer).map(gain).sum();
+    let freedom = parameters.max(1) as f64;
+    let one = Distribution::ChiSquared { freedom }.upper_tail(gain.max(0.0));
+    (one * 0.5 * rows * rows).min(1.0)
+}
+
+/// Most coefficients of the autoregression of a residual.
+const MOST_COEFFICIENTS: usize = 32;
+
+/// Samples per coefficient at least.
+const SAMPLES_PER_COEFFICIENT: usize = 20;
+
+/// White noise that is added to a residual, as a share of its variance: frequencies at which there is nothing say nothing,
+/// and would have all the weight.
+const FLOOR: f64 = 1e-3;
+
+/// Autocovariances of a residual up to a lag, with the floor.
+fn with_floor(series: &[f64], most: usize) -> Vec<f64> {
+    let n = series.len().max(1) as f64;
+    let at = |lag: usize| {
+        let pairs = series.iter().zip(series.get(lag..).unwrap_or_default());
+        pairs.map(|(a, b)| a * b).sum::<f64>() / n
+    };
+    let mut covariance: Vec<f64> = (0..=most).map(at).collect();
+    covariance[0] *= 1.0 + FLOOR;
+    covariance
+}
+
+type Whitened = (Vec<Vec<f64>>, Vec<Vec<f64>>, Option<Vec<f64>>);
+
+/// Innovations of both residuals by the autoregression of the richer one, and the noise in the same units.
+fn whitened(poorer: &[Vec<f64>], richer: &[Vec<f64>], noise: Option<&[f64]>) -> Whitened {
+    let models: Vec<Autoregression> = richer
+        .iter()
+        .map(|e| {
+            let most = MOST_COEFFICIENTS.min(e.len() / SAMPLES_PER_COEFFICIENT);
+            let covariance = with_floor(e, most);
+            let model = Autoregression::of_autocovariance(&covariance, e.len());
+            model.unwrap_or_else(|| Autoregression::white(1.0))
+        })
+        .collect();
+    let of = |residuals: &[Vec<f64>]| -> Vec<Vec<f64>> {
+        let pairs = residuals.iter().zip(&models);
+        pairs.map(|(e, model)| model.innovations(e)).collect()
+    };
+    let (of_poorer, of_richer) = (of(poorer), of(richer));
+    let noise = noise.map(|noise| {
+        let of = |c: usize| noise[c] * deviation(&of_richer[c]) / deviation(&richer[c]);
+        (0..noise.len()).map(of).collect()
+    });
+    (of_poorer, of_richer, noise)
 }
 
 /// Two models over the channels with rows.
@@ -224,7 +310,7 @@ mod tests {
             let e = noise(rows, seed);
             let spurious: Vec<f64> = (0..rows).map(|k| 0.1 * (k as f64 * 0.013).sin()).collect();
             let richer: Vec<f64> = e.iter().zip(&spurious).map(|(e, s)| e - s).collect();
-            let evidence = encompassing((&[e], &[richer]), None);
+            let evidence = encompassing((&[e], &[richer]), None, Samples::Recorded);
             rejected += usize::from(evidence.p_value < 0.05);
         }
         let expected = 20.0;
@@ -239,7 +325,7 @@ mod tests {
         let e = noise(1000, 7);
         let effect: Vec<f64> = (0..1000).map(|k| (k as f64 * 0.02).sin()).collect();
         let poorer: Vec<f64> = e.iter().zip(&effect).map(|(e, s)| e + s).collect();
-        let evidence = encompassing((&[poorer], &[e]), None);
+        let evidence = encompassing((&[poorer], &[e]), None, Samples::Recorded);
         // The slope has a standard deviation of 1/√(Σ s²) = 1/√500.
         assert!((evidence.slope - 1.0).abs() < 4.0 / 500.0_f64.sqrt());
         assert!(evidence.p_value < 1e-6);
@@ -262,9 +348,10 @@ mod tests {
         let of_blocks = encompassing(
             (std::slice::from_ref(&poorer), std::slice::from_ref(&e)),
             None,
+            Samples::Recorded,
         );
         assert!(of_blocks.p_value > 0.1, "{of_blocks:?}");
-        let known = encompassing((&[poorer], &[e]), Some(&[1.0]));
+        let known = encompassing((&[poorer], &[e]), Some(&[1.0]), Samples::Recorded);
         assert!(known.p_value < 1e-6, "{known:?}");
     }
 
@@ -278,7 +365,7 @@ mod tests {
                 .zip(impact(1000))
                 .map(|(e, s)| e - 0.2 * s)
                 .collect();
-            let evidence = encompassing((&[e], &[richer]), Some(&[1.0]));
+            let evidence = encompassing((&[e], &[richer]), Some(&[1.0]), Samples::Recorded);
             rejected += usize::from(evidence.p_value < 0.05);
         }
         // 20 are expected with a standard deviation of 4.4.

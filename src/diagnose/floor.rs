@@ -57,14 +57,25 @@ impl Floor {
     }
 }
 
-/// Deviation of noise that forgets from row to row, from the differences of successive rows, `E (e(k+1) − e(k))²/2`,
+/// Mean square of the differences of rows so many rows apart, halved: the variance of noise that forgets within them,
 /// which what changes slowly does not enter (von Neumann 1941).
-fn of_steps(series: &[f64]) -> f64 {
-    let steps = series
-        .windows(2)
-        .map(|w| (w[1] - w[0]).powi(2))
-        .sum::<f64>();
-    (0.5 * steps / (series.len().max(2) - 1) as f64).sqrt()
+fn of_steps(series: &[f64], apart: usize) -> f64 {
+    let pairs = series.iter().zip(series.get(apart..).unwrap_or_default());
+    let squares: f64 = pairs.map(|(a, b)| (b - a).powi(2)).sum();
+    0.5 * squares / (series.len().max(apart + 1) - apart) as f64
+}
+
+/// Rows apart at which noise that forgets from row to row differs no more than from one to the next.
+const APART: usize = 4;
+
+/// By how much it may: three deviations of the ratio of two such variances of a thousand rows, and what a residual
+/// changes within a few rows.
+const FORGETS: f64 = 1.25;
+
+/// Deviation of noise that forgets from row to row; `None` where it does not.
+fn deviation_of_steps(series: &[f64]) -> Option<f64> {
+    let (near, far) = (of_steps(series, 1), of_steps(series, APART));
+    (far <= FORGETS * near).then(|| near.sqrt())
 }
 
 /// RMS noise of one row per channel where the motion repeats: the scatter of the periods whose averages the rows are,
@@ -73,9 +84,11 @@ pub fn known(bench: &Bench<'_>, model: &Refit) -> Option<Vec<f64>> {
     let repeats = |r: &Prepared| r.experiment.noise.is_some();
     match bench.in_time {
         false => bench.noise.clone(),
-        true if bench.data.recordings.iter().all(repeats) => {
-            Some(model.validation.iter().map(|e| of_steps(e)).collect())
-        }
+        true if bench.data.recordings.iter().all(repeats) => model
+            .validation
+            .iter()
+            .map(|e| deviation_of_steps(e))
+            .collect(),
         true => None,
     }
 }
@@ -91,11 +104,14 @@ pub fn of_rows(bench: &Bench<'_>, full: &Refit, smooths: &[&Smooth]) -> Floor {
             measured: true,
         };
     }
-    match noise_rms(&full.model, &full.values, bench.data) {
+    let repeats = |r: &Prepared| r.experiment.noise.is_some();
+    let averaged = bench.data.recordings.iter().all(repeats);
+    match noise_rms(&full.model, &full.values, bench.data).filter(|_| averaged) {
         Some(rms) => Floor {
             rms,
             measured: true,
         },
+        // White noise of successive samples says nothing of slower noise.
         None => Floor {
             rms: summary::left(full, smooths)
                 .iter()

@@ -16,7 +16,11 @@ const FEW: f64 = 3.0;
 
 /// Whether `richer` forecasts what `poorer` leaves.
 pub fn forecast(bench: &Bench<'_>, (poorer, richer): (&Refit, &Refit)) -> Evidence {
-    let evidence = encompassing((&poorer.validation, &richer.validation), None);
+    let evidence = encompassing(
+        (&poorer.validation, &richer.validation),
+        None,
+        bench.samples(),
+    );
     if evidence.freedom >= FEW {
         return evidence;
     }
@@ -31,5 +35,5 @@ pub fn forecast(bench: &Bench<'_>, (poorer, richer): (&Refit, &Refit)) -> Eviden
         });
         kept.collect()
     };
-    encompassing((&of(poorer), &of(richer)), Some(&noise))
+    encompassing((&of(poorer), &of(richer)), Some(&noise), bench.samples())
 }

@@ -4,7 +4,7 @@
 //! were not fitted; the share of energy that it takes from them is what the variable explains.
 
 use crate::diagnose::bench::Bench;
-use crate::diagnose::evidence::encompassing;
+use crate::diagnose::evidence::{Samples, encompassing};
 use crate::diagnose::refit::Refit;
 use crate::diagnose::regime::{Regimes, Variable};
 use crate::diagnose::rows::Series;
@@ -52,7 +52,11 @@ pub fn locate(bench: &Bench<'_>, refit: &Refit, significance: f64) -> Vec<Locate
                     direction: &of_held_out.direction,
                     residual: &refit.validation[c],
                 };
-                one(&channel.name, (&seen, &unseen), significance / count as f64)
+                one(
+                    &channel.name,
+                    (&seen, &unseen),
+                    (significance / count as f64, bench.samples()),
+                )
             })
             .collect();
         found.sort_by(|a, b| b.share.total_cmp(&a.share));
@@ -69,7 +73,11 @@ struct Seen<'a> {
     residual: &'a [f64],
 }
 
-fn one(joint: &str, (train, held_out): (&Seen<'_>, &Seen<'_>), level: f64) -> Option<Located> {
+fn one(
+    joint: &str,
+    (train, held_out): (&Seen<'_>, &Seen<'_>),
+    (level, samples): (f64, Samples),
+) -> Option<Located> {
     let edges = edges(&train.variable.values);
     let curve = Curve::of(train, &edges);
     let forecast: Vec<f64> = (0..held_out.residual.len())
@@ -77,7 +85,7 @@ fn one(joint: &str, (train, held_out): (&Seen<'_>, &Seen<'_>), level: f64) -> Op
         .collect();
     let energy = |e: &[f64]| e.iter().map(|x| x * x).sum::<f64>();
     let share = 1.0 - energy(&forecast) / energy(held_out.residual);
-    let evidence = encompassing((&[held_out.residual.to_vec()], &[forecast]), None);
+    let evidence = encompassing((&[held_out.residual.to_vec()], &[forecast]), None, samples);
     if share < LEAST_SHARE || evidence.p_value > level {
         return None;
     }

@@ -51,7 +51,8 @@ pub fn relief(
         let taken = (old * old - new * new).max(0.0).sqrt();
         let signals = held_out.iter().flat_map(|r| r.signal(c)).copied();
         let signal = rms(&signals.collect::<Vec<f64>>());
-        let noise = bench.noise.as_ref().map_or(0.0, |noise| noise[c]);
+        // Where nothing tells the noise, it is at most what is left.
+        let noise = bench.noise.as_ref().map_or(new, |noise| noise[c]);
         (taken >= (OF_TORQUE * signal).max(OF_NOISE * noise)).then_some(1.0 - new / old)
     };
     let named = hypothesis.named_joints();

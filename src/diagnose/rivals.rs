@@ -107,7 +107,7 @@ pub fn contest(
             let to_finding = forecast(bench, (full, &trial.refit));
             let its_joints = trial.hypothesis.named_joints();
             let is_no_richer = trial.refit.freedom() <= full.freedom();
-            let separation = separation(floor, (&trial.refit, full), &own.named_joints());
+            let separation = separation(bench, floor, (&trial.refit, full), &own.named_joints());
             Alternative {
                 separation,
                 better: to_finding.p_value * (open.len() as f64) < rules.significance
@@ -126,8 +126,13 @@ pub fn contest(
 }
 
 /// How far held-out rows tell a rival from a model, the finding of which acts on some joints.
-pub fn separation(floor: &Floor, (rival, full): (&Refit, &Refit), joints: &[usize]) -> Separation {
-    let forecast = encompassing((&rival.validation, &full.validation), None);
+pub fn separation(
+    bench: &Bench<'_>,
+    floor: &Floor,
+    (rival, full): (&Refit, &Refit),
+    joints: &[usize],
+) -> Separation {
+    let forecast = encompassing((&rival.validation, &full.validation), None, bench.samples());
     let differs = forecast.p_value < 1.0 - CONFIDENCE || excess((rival, full), joints) > MATTERS;
     let missed = Distribution::Normal.quantile(CONFIDENCE) - Distribution::Normal.quantile(0.95);
     let times = (missed / forecast.distance).powi(2);

@@ -1,10 +1,10 @@
 //! Grows the model one hypothesis at a time, then drops each on trial.
 
-use crate::chain::effect::{Law, Linearity};
+use crate::chain::effect::{Lasts, Law, Linearity};
 use crate::chain::parameter::Role;
 use crate::diagnose::bench::Bench;
 use crate::diagnose::error::DiagnoseError;
-use crate::diagnose::evidence::Evidence;
+use crate::diagnose::evidence::{Evidence, of_own_parameters};
 use crate::diagnose::forecast::forecast;
 use crate::diagnose::hypothesis::{self, Hypothesis};
 use crate::diagnose::lead::Lead;
@@ -312,7 +312,12 @@ pub fn compare(
     (before, refit): (&Refit, Refit),
     (hypothesis, tried): (Hypothesis, usize),
 ) -> Trial {
-    let evidence = forecast(bench, (before, &refit));
+    let mut evidence = forecast(bench, (before, &refit));
+    if hypothesis.effect.needs.lasts == Lasts::OneRecording {
+        let residuals = (&before.validation[..], &refit.validation[..]);
+        let own = of_own_parameters(residuals, hypothesis.effect.parameters.len());
+        evidence.p_value = evidence.p_value.max(own);
+    }
     Trial {
         p_value: (evidence.p_value * tried as f64).min(1.0),
         relief: relief(bench, &hypothesis, (before, &refit)),

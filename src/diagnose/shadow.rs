@@ -57,7 +57,7 @@ pub fn first(
         let tried = channels.len() as f64;
         channels.iter().any(|&c| {
             let better = |left: &Vec<Vec<f64>>| {
-                let evidence = encompassing((&full.validation, left), None);
+                let evidence = encompassing((&full.validation, left), None, bench.samples());
                 evidence.p_value * tried < significance
                     && leaves_more(floor, (&full.validation, left), &[c])
             };

@@ -10,7 +10,7 @@
 //! with a ridge that keeps what the rows do not determine at zero.
 
 use crate::diagnose::bench::Bench;
-use crate::diagnose::evidence::{Evidence, encompassing};
+use crate::diagnose::evidence::{Evidence, Samples, encompassing};
 use crate::diagnose::refit::Refit;
 use crate::diagnose::regime::Regimes;
 use crate::diagnose::rows::{Series, rms};
@@ -41,6 +41,8 @@ pub struct Smooth {
     pub evidence: Evidence,
     /// Share by which the held-out RMS error falls.
     pub relief: f64,
+    /// RMS of what it takes from the held-out rows over that of what it leaves.
+    pub taken: f64,
     /// To be subtracted from the residual, over the fitted and over the held-out rows.
     pub train: Vec<f64>,
     pub validation: Vec<f64>,
@@ -60,7 +62,7 @@ pub fn of_all(bench: &Bench<'_>, refit: &Refit) -> Vec<Smooth> {
             [0, 1].map(|k| Regimes::of(model, (joint, &series[k].predicted), &recordings[k]));
         let noise = bench.noise.as_ref().map_or(0.0, |noise| noise[c]);
         let residuals = [&refit.train[c][..], &refit.validation[c]];
-        if let Some(smooth) = best(&regimes, residuals, noise) {
+        if let Some(smooth) = best(&regimes, residuals, (noise, bench.samples())) {
             all.push(Smooth {
                 channel: c,
                 ..smooth
@@ -71,10 +73,14 @@ pub fn of_all(bench: &Bench<'_>, refit: &Refit) -> Vec<Smooth> {
 }
 
 /// The model over the first variables, or the one with the least held-out error among those with one variable more.
-fn best(regimes: &[Regimes; 2], residuals: [&[f64]; 2], noise: f64) -> Option<Smooth> {
+fn best(
+    regimes: &[Regimes; 2],
+    residuals: [&[f64]; 2],
+    (noise, samples): (f64, Samples),
+) -> Option<Smooth> {
     let [train, held_out] = [0, 1].map(|k| (&regimes[k], residuals[k]));
     let first: Vec<usize> = (0..VARIABLES).collect();
-    let plain = one(train, held_out, &first)?;
+    let plain = one(train, held_out, (&first, samples))?;
     let left = rms(held_out.1) * (1.0 - plain.relief);
     if left * left <= MUCH * noise * noise {
         return Some(plain);
@@ -82,7 +88,7 @@ fn best(regimes: &[Regimes; 2], residuals: [&[f64]; 2], noise: f64) -> Option<Sm
     let count = regimes[0].variables.len();
     let more = (VARIABLES..count).filter_map(|extra| {
         let variables = [&first[..], &[extra]].concat();
-        one(train, held_out, &variables)
+        one(train, held_out, (&variables, samples))
     });
     let all = std::iter::once(plain).chain(more);
     let mut best = all.max_by(|a, b| a.relief.total_cmp(&b.relief))?;
@@ -93,7 +99,7 @@ fn best(regimes: &[Regimes; 2], residuals: [&[f64]; 2], noise: f64) -> Option<Sm
 fn one(
     train: (&Regimes, &[f64]),
     held_out: (&Regimes, &[f64]),
-    variables: &[usize],
+    (variables, samples): (&[usize], Samples),
 ) -> Option<Smooth> {
     let pick = |regimes: &Regimes| -> Regimes {
         Regimes {
@@ -121,7 +127,11 @@ fn one(
         over: of_train.variables.iter().map(|v| v.name.clone()).collect(),
         tried: 1,
         relief: 1.0 - rms(&after) / rms(held_out.1),
-        evidence: encompassing((&[held_out.1.to_vec()], &[after]), None),
+        taken: (rms(held_out.1).powi(2) - rms(&after).powi(2))
+            .max(0.0)
+            .sqrt()
+            / rms(&after),
+        evidence: encompassing((&[held_out.1.to_vec()], &[after]), None, samples),
         train: fitted.as_slice().to_vec(),
         validation: forecast.as_slice().to_vec(),
     })

@@ -17,6 +17,7 @@ use crate::diagnose::search::{self, Grown, Rules, Trial, fit_without, grow, prun
 use crate::diagnose::smooth::{self, Smooth};
 use crate::diagnose::summary;
 use crate::diagnose::{next, outweighed, own, shadow};
+use crate::estimate::bandwidth;
 use crate::estimate::figures::{Predictions, noise_rms, predictions};
 use crate::estimate::fit::{Fitted, outcome};
 use crate::estimate::task::{notes, preprocessing};
@@ -108,8 +109,8 @@ pub fn run(
     watch(Stage::Reading);
     let robot = setup::robot::open(problem)?;
     let mut model = setup::model::build(problem, &robot)?;
-    setup::prior::build(problem, &mut model)?;
-    let data = setup::recordings::open(problem, &robot, &model)?;
+    let prior = setup::prior::build(problem, &mut model)?;
+    let data = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
     let (data, held_out) = holdout::with_held_out(rest::left_out(&model, data));
     watch(Stage::Checking);
     let mistakes = check::run(problem, control);

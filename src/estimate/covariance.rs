@@ -1,17 +1,20 @@
 //! Covariance of the estimate when the residuals are coloured and correlated across channels:
 //!
-//! `C = A⁻¹ (M + PᵀP) A⁻¹`,   `A = XᵀX + PᵀP`,   `M = Σ_f X(f)ᴴ S(f) X(f)`
+//! ```text
+//! C = B (M + PᵀP) B,   B = (XᵀX + PᵀP)⁻¹,   M = Σ_f Z(f)ᴴ A⁻¹ S(f) A⁻ᴴ Z(f),   Z = WᵀW D
+//! ```
 //!
-//! with the weighted derivatives X, the prior's rows P and the spectral matrix S(f) of the weighted
-//! residuals: the sandwich of Newey and West (1987) with a smoothed spectrum in place of a truncated
-//! autocovariance (Robinson 1983). Residuals are smaller than noise where the fit follows it; their power
-//! is divided by 1 − h(f), h the leverage `diag(X(f) A⁻¹ X(f)ᴴ)`, smoothed alike.
+//! with the weighted derivatives X = W D, the prior's rows P, the autoregressions A of the residuals and the spectral
+//! matrix S(f) of their innovations, which is smoothed: the sandwich of Newey and West (1987) with a prewhitened and
+//! smoothed spectrum in place of a truncated autocovariance (Andrews and Monahan 1992). Residuals are smaller than noise
+//! where the fit follows it; their power is divided by 1 − h(f), h the leverage `diag(X(f) B X(f)ᴴ)`, smoothed alike.
 
 use crate::chain::dataset::Prepared;
+use crate::estimate::colour::{self, Colour};
 use crate::estimate::gaps::Gapped;
-use crate::estimate::problem::FitProblem;
+use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::rows::{Task, visit_errors};
-use crate::estimate::spectrum::{SEGMENT, Spectrum, Transform};
+use crate::estimate::spectrum::{Power, SEGMENT, Spectrum, Transform};
 use crate::linalg::triangular::Triangular;
 use nalgebra::{Complex, DMatrix, DVector};
 use rayon::prelude::*;
@@ -20,9 +23,12 @@ use std::ops::Range;
 /// Share of a column that is left where those before it are taken out, below which it is one of them.
 const DEPENDENT: f64 = 1e-11;
 
-/// Leverage of all unknowns together over the power of one cell of frequencies, below which it is not computed: the
-/// variances are then off by less than this share even if one cell of one channel had it all.
+/// Leverage of all unknowns together over the power of one band of frequencies, below which it is not computed: the
+/// variances are then off by less than this share even if one band of one channel had it all.
 const NEGLIGIBLE: f64 = 0.02;
+
+/// Bands of frequency that leverage is held against.
+const BANDS: f64 = 128.0;
 
 /// Covariance of the unknowns at the optimum x; infinite variance of those that the derivatives do not determine
 /// there, such as the shape of a law whose size has gone to zero.
@@ -39,6 +45,15 @@ pub fn of_unknowns(problem: &FitProblem<'_>, x: &DVector<f64>) -> Option<DMatrix
     let bread = &inverse * inverse.transpose();
     let residuals = problem.counted_residuals(x);
     let values = problem.parameters(x);
+    let counted: Vec<Counted> = (0..problem.recordings.len())
+        .map(|index| counted(problem, index, &residuals[index]))
+        .collect();
+    let views: Vec<colour::Counted<'_>> = counted.iter().map(Counted::view).collect();
+    let colour = match problem.noise {
+        NoiseSource::Periods => Colour::of_periods(problem.recordings),
+        NoiseSource::Residuals => None,
+    };
+    let colour = colour.unwrap_or_else(|| Colour::of(&views));
     let mut meat = DMatrix::zeros(count, count);
     for (index, recording) in problem.recordings.iter().enumerate() {
         let part = Part {
@@ -46,7 +61,8 @@ pub fn of_unknowns(problem: &FitProblem<'_>, x: &DVector<f64>) -> Option<DMatrix
             values: &values,
             recording,
             index,
-            counted: counted(problem, index, &residuals[index]),
+            counted: &counted[index],
+            colour: &colour,
         };
         meat += part.middle(&inverse);
     }
@@ -103,81 +119,117 @@ struct Counted {
     counts: Vec<Vec<bool>>,
 }
 
+impl Counted {
+    fn view(&self) -> colour::Counted<'_> {
+        colour::Counted {
+            residuals: &self.residuals,
+            counts: &self.counts,
+        }
+    }
+
+    /// Innovations of all channels.
+    fn innovations(&self, colour: &Colour, cyclic: bool) -> Self {
+        let channels = self.residuals.iter().zip(&self.counts).enumerate();
+        let of = |(c, (series, counts)): (usize, (&Vec<f64>, &Vec<bool>))| {
+            colour.innovations(c, (series, counts), cyclic)
+        };
+        let (residuals, counts) = channels.map(of).unzip();
+        Self { residuals, counts }
+    }
+}
+
 /// One recording of the fit.
 struct Part<'a> {
     problem: &'a FitProblem<'a>,
     values: &'a DVector<f64>,
     recording: &'a Prepared,
     index: usize,
-    counted: Counted,
+    counted: &'a Counted,
+    colour: &'a Colour,
 }
 
 impl Part<'_> {
-    /// `Σ_f X(f)ᴴ S(f) X(f)`; `inverse` is R⁻¹ with `A = RᵀR`.
+    /// `M` of this recording; `inverse` is R⁻¹ with `XᵀX + PᵀP = RᵀR`.
     fn middle(&self, inverse: &DMatrix<f64>) -> DMatrix<f64> {
         let rows = self.recording.rows();
         // Segments of one length: zeros behind a shorter one would pass for residuals.
-        let length = rows.div_ceil(rows.div_ceil(SEGMENT).max(1));
-        let transform = Transform::new(length);
-        let starts: Vec<usize> = (0..rows).step_by(length.max(1)).collect();
-        let channels = self.counted.residuals.len();
-        let mut spectrum = Spectrum::new(transform.frequencies() * starts.len(), channels);
-        let cells = spectrum.cells_of(transform.frequencies());
-        let count = inverse.nrows();
-        let taken = count as f64 * spectrum.count() as f64 / rows as f64;
-        let leverages: Vec<Option<Vec<Vec<f64>>>> = starts
-            .par_iter()
-            .map(|&start| {
-                (taken > NEGLIGIBLE).then(|| self.leverage(&transform, (start, &cells), inverse))
-            })
-            .collect();
-        let none = vec![0.0; channels];
-        for (&start, leverage) in starts.iter().zip(&leverages) {
-            let powers = self.powers(&transform, start..rows.min(start + length));
-            for (cell, range) in cells.iter().enumerate() {
-                for f in range.clone() {
-                    let leverage = leverage.as_ref().map_or(&none, |l| &l[f]);
-                    spectrum.add(cell, transform.multiplicity(f), (&powers[f], leverage));
-                }
-            }
-        }
-        let weights = self.weights();
-        let roots = spectrum.roots();
-        let mixing: Vec<_> = roots.iter().map(|root| root.adjoint() * &weights).collect();
+        let length = rows.div_ceil(rows.div_ceil(SEGMENT).max(1)).max(1);
+        let starts: Vec<usize> = (0..rows).step_by(length).collect();
+        let cyclic = self.recording.segment().cyclic && starts.len() == 1;
+        let spectrum = self.spectrum((length, &starts), cyclic, inverse);
+        // What a residual owes to an innovation before its segment, or at its end to one of its beginning.
+        let tail = if cyclic {
+            0
+        } else {
+            self.colour.memory(length)
+        };
+        let transform = Transform::new(length + tail);
+        let mixing = self.mixing(&transform, &spectrum);
         let parts: Vec<DMatrix<f64>> = starts
             .par_iter()
-            .map(|&start| gram(&self.mixed(&transform, (start, &cells), &mixing)))
+            .map(|&start| gram(&self.mixed(&transform, start..rows.min(start + length), &mixing)))
             .collect();
+        let count = inverse.nrows();
         parts
             .iter()
             .fold(DMatrix::zeros(count, count), |sum, part| sum + part)
     }
 
-    fn weights(&self) -> DMatrix<Complex<f64>> {
-        let weights = self.problem.weights().matrix();
-        weights.map(|w| Complex::new(w, 0.0))
+    /// Spectrum of the innovations of the residuals.
+    fn spectrum(
+        &self,
+        (length, starts): (usize, &[usize]),
+        cyclic: bool,
+        inverse: &DMatrix<f64>,
+    ) -> Spectrum {
+        let rows = self.recording.rows();
+        let transform = Transform::new(length);
+        let channels = self.counted.residuals.len();
+        let taken = inverse.nrows() as f64 * BANDS / rows.max(1) as f64;
+        let innovations = self.counted.innovations(self.colour, cyclic);
+        let of_segment = |&start: &usize| -> Vec<Power> {
+            let range = start..rows.min(start + length);
+            let leverage =
+                (taken > NEGLIGIBLE).then(|| self.leverage(&transform, range.clone(), inverse));
+            let powers = powers(&innovations, &transform, range)
+                .into_iter()
+                .enumerate();
+            let last = (transform.frequencies() - 1).max(1) as f64;
+            let power = |(f, matrix): (usize, DMatrix<Complex<f64>>)| Power {
+                place: f as f64 / last,
+                weight: transform.multiplicity(f),
+                matrix,
+                leverage: leverage
+                    .as_ref()
+                    .map_or_else(|| vec![0.0; channels], |l| l[f].clone()),
+            };
+            powers.map(power).collect()
+        };
+        let all: Vec<Vec<Power>> = starts.par_iter().map(of_segment).collect();
+        Spectrum::of(all.into_iter().flatten().collect())
     }
 
-    /// Power of the weighted residuals of a segment at every frequency.
-    fn powers(&self, transform: &Transform, rows: Range<usize>) -> Vec<DMatrix<Complex<f64>>> {
-        let weights = self.weights();
-        let part = |series: &Vec<f64>| series[rows.clone()].to_vec();
-        let residuals: Vec<Vec<f64>> = self.counted.residuals.iter().map(part).collect();
-        let counts = self.counted.counts.iter();
-        let counts: Vec<Vec<bool>> = counts.map(|series| series[rows.clone()].to_vec()).collect();
-        if counts.iter().flatten().all(|counts| *counts) {
-            let spectra: Vec<_> = residuals.iter().map(|e| transform.of(e)).collect();
-            let at = |f: usize| &weights * DVector::from_fn(spectra.len(), |c, _| spectra[c][f]);
-            let periodogram = |e: DVector<Complex<f64>>| &e * e.adjoint();
-            let frequencies = 0..transform.frequencies();
-            return frequencies.map(|f| periodogram(at(f))).collect();
+    /// `Lᴴ A⁻ᴴ WᵀW` at every frequency, with `S = L Lᴴ`.
+    fn mixing(&self, transform: &Transform, spectrum: &Spectrum) -> Vec<DMatrix<Complex<f64>>> {
+        let weights = self.problem.weights().matrix();
+        let squared = (weights.transpose() * &weights).map(|w| Complex::new(w, 0.0));
+        let cells = spectrum.cells_of(transform.frequencies());
+        let whole: Vec<_> = spectrum.roots().iter().map(|root| root.adjoint()).collect();
+        let mut mixing = Vec::with_capacity(transform.frequencies());
+        for (cell, root) in cells.into_iter().zip(&whole) {
+            for f in cell {
+                let mut own = root.clone();
+                if !self.colour.is_white() {
+                    let frequency = f as f64 / transform.length() as f64;
+                    for c in 0..own.ncols() {
+                        let shaped = self.colour.response(c, frequency).conj().inv();
+                        own.column_mut(c).iter_mut().for_each(|x| *x *= shaped);
+                    }
+                }
+                mixing.push(own * &squared);
+            }
         }
-        let gapped = Gapped {
-            residuals: &residuals,
-            counts: &counts,
-        };
-        let powers = gapped.powers(transform).into_iter();
-        powers.map(|p| &weights * p * weights.transpose()).collect()
+        mixing
     }
 
     /// Columns of a segment before the weights of the channels: `[channel][column][row]`, empty where absent.
@@ -221,57 +273,57 @@ impl Part<'_> {
         series
     }
 
-    /// `B(f) X(f)` of a segment with a matrix B for every cell of frequencies, times the root of how often a
+    /// `B(f) D(f)` of a segment with a matrix B for every frequency, times the root of how often a
     /// frequency counts: real parts of all frequencies of the first channel, imaginary parts, then the next channel's.
     fn mixed(
         &self,
         transform: &Transform,
-        (start, cells): (usize, &[Range<usize>]),
+        rows: Range<usize>,
         mixing: &[DMatrix<Complex<f64>>],
     ) -> DMatrix<f64> {
-        let end = self.recording.rows().min(start + transform.length());
-        let columns = self.columns(start..end);
+        let columns = self.columns(rows);
         let (channels, count) = (columns.len(), columns.first().map_or(0, Vec::len));
         let frequencies = transform.frequencies();
-        let mut rows = DMatrix::zeros(2 * frequencies * channels, count);
+        let mut mixed = DMatrix::zeros(2 * frequencies * channels, count);
+        let empty = |i: usize, j: usize| mixing.iter().all(|b| b[(i, j)] == Complex::new(0.0, 0.0));
         for (j, channel) in columns.iter().enumerate() {
+            let into: Vec<usize> = (0..channels).filter(|&i| !empty(i, j)).collect();
             for (k, series) in channel.iter().enumerate().filter(|(_, s)| !s.is_empty()) {
                 let mut x = transform.of(series);
                 for (f, x) in x.iter_mut().enumerate() {
                     *x *= Complex::new(transform.multiplicity(f).sqrt(), 0.0);
                 }
-                let mut column = rows.column_mut(k);
-                let parts = column.as_mut_slice().chunks_exact_mut(2 * frequencies);
-                for (i, parts) in parts.enumerate() {
+                let mut column = mixed.column_mut(k);
+                let all = column.as_mut_slice();
+                for &i in &into {
+                    let parts = &mut all[2 * frequencies * i..][..2 * frequencies];
                     let (real, imaginary) = parts.split_at_mut(frequencies);
-                    for (range, b) in cells.iter().zip(mixing) {
-                        let b = b[(i, j)];
-                        if b == Complex::new(0.0, 0.0) {
-                            continue;
-                        }
-                        let to = real[range.clone()]
-                            .iter_mut()
-                            .zip(&mut imaginary[range.clone()]);
-                        for ((re, im), x) in to.zip(&x[range.clone()]) {
-                            *re += b.re * x.re - b.im * x.im;
-                            *im += b.re * x.im + b.im * x.re;
-                        }
+                    let to = real.iter_mut().zip(imaginary);
+                    for ((re, im), (x, b)) in to.zip(x.iter().zip(mixing)) {
+                        let product = b[(i, j)] * x;
+                        *re += product.re;
+                        *im += product.im;
                     }
                 }
             }
         }
-        rows
+        mixed
     }
 
-    /// `diag(X(f) A⁻¹ X(f)ᴴ)` of the weighted columns per frequency and channel.
+    /// `diag(X(f) B X(f)ᴴ)` of the weighted columns per frequency and channel.
     fn leverage(
         &self,
         transform: &Transform,
-        (start, cells): (usize, &[Range<usize>]),
+        rows: Range<usize>,
         inverse: &DMatrix<f64>,
     ) -> Vec<Vec<f64>> {
-        let weights = vec![self.weights(); cells.len()];
-        let projected = self.mixed(transform, (start, cells), &weights) * inverse;
+        let weights = self
+            .problem
+            .weights()
+            .matrix()
+            .map(|w| Complex::new(w, 0.0));
+        let weights = vec![weights; transform.frequencies()];
+        let projected = self.mixed(transform, rows, &weights) * inverse;
         let frequencies = transform.frequencies();
         let squares = |f: usize, c: usize| {
             let real = projected.row(2 * frequencies * c + f).norm_squared();
@@ -292,6 +344,30 @@ impl Part<'_> {
         };
         (0..frequencies).map(of).collect()
     }
+}
+
+/// Power of the series of a segment at every frequency.
+fn powers(
+    series: &Counted,
+    transform: &Transform,
+    rows: Range<usize>,
+) -> Vec<DMatrix<Complex<f64>>> {
+    let part = |series: &Vec<f64>| series[rows.clone()].to_vec();
+    let residuals: Vec<Vec<f64>> = series.residuals.iter().map(part).collect();
+    let counts = series.counts.iter();
+    let counts: Vec<Vec<bool>> = counts.map(|series| series[rows.clone()].to_vec()).collect();
+    if counts.iter().flatten().all(|counts| *counts) {
+        let spectra: Vec<_> = residuals.iter().map(|e| transform.of(e)).collect();
+        let at = |f: usize| DVector::from_fn(spectra.len(), |c, _| spectra[c][f]);
+        let periodogram = |e: DVector<Complex<f64>>| &e * e.adjoint();
+        let frequencies = 0..transform.frequencies();
+        return frequencies.map(|f| periodogram(at(f))).collect();
+    }
+    let gapped = Gapped {
+        residuals: &residuals,
+        counts: &counts,
+    };
+    gapped.powers(transform)
 }
 
 /// `XᵀX`, some rows at a time: a product of matrices is many times faster than one of columns, and the transpose of

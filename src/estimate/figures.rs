@@ -3,7 +3,7 @@
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::effect::Memory;
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
-use crate::chain::model::Model;
+use crate::chain::model::{Channel, Model};
 use crate::estimate::noise::predict;
 use crate::outcome::joint::JointFigures;
 use crate::recording::split::Split;
@@ -132,7 +132,8 @@ fn add_raw(sums: &mut Sums, recording: &Prepared, (predicted, channel): (&[f64],
     }
 }
 
-/// Standard deviation of one row per channel that the scatter between periods gives, over the recordings
+/// Standard deviation of one row per channel that the scatter between periods gives, or where nothing repeats the
+/// differences of successive samples, over the recordings
 /// that the figures judge; the noise of the motion is carried through the model, friction near
 /// reversals included:
 /// `σ² = σ_s² + Σ_j (∂s/∂q_j)² σ²_{q,j} + (∂s/∂q̇_j)² σ²_{q̇,j} + (∂s/∂q̈_j)² σ²_{q̈,j}`.
@@ -144,10 +145,10 @@ pub fn noise_rms(model: &Model, values: &DVector<f64>, data: &Dataset) -> Option
     let mut sum = vec![0.0; model.channels().len()];
     let mut rows = 0.0;
     for recording in data.of(split) {
-        let noise = recording.experiment.noise.as_ref()?;
+        let signal = signal_variances(model, recording)?;
         let motion = motion_variance(model, values, recording);
         for (c, total) in sum.iter_mut().enumerate() {
-            let variance = noise.signal_covariance[(c, c)] + motion[c];
+            let variance = signal[c] + motion[c];
             *total += variance * recording.rows() as f64;
         }
         rows += recording.rows() as f64;
@@ -155,20 +156,32 @@ pub fn noise_rms(model: &Model, values: &DVector<f64>, data: &Dataset) -> Option
     (rows > 0.0).then(|| sum.iter().map(|total| (total / rows).sqrt()).collect())
 }
 
+/// Variance of the noise of one row of every channel: the scatter of periods, or where nothing repeats the noise
+/// of samples that is seen to be white; `None` where neither tells it of every active channel.
+fn signal_variances(model: &Model, recording: &Prepared) -> Option<Vec<f64>> {
+    let experiment = &recording.experiment;
+    if let Some(noise) = &experiment.noise {
+        return Some(noise.signal_covariance.diagonal().iter().copied().collect());
+    }
+    let channels = model.channels().iter().enumerate();
+    let of = |(c, channel): (usize, &Channel)| match channel.active {
+        true => experiment.white_noise.get(c).copied().flatten(),
+        false => Some(0.0),
+    };
+    let deviations: Option<Vec<f64>> = channels.map(of).collect();
+    Some(deviations?.into_iter().map(|d| d * d).collect())
+}
+
 /// Mean variance per channel that the errors of the motion cause: of every row, half the difference of the signals
 /// with each position, velocity and acceleration a standard deviation further and back.
 fn motion_variance(model: &Model, values: &DVector<f64>, recording: &Prepared) -> Vec<f64> {
     let mut out = vec![0.0; model.channels().len()];
-    let Some(noise) = &recording.experiment.noise else {
+    let Some(error) = &recording.experiment.motion_error else {
         return out;
     };
     let segment = recording.segment();
     let motors = segment.motors;
-    let deviations = [
-        &noise.position_sd,
-        &noise.velocity_sd,
-        &noise.acceleration_sd,
-    ];
+    let deviations = [&error.position, &error.velocity, &error.acceleration];
     for (order, deviations) in deviations.into_iter().enumerate() {
         for (j, deviation) in deviations.iter().enumerate() {
             if *deviation == 0.0 {

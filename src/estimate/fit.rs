@@ -5,7 +5,7 @@
 //! | ordinary | torque at joint scale counts the same on every channel | given, else 0 |
 //! | weighted | every channel by the deviation of its residual, iterated | given, else 0 |
 //! | robust | as weighted, and every residual by Tukey's biweight | given, else 0 |
-//! | maximum likelihood | the inverse covariance across channels, of the scatter of periods or of the residuals | estimated |
+//! | maximum likelihood | the inverse covariance across channels by the scatter of periods, else as weighted | estimated |
 
 use crate::chain::base_parameters::scan_order;
 use crate::chain::dataset::{Dataset, Prepared};
@@ -143,7 +143,7 @@ pub(crate) fn minimise<'a>(
     {
         return match problem.noise {
             NoiseSource::Periods => Ok((solution, problem)),
-            NoiseSource::Residuals => reweighted(problem, solution, (estimator, control)),
+            NoiseSource::Residuals => reweighted(problem, solution, control),
         };
     }
     let ordinary = FitProblem::new(
@@ -175,7 +175,7 @@ pub(crate) fn minimise<'a>(
             let second = solve(&weighted, &first.x, (ITERATIONS_PER_ROUND, control))?;
             robust(weighted, second, control)
         }
-        _ => reweighted(weighted, first, (estimator, control)),
+        _ => reweighted(weighted, first, control),
     }
 }
 

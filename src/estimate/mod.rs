@@ -1,6 +1,8 @@
 //! From recordings to parameters: `min ‖W (s − ŝ(θ))‖²` with its uncertainty, checked on other recordings.
 
+pub mod bandwidth;
 mod coarse;
+mod colour;
 pub mod compress;
 pub mod contest;
 pub mod covariance;

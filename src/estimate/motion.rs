@@ -316,7 +316,7 @@ impl Problem for NoisyMotion<'_> {
 fn waves_of(problem: &FitProblem<'_>, index: usize) -> Vec<Wave> {
     let recording = problem.recordings[index];
     let experiment = &recording.experiment;
-    let Some(noise) = &experiment.noise else {
+    let (Some(error), Some(_)) = (&experiment.motion_error, &experiment.noise) else {
         return Vec::new();
     };
     let (rows, period) = (
@@ -326,7 +326,7 @@ fn waves_of(problem: &FitProblem<'_>, index: usize) -> Vec<Wave> {
     let mut waves = Vec::new();
     for (joint, bandwidth) in experiment.bandwidth.iter().enumerate() {
         let harmonics = bandwidth.harmonics.unwrap_or(0);
-        let variance = noise.position_sd[joint].powi(2) / (2 * harmonics + 1) as f64;
+        let variance = error.position[joint].powi(2) / (2 * harmonics + 1) as f64;
         if variance == 0.0 || problem.model.joints()[joint].locked {
             continue;
         }

@@ -53,24 +53,24 @@ pub fn residuals(model: &Model, values: &DVector<f64>, recordings: &[&Prepared])
     recordings.iter().map(of).collect()
 }
 
-/// Covariance of one row of the residuals over the rows that count, `eᵀe / (N − unknowns/channels)`. A
-/// residual of exactly zero is a row left out. Channels that are not active have unit variance, so that
-/// the matrix stays invertible.
+/// Covariance of one row of the residuals over the rows that count, `e_iᵀe_j / √(n_i n_j)` with `n_i = N_i −
+/// unknowns/channels`: positive definite also where channels count in different rows. A residual of exactly zero is a
+/// row left out. Channels that are not active have unit variance, so that the matrix stays invertible.
 pub fn row_covariance(model: &Model, residuals: &ResidualSeries, unknowns: usize) -> DMatrix<f64> {
     let channels = model.channels().len();
     let active = model.channels().iter().filter(|c| c.active).count().max(1);
     let spent = unknowns as f64 / active as f64;
+    let free = |c: usize| {
+        let all = residuals.iter().flat_map(|r| &r[c]);
+        (all.filter(|e| **e != 0.0).count() as f64 - spent).max(1.0)
+    };
+    let free: Vec<f64> = (0..channels).map(free).collect();
     let mut covariance = DMatrix::zeros(channels, channels);
     for i in 0..channels {
         for j in 0..=i {
             let pairs = residuals.iter().flat_map(|r| r[i].iter().zip(&r[j]));
-            let (mut sum, mut rows) = (0.0, 0.0);
-            for (a, b) in pairs {
-                let product = a * b;
-                sum += product;
-                rows += f64::from(u8::from(product != 0.0));
-            }
-            covariance[(i, j)] = sum / (rows - spent).max(1.0);
+            let sum: f64 = pairs.map(|(a, b)| a * b).sum();
+            covariance[(i, j)] = sum / (free[i] * free[j]).sqrt();
             covariance[(j, i)] = covariance[(i, j)];
         }
     }

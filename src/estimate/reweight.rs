@@ -3,13 +3,15 @@
 //! Maximum likelihood takes the covariance Σ of a period average across channels from the scatter of P
 //! periods about it, which has (P − 1) N degrees of freedom for N rows (Swevers et al. 2002, section 4.3), as
 //! long as the residuals agree with it. Where they are larger the model lacks something, the scatter no
-//! longer says how far a row is off, and Σ is that of the residuals, iterated.
+//! longer says how far a row is off. What correlates the residuals of two joints is then mostly what the model lacks on
+//! both, and to count it as noise would give one joint's misfit to the other: Σ is diagonal, with the variances of the
+//! residuals, iterated.
 
 use crate::chain::dataset::Prepared;
 use crate::chain::model::Model;
 use crate::estimate::error::EstimateError;
 use crate::estimate::fit::{
-    Estimator, ITERATION_LIMIT, ITERATIONS_PER_ROUND, Training, covariance_at, searched, solve,
+    ITERATION_LIMIT, ITERATIONS_PER_ROUND, Training, covariance_at, searched, solve,
 };
 use crate::estimate::noise::{ResidualSeries, counting_rows};
 use crate::estimate::problem::{FitProblem, NoiseSource};
@@ -87,19 +89,15 @@ pub(super) fn by_periods<'a>(
     Ok(Some((solution, problem)))
 }
 
-/// Weights and optimum in turn until neither changes: the deviations of the residuals, or for maximum
-/// likelihood with an unknown covariance all of it.
+/// Weights and optimum in turn until neither changes: the deviations of the residuals.
 pub(super) fn reweighted<'a>(
     mut problem: FitProblem<'a>,
     mut solution: Solution,
-    (estimator, control): (Estimator, &Control<'_>),
+    control: &Control<'_>,
 ) -> Result<(Solution, FitProblem<'a>), EstimateError> {
     for round in 0..MAX_ROUNDS {
         let covariance = covariance_at(&problem, &solution.x);
-        let weights = match estimator {
-            Estimator::MaximumLikelihood => Weights::by_covariance(&covariance)?,
-            _ => Weights::by_deviation(covariance.diagonal().map(f64::sqrt).as_slice()),
-        };
+        let weights = Weights::by_deviation(covariance.diagonal().map(f64::sqrt).as_slice());
         if round > 0 && solution.stop.converged() && weights.is_near(problem.weights()) {
             break;
         }

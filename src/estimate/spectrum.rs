@@ -13,8 +13,12 @@ pub const SEGMENT: usize = 4096;
 /// channels as robots have is regular and its variances have tens of degrees of freedom.
 const LEAST_PER_CELL: usize = 24;
 
-/// Most cells: finer structure than this share of the band is not resolved.
-const MOST_CELLS: usize = 128;
+/// Ratio of successive frequencies at which cells may part: a spectrum changes little over a quarter of an octave.
+const EDGE_RATIO: f64 = 1.25;
+
+/// What the parting of a cell has to add to twice the logarithm of the likelihood, in units of the logarithm of the
+/// number of frequencies: a level on either side and the place (Schwarz 1978; Zhang and Siegmund 2007).
+const PRICE: f64 = 3.0;
 
 /// The transform of segments of one length.
 pub struct Transform {
@@ -82,68 +86,149 @@ impl Transform {
     }
 }
 
-/// Spectral matrix of the residuals in cells of frequency, corrected for what the fit has taken from them.
+/// Powers of the residuals of all channels at one frequency, as often as it counts.
+#[derive(Debug, Clone)]
+pub struct Power {
+    /// Of the frequencies up to half the rate, the share at which it lies.
+    pub place: f64,
+    pub weight: f64,
+    /// P = e eᴴ for a periodogram.
+    pub matrix: DMatrix<Complex<f64>>,
+    /// Share of the power of each channel that the fit has taken.
+    pub leverage: Vec<f64>,
+}
+
+/// Spectral matrix in cells of frequency within which it is flat as far as the powers tell, corrected for what the fit
+/// has taken from them.
 pub struct Spectrum {
-    cells: Vec<DMatrix<Complex<f64>>>,
-    /// Residual power that is left where the fit takes its share, per cell and channel.
-    left: Vec<Vec<f64>>,
-    weight: Vec<f64>,
+    /// Upper edges of the cells as shares of the frequencies up to half the rate; the last is 1.
+    edges: Vec<f64>,
+    /// Roots of the spectral matrices, `S = L Lᴴ`.
+    roots: Vec<DMatrix<Complex<f64>>>,
 }
 
 impl Spectrum {
-    /// Cells for so many frequencies in all over so many channels.
-    pub fn new(frequencies: usize, channels: usize) -> Self {
-        let count = (frequencies / LEAST_PER_CELL).clamp(1, MOST_CELLS);
+    /// Of powers in any order.
+    pub fn of(mut powers: Vec<Power>) -> Self {
+        powers.sort_by(|a, b| a.place.total_cmp(&b.place));
+        let levels = Levels::of(&powers);
+        let mut parts = vec![0..powers.len()];
+        let mut done = Vec::new();
+        while let Some(part) = parts.pop() {
+            match levels.best_edge(&part) {
+                Some(edge) => parts.extend([edge..part.end, part.start..edge]),
+                None => done.push(part),
+            }
+        }
+        let edge = |part: &Range<usize>| powers.get(part.end).map_or(1.0, |p| p.place);
         Self {
-            cells: vec![DMatrix::zeros(channels, channels); count],
-            left: vec![vec![0.0; channels]; count],
-            weight: vec![0.0; count],
+            edges: done.iter().map(edge).collect(),
+            roots: done
+                .iter()
+                .map(|part| root(mean(&powers[part.clone()])))
+                .collect(),
         }
     }
 
-    /// Number of cells.
-    pub fn count(&self) -> usize {
-        self.cells.len()
+    pub fn roots(&self) -> &[DMatrix<Complex<f64>>] {
+        &self.roots
     }
 
     /// Which of so many frequencies between 0 and half the rate every cell covers.
     pub fn cells_of(&self, frequencies: usize) -> Vec<Range<usize>> {
-        let count = self.cells.len();
-        let from = |cell: usize| (cell * frequencies).div_ceil(count);
-        (0..count).map(|cell| from(cell)..from(cell + 1)).collect()
-    }
-
-    /// Adds the power P of the residuals of all channels at one frequency, `P = e eᴴ` for a periodogram, and the
-    /// leverage h of each there.
-    pub fn add(
-        &mut self,
-        cell: usize,
-        weight: f64,
-        (power, leverage): (&DMatrix<Complex<f64>>, &[f64]),
-    ) {
-        self.cells[cell] += power * Complex::new(weight, 0.0);
-        for (left, leverage) in self.left[cell].iter_mut().zip(leverage) {
-            *left += weight * (1.0 - leverage).max(0.0);
+        let last = frequencies.saturating_sub(1).max(1) as f64;
+        let mut start = 0;
+        let mut cells = Vec::with_capacity(self.edges.len());
+        for (k, edge) in self.edges.iter().enumerate() {
+            let end = match k + 1 == self.edges.len() {
+                true => frequencies,
+                false => ((edge * last).ceil() as usize).clamp(start, frequencies),
+            };
+            cells.push(start..end);
+            start = end;
         }
-        self.weight[cell] += weight;
+        cells
+    }
+}
+
+/// Power that is left at least: a cell that the fit explains nearly whole tells little of noise.
+const LEAST_LEFT: f64 = 0.2;
+
+/// `S_ij = Σ P_ij / Σ √((1 − h_i)(1 − h_j))`.
+fn mean(powers: &[Power]) -> DMatrix<Complex<f64>> {
+    let channels = powers.first().map_or(0, |p| p.leverage.len());
+    let mut sum = DMatrix::zeros(channels, channels);
+    let mut left = vec![0.0; channels];
+    let mut whole = 0.0;
+    for power in powers {
+        sum += &power.matrix * Complex::new(power.weight, 0.0);
+        whole += power.weight;
+        for (left, leverage) in left.iter_mut().zip(&power.leverage) {
+            *left += power.weight * (1.0 - leverage).max(0.0);
+        }
+    }
+    left.iter_mut().for_each(|l| *l = l.max(LEAST_LEFT * whole));
+    DMatrix::from_fn(channels, channels, |i, j| {
+        let divisor = (left[i] * left[j]).sqrt();
+        match divisor > 0.0 {
+            true => sum[(i, j)] / Complex::new(divisor, 0.0),
+            false => Complex::new(0.0, 0.0),
+        }
+    })
+}
+
+/// Sums over the first frequencies, from which the level of any cell follows.
+struct Levels {
+    /// By channel: power, and degrees of freedom that the fit has left.
+    sums: Vec<Vec<[f64; 2]>>,
+}
+
+impl Levels {
+    fn of(powers: &[Power]) -> Self {
+        let channels = powers.first().map_or(0, |p| p.leverage.len());
+        let of = |c: usize| {
+            let mut sums = vec![[0.0; 2]];
+            for power in powers {
+                let [total, free] = sums[sums.len() - 1];
+                let weight = 0.5 * power.weight;
+                let left = weight * (1.0 - power.leverage[c]).max(LEAST_LEFT);
+                sums.push([total + weight * power.matrix[(c, c)].re, free + left]);
+            }
+            sums
+        };
+        Self {
+            sums: (0..channels).map(of).collect(),
+        }
     }
 
-    /// Roots of the spectral matrices, `S = L Lᴴ`, with `S_ij = Σ e_i ē_j / Σ √((1 − h_i)(1 − h_j))`.
-    pub fn roots(mut self) -> Vec<DMatrix<Complex<f64>>> {
-        /// Power that is left at least: a cell that the fit explains nearly whole tells little of noise.
-        const LEAST_LEFT: f64 = 0.2;
-        for (cell, matrix) in self.cells.iter_mut().enumerate() {
-            let floor = LEAST_LEFT * self.weight[cell];
-            let scale: Vec<f64> = self.left[cell].iter().map(|l| l.max(floor)).collect();
-            for i in 0..matrix.nrows() {
-                for j in 0..matrix.ncols() {
-                    let divisor = (scale[i] * scale[j]).sqrt();
-                    let factor = if divisor > 0.0 { 1.0 / divisor } else { 0.0 };
-                    matrix[(i, j)] *= Complex::new(factor, 0.0);
+    /// `−2 ln L` of a part at its level, the powers having exponential distributions.
+    fn cost(&self, channel: usize, part: &Range<usize>) -> f64 {
+        let [a, b] = [part.start, part.end].map(|k| self.sums[channel][k]);
+        let (total, free) = (b[0] - a[0], b[1] - a[1]);
+        match total > 0.0 {
+            true => 2.0 * free * (total / free).ln(),
+            false => 0.0,
+        }
+    }
+
+    /// The edge at which a part falls most clearly into two of different level on some channel, if one does.
+    fn best_edge(&self, part: &Range<usize>) -> Option<usize> {
+        let last = part.end.checked_sub(LEAST_PER_CELL)?;
+        let price = PRICE * (part.len().max(2) as f64).ln();
+        let mut best = (price, None);
+        let mut edge = part.start + LEAST_PER_CELL;
+        while edge <= last {
+            for c in 0..self.sums.len() {
+                let gain = self.cost(c, part)
+                    - self.cost(c, &(part.start..edge))
+                    - self.cost(c, &(edge..part.end));
+                if gain > best.0 {
+                    best = (gain, Some(edge));
                 }
             }
+            edge = ((edge as f64 * EDGE_RATIO) as usize).max(edge + LEAST_PER_CELL);
         }
-        self.cells.into_iter().map(root).collect()
+        best.1
     }
 }
 

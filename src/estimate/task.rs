@@ -3,6 +3,7 @@
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::{Model, Signal};
 use crate::chain::prior::Prior;
+use crate::estimate::bandwidth;
 use crate::estimate::contest::{self, Entrant};
 use crate::estimate::difference;
 use crate::estimate::error::EstimateError;
@@ -20,6 +21,7 @@ use crate::problem_file::ProblemFile;
 use crate::problem_file::choices;
 use crate::problem_file::choices::{LoadFrom, Motion};
 use crate::recording::experiment::Chosen;
+use crate::recording::settings::Method;
 use crate::setup;
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::robot::Robot;
@@ -72,7 +74,7 @@ pub fn run(
     let mut model = setup::model::build(problem, &robot)?;
     let prior = setup::prior::build(problem, &mut model)?;
     watch(Step::Reading);
-    let data = setup::recordings::open(problem, &robot, &model)?;
+    let data = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
     watch(Step::Fitting);
     let mut fitted = match problem.fit.load.value {
         LoadFrom::Together => estimate(problem, &model, (&data, &prior), control)?,
@@ -255,7 +257,14 @@ pub fn preprocessing(model: &Model, data: &Dataset) -> Vec<Preprocessing> {
                     "{count} harmonics, up to {:.4} Hz, {chosen}",
                     bandwidth.cutoff_hz
                 ),
-                None => format!("low-pass at {:.4} Hz, {chosen}", bandwidth.cutoff_hz),
+                None => format!(
+                    "{} at {:.4} Hz, {chosen}",
+                    match recording.experiment.method {
+                        Method::Smoother => "smoothed",
+                        _ => "low-pass",
+                    },
+                    bandwidth.cutoff_hz
+                ),
             };
             lines.push(Preprocessing {
                 recording: recording.name.clone(),
@@ -291,7 +300,11 @@ fn of_recording(recording: &Prepared) -> String {
             }
         )),
         None => text.push_str(&format!(
-            "; zero-phase low-pass of position and signal, {:.3} s dropped at both ends",
+            "; {} of the motion, the signal as recorded, {:.3} s dropped at both ends",
+            match experiment.method {
+                Method::Smoother => "fixed-interval smoother",
+                _ => "zero-phase low-pass",
+            },
             experiment.edge_s
         )),
     }
@@ -325,10 +338,12 @@ fn undetermined_load(fit: &Fit) -> Option<String> {
 /// What the reader of a result should know.
 pub fn notes(model: &Model, data: &Dataset) -> Vec<String> {
     let mut notes = Vec::new();
+    let remarks = data.recordings.iter().flat_map(|r| &r.experiment.remarks);
+    notes.extend(remarks.cloned());
     let filtered = data
         .recordings
         .iter()
-        .any(|r| r.experiment.periods.is_none());
+        .any(|r| r.experiment.parallel.is_some());
     if filtered {
         notes.push(
             "Errors are of low-passed signals, which hides what lies above the cut-off; the figures \

@@ -60,15 +60,20 @@ impl Choice for PositionSide {
 pub enum DifferentiationMethod {
     /// Fourier series of a periodic recording.
     Fourier,
-    /// Zero-phase 4th-order Butterworth low-pass, forward and backward.
+    /// Fixed-interval smoother, whose bandwidth follows from the noise and the motion.
+    Smoother,
+    /// Zero-phase 4th-order Butterworth low-pass of the motion, forward and backward.
     Lowpass,
 }
 
 impl Choice for DifferentiationMethod {
     const NOUN: &'static str = "differentiation method";
     const CODE: &'static str = "unknown-differentiation-method";
-    const WORDS: &'static [(&'static str, Self)] =
-        &[("fourier", Self::Fourier), ("lowpass", Self::Lowpass)];
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("fourier", Self::Fourier),
+        ("smoother", Self::Smoother),
+        ("lowpass", Self::Lowpass),
+    ];
 }
 
 /// How parameters follow from recordings.

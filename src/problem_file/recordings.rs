@@ -119,9 +119,9 @@ pub struct ColumnsTable {
 /// The table `[recordings.differentiation]`.
 #[derive(Debug, Clone)]
 pub struct DifferentiationTable {
-    /// Default: Fourier for periodic recordings, otherwise low-pass.
+    /// Default: Fourier for periodic recordings, otherwise the smoother.
     pub method: Option<Located<DifferentiationMethod>>,
-    /// Cut-off frequency, Hz, positive. Default: chosen from the data, per joint.
+    /// Cut-off frequency, Hz, positive. Default: chosen from the data.
     pub cutoff_hz: Option<Located<f64>>,
     /// Cut-off of the low-pass on the signal and on every column of the model, Hz, positive.
     /// Default: none.

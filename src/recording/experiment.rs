@@ -8,11 +8,11 @@ use nalgebra::DMatrix;
 use crate::fault::Place;
 use crate::recording::columns::Recording;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
-use crate::recording::period::{self, Repetition};
+use crate::recording::period::{self, Settled};
 use crate::recording::settings::{Method, Preparation};
 use crate::recording::timing::{Timing, examine};
 use crate::recording::zero_phase::ZeroPhase;
-use crate::recording::{lowpass, periodic};
+use crate::recording::{aperiodic, periodic};
 
 /// Motion of n joints over N rows: `[j][k]`, joint j, row k.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -35,7 +35,7 @@ pub enum Chosen {
 /// Bandwidth of the motion of one joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bandwidth {
-    /// Harmonics of the Fourier series; None for the low-pass.
+    /// Harmonics of the Fourier series; None for the smoother and the low-pass.
     pub harmonics: Option<usize>,
     pub cutoff_hz: f64,
     /// Up to here the motion stands clear of its noise; the cut-off where it was given.
@@ -53,10 +53,18 @@ pub struct Noise {
     pub autocovariance: Vec<Vec<f64>>,
     /// Standard deviation of one recorded position, per joint, rad or m.
     pub recorded_position_sd: Vec<f64>,
-    /// Standard deviations of one row of the motion, per joint, carried through the Fourier series.
-    pub position_sd: Vec<f64>,
-    pub velocity_sd: Vec<f64>,
-    pub acceleration_sd: Vec<f64>,
+}
+
+/// Standard deviations of the errors of one row of a motion, per joint: what noise leaves in it, and what smoothing
+/// takes from it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MotionError {
+    /// rad or m.
+    pub position: Vec<f64>,
+    /// rad/s or m/s.
+    pub velocity: Vec<f64>,
+    /// rad/s² or m/s².
+    pub acceleration: Vec<f64>,
 }
 
 /// Which rows of the motion a recorded sample belongs to.
@@ -115,24 +123,33 @@ pub struct Experiment {
     pub t: Vec<f64>,
     pub rate_hz: f64,
     pub motion: Motion,
-    /// `[c][k]`: averaged over periods, or low-passed; in the unit of the recording.
+    /// None where nothing tells the noise of the positions.
+    pub motion_error: Option<MotionError>,
+    /// How the motion follows from the positions.
+    pub method: Method,
+    /// `[c][k]`: averaged over periods, or as recorded; in the unit of the recording.
     pub signal: Vec<Vec<f64>>,
     /// false: the row is there to keep the grid even, but counts for nothing.
     pub mask: Option<Vec<bool>>,
     /// None where there are no two periods to compare.
     pub noise: Option<Noise>,
+    /// Per channel the deviation of the noise of a sample that is seen to be white, in the unit of the recording; empty
+    /// where periods tell the noise.
+    pub white_noise: Vec<Option<f64>>,
     pub raw: Raw,
     /// Per joint.
     pub bandwidth: Vec<Bandwidth>,
     pub timing: Timing,
     pub periods: Option<Periods>,
-    /// Seconds dropped at each end, where filters know too little.
+    /// Seconds dropped at the start, and about as many at the end, where too little is known of the motion.
     pub edge_s: f64,
     /// The parallel filter, already run over `signal`.
     pub parallel: Option<ZeroPhase>,
+    /// What a reader of any result should know of how the recording was taken.
+    pub remarks: Vec<String>,
 }
 
-/// Makes a recording ready: time base, averaging or low-pass, differentiation, noise.
+/// Makes a recording ready: time base, averaging or smoothing, differentiation, noise.
 ///
 /// Errors: of the time base, of the settings, a recording that is too short, a mask that leaves
 /// too little.
@@ -142,32 +159,36 @@ pub fn prepare(
 ) -> Result<Experiment, RecordingError> {
     let timing = examine(&recording, preparation.rate)?;
     preparation.validate(&recording, &timing)?;
-    match period_of(&recording, preparation, &timing)? {
+    let settled = period_of(&recording, preparation, &timing)?;
+    let mut experiment = match settled.period {
         Some(period) => periodic::prepare(recording, preparation, timing, period),
-        None => lowpass::prepare(recording, preparation, timing),
-    }
+        None => aperiodic::prepare(recording, preparation, timing),
+    }?;
+    experiment.remarks.extend(settled.remark);
+    Ok(experiment)
 }
 
-/// The period that is given; where only the Fourier series is asked for, the period that the motion shows.
+/// The period that is given, if it is that of the motion, or the one that the motion shows.
 fn period_of(
     recording: &Recording,
     preparation: &Preparation,
     timing: &Timing,
-) -> Result<Option<(f64, Chosen)>, RecordingError> {
-    if let Some(period) = preparation.period {
-        return Ok(Some((period, Chosen::Given)));
+) -> Result<Settled, RecordingError> {
+    let method = preparation.differentiation.method;
+    let sought = matches!(method, None | Some(Method::Fourier));
+    if preparation.period.is_none() && !sought {
+        return Ok(Settled::default());
     }
-    if preparation.differentiation.method != Some(Method::Fourier) {
-        return Ok(None);
+    if let Some(stated) = preparation.period {
+        periodic::rows_of(recording, timing, stated)?;
     }
-    match period::find(recording, timing).filter(Repetition::is_exact) {
-        Some(found) => Ok(Some((found.period, Chosen::Data))),
-        None => {
-            let place = Place::file(&recording.file).key("method");
-            let kind = RecordingErrorKind::FourierWithoutPeriod;
-            Err(RecordingError::new(place, kind))
-        }
+    let settled = period::settle(recording, timing, preparation.period);
+    if settled.period.is_none() && method == Some(Method::Fourier) {
+        let place = Place::file(&recording.file).key("method");
+        let kind = RecordingErrorKind::FourierWithoutPeriod;
+        return Err(RecordingError::new(place, kind));
     }
+    Ok(settled)
 }
 
 impl Experiment {

@@ -1,25 +1,29 @@
 //! From files to motion and signal: tables, channels, time base, periods, derivatives, noise.
 
 pub mod apart;
+pub mod aperiodic;
 mod arrays;
 pub mod bag;
 pub mod columns;
 pub mod csv;
 mod cutoff;
 mod differences;
+mod differentiate;
 pub mod error;
 pub mod experiment;
 mod fill;
+mod filter;
 mod fourier;
 mod layout;
-pub mod lowpass;
 pub mod mat;
+mod noise_level;
 pub mod npz;
 mod number_type;
 pub mod parquet;
 pub mod period;
 pub mod periodic;
 pub mod settings;
+mod smoother;
 mod spectrum;
 pub mod split;
 pub mod table;

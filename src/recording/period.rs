@@ -7,6 +7,7 @@
 use realfft::num_complex::Complex;
 
 use crate::recording::columns::Recording;
+use crate::recording::experiment::Chosen;
 use crate::recording::spectrum::{coefficients, synthesis};
 use crate::recording::table::LEAST_ROWS;
 use crate::recording::timing::{Grid, Timing, resample};
@@ -39,12 +40,40 @@ pub struct Repetition {
     pub period: f64,
     /// Share of the motion's power that changes from period to period, d at the period.
     pub changed: f64,
+    /// Share of it that is noise of the positions.
+    pub noise: f64,
 }
 
 impl Repetition {
     /// Whether periods may be averaged: nothing but noise changes from one to the next.
     pub fn is_exact(&self) -> bool {
-        self.changed <= EXACT
+        repeats(self.changed, self.noise)
+    }
+}
+
+/// Whether a motion repeats of which these shares change and are noise. What is called noise is known within a few per
+/// cent; half as much again is motion.
+fn repeats(changed: f64, noise: f64) -> bool {
+    changed <= EXACT + 1.5 * noise
+}
+
+/// Share of the power of positions that is white noise, from their fourth differences, `Σ (Δ⁴q)² / 70`, which hardly
+/// contain the motion. Two periods differ by twice the noise, and d is half the square of what differs.
+fn noise_share(positions: &[Vec<f64>]) -> f64 {
+    let (mut noise, mut variance) = (0.0, 0.0);
+    for q in positions {
+        let differences = q
+            .windows(5)
+            .map(|x| x[0] - 4.0 * x[1] + 6.0 * x[2] - 4.0 * x[3] + x[4]);
+        let squares: f64 = differences.map(|d| d * d).sum();
+        noise += squares / 70.0 / q.len().saturating_sub(4).max(1) as f64;
+        let mean = q.iter().sum::<f64>() / q.len() as f64;
+        variance += q.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / q.len() as f64;
+    }
+    if variance > 0.0 {
+        noise / variance
+    } else {
+        0.0
     }
 }
 
@@ -57,12 +86,140 @@ pub fn find(recording: &Recording, timing: &Timing) -> Option<Repetition> {
         return None;
     }
     let samples = recording.position.first().map_or(0, Vec::len);
-    let drift = (exact.round() - exact).abs() * samples as f64 / exact;
-    let period = match timing.uniform && drift <= WHOLE_STEPS {
-        true => exact.round() / timing.rate_hz,
-        false => found.period,
-    };
+    let period = whole(found.period, timing, samples as f64 / timing.rate_hz);
     Some(Repetition { period, ..found })
+}
+
+/// The period of a recording that is averaged over, and what a reader should know of it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Settled {
+    /// s; None where the motion does not repeat.
+    pub period: Option<(f64, Chosen)>,
+    pub remark: Option<String>,
+}
+
+/// A period that is stated is right as long as another one near it does not repeat so many times better: the power that
+/// changes between periods that are out of step grows with the square of the shift.
+const BETTER: f64 = 3.0;
+
+/// How far from a stated period a better one is looked for, as a share of it.
+const NEAR: f64 = 0.02;
+
+/// Holds a stated period against the motion, and finds one where none is stated. Stated periods that are not those of the
+/// motion are mended, or dropped where the motion does not repeat.
+pub fn settle(recording: &Recording, timing: &Timing, stated: Option<f64>) -> Settled {
+    let found = || find(recording, timing).filter(Repetition::is_exact);
+    let Some(stated) = stated else {
+        return Settled {
+            period: found().map(|f| (f.period, Chosen::Data)),
+            remark: None,
+        };
+    };
+    let as_stated = Settled {
+        period: Some((stated, Chosen::Given)),
+        remark: None,
+    };
+    let (positions, rate_hz) = thinned(recording, timing);
+    let Some(changed) = changed_after(&positions, stated * rate_hz) else {
+        return as_stated;
+    };
+    let file = recording.file.display();
+    let is_right = repeats(changed, noise_share(&positions));
+    let better = match is_right {
+        true => nearby(&positions, (rate_hz, timing), stated)
+            .filter(|near| BETTER * near.changed.max(ROUNDING) < changed),
+        false => found(),
+    };
+    match better {
+        Some(better) => Settled {
+            period: Some((better.period, Chosen::Data)),
+            remark: Some(format!(
+                "The motion of {file} repeats after {:.6} s and not after the {stated} s that are stated: at these it \
+                 differs by {:.2e} of its power, at those by {:.2e}. The former are used.",
+                better.period, changed, better.changed
+            )),
+        },
+        None if is_right => as_stated,
+        None => Settled {
+            period: None,
+            remark: Some(format!(
+                "The motion of {file} does not repeat after the {stated} s that are stated: it differs by {:.2e} of its \
+                 power. Every sample is used for itself and nothing is averaged.",
+                changed
+            )),
+        },
+    }
+}
+
+/// The repetition nearest to a stated period.
+fn nearby(
+    positions: &[Vec<f64>],
+    (rate_hz, timing): (f64, &Timing),
+    stated: f64,
+) -> Option<Repetition> {
+    let d = differences(positions)?;
+    let lag = stated * rate_hz;
+    let window = ((1.0 - NEAR) * lag).floor() as usize..=((1.0 + NEAR) * lag).ceil() as usize;
+    let inner = |l: &usize| *l > 0 && *l + 1 < d.len();
+    let least = window
+        .filter(inner)
+        .min_by(|a, b| d[*a].total_cmp(&d[*b]))?;
+    if d[least] > d[least - 1] || d[least] > d[least + 1] || d[least] >= RETURNED {
+        return None;
+    }
+    let exact = over_many(&d, vertex(&d, least).0);
+    let period = whole(exact / rate_hz, timing, positions[0].len() as f64 / rate_hz);
+    let changed = changed_after(positions, period * rate_hz)?;
+    let noise = noise_share(positions);
+    Some(Repetition {
+        period,
+        changed,
+        noise,
+    })
+}
+
+/// A period as a whole number of samples, where the recorded ones drift by next to nothing against it.
+fn whole(period: f64, timing: &Timing, duration: f64) -> f64 {
+    let exact = period * timing.rate_hz;
+    let drift = (exact.round() - exact).abs() * duration / period;
+    match timing.uniform && drift <= WHOLE_STEPS {
+        true => exact.round() / timing.rate_hz,
+        false => period,
+    }
+}
+
+/// Share of the power of a motion that changes after a lag between samples, `Σ (q(k) − q(k + l))² / 2 Var q` over all
+/// joints; None where hardly anything lies behind it.
+pub fn changed_after(positions: &[Vec<f64>], lag: f64) -> Option<f64> {
+    let (whole, part) = (lag.floor() as usize, lag.fract());
+    let (mut change, mut variance) = (0.0, 0.0);
+    for q in positions {
+        // Fewer samples than a tenth of the period behind it say nothing.
+        let count = q
+            .len()
+            .checked_sub(whole + 2)
+            .filter(|n| *n as f64 > 0.1 * lag)?;
+        let mean = q.iter().sum::<f64>() / q.len() as f64;
+        variance += q.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / q.len() as f64;
+        change += (1..count)
+            .map(|k| (q[k] - between(&q[k + whole - 1..], part)).powi(2))
+            .sum::<f64>()
+            / count as f64;
+    }
+    (variance > 0.0).then(|| change / (2.0 * variance))
+}
+
+/// The cubic through four samples, between the second and the third: its error is of the order of the noise of motions
+/// that are sampled finely enough for anything else.
+fn between(x: &[f64], part: f64) -> f64 {
+    if part == 0.0 {
+        return x[1];
+    }
+    let (a, b, c, d) = (x[0], x[1], x[2], x[3]);
+    let slope = 0.5 * (c - a);
+    let curve = a - 2.5 * b + 2.0 * c - 0.5 * d;
+    let bend = 0.5 * (d - a) + 1.5 * (b - c);
+    b + part * (slope + part * (curve + part * bend))
 }
 
 /// Positions of a recording on an even grid of at most so many samples, with their rate in Hz.
@@ -101,6 +258,7 @@ pub fn of_positions(positions: &[Vec<f64>], rate_hz: f64) -> Option<Repetition> 
     Some(Repetition {
         period: over_many(&d, lag) / rate_hz,
         changed: (value - VERTEX_ERROR * curvature).max(0.0),
+        noise: noise_share(positions),
     })
 }
 

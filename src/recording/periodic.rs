@@ -9,10 +9,12 @@ use realfft::num_complex::Complex;
 use crate::fault::Place;
 use crate::recording::columns::Recording;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
-use crate::recording::experiment::{Bandwidth, Chosen, Experiment, Motion, Noise, Raw, RowMap};
+use crate::recording::experiment::{
+    Bandwidth, Chosen, Experiment, Motion, MotionError, Noise, Raw, RowMap,
+};
+use crate::recording::filter::parallel;
 use crate::recording::fourier::{self, Series};
 use crate::recording::layout::Layout;
-use crate::recording::lowpass;
 use crate::recording::settings::{Method, Preparation};
 use crate::recording::spectrum::{coefficients, synthesis};
 use crate::recording::table::LEAST_ROWS;
@@ -49,26 +51,26 @@ pub(super) fn prepare(
         true => (t[first], RowMap::Periodic { first }),
         false => (at, RowMap::PeriodicGrid { start: at, rate_hz }),
     };
-    let parallel = lowpass::parallel(&recording.file, preparation, rate_hz)?;
+    let parallel = parallel(&recording.file, preparation, rate_hz)?;
     let positions = std::mem::take(&mut recording.position);
     let joints = Joints::new(&positions, &layout, preparation, period);
     let recorded_signal = &recording.signal;
-    let noise = noise(
-        &layout,
-        recorded_signal,
-        &positions,
-        &joints,
-        parallel.as_ref(),
-    );
+    let noise = noise(&layout, recorded_signal, &positions, parallel.as_ref());
     drop(positions);
     let signal = averages(&layout, recorded_signal, parallel.as_ref());
     Ok(Experiment {
         t: (0..samples).map(|k| start + k as f64 / rate_hz).collect(),
         rate_hz,
+        motion_error: Some(joints.error()),
         motion: joints.motion,
+        method: match preparation.differentiation.method {
+            Some(Method::Lowpass) => Method::Lowpass,
+            _ => Method::Fourier,
+        },
         signal,
         mask: layout.row_mask(),
         noise,
+        white_noise: Vec::new(),
         raw: Raw {
             t,
             signal: recorded.unwrap_or(recording.signal),
@@ -83,6 +85,7 @@ pub(super) fn prepare(
         periods: Some(layout.periods((period, chosen))),
         edge_s: 0.0,
         parallel,
+        remarks: Vec::new(),
     })
 }
 
@@ -104,7 +107,13 @@ fn averages(layout: &Layout, signal: &[Vec<f64>], filter: Option<&ZeroPhase>) ->
 }
 
 /// Rows of one period: the recorded samples it holds, to the nearest whole number.
-fn rows_of(recording: &Recording, timing: &Timing, period: f64) -> Result<usize, RecordingError> {
+///
+/// Errors: a period of too few samples, or longer than the recording.
+pub(super) fn rows_of(
+    recording: &Recording,
+    timing: &Timing,
+    period: f64,
+) -> Result<usize, RecordingError> {
     let fault = |kind| RecordingError::new(Place::file(&recording.file).key("period"), kind);
     let exact = timing.rate_hz * period;
     if exact < LEAST_ROWS as f64 {
@@ -160,6 +169,18 @@ impl Joints {
         }
         joints
     }
+
+    fn error(&self) -> MotionError {
+        let deviation = |order: usize| {
+            let variances = self.variances.iter();
+            variances.map(|v| v[order].sqrt()).collect::<Vec<f64>>()
+        };
+        MotionError {
+            position: deviation(0),
+            velocity: deviation(1),
+            acceleration: deviation(2),
+        }
+    }
 }
 
 /// The mean position of one joint with its derivatives, by the method asked for.
@@ -214,12 +235,11 @@ fn differentiate(
     (series, bandwidth)
 }
 
-/// Noise of the means of all channels and of the motion; None without two valid periods.
+/// Noise of the means of all channels; None without two valid periods.
 fn noise(
     layout: &Layout,
     signal: &[Vec<f64>],
     positions: &[Vec<f64>],
-    joints: &Joints,
     parallel: Option<&ZeroPhase>,
 ) -> Option<Noise> {
     let degrees = layout.degrees() as f64;
@@ -242,10 +262,6 @@ fn noise(
         pairs.map(|(x, y)| x * y).sum::<f64>() / degrees * per_mean
     };
     let lags = MOST_LAGS.min(layout.samples / 2);
-    let deviation = |order: usize| {
-        let variances = joints.variances.iter();
-        variances.map(|v| v[order].sqrt()).collect::<Vec<f64>>()
-    };
     let spread = |series: &Vec<f64>| {
         let squares: f64 = differences(series).iter().map(|e| e * e).sum();
         (squares / degrees).sqrt()
@@ -257,9 +273,6 @@ fn noise(
             .map(|e| autocovariance(e, lags, degrees * layout.count as f64))
             .collect(),
         recorded_position_sd: positions.iter().map(spread).collect(),
-        position_sd: deviation(0),
-        velocity_sd: deviation(1),
-        acceleration_sd: deviation(2),
     })
 }
 

@@ -10,19 +10,23 @@ use crate::recording::timing::Timing;
 pub enum Method {
     /// Fourier series of the period average.
     Fourier,
-    /// Zero-phase low-pass, then central differences.
+    /// Fixed-interval smoother, whose bandwidth follows from the noise and the motion.
+    Smoother,
+    /// Zero-phase low-pass of the motion, then central differences.
     Lowpass,
 }
 
 /// Settings of the differentiation.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Differentiation {
-    /// None: Fourier where there is a period, else low-pass.
+    /// None: Fourier where there is a period, else the smoother.
     pub method: Option<Method>,
-    /// Hz; None: chosen from the data, per joint.
+    /// Hz; None: chosen from the data.
     pub cutoff_hz: Option<f64>,
     /// Hz; a low-pass on the signal and on every column of the model.
     pub parallel_hz: Option<f64>,
+    /// Hz; what the data of all recordings together choose, in the place of the bandwidth that one recording shows.
+    pub common_hz: Option<f64>,
 }
 
 /// What is known of a recording besides its file.

@@ -215,7 +215,8 @@ fn recovers_known_noise_and_motion_of_a_periodic_recording() {
     assert!((noise.autocovariance[0][1] / noise.autocovariance[0][0]).abs() < 4.0 * 0.0145);
     // The stated standard deviation covers the error, and is not far above it: its own comes from
     // bands of 16 harmonics, and the error from 2 H coefficients.
-    let ratio = acceleration_error(&experiment) / noise.acceleration_sd[0];
+    let ratio =
+        acceleration_error(&experiment) / experiment.motion_error.as_ref().unwrap().acceleration[0];
     assert!((0.5..2.0).contains(&ratio), "{ratio}");
 }
 
@@ -398,14 +399,14 @@ fn a_trial_with_equal_periods_keeps_quantisation_out_of_the_acceleration() {
         ..Preparation::default()
     };
     let experiment = prepare(recording, &preparation).unwrap();
-    let noise = experiment.noise.unwrap();
+    let (noise, error) = (experiment.noise.unwrap(), experiment.motion_error.unwrap());
     for joint in 0..6 {
         let acceleration = &experiment.motion.acceleration[joint];
         let squares: f64 = acceleration.iter().map(|a| a * a).sum();
         let rms = (squares / acceleration.len() as f64).sqrt();
         // The steps of 2^19 counts a turn have a standard deviation of 3.5e-6 rad, which becomes
         // 0.24 rad/s² at full bandwidth, a tenth of the motion; the series must stay below 2 %.
-        assert!(noise.acceleration_sd[joint] < 0.02 * rms);
+        assert!(error.acceleration[joint] < 0.02 * rms);
         assert!(noise.recorded_position_sd[joint] < 1e-12);
     }
 }

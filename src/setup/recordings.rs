@@ -31,17 +31,45 @@ pub struct Named<'a> {
     pub loaded: bool,
 }
 
-/// Reads and prepares every recording of a problem file.
-pub fn open(problem: &ProblemFile, robot: &Robot, model: &Model) -> Result<Dataset, SetupError> {
+/// A recording as it was read.
+#[derive(Debug, Clone)]
+pub struct Read<'a> {
+    pub named: Named<'a>,
+    pub recording: Recording,
+}
+
+/// Reads every recording of a problem file.
+pub fn read_all<'a>(problem: &'a ProblemFile, robot: &Robot) -> Result<Vec<Read<'a>>, SetupError> {
     let table = problem.recordings()?;
-    let mut dataset = Dataset::default();
-    for named in list(table) {
+    let read = |named: Named<'a>| {
         let recording = read_one(table, robot, named.path)?;
-        dataset
-            .recordings
-            .push(prepare_one(recording, &named, (table, robot, model))?);
+        Ok(Read { named, recording })
+    };
+    list(table).into_iter().map(read).collect()
+}
+
+/// Makes every recording of a problem file ready, those that do not repeat with a bandwidth in common where one is given.
+pub fn prepare_all(
+    problem: &ProblemFile,
+    robot: &Robot,
+    model: &Model,
+    read: Vec<Read<'_>>,
+    common_hz: Option<f64>,
+) -> Result<Dataset, SetupError> {
+    let table = problem.recordings()?;
+    let mut settings = preparation(table);
+    settings.differentiation.common_hz = common_hz;
+    let mut dataset = Dataset::default();
+    for Read { named, recording } in read {
+        let ready = prepared(recording, &named, &settings, (table, robot, model))?;
+        dataset.recordings.push(ready);
     }
     Ok(dataset)
+}
+
+/// Reads and prepares every recording of a problem file.
+pub fn open(problem: &ProblemFile, robot: &Robot, model: &Model) -> Result<Dataset, SetupError> {
+    prepare_all(problem, robot, model, read_all(problem, robot)?, None)
 }
 
 /// Makes one recording ready, in motor coordinates at joint scale.
@@ -50,9 +78,17 @@ pub fn prepare_one(
     named: &Named<'_>,
     (table, robot, model): (&RecordingsTable, &Robot, &Model),
 ) -> Result<Prepared, SetupError> {
+    prepared(recording, named, &preparation(table), (table, robot, model))
+}
+
+fn prepared(
+    recording: Recording,
+    named: &Named<'_>,
+    settings: &Preparation,
+    (table, robot, model): (&RecordingsTable, &Robot, &Model),
+) -> Result<Prepared, SetupError> {
     let kept = robot.mechanism.is_some().then(|| recording.clone());
-    let experiment =
-        prepare(recording, &preparation(table)).map_err(|e| at_request(table, named.path, e))?;
+    let experiment = prepare(recording, settings).map_err(|e| at_request(table, named.path, e))?;
     let mut experiment = to_motors(experiment, (table, robot, model))?;
     let mut forces = Vec::new();
     if let (Some(mechanism), Some(recording)) = (&robot.mechanism, kept) {
@@ -204,10 +240,12 @@ pub fn preparation(table: &RecordingsTable) -> Preparation {
         differentiation: Differentiation {
             method: differentiation.method.as_ref().map(|m| match m.value {
                 DifferentiationMethod::Fourier => Method::Fourier,
+                DifferentiationMethod::Smoother => Method::Smoother,
                 DifferentiationMethod::Lowpass => Method::Lowpass,
             }),
             cutoff_hz: number(&differentiation.cutoff_hz),
             parallel_hz: number(&differentiation.parallel_hz),
+            common_hz: None,
         },
     }
 }
@@ -261,19 +299,24 @@ fn to_motors(
         if table.signal.value != Signal::BaseWrench {
             multiply(&mut experiment.signal[k], scale.signal[k]);
             multiply(&mut experiment.raw.signal[k], scale.signal[k]);
+            if let Some(Some(noise)) = experiment.white_noise.get_mut(k) {
+                *noise *= scale.signal[k].abs();
+            }
         }
     }
-    if let Some(noise) = &mut experiment.noise {
-        for k in 0..n {
-            let size = scale.position[k].abs();
+    for k in 0..n {
+        let size = scale.position[k].abs();
+        if let Some(error) = &mut experiment.motion_error {
             for deviations in [
-                &mut noise.recorded_position_sd,
-                &mut noise.position_sd,
-                &mut noise.velocity_sd,
-                &mut noise.acceleration_sd,
+                &mut error.position,
+                &mut error.velocity,
+                &mut error.acceleration,
             ] {
                 deviations[k] *= size;
             }
+        }
+        if let Some(noise) = &mut experiment.noise {
+            noise.recorded_position_sd[k] *= size;
             if table.signal.value != Signal::BaseWrench {
                 scale_channel(noise, k, scale.signal[k]);
             }
@@ -322,6 +365,7 @@ fn spread(experiment: &mut Experiment, moving: &[usize], n: usize) {
     if torques {
         place(&mut experiment.signal, rows);
         place(&mut experiment.raw.signal, samples);
+        spread_white_noise(&mut experiment.white_noise, moving, n);
     }
     let mut bandwidth: Vec<Bandwidth> = Vec::with_capacity(n);
     for k in 0..n {
@@ -329,23 +373,41 @@ fn spread(experiment: &mut Experiment, moving: &[usize], n: usize) {
         bandwidth.push(experiment.bandwidth[at]);
     }
     experiment.bandwidth = bandwidth;
-    if let Some(noise) = &mut experiment.noise {
-        for deviations in [
-            &mut noise.recorded_position_sd,
-            &mut noise.position_sd,
-            &mut noise.velocity_sd,
-            &mut noise.acceleration_sd,
-        ] {
-            let mut all = vec![0.0; n];
-            for (from, &k) in deviations.iter().zip(moving) {
-                all[k] = *from;
-            }
-            *deviations = all;
+    let all = |deviations: &mut Vec<f64>| {
+        let mut all = vec![0.0; n];
+        for (from, &k) in deviations.iter().zip(moving) {
+            all[k] = *from;
         }
+        *deviations = all;
+    };
+    if let Some(error) = &mut experiment.motion_error {
+        for deviations in [
+            &mut error.position,
+            &mut error.velocity,
+            &mut error.acceleration,
+        ] {
+            all(deviations);
+        }
+    }
+    if let Some(noise) = &mut experiment.noise {
+        all(&mut noise.recorded_position_sd);
         if torques {
             spread_covariance(noise, moving, n);
         }
     }
+}
+
+fn spread_white_noise(white: &mut Vec<Option<f64>>, moving: &[usize], n: usize) {
+    if white.is_empty() {
+        return;
+    }
+    let extra = white.split_off(white.len().min(moving.len()));
+    let mut all = vec![None; n];
+    for (from, &k) in std::mem::take(white).into_iter().zip(moving) {
+        all[k] = from;
+    }
+    all.extend(extra);
+    *white = all;
 }
 
 fn spread_covariance(noise: &mut Noise, moving: &[usize], n: usize) {

@@ -65,6 +65,17 @@ impl Autoregression {
         Some(best)
     }
 
+    /// The model of these autocovariances r_0, r_1, ... with the order, below r.len(), by the criterion of Schwarz for so
+    /// many samples; a lower one where they stop being those of a stationary series. `None` without r_0 > 0.
+    pub fn of_autocovariance(covariance: &[f64], samples: usize) -> Option<Self> {
+        let n = samples as f64;
+        let score =
+            |m: &Self| n * m.innovation_variance.ln() + m.coefficients.len() as f64 * n.ln();
+        let lengths = 1..=covariance.len();
+        let models = lengths.map_while(|length| Self::from_autocovariance(&covariance[..length]));
+        models.min_by(|a, b| score(a).total_cmp(&score(b)))
+    }
+
     /// The model of order r.len() - 1 with these autocovariances r_0, r_1, ... (Levinson and Durbin).
     ///
     /// `None` if they are not those of a stationary series with r_0 > 0.
@@ -148,6 +159,16 @@ impl Autoregression {
                 (series[t] - predicted) / predictor.innovation_variance.sqrt()
             })
             .collect()
+    }
+
+    /// `e_t = y_t − Σ a_k y_(t−k)` for all samples that have as many before them as there are coefficients.
+    pub fn innovations(&self, series: &[f64]) -> Vec<f64> {
+        let order = self.coefficients.len();
+        let of = |past: &[f64]| {
+            let terms = self.coefficients.iter().zip(past[..order].iter().rev());
+            past[order] - terms.map(|(a, y)| a * y).sum::<f64>()
+        };
+        series.windows(order + 1).map(of).collect()
     }
 
     /// The series that innovations cause from rest: y = e / A(z), in the unit of the innovations.

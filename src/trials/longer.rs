@@ -39,10 +39,12 @@ pub fn judge(
         let data = rows(&opened.data, doubt);
         let fit = |stated: &Stated| opened.fit(&data, (&stated.hypotheses, &stated.start), control);
         let full = fit(&doubt.found)?;
-        let noise = floor::of_rows(&opened.bench(&data, control), &full, &[]);
+        let bench = opened.bench(&data, control);
+        let noise = floor::of_rows(&bench, &full, &[]);
         for rival in &doubt.rivals {
             let other = fit(rival)?;
-            let apart = |pair: (&Refit, &Refit)| separation(&noise, pair, &joints).separable;
+            let apart =
+                |pair: (&Refit, &Refit)| separation(&bench, &noise, pair, &joints).separable;
             let told_apart = apart((&other, &full)) || apart((&full, &other));
             let Some(own) = other.hypotheses.last() else {
                 continue;

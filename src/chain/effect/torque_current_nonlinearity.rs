@@ -90,6 +90,13 @@ pub fn current(c: [f64; COEFFICIENTS], torque: f64) -> Inverse {
     }
     // Bisection steps where Newton would leave the bracket: the branch rises, so it is safe.
     let (mut low, mut high) = (0.0, (size - c[0].min(0.0)) / (LEAST_SLOPE * c[1]));
+    if !(high >= low && high.is_finite()) {
+        // No current gives a torque that is not a number; what is predicted is none either.
+        return Inverse {
+            current: f64::NAN,
+            ..nothing
+        };
+    }
     let mut x = ((size - c[0]) / c[1]).clamp(low, high);
     for _ in 0..STEPS {
         let (value, slope, _) = rising(c, x);

@@ -20,7 +20,7 @@ use crate::estimate::feasible::solve::{Compressed, Feasible, Setting};
 use crate::estimate::feasible::standard::Standard;
 use crate::estimate::feasible::strength::Chosen;
 use crate::estimate::fit::{self, Estimator, Fitted};
-use crate::estimate::problem::FitProblem;
+use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::Weights;
 use crate::problem::Problem;
@@ -163,11 +163,11 @@ fn rounds(
     let mut feasible = minimise(setting, problem, first, control)?;
     let mut at = &setting.standard.to_base * &feasible.x;
     for _ in 0..MAX_ROUNDS {
+        if problem.noise == NoiseSource::Periods {
+            break;
+        }
         let covariance = fit::covariance_at(problem, &at);
-        let weights = match settings.form {
-            Form::MaximumLikelihood => Weights::by_covariance(&covariance)?,
-            Form::Linear => Weights::by_deviation(covariance.diagonal().map(f64::sqrt).as_slice()),
-        };
+        let weights = Weights::by_deviation(covariance.diagonal().map(f64::sqrt).as_slice());
         let before = problem.weights().matrix();
         let change = (weights.matrix() - &before).amax() / before.amax();
         if change <= ROUND_TOLERANCE || control.is_interrupted() {

@@ -1,20 +1,21 @@
-//! Motion and signal of a recording without a period: a zero-phase low-pass of everything, then
-//! central differences of what was not measured.
+//! Motion and signal of a recording without a period. The motion is smoothed, or low-passed where that is asked for;
+//! the signal stays as it was recorded, for a filter of the signal alone would make dry friction look smooth.
 
 use std::ops::Range;
 use std::path::Path;
 
 use crate::fault::Place;
 use crate::recording::columns::Recording;
-use crate::recording::cutoff::{Cutoff, Sampling, choose_cutoff};
-use crate::recording::differences::{first, second};
+use crate::recording::differentiate::{Differentiated, low_passed, smoothed};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
-use crate::recording::experiment::{Bandwidth, Chosen, Experiment, Motion, Raw, RowMap};
+use crate::recording::experiment::{Experiment, Raw, RowMap};
 use crate::recording::fill::{Ends, fill};
-use crate::recording::settings::Preparation;
+use crate::recording::filter::parallel;
+use crate::recording::noise_level::white_deviation;
+use crate::recording::settings::{Method, Preparation};
 use crate::recording::table::LEAST_ROWS;
 use crate::recording::timing::{Grid, Timing, resample, take_stamps};
-use crate::recording::zero_phase::{ZeroPhase, edge_s};
+use crate::recording::zero_phase::ZeroPhase;
 
 pub(super) fn prepare(
     mut recording: Recording,
@@ -23,7 +24,7 @@ pub(super) fn prepare(
 ) -> Result<Experiment, RecordingError> {
     let rate_hz = timing.rate_hz;
     let t = take_stamps(&mut recording, rate_hz);
-    let mut raw = Raw {
+    let raw = Raw {
         signal: recording.signal.clone(),
         temperature: recording.temperature.take(),
         mask: recording.mask.clone(),
@@ -36,22 +37,41 @@ pub(super) fn prepare(
         recording = resample(recording, Grid::spanning(&raw.t, rate_hz));
     }
     fill_masked(&mut recording)?;
-    let bandwidth = bandwidths(&recording, preparation, &timing);
-    let filters = Filters::new(&recording.file, &bandwidth, rate_hz)?;
     let parallel = parallel(&recording.file, preparation, rate_hz)?;
-    let edge = (filters.edge_s() * rate_hz).ceil() as usize;
+    let differentiated = match preparation.differentiation.method {
+        Some(Method::Lowpass) => low_passed(&recording, preparation, &timing)?,
+        _ => smoothed(&recording, preparation, &timing)?,
+    };
+    let mut experiment = assembled(recording, raw, differentiated, (timing, parallel))?;
+    if experiment.parallel.is_none() {
+        let deviation = |series: &Vec<f64>| white_deviation(series);
+        experiment.white_noise = experiment.signal.iter().map(deviation).collect();
+    }
+    Ok(experiment)
+}
+
+/// What is known of the motion with the signal of the same rows.
+fn assembled(
+    mut recording: Recording,
+    mut raw: Raw,
+    differentiated: Differentiated,
+    (timing, parallel): (Timing, Option<ZeroPhase>),
+) -> Result<Experiment, RecordingError> {
+    let rate_hz = timing.rate_hz;
     let inner_edge = parallel.as_ref().map_or(0.0, ZeroPhase::edge_s);
     let inner = (inner_edge * rate_hz).ceil() as usize;
-    let rows = kept_rows(&recording, edge, inner)?;
-    let file = std::mem::take(&mut recording.file);
-    let mut signal = filters.signal(std::mem::take(&mut recording.signal));
-    let mut mask = recording.mask.take();
-    let mut motion = filters.motion(recording, 1.0 / rate_hz);
-    keep(&mut motion.position, &rows);
-    keep(&mut motion.velocity, &rows);
-    keep(&mut motion.acceleration, &rows);
-    keep(&mut signal, &rows);
-    mask = mask.map(|mask| mask[rows.clone()].to_vec());
+    let rows = kept_rows(&differentiated, &recording.file, (inner, rate_hz))?;
+    let mut mask = differentiated.mask(recording.mask.take(), &rows);
+    let mut motion = differentiated.motion;
+    let mut signal = std::mem::take(&mut recording.signal);
+    for series in [
+        &mut motion.position,
+        &mut motion.velocity,
+        &mut motion.acceleration,
+        &mut signal,
+    ] {
+        keep(series, &rows);
+    }
     if let Some(filter) = &parallel {
         signal.iter_mut().for_each(|series| filter.apply(series));
         mask = Some(mask_edges(mask, rows.len(), inner));
@@ -59,49 +79,28 @@ pub(super) fn prepare(
     let start = rows.start as f64 / rate_hz;
     raw.keep_span(&rows, start, &timing);
     Ok(Experiment {
-        t: (0..rows.len())
-            .map(|k| start + k as f64 / rate_hz)
-            .collect(),
+        t: times(&rows, rate_hz),
         rate_hz,
         motion,
+        motion_error: Some(differentiated.error),
+        method: differentiated.method,
         signal,
         mask,
         noise: None,
+        white_noise: Vec::new(),
         raw,
-        file,
-        bandwidth,
+        file: recording.file,
+        bandwidth: differentiated.bandwidth,
         timing,
         periods: None,
-        edge_s: edge as f64 / rate_hz,
+        edge_s: start,
         parallel,
+        remarks: Vec::new(),
     })
 }
 
-/// The parallel filter asked for.
-pub(super) fn parallel(
-    file: &Path,
-    preparation: &Preparation,
-    rate_hz: f64,
-) -> Result<Option<ZeroPhase>, RecordingError> {
-    match preparation.differentiation.parallel_hz {
-        Some(cutoff) => filter(file, cutoff, rate_hz, "parallel_hz").map(Some),
-        None => Ok(None),
-    }
-}
-
-fn filter(
-    file: &Path,
-    cutoff_hz: f64,
-    rate_hz: f64,
-    key: &str,
-) -> Result<ZeroPhase, RecordingError> {
-    ZeroPhase::new(cutoff_hz, rate_hz).map_err(|wrong| {
-        let kind = RecordingErrorKind::InvalidSetting {
-            value: wrong.cutoff_hz,
-            requirement: format!("above 0 and below {:.6} Hz", 0.5 * wrong.rate_hz),
-        };
-        RecordingError::new(Place::file(file).key(key), kind)
-    })
+fn times(rows: &Range<usize>, rate_hz: f64) -> Vec<f64> {
+    rows.clone().map(|k| k as f64 / rate_hz).collect()
 }
 
 /// Straight lines over masked samples: what is recorded there must not leak through the filters.
@@ -121,111 +120,32 @@ fn fill_masked(recording: &mut Recording) -> Result<(), RecordingError> {
     Ok(())
 }
 
-/// Bandwidth of every joint: given, or from the channel that the acceleration comes from.
-fn bandwidths(recording: &Recording, preparation: &Preparation, timing: &Timing) -> Vec<Bandwidth> {
-    let sampling = match timing.uniform {
-        true => Sampling::Recorded,
-        false => Sampling::Interpolated,
-    };
-    let of = |joint: usize| match preparation.differentiation.cutoff_hz {
-        Some(hz) => (Cutoff { hz, clear_hz: hz }, Chosen::Given),
-        None => {
-            let (series, order) = match (&recording.acceleration, &recording.velocity) {
-                (Some(acceleration), _) => (&acceleration[joint], 0),
-                (None, Some(velocity)) => (&velocity[joint], 1),
-                (None, None) => (&recording.position[joint], 2),
-            };
-            let cutoff = choose_cutoff(series, order, timing.rate_hz, sampling);
-            (cutoff, Chosen::Data)
-        }
-    };
-    (0..recording.position.len())
-        .map(of)
-        .map(|(cutoff, chosen)| Bandwidth {
-            harmonics: None,
-            cutoff_hz: cutoff.hz,
-            clear_hz: cutoff.clear_hz,
-            chosen,
-        })
-        .collect()
-}
-
-/// The low-pass of every joint, and that of the signal.
-struct Filters {
-    joints: Vec<ZeroPhase>,
-    /// Of the widest bandwidth: a channel carries torque that the motion of any joint causes.
-    signal: Option<ZeroPhase>,
-}
-
-impl Filters {
-    fn new(file: &Path, bandwidth: &[Bandwidth], rate_hz: f64) -> Result<Self, RecordingError> {
-        let joints = bandwidth
-            .iter()
-            .map(|joint| filter(file, joint.cutoff_hz, rate_hz, "cutoff_hz"))
-            .collect::<Result<Vec<_>, _>>()?;
-        let wider = |a: &&ZeroPhase, b: &&ZeroPhase| a.cutoff_hz().total_cmp(&b.cutoff_hz());
-        let signal = joints.iter().max_by(wider).cloned();
-        Ok(Self { joints, signal })
-    }
-
-    /// Seconds lost at each end: those of the lowest cut-off.
-    fn edge_s(&self) -> f64 {
-        self.joints
-            .iter()
-            .map(|joint| edge_s(joint.cutoff_hz()))
-            .fold(0.0, f64::max)
-    }
-
-    fn signal(&self, mut channels: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-        if let Some(filter) = &self.signal {
-            channels.iter_mut().for_each(|series| filter.apply(series));
-        }
-        channels
-    }
-
-    /// Filters what was measured of the motion and differentiates the rest, step in s.
-    fn motion(&self, recording: Recording, step: f64) -> Motion {
-        let filtered = |mut channels: Vec<Vec<f64>>| {
-            for (series, filter) in channels.iter_mut().zip(&self.joints) {
-                filter.apply(series);
-            }
-            channels
-        };
-        let derived = |channels: &[Vec<f64>], derivative: fn(&[f64], f64) -> Vec<f64>| {
-            channels
-                .iter()
-                .map(|series| derivative(series, step))
-                .collect::<Vec<_>>()
-        };
-        let position = filtered(recording.position);
-        let measured = recording.velocity.map(filtered);
-        let acceleration = match (recording.acceleration, &measured) {
-            (Some(acceleration), _) => filtered(acceleration),
-            (None, Some(velocity)) => derived(velocity, first),
-            (None, None) => derived(&position, second),
-        };
-        Motion {
-            velocity: measured.unwrap_or_else(|| derived(&position, first)),
-            position,
-            acceleration,
-        }
-    }
-}
-
-/// The rows between the edges, if enough are left once the parallel filter has its edges as well.
+/// The rows from the first to the last whose motion is known, if enough are left once the parallel filter has its edges
+/// as well.
 fn kept_rows(
-    recording: &Recording,
-    edge: usize,
-    inner: usize,
+    differentiated: &Differentiated,
+    file: &Path,
+    (inner, rate_hz): (usize, f64),
 ) -> Result<Range<usize>, RecordingError> {
-    let samples = recording.position.first().map_or(0, Vec::len);
-    let edges = edge.saturating_add(inner).saturating_mul(2);
-    let least = edges.saturating_add(LEAST_ROWS);
-    if samples < least {
+    let known = &differentiated.known;
+    let start = known.iter().position(|known| *known).unwrap_or(known.len());
+    let end = known
+        .iter()
+        .rposition(|known| *known)
+        .map_or(start, |last| last + 1);
+    let lost = known.len() - (end - start);
+    // Shorter than a period of the cut-off, a recording shows none of the motion that is asked for.
+    let cutoffs = differentiated.bandwidth.iter().map(|b| b.cutoff_hz);
+    let period = rate_hz / cutoffs.fold(f64::INFINITY, f64::min);
+    let least = (lost + 2 * inner)
+        .saturating_add(LEAST_ROWS)
+        .max(period as usize);
+    if known.len() < least {
+        let samples = known.len();
         let kind = RecordingErrorKind::TooShortForFilter { samples, least };
-        return Err(RecordingError::new(Place::file(&recording.file), kind));
+        return Err(RecordingError::new(Place::file(file), kind));
     }
-    Ok(edge..samples - edge)
+    Ok(start..end)
 }
 
 fn keep(channels: &mut [Vec<f64>], rows: &Range<usize>) {
@@ -333,8 +253,15 @@ mod tests {
     }
 
     #[test]
-    fn drops_two_cycles_of_the_cutoff_at_both_ends() {
-        let experiment = prepared(1e-6, Some(8.0));
+    fn a_low_pass_drops_two_cycles_of_its_cutoff_at_both_ends() {
+        let mut preparation = Preparation {
+            rate: Some(RATE),
+            ..Preparation::default()
+        };
+        preparation.differentiation.method = Some(Method::Lowpass);
+        preparation.differentiation.cutoff_hz = Some(8.0);
+        let experiment =
+            crate::recording::experiment::prepare(recording(1e-6), &preparation).unwrap();
         assert_eq!(experiment.edge_s, 0.25);
         assert_eq!(experiment.rows(), 10_000 - 2 * 125);
         assert_eq!(experiment.t[0], 0.25);
@@ -344,5 +271,25 @@ mod tests {
                 .into_iter()
                 .all(|(raw, row)| (raw - row).abs() < 1e-12)
         );
+    }
+
+    #[test]
+    fn the_signal_is_left_as_it_was_recorded() {
+        let recording = recording(1e-4);
+        let signal = recording.signal[0].clone();
+        let experiment = prepared(1e-4, None);
+        let first = (experiment.t[0] * RATE).round() as usize;
+        assert!(experiment.edge_s < 0.2);
+        assert_eq!(experiment.signal[0], signal[first..][..experiment.rows()]);
+    }
+
+    #[test]
+    fn announces_the_error_of_the_motion() {
+        for sd in [1e-6, 1e-5, 1e-4] {
+            let experiment = prepared(sd, None);
+            let stated = experiment.motion_error.as_ref().unwrap().acceleration[0];
+            let ratio = error(&experiment) / stated;
+            assert!((0.5..1.5).contains(&ratio), "sd {sd}: {ratio}");
+        }
     }
 }

@@ -1,0 +1,164 @@
+//! The bandwidth of motions that do not repeat, by the likelihood of the signal.
+//!
+//! The spectrum of a motion tells where its acceleration is lost in noise, and that is where the search begins. What
+//! matters is the torque: friction turns over within a few milliseconds of a reversal, an inertia asks for the
+//! acceleration at large, and a smoother that suits one may not suit the other. All recordings, those that are held out
+//! too, therefore get the cut-off for which the model that is fitted leaves least of the training recordings,
+//!
+//! ```text
+//! min over cut-offs   Σ_c N_c ln σ_c,    σ_c² = mean square of the residual of channel c,
+//! ```
+//!
+//! the profile likelihood of one parameter more. The signal is not filtered, so that residuals may be compared.
+
+use crate::chain::dataset::{Dataset, Prepared};
+use crate::chain::model::Model;
+use crate::chain::prior::Prior;
+use crate::estimate::fit::{Estimator, minimise};
+use crate::estimate::noise::counting_rows;
+use crate::estimate::unknowns::Unknowns;
+use crate::problem::solution::Control;
+use crate::problem_file::ProblemFile;
+use crate::recording::experiment::Chosen;
+use crate::recording::settings::Method;
+use crate::recording::split::Split;
+use crate::setup::error::SetupError;
+use crate::setup::recordings::{Read, prepare_all, read_all};
+use crate::setup::robot::Robot;
+use crate::stats::robust::median;
+
+/// Ratio of one cut-off to the next. About its optimum the error of a motion changes by less than a tenth of what noise
+/// does over this much.
+const STEP: f64 = 1.3;
+
+/// Steps up or down at most: an eighth to eight times what the spectrum says.
+const MOST_STEPS: i32 = 8;
+
+/// Rows that are fitted for each cut-off, of all recordings together: as many as tell σ to half a per cent.
+const ROWS: usize = 20_000;
+
+/// Reads the recordings of a problem and makes them ready.
+///
+/// # Errors
+/// Those of files and of settings.
+pub fn prepared(
+    problem: &ProblemFile,
+    robot: &Robot,
+    model: &Model,
+    prior: &Prior,
+    control: &Control<'_>,
+) -> Result<Dataset, SetupError> {
+    let read = read_all(problem, robot)?;
+    let first = prepare_all(problem, robot, model, read.clone(), None)?;
+    let Some(begin_hz) = in_common(&first) else {
+        return Ok(first);
+    };
+    let search = Search {
+        problem,
+        robot,
+        model,
+        prior,
+        control,
+        read,
+        begin_hz,
+    };
+    search.run()
+}
+
+/// Whether the bandwidth of a recording is for the data to choose.
+fn is_open(recording: &Prepared) -> bool {
+    let experiment = &recording.experiment;
+    let chosen = experiment
+        .bandwidth
+        .iter()
+        .any(|b| b.chosen == Chosen::Data);
+    experiment.method == Method::Smoother && chosen
+}
+
+/// Geometric mean of the bandwidths that the training recordings show, Hz; `None` where none is for the data to choose.
+fn in_common(data: &Dataset) -> Option<f64> {
+    let of = |recording: &Prepared| {
+        let bandwidths = recording.experiment.bandwidth.iter().map(|b| b.cutoff_hz);
+        median(&bandwidths.collect::<Vec<f64>>())
+    };
+    let open = data.of(Split::Train).filter(|r| is_open(r));
+    let logarithms: Vec<f64> = open.filter_map(of).map(f64::ln).collect();
+    let mean = logarithms.iter().sum::<f64>() / logarithms.len() as f64;
+    (!logarithms.is_empty()).then(|| mean.exp())
+}
+
+struct Search<'a> {
+    problem: &'a ProblemFile,
+    robot: &'a Robot,
+    model: &'a Model,
+    prior: &'a Prior,
+    control: &'a Control<'a>,
+    read: Vec<Read<'a>>,
+    begin_hz: f64,
+}
+
+impl Search<'_> {
+    /// From the spectrum's bandwidth in the direction in which less is left, as long as less is left.
+    fn run(&self) -> Result<Dataset, SetupError> {
+        let first = self.at(0)?;
+        let Some(left) = self.left(&first) else {
+            return Ok(first);
+        };
+        let mut best: (i32, f64, Dataset) = (0, left, first);
+        for direction in [1, -1] {
+            let mut step = best.0 + direction;
+            while step.abs() <= MOST_STEPS && !self.control.is_interrupted() {
+                let data = self.at(step)?;
+                match self.left(&data).filter(|left| *left < best.1) {
+                    Some(left) => best = (step, left, data),
+                    None => break,
+                }
+                step += direction;
+            }
+            if best.0 != 0 {
+                break;
+            }
+        }
+        Ok(best.2)
+    }
+
+    fn at(&self, step: i32) -> Result<Dataset, SetupError> {
+        let common_hz = Some(self.begin_hz * STEP.powi(step));
+        prepare_all(
+            self.problem,
+            self.robot,
+            self.model,
+            self.read.clone(),
+            common_hz,
+        )
+    }
+
+    /// `Σ_c N_c ln σ_c` of a fit; `None` where the model cannot be fitted, which the fit itself will say.
+    fn left(&self, data: &Dataset) -> Option<f64> {
+        let all: Vec<&Prepared> = data.of(Split::Train).collect();
+        let every = counting_rows(&all).div_ceil(ROWS).max(1);
+        let thinned: Vec<Prepared> = all.iter().map(|r| r.thinned(every)).collect();
+        let recordings: Vec<&Prepared> = thinned.iter().collect();
+        let unknowns = Unknowns::find(self.model, data, self.prior);
+        let training = (&recordings[..], self.prior);
+        let how = (Estimator::Weighted, self.control);
+        let (solution, problem) = minimise(self.model, &unknowns, training, how).ok()?;
+        let residuals = problem.counted_residuals(&solution.x);
+        let channels = self.model.channels().iter().enumerate();
+        let of = |c: usize| {
+            let (mut squares, mut rows) = (0.0, 0.0);
+            for (recording, series) in recordings.iter().zip(&residuals) {
+                for row in recording.counting() {
+                    squares += series[c][row].powi(2);
+                    rows += 1.0;
+                }
+            }
+            (squares > 0.0).then(|| 0.5 * f64::ln(squares / rows))
+        };
+        let left: f64 = channels
+            .filter(|(_, channel)| channel.active)
+            .filter_map(|(c, _)| of(c))
+            .sum();
+        left.is_finite().then_some(left)
+    }
+}
