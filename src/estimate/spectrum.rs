@@ -112,7 +112,8 @@ impl Spectrum {
     pub fn of(mut powers: Vec<Power>) -> Self {
         powers.sort_by(|a, b| a.place.total_cmp(&b.place));
         let levels = Levels::of(&powers);
-        let mut parts = vec![0..powers.len()];
+        let whole = 0..powers.len();
+        let mut parts = Vec::from([whole]);
         let mut done = Vec::new();
         while let Some(part) = parts.pop() {
             match levels.best_edge(&part) {
