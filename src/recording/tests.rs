@@ -251,6 +251,26 @@ fn every_recorded_sample_finds_its_row() {
 }
 
 #[test]
+fn a_stated_period_that_is_a_little_off_is_mended_and_said() {
+    let time = || {
+        (0..4000)
+            .map(|k| f64::from(k) / 200.0)
+            .collect::<Vec<f64>>()
+    };
+    let right = prepare(periodic_recording(time(), [1e-6, 0.0]), &with_period()).unwrap();
+    assert!(right.remarks.is_empty());
+    let period = right.periods.unwrap().period;
+    let mut off = with_period();
+    off.period = Some(1.001 * period);
+    let mended = prepare(periodic_recording(time(), [1e-6, 0.0]), &off).unwrap();
+    assert!((mended.periods.unwrap().period / period - 1.0).abs() < 1e-4);
+    assert_eq!(mended.remarks.len(), 1);
+    off.period = None;
+    let found = prepare(periodic_recording(time(), [1e-6, 0.0]), &off).unwrap();
+    assert!((found.periods.unwrap().period / period - 1.0).abs() < 1e-4);
+}
+
+#[test]
 fn low_pass_and_fourier_agree_on_a_period() {
     let time = || {
         (0..4000)
