@@ -103,17 +103,11 @@ fn data(folder: &Path) -> Option<Dataset> {
         (0..SAMPLES).map(at).collect()
     };
     let still = vec![vec![0.0; SAMPLES]; 2];
-    let recording = Recording {
-        file: PathBuf::from("kr150"),
-        time: None,
-        first_line: 1,
-        position: still.iter().cloned().chain((2..6).map(motor)).collect(),
-        velocity: None,
-        acceleration: None,
-        signal: still.iter().cloned().chain(tau).collect(),
-        temperature: None,
-        mask: None,
-    };
+    let recording = Recording::of_samples(
+        "kr150",
+        still.iter().cloned().chain((2..6).map(motor)).collect(),
+        still.iter().cloned().chain(tau).collect(),
+    );
     let preparation = Preparation {
         rate: Some(RATE_HZ),
         period: Some(SAMPLES as f64 / RATE_HZ),

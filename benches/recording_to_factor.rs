@@ -17,7 +17,7 @@ use exid::recording::split::Split;
 use exid::robot::random::{generator, symmetric};
 use exid::setup;
 use std::hint::black_box;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const SAMPLES: usize = 100_000;
 const JOINTS: usize = 7;
@@ -50,15 +50,9 @@ fn data() -> Dataset {
             .collect()
     };
     let recording = Recording {
-        file: PathBuf::from("random"),
-        time: None,
-        first_line: 2,
-        position: series(2.5),
         velocity: Some(series(2.0)),
         acceleration: Some(series(10.0)),
-        signal: series(20.0),
-        temperature: None,
-        mask: None,
+        ..Recording::of_samples("random", series(2.5), series(20.0))
     };
     let preparation = Preparation {
         rate: Some(RATE_HZ),

@@ -30,6 +30,10 @@ fn small(folder: &Path, count: &str) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
+fn trials_of(group: &Value) -> usize {
+    group["trials"].as_u64().unwrap() as usize
+}
+
 /// Every fifth trial conceals nothing; what a longer run had done already is kept, to the second.
 #[test]
 fn a_longer_run_goes_on_where_a_shorter_one_ended() {
@@ -39,6 +43,13 @@ fn a_longer_run_goes_on_where_a_shorter_one_ended() {
     let all = second["trials"].as_array().unwrap();
     assert_eq!(all.len(), 5);
     assert_eq!(first["trials"].as_array().unwrap()[..], all[..2]);
+    let motions: usize = second["by_motion"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(trials_of)
+        .sum();
+    assert_eq!(motions, 5);
     for (k, trial) in all.iter().enumerate() {
         assert_eq!(trial["seed"], k);
         assert_eq!(trial["robot"], "arm3");
@@ -56,10 +67,80 @@ fn a_longer_run_goes_on_where_a_shorter_one_ended() {
     assert!(folder.path().join("out/report.html").is_file());
 }
 
+/// Trials of moves and red noise.
+fn moves(folder: &Path, rest: &[&str]) -> Value {
+    let few = ["--effects", "torque_offset", "--robots", "arm3"];
+    let kinds = ["--motion", "moves", "--noise", "red"];
+    let usual = ["--seed", "2", "--json"];
+    let output = trials(folder, &[&few[..], &kinds, &usual, rest].concat());
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{words}");
+    let mut result: Value = serde_json::from_slice(&output.stdout).unwrap();
+    for trial in result["trials"].as_array_mut().unwrap() {
+        trial["seconds"] = Value::Null;
+    }
+    result
+}
+
 #[test]
-fn an_effect_or_a_robot_that_does_not_exist_is_refused() {
+fn one_trial_alone_is_that_of_the_campaign() {
     let folder = tempfile::tempdir().unwrap();
-    for (flag, wrong) in [("--effects", "gremlins"), ("--robots", "arm99")] {
+    let campaign = moves(folder.path(), &["--count", "2", "--out", "out"]);
+    let alone = moves(folder.path(), &["--only", "1"]);
+    let all = alone["trials"].as_array().unwrap();
+    assert_eq!(all.len(), 1);
+    assert_eq!(all[0], campaign["trials"][1]);
+    assert_eq!(all[0]["motion"], "moves");
+    assert_eq!(all[0]["noise"], "red");
+    assert_eq!(alone["by_motion"][0]["kind"], "moves");
+    assert_eq!(alone["by_noise"][0]["trials"], 1);
+}
+
+#[test]
+fn a_trial_that_is_kept_is_diagnosed_again_from_its_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let alone = moves(folder.path(), &["--only", "1", "--keep", "kept"]);
+    let kept = folder.path().join("kept/1");
+    let others = ["truth.toml", "trial.json"];
+    for file in ["robot.urdf", "train.csv", "validation.csv"]
+        .into_iter()
+        .chain(others)
+    {
+        assert!(kept.join(file).is_file(), "{file}");
+    }
+    let problem = std::fs::read_to_string(kept.join("problem.toml")).unwrap();
+    assert!(!problem.contains("period"));
+    let output = Command::new(env!("CARGO_BIN_EXE_exid"))
+        .current_dir(folder.path())
+        .args(["diagnose", "kept/1/problem.toml", "--json"])
+        .output()
+        .unwrap();
+    let again: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let of_trial = alone["trials"][0]["found"].as_array().unwrap();
+    let found = again["findings"].as_array().unwrap();
+    assert!(!found.is_empty());
+    assert_eq!(found.len(), of_trial.len());
+    for (a, b) in found.iter().zip(of_trial) {
+        for field in ["effect", "joints", "explained_share"] {
+            assert_eq!(a[field], b[field]);
+        }
+    }
+    let verdict = alone["trials"][0]["verdict"].as_str().unwrap();
+    assert_eq!(again["verdict"], verdict.replace(' ', "_"));
+    let refused = trials(folder.path(), &["--only", "1", "--keep", "kept"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("kept/1"));
+}
+
+#[test]
+fn an_effect_a_robot_a_motion_or_a_noise_that_does_not_exist_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for (flag, wrong) in [
+        ("--effects", "gremlins"),
+        ("--robots", "arm99"),
+        ("--motion", "dances"),
+        ("--noise", "pink"),
+    ] {
         let output = trials(folder.path(), &[flag, wrong, "--count", "1"]);
         assert_eq!(output.status.code(), Some(2));
         let words = String::from_utf8_lossy(&output.stderr);
@@ -69,8 +150,7 @@ fn an_effect_or_a_robot_that_does_not_exist_is_refused() {
 }
 
 /// Robots by the seed of a run and the number in it. In turn: a spring that only filtered the encoder's noise had been
-/// named beside what is missing, twice; bristles whose fit had ended worse than the model without them; bristles so soft
-/// that the fit without them had found no dry friction; a play between two gaps that had been tried; something touched
+/// named beside what is missing, twice; bristles whose fit had ended worse than the model without them; a play between two gaps that had been tried; something touched
 /// for seconds, and a play that strikes three times, which blocks of rows do not tell the variance of; a rotor that other
 /// hypotheses crowded out; bristles whose Stribeck speed had run against its limit; a sigmoid whose first start led to
 /// friction that drives; reversals beside a coupling, whose shift of 0.2 ms had been taken for a delay of all signals;
@@ -79,11 +159,11 @@ fn an_effect_or_a_robot_that_does_not_exist_is_refused() {
 /// held-out rows alone.
 #[test]
 fn names_what_is_missing_and_nothing_else_where_a_search_had_gone_wrong() {
-    let of_one = [(2, 56), (2, 62), (2, 32), (1, 170), (2, 127)];
+    let of_one = [(2, 56), (2, 62), (2, 32), (2, 127)];
     let of_another = [26, 402, 68, 87, 306, 207, 302].map(|number| (9, number));
     let of_others = [(13, 12), (13, 155), (14, 67)];
     for (seed, number) in of_one.into_iter().chain(of_another).chain(of_others) {
-        let trial = run::run(&Scope::all(seed), number, &Control::default());
+        let trial = run::run(&Scope::periodic(seed), number, &Control::default());
         let found: Vec<&str> = trial.found.iter().map(|f| f.effect.as_str()).collect();
         assert!(trial.all_found, "{seed}, {number}: {found:?}");
         assert_eq!(
@@ -100,7 +180,7 @@ fn names_what_is_missing_and_nothing_else_where_a_search_had_gone_wrong() {
 #[test]
 fn what_comes_of_another_joint_has_no_name() {
     for (seed, number) in [(14, 198), (14, 445), (14, 562), (21, 152)] {
-        let trial = run::run(&Scope::all(seed), number, &Control::default());
+        let trial = run::run(&Scope::periodic(seed), number, &Control::default());
         let found: Vec<&str> = trial.found.iter().map(|f| f.effect.as_str()).collect();
         assert_eq!(found, ["unnamed"], "{number}");
         assert_eq!(trial.found[0].joints, trial.concealed[0].joints, "{number}");

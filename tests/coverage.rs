@@ -21,7 +21,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const SEEDS: u64 = 1000;
 const PERIODS: usize = 6;
@@ -172,17 +172,7 @@ fn record(
                 .collect()
         })
         .collect();
-    Recording {
-        file: PathBuf::from(format!("seed {seed}")),
-        time: None,
-        first_line: 2,
-        position,
-        velocity: None,
-        acceleration: None,
-        signal,
-        temperature: None,
-        mask: None,
-    }
+    Recording::of_samples(format!("seed {seed}"), position, signal)
 }
 
 /// Values of the base parameters that the truth has.

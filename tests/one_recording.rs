@@ -13,7 +13,7 @@ fn pushed(from: f64, to: f64) -> Plan {
     let scope = Scope {
         effects: vec!["external_contact"],
         robots: vec!["arm3"],
-        ..Scope::all(11)
+        ..Scope::periodic(11)
     };
     let mut plan = Plan::draw(&scope, (0, 0));
     let size = 0.5 * plan.robot.torque[plan.concealed[0].joints()[0]];

@@ -176,16 +176,7 @@ fn tx40_matches_published_base_parameters() {
     }
 }
 
-const EMPS: &str = r#"<robot name="emps">
-  <link name="base"/>
-  <link name="carriage"/>
-  <joint name="axis" type="prismatic">
-    <parent link="base"/>
-    <child link="carriage"/>
-    <axis xyz="1 0 0"/>
-  </joint>
-</robot>
-"#;
+const EMPS: &str = include_str!("real_recordings/emps.urdf");
 
 #[test]
 fn emps_matches_published_parameters() {

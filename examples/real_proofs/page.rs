@@ -2,6 +2,7 @@
 
 use crate::Proof;
 use exid::diagnose::task::DiagnoseRun;
+use exid::outcome::diagnose::Verdict;
 use std::fmt::Write;
 
 pub fn page(done: &[(&Proof, DiagnoseRun)]) -> String {
@@ -24,7 +25,7 @@ fn section(page: &mut String, proof: &Proof, run: &DiagnoseRun) {
     // Writing to a string does not fail.
     let _ = writeln!(page, "\n## {}: {} left out\n", proof.name, proof.left_out);
     let _ = writeln!(page, "By hand: {}.\n", proof.by_hand);
-    let _ = writeln!(page, "Verdict: {}.\n", diagnosis.verdict.words());
+    let _ = writeln!(page, "Verdict: {}.\n", Verdict::or_none(diagnosis.verdict));
     for (k, finding) in diagnosis.findings.iter().enumerate() {
         let _ = writeln!(
             page,

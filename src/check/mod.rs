@@ -38,7 +38,8 @@ use crate::recording::columns::Recording;
 use crate::recording::split::Split;
 use crate::recording::table::format_of;
 use crate::setup::error::SetupError;
-use crate::setup::recordings::{Named, list, prepare_one, read_one};
+use crate::setup::recordings::{Named, Read as RecordingRead, list, prepare_one, read_one};
+use crate::setup::shared_rows::shared_rows;
 use crate::setup::{model, prior, robot};
 
 /// Checks of a recording as it was read.
@@ -127,37 +128,32 @@ fn with_robot(
     findings: &mut Vec<Finding>,
 ) {
     findings.extend(robot_file::check(problem, robot));
-    let model = match build_model(problem, robot) {
-        Ok(model) => Some(model),
-        Err(fault) => {
-            let found = from_fault(&*fault);
-            // The check of the robot file has already named bodies that cannot be.
-            let known = findings
-                .iter()
-                .any(|f| f.code == found.code && f.channel == found.channel);
-            findings.extend((!known).then_some(found));
-            None
-        }
-    };
+    let model = declared_model(problem, robot, findings);
     let Some(table) = &problem.recordings else {
         return;
     };
     let setting = Setting::new(problem, table, robot);
-    let named = list(table);
     let mut dataset = Dataset::default();
     let mut complete = true;
-    for named in &named {
+    let mut read = Vec::new();
+    for named in list(table) {
         if control.is_interrupted() {
             return;
         }
-        let Some(recording) = read_and_check(&setting, named, findings) else {
-            complete &= named.split != Split::Train;
-            continue;
-        };
+        match read_and_check(&setting, &named, findings) {
+            Some(recording) => read.push(RecordingRead { named, recording }),
+            None => complete &= named.split != Split::Train,
+        }
+    }
+    findings.extend(shared_rows(table, &read).iter().map(from_fault));
+    for RecordingRead { named, recording } in read {
+        if control.is_interrupted() {
+            return;
+        }
         let Some(model) = &model else {
             continue;
         };
-        match prepare_one(recording, named, (table, robot, model)) {
+        match prepare_one(recording, &named, (table, robot, model)) {
             Ok(prepared) => {
                 let ready = Ready::new(&setting, model, &prepared);
                 let found: Vec<Finding> = OF_READY.iter().flat_map(|check| check(&ready)).collect();
@@ -175,6 +171,26 @@ fn with_robot(
     if let (Some(model), true) = (&model, complete) {
         for check in OF_TRAINING {
             findings.extend(check(&setting, model, &dataset));
+        }
+    }
+}
+
+/// The declared model; `None` with a finding where there cannot be one.
+fn declared_model(
+    problem: &ProblemFile,
+    robot: &robot::Robot,
+    findings: &mut Vec<Finding>,
+) -> Option<Model> {
+    match build_model(problem, robot) {
+        Ok(model) => Some(model),
+        Err(fault) => {
+            let found = from_fault(&*fault);
+            // The check of the robot file has already named bodies that cannot be.
+            let known = findings
+                .iter()
+                .any(|f| f.code == found.code && f.channel == found.channel);
+            findings.extend((!known).then_some(found));
+            None
         }
     }
 }

@@ -1,14 +1,10 @@
-//! The period of the motion: stated and wrong, or there and not stated.
+//! The period of the motion, as runs settle it: stated and wrong, or there and not stated.
 
 use crate::check::finding;
 use crate::check::setting::Read;
 use crate::outcome::check::{Finding, Severity};
 use crate::problem_file::choices::DifferentiationMethod;
-use crate::recording::period::{self, Repetition};
-
-/// A motion repeats if a hundredth of its power changes from period to period; a stated period at which
-/// this share changes is another one.
-const CHANGED: f64 = 0.02;
+use crate::recording::period;
 
 pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
     let stated = read.setting.table.period.as_ref().map(|p| p.value);
@@ -19,43 +15,27 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
     found.into_iter().collect()
 }
 
-fn of_stated(read: &Read<'_>, period: f64) -> Option<Finding> {
-    let (positions, rate_hz) = period::thinned(read.recording, &read.timing);
-    let changed = period::changed_after(&positions, period * rate_hz)?;
-    if changed < CHANGED {
-        return None;
-    }
-    let what = match period::of_positions(&positions, rate_hz) {
-        Some(Repetition { period: found, .. }) => (
-            format!("the motion repeats after {found:.5} s"),
-            format!("set recordings.period = {found:.5}"),
+fn of_stated(read: &Read<'_>, stated: f64) -> Option<Finding> {
+    let settled = period::settle(read.recording, &read.timing, Some(stated));
+    let message = settled.remark?;
+    let remedy = match settled.period {
+        Some((found, _)) => format!(
+            "set recordings.period = {found:.6}; where recordings have periods of their own, leave it out, and each \
+             is averaged over its own"
         ),
-        None => (
-            "it does not repeat at all".to_string(),
-            "remove recordings.period".to_string(),
-        ),
+        None => "remove recordings.period".to_string(),
     };
     Some(finding(
-        Severity::Error,
+        Severity::Warning,
         read.place().key("period"),
-        (
-            "period-wrong",
-            format!(
-                "after the stated period of {period} s the motion differs by {:.1} % of its power; {}",
-                100.0 * changed,
-                what.0
-            ),
-            what.1,
-        ),
+        ("period-wrong", message, remedy),
     ))
 }
 
 fn of_unstated(read: &Read<'_>) -> Option<Finding> {
     let method = &read.setting.table.differentiation.method;
-    if method
-        .as_ref()
-        .is_some_and(|m| m.value == DifferentiationMethod::Lowpass)
-    {
+    let sought = |m| m == DifferentiationMethod::Fourier;
+    if !method.as_ref().is_none_or(|m| sought(m.value)) {
         return None;
     }
     let found = period::find(read.recording, &read.timing)?;

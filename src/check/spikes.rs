@@ -40,7 +40,7 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
         .map(|(place, what, spikes)| {
             finding(
                 severity(spikes.count),
-                place.line(read.recording.first_line + spikes.at),
+                place.line(read.recording.line(spikes.at)),
                 (
                     "spikes",
                     format!(

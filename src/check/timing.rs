@@ -31,7 +31,22 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
     if let Some(found) = wrong_unit(read.recording) {
         return vec![found];
     }
-    missing(read).into_iter().chain(uneven(read)).collect()
+    let found = held(read).into_iter().chain(missing(read));
+    found.chain(uneven(read)).collect()
+}
+
+/// Rows between the samples, repeated or interpolated, which no run uses.
+fn held(read: &Read<'_>) -> Option<Finding> {
+    let held = read.recording.held.as_ref()?;
+    Some(finding(
+        Severity::Warning,
+        read.place().key(held.channels),
+        (
+            "samples-held",
+            held.words(read.recording, &read.timing),
+            "record every channel at the rate of the file, or write the samples alone".to_string(),
+        ),
+    ))
 }
 
 /// Stamps that make sense in milliseconds, microseconds or nanoseconds only.
@@ -98,13 +113,22 @@ fn missing(read: &Read<'_>) -> Option<Finding> {
 }
 
 fn uneven(read: &Read<'_>) -> Option<Finding> {
-    let relative = read.timing.jitter_rms_s * read.timing.rate_hz;
+    let of_clock = read.recording.stamp_jitter;
+    let jitter = of_clock.unwrap_or(read.timing.jitter_rms_s);
+    let relative = jitter * read.timing.rate_hz;
     let severity = if relative > VERY_UNEVEN {
         Severity::Warning
     } else {
         Severity::Note
     };
-    (!read.timing.uniform && relative > UNEVEN).then(|| {
+    let is_uneven = of_clock.is_some() || !read.timing.uniform;
+    let used = match of_clock {
+        Some(_) => {
+            "the motion is smooth by an even clock and not by the stamps, so the clock is used"
+        }
+        None => "samples are interpolated to an even grid as they are",
+    };
+    (is_uneven && relative > UNEVEN).then(|| {
         finding(
             severity,
             read.place().key("time"),
@@ -112,12 +136,10 @@ fn uneven(read: &Read<'_>) -> Option<Finding> {
                 "jitter",
                 format!(
                     "the steps of time scatter by {:.3} ms about {:.3} ms",
-                    1e3 * read.timing.jitter_rms_s,
+                    1e3 * jitter,
                     1e3 / read.timing.rate_hz
                 ),
-                "stamp the samples where they are taken, not where they arrive; samples are interpolated to an \
-                 even grid as they are"
-                    .to_string(),
+                format!("stamp the samples where they are taken, not where they arrive; {used}"),
             ),
         )
     })

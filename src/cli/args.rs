@@ -74,13 +74,30 @@ pub struct Campaign {
     /// Kinds of random robots, arm3 to arm7 and slide3 to slide7 [default: all]
     #[arg(long, value_name = "X,Y", value_delimiter = ',')]
     pub robots: Vec<String>,
+    /// Kinds of motion: fourier, fourier_unstated (its period is not declared), tones, moves, sweeps [default: all]
+    #[arg(long, value_name = "M,N", value_delimiter = ',')]
+    pub motion: Vec<String>,
+    /// Kinds of noise: white, red [default: both, red in a third of the trials]
+    #[arg(long, value_name = "W,R", value_delimiter = ',')]
+    pub noise: Vec<String>,
     /// Number of trials; every fifth is a control that conceals nothing
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub count: u64,
     /// Seed of everything random
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
-    /// Results folder [default: results/trials/trials]
+    /// Run these trials alone, by their numbers, and again if an earlier result has them
+    #[arg(
+        long,
+        value_name = "N,N",
+        value_delimiter = ',',
+        conflicts_with = "count"
+    )]
+    pub only: Vec<u64>,
+    /// Keep the problem, recordings and truth of every trial that is run, in a folder of its number in this one
+    #[arg(long, value_name = "FOLDER")]
+    pub keep: Option<PathBuf>,
+    /// Results folder [default: results/trials/trials; with --only: results/trials/only]
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
     /// Number of threads [default: all processors]

@@ -19,6 +19,7 @@ mod trials;
 
 use crate::cli::args::{Arguments, Verb};
 use crate::cli::error::CliError;
+use crate::problem::defect::guarded;
 use clap::Parser;
 use std::ffi::OsString;
 use std::io::Write;
@@ -34,18 +35,14 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(error) => return answer_without_run(&error),
     };
     std::panic::set_hook(Box::new(|_| {}));
-    let done = std::panic::catch_unwind(|| dispatch(&parsed.verb));
-    match done {
+    match guarded(|| dispatch(&parsed.verb)) {
         Ok(Ok(code)) => ExitCode::from(code),
         Ok(Err(error)) => {
             complain(&format!("error: {error}"));
             ExitCode::from(error.exit_code())
         }
-        Err(panic) => {
-            complain(&format!(
-                "error: a defect of exid: {}; please report it with the command that you ran",
-                words_of(panic.as_ref())
-            ));
+        Err(defect) => {
+            complain(&format!("error: {defect}"));
             ExitCode::from(DEFECT)
         }
     }
@@ -78,12 +75,4 @@ fn answer_without_run(error: &clap::Error) -> ExitCode {
 
 fn complain(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
-}
-
-fn words_of(panic: &(dyn std::any::Any + Send)) -> String {
-    let text = panic
-        .downcast_ref::<&str>()
-        .map(|text| text.to_string())
-        .or_else(|| panic.downcast_ref::<String>().cloned());
-    text.unwrap_or_else(|| "no message".to_string())
 }

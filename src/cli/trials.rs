@@ -10,16 +10,21 @@ use crate::outcome::trials::Trial;
 use crate::outcome::{Outcome, Part};
 use crate::problem::solution::Control;
 use crate::trials::conceal;
+use crate::trials::motion::{Motion, Noise};
 use crate::trials::plan::Scope;
 use crate::trials::robot::KINDS;
 use crate::trials::run as trial;
 use crate::trials::tally::tally;
 use rayon::prelude::*;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// The results folder where none is given.
 const FOLDER: &str = "results/trials/trials";
+
+/// The same of single trials, so that they do not take the place of a campaign.
+const FOLDER_OF_SINGLE: &str = "results/trials/only";
 
 /// Trials between two writings of the result.
 const BATCH: usize = 16;
@@ -28,21 +33,26 @@ pub fn run(campaign: &Campaign) -> Result<u8, CliError> {
     let started = Instant::now();
     let scope = scope(campaign)?;
     output::set_threads(campaign.threads)?;
-    let folder = campaign.out.clone();
-    let target = output::writable(folder.unwrap_or_else(|| PathBuf::from(FOLDER)))?;
+    let folder = campaign.out.clone().unwrap_or_else(|| {
+        PathBuf::from(match campaign.only.is_empty() {
+            true => FOLDER,
+            false => FOLDER_OF_SINGLE,
+        })
+    });
+    let target = output::writable(folder)?;
     let control = Control {
         interrupt: Some(interrupt::flag()),
         ..Control::default()
     };
     let progress = Progress::new(campaign.printing);
-    let mut done = earlier(&target, &scope, campaign.count);
-    let is_open = |n: &u64| done.iter().all(|t| t.seed != *n);
-    let open: Vec<u64> = (0..campaign.count).filter(is_open).collect();
+    let Work { mut done, open } = work(campaign, earlier(&target, &scope));
+    let place = Place::new(campaign.keep.as_deref(), &open)?;
+    let all = done.len() + open.len();
     let mut made = 0;
     for batch in open.chunks(BATCH) {
-        progress.say(format!("{} of {} trials", done.len(), campaign.count));
-        let trials = batch.par_iter().map(|&n| trial::run(&scope, n, &control));
-        let trials: Vec<Trial> = trials.collect();
+        progress.say(format!("{} of {all} trials", done.len()));
+        let trials = batch.par_iter().map(|&n| place.run(&scope, n, &control));
+        let trials: Vec<Trial> = trials.collect::<Result<_, CliError>>()?;
         if control.is_interrupted() {
             break;
         }
@@ -58,6 +68,64 @@ pub fn run(campaign: &Campaign) -> Result<u8, CliError> {
     Ok(output::exit_code(control.is_interrupted(), true))
 }
 
+/// Trials that an earlier run has made, and the numbers of those to make.
+struct Work {
+    done: Vec<Trial>,
+    open: Vec<u64>,
+}
+
+/// Trials that are asked for one by one are made again; those of a campaign are made once.
+fn work(campaign: &Campaign, earlier: Vec<Trial>) -> Work {
+    let mut open: Vec<u64> = match campaign.only.is_empty() {
+        true => (0..campaign.count).collect(),
+        false => campaign.only.clone(),
+    };
+    open.sort_unstable();
+    open.dedup();
+    let mut done = earlier;
+    match campaign.only.is_empty() {
+        true => {
+            done.retain(|trial| trial.seed < campaign.count);
+            open.retain(|number| done.iter().all(|trial| trial.seed != *number));
+        }
+        false => done.retain(|trial| !open.contains(&trial.seed)),
+    }
+    Work { done, open }
+}
+
+/// Where the files of trials go.
+struct Place<'a> {
+    keep: Option<&'a Path>,
+}
+
+impl<'a> Place<'a> {
+    /// Makes the folder in which trials are kept, and refuses one that has files of a trial to be made already.
+    fn new(keep: Option<&'a Path>, open: &[u64]) -> Result<Self, CliError> {
+        if let Some(folder) = keep {
+            fs::create_dir_all(folder).map_err(|e| Self::fault(folder, &e.to_string()))?;
+            let mut own = open.iter().map(|number| folder.join(number.to_string()));
+            if let Some(taken) = own.find(|own| own.exists()) {
+                let why = "exists already; remove it or name another folder";
+                return Err(Self::fault(&taken, why));
+            }
+        }
+        Ok(Self { keep })
+    }
+
+    fn fault(folder: &Path, why: &str) -> CliError {
+        CliError::WrongUse(format!("--keep: {}: {why}", folder.display()))
+    }
+
+    fn run(&self, scope: &Scope, number: u64, control: &Control<'_>) -> Result<Trial, CliError> {
+        let Some(keep) = self.keep else {
+            return Ok(trial::run(scope, number, control));
+        };
+        let folder = keep.join(number.to_string());
+        let kept = trial::run_in(scope, number, (&folder, control));
+        kept.map_err(|e| Self::fault(&folder, &e.to_string()))
+    }
+}
+
 fn scope(campaign: &Campaign) -> Result<Scope, CliError> {
     let effects: Vec<&'static str> = conceal::effects().map(|e| e.id).collect();
     let mut scope = Scope::all(campaign.seed);
@@ -66,6 +134,19 @@ fn scope(campaign: &Campaign) -> Result<Scope, CliError> {
     }
     if !campaign.robots.is_empty() {
         scope.robots = chosen(("--robots", &campaign.robots), &KINDS)?;
+    }
+    if !campaign.motion.is_empty() {
+        let chosen = chosen(
+            ("--motion", &campaign.motion),
+            &Motion::ALL.map(Motion::name),
+        )?;
+        scope
+            .motions
+            .retain(|motion| chosen.contains(&motion.name()));
+    }
+    if !campaign.noise.is_empty() {
+        let chosen = chosen(("--noise", &campaign.noise), &Noise::ALL.map(Noise::name))?;
+        scope.noises.retain(|noise| chosen.contains(&noise.name()));
     }
     Ok(scope)
 }
@@ -86,11 +167,15 @@ fn chosen(
 
 /// What trials are drawn from, as the result states it.
 fn drawn_from(scope: &Scope) -> serde_json::Value {
-    serde_json::json!({ "effects": scope.effects, "robots": scope.robots })
+    let motions: Vec<&str> = scope.motions.iter().map(|motion| motion.name()).collect();
+    let noises: Vec<&str> = scope.noises.iter().map(|noise| noise.name()).collect();
+    serde_json::json!({
+        "effects": scope.effects, "robots": scope.robots, "motion": motions, "noise": noises
+    })
 }
 
-/// Trials of an earlier run that are the same as those asked for.
-fn earlier(target: &Path, scope: &Scope, count: u64) -> Vec<Trial> {
+/// Trials of an earlier run that are drawn from the same.
+fn earlier(target: &Path, scope: &Scope) -> Vec<Trial> {
     let Ok(outcome) = Outcome::read(target) else {
         return Vec::new();
     };
@@ -98,10 +183,7 @@ fn earlier(target: &Path, scope: &Scope, count: u64) -> Vec<Trial> {
         && outcome.run.version == VERSION
         && outcome.run.problem == drawn_from(scope);
     match outcome.part {
-        Part::Trials(trials) if same => {
-            let asked = trials.trials.into_iter().filter(|t| t.seed < count);
-            asked.collect()
-        }
+        Part::Trials(trials) if same => trials.trials,
         _ => Vec::new(),
     }
 }

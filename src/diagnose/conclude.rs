@@ -4,16 +4,18 @@ use crate::chain::model::Model;
 use crate::diagnose::bench::Bench;
 use crate::diagnose::evidence::block_length;
 use crate::diagnose::explain;
-use crate::diagnose::floor::{Floor, LEAST_EXCESS, UNEXPLAINED};
+use crate::diagnose::floor::{Floor, LEAST_EXCESS, UNEXPLAINED, of_steps};
 use crate::diagnose::hypothesis::Hypothesis;
+use crate::diagnose::probability::{self, Probabilities};
 use crate::diagnose::refit::Refit;
 use crate::diagnose::relief::{MATTERS, OF_NOISE, OF_TORQUE};
 use crate::diagnose::rivals::Contest;
 use crate::diagnose::rows::rms;
 use crate::diagnose::search::{Step as SearchStep, Trial};
 use crate::diagnose::smooth::Smooth;
+use crate::diagnose::summary;
 use crate::diagnose::underway;
-use crate::outcome::diagnose::{Evidence, Finding, Rival, Spoiled, Verdict};
+use crate::outcome::diagnose::{Evidence, Finding, Rival, Spoiled, Unattested, Verdict};
 use crate::outcome::parameter::Parameter;
 use crate::recording::split::Split;
 use crate::stats::distribution::Distribution;
@@ -34,12 +36,15 @@ const VIEWS: usize = 2;
 /// Share of what a finding explains that other physics has to explain to be its rival.
 const RIVALLING: f64 = 0.5;
 
-/// A step of the explanation: the model before, the model with one finding more, and the evidence.
+/// A step of the explanation on rows that no choice has seen: the model before, the model with one finding more, and the
+/// test of that finding.
 pub struct Step<'a> {
-    pub before: &'a Refit,
-    pub after: &'a Refit,
-    pub needed: &'a Trial,
+    pub before: Refit,
+    pub after: Refit,
+    pub test: &'a Trial,
     pub contest: &'a Contest,
+    /// Of the finding and of each alternative of the contest.
+    pub probabilities: Probabilities,
 }
 
 /// Findings of the vocabulary in the order found.
@@ -49,7 +54,7 @@ pub fn findings(steps: &[Step<'_>], floor: &Floor, parameters: &[Parameter]) -> 
 }
 
 fn finding(step: &Step<'_>, floor: &Floor, parameters: &[Parameter]) -> Finding {
-    let hypothesis = &step.needed.hypothesis;
+    let hypothesis = &step.test.hypothesis;
     let model = &step.after.model;
     let joints = hypothesis.named_joints();
     let names = joint_names(model, &joints);
@@ -73,7 +78,7 @@ fn finding(step: &Step<'_>, floor: &Floor, parameters: &[Parameter]) -> Finding 
         rmse_validation_before: before,
         rmse_validation_after: after,
         explained_share: floor.share((&step.before.validation, &step.after.validation), &channels),
-        p_value: step.needed.p_value,
+        p_value: step.test.p_value,
         sentence: format!(
             "{}; {}.",
             explain::sentence(hypothesis, &names, &own),
@@ -81,7 +86,10 @@ fn finding(step: &Step<'_>, floor: &Floor, parameters: &[Parameter]) -> Finding 
         ),
         parameters: own,
         joints: names,
-        rivals: rivals(step.contest, floor, &channels),
+        rivals: rivals(step, floor, &channels),
+        probability: step.probabilities.finding,
+        probability_unnamed: step.probabilities.unnamed,
+        probability_nothing: step.probabilities.nothing,
     }
 }
 
@@ -93,13 +101,15 @@ fn belongs(parameter: &Parameter, hypothesis: &Hypothesis, joints: &[String]) ->
     own || shared || (effect == "unmodelled_payload" && parameter.name.starts_with("payload."))
 }
 
-fn rivals(contest: &Contest, floor: &Floor, channels: &[usize]) -> Vec<Rival> {
+fn rivals(step: &Step<'_>, floor: &Floor, channels: &[usize]) -> Vec<Rival> {
+    let contest = step.contest;
     let share =
         |refit: &Refit| floor.share((&contest.without.validation, &refit.validation), channels);
     let mut rivals: Vec<Rival> = contest
         .alternatives
         .iter()
-        .map(|alternative| {
+        .zip(&step.probabilities.rivals)
+        .map(|(alternative, &probability)| {
             let refit = &alternative.trial.refit;
             let hypothesis = &alternative.trial.hypothesis;
             let separation = alternative.separation;
@@ -108,6 +118,7 @@ fn rivals(contest: &Contest, floor: &Floor, channels: &[usize]) -> Vec<Rival> {
                 joints: joint_names(&refit.model, &hypothesis.named_joints()),
                 explained_share: share(refit),
                 separable: separation.separable,
+                probability,
                 times_longer: separation.times_longer.filter(|_| !separation.separable),
             }
         })
@@ -133,7 +144,7 @@ fn nameless(cut_short: bool) -> &'static str {
 pub fn unnamed(
     smooth: &Smooth,
     refit: &Refit,
-    (floor, tried, cut_short): (&Floor, usize, bool),
+    (floor, tested, cut_short): (&Floor, usize, bool),
 ) -> Finding {
     let c = smooth.channel;
     let channel = &refit.model.channels()[c];
@@ -143,6 +154,7 @@ pub fn unnamed(
         .map(|(e, f)| e - f)
         .collect();
     let (before, after) = (rms(&refit.validation[c]), rms(&left));
+    let odds = probability::of_unnamed(&smooth.evidence);
     let mut residuals = refit.validation.clone();
     residuals[c] = left;
     Finding {
@@ -152,7 +164,7 @@ pub fn unnamed(
         rmse_validation_before: before,
         rmse_validation_after: after,
         explained_share: floor.share((&refit.validation, &residuals), &[c]),
-        p_value: (smooth.evidence.p_value * (tried * smooth.tried) as f64).min(1.0),
+        p_value: (smooth.evidence.p_value * tested as f64).min(1.0),
         sentence: format!(
             "Something is missing on {} that {}; a smooth correction over {} takes its place, and {}.",
             channel.name,
@@ -161,12 +173,16 @@ pub fn unnamed(
             explain::improvement(before, after, channel.unit)
         ),
         rivals: Vec::new(),
+        probability: odds.finding,
+        probability_unnamed: odds.finding,
+        probability_nothing: odds.nothing,
     }
 }
 
 /// Findings of channels without one whose held-out residual is much larger than noise, and larger than chance would
 /// have it, and not mostly explained by what is found elsewhere: not even where the misfit lies says what it is. Where a
-/// name was withdrawn there is a misfit of weight.
+/// name was withdrawn there is a misfit of weight. Where nothing attests the noise it is at most what is left of the rows
+/// that were fitted.
 pub fn unexplained(
     bench: &Bench<'_>,
     ([declared, refit], floor, significance): ([&Refit; 2], &Floor, f64),
@@ -181,19 +197,23 @@ pub fn unexplained(
     let tried = (VIEWS * open.clone().count()) as f64;
     let found = |name: &String| findings.iter().any(|f| f.joints.contains(name));
     let is_left = |c: usize| floor.share((&declared.validation, &refit.validation), &[c]) < MOSTLY;
-    open.filter(|(c, name, _)| floor.measured && !found(name) && is_left(*c))
+    open.filter(|(c, name, _)| !found(name) && is_left(*c))
         .filter_map(|(c, name, joint)| {
             let residual = &refit.validation[c];
             let least = match withdrawn.contains(&joint) {
                 true => 0.0,
                 false => OF_SIGNAL,
             };
+            let (noise, than) = match floor.measured {
+                true => (floor.rms[c], "the noise"),
+                false => (rms(&refit.train[c]), "that on those that were"),
+            };
             let under_way = underway::kept(residual, &underway::rows(bench, (refit, joint)));
             let views: [(&[f64], f64); VIEWS] = [(residual, least), (&under_way, OF_TORQUE)];
             let of_weight = views
                 .into_iter()
                 .filter(|(rows, least)| rms(rows) > least * signal[c]);
-            let chances = of_weight.filter_map(|(rows, _)| chance(rows, floor.rms[c]));
+            let chances = of_weight.filter_map(|(rows, _)| chance(rows, noise));
             let p_value = (chances.reduce(f64::min)? * tried).min(1.0);
             (p_value < significance).then(|| Finding {
                 effect: "unnamed".to_string(),
@@ -205,18 +225,21 @@ pub fn unexplained(
                 p_value,
                 sentence: format!(
                     "Something is missing on {name} that {}, and no smooth correction takes its place: the error on \
-                     recordings that were not fitted is {:.1} times the noise.",
+                     recordings that were not fitted is {:.1} times {than}.",
                     nameless(cut_short),
-                    rms(residual) / floor.rms[c]
+                    rms(residual) / noise
                 ),
                 rivals: Vec::new(),
+                probability: 1.0 - p_value,
+                probability_unnamed: 1.0 - p_value,
+                probability_nothing: p_value,
             })
         })
         .collect()
 }
 
 /// Probability that noise alone leaves as much in some rows, where that is beyond [`UNEXPLAINED`].
-fn chance(residual: &[f64], noise: f64) -> Option<f64> {
+pub fn chance(residual: &[f64], noise: f64) -> Option<f64> {
     let lack = (rms(residual) / noise).powi(2);
     let effective = residual.len() as f64 / block_length(&[residual.to_vec()]) as f64;
     let spread = Distribution::FisherF {
@@ -224,6 +247,41 @@ fn chance(residual: &[f64], noise: f64) -> Option<f64> {
         denominator: effective,
     };
     (lack > UNEXPLAINED).then(|| spread.upper_tail(lack))
+}
+
+/// Channels of which the residual is of weight, more than [`OF_SIGNAL`], and more than [`UNEXPLAINED`] times the variance of
+/// the noise that is known apart from the misfit: by the scatter of periods, by what no motion reaches in the signal, or by
+/// what successive rows of the residual differ, in which a misfit that follows the motion has no part. Slow noise is not
+/// told from misfit. The final model, with smooth corrections.
+pub fn unattested(
+    bench: &Bench<'_>,
+    (full, smooths): (&Refit, &[&Smooth]),
+    floor: &Floor,
+) -> Vec<Unattested> {
+    let (model, left) = (&full.model, summary::left(full, smooths));
+    let signal = bench.signal_rms(Split::Validation);
+    let channels = model.channels().iter().enumerate();
+    let active = channels.filter(|(_, channel)| channel.active);
+    let open = active.filter_map(|(c, channel)| {
+        let noise = match floor.measured {
+            true => floor.rms[c],
+            false => {
+                let of_signal = bench.noise.as_ref().map_or(0.0, |noise| noise[c]);
+                of_steps(&left[c], 1).sqrt().max(of_signal)
+            }
+        };
+        let residual = rms(&left[c]);
+        let excess = residual.powi(2) > UNEXPLAINED * noise.powi(2);
+        let of_signal = residual / signal[c];
+        (excess && of_signal > OF_SIGNAL).then(|| Unattested {
+            joint: channel.name.clone(),
+            unit: channel.unit.to_string(),
+            rmse_validation: residual,
+            of_signal,
+            sentence: explain::unattested(&channel.name, (residual, channel.unit), of_signal),
+        })
+    });
+    open.collect()
 }
 
 /// Whether a smooth model says something that is significant and matters.
@@ -234,18 +292,22 @@ pub fn is_needed(smooth: &Smooth, (significance, tried): (f64, usize)) -> bool {
         && smooth.taken >= OF_NOISE
 }
 
-/// The verdict from the lack of fit of the joints that findings name, before and after, and from what is
-/// left without a name.
-pub fn verdict(findings: &[Finding], (before, after): (f64, f64)) -> Verdict {
-    if findings.is_empty() {
-        return Verdict::NothingMissing;
-    }
+/// The verdict from the lack of fit of the joints that findings name, before and after, from what is left without a name,
+/// and from whether what is left is known to be noise.
+pub fn verdict(
+    findings: &[Finding],
+    (before, after): (f64, f64),
+    unattested: &[Unattested],
+) -> Verdict {
     let named = findings.iter().filter(|f| f.effect != "unnamed").count();
     if named == 0 {
-        return Verdict::Unexplained;
+        return match findings.is_empty() && unattested.is_empty() {
+            true => Verdict::NothingMissing,
+            false => Verdict::Unexplained,
+        };
     }
     let share = (before - after) / (before - 1.0).max(LEAST_EXCESS);
-    let all_named = named == findings.len();
+    let all_named = named == findings.len() && unattested.is_empty();
     if all_named && (share >= MOSTLY || after - 1.0 <= LEAST_EXCESS) {
         Verdict::Explained
     } else if share >= PARTLY {

@@ -14,7 +14,7 @@
 //! as of noise of that size, and only what blocks show beyond it has their few degrees of freedom.
 
 use crate::diagnose::rows::deviation;
-use crate::stats::autoregression::Autoregression;
+use crate::stats::autoregression::{Autoregression, largest_order};
 use crate::stats::distribution::Distribution;
 
 /// The test of one model against another.
@@ -59,11 +59,16 @@ pub fn encompassing(
     noise: Option<&[f64]>,
     samples: Samples,
 ) -> Evidence {
-    let (poorer, richer, noise) = match samples {
-        Samples::Recorded => whitened(poorer, richer, noise),
-        Samples::Filtered => (poorer.to_vec(), richer.to_vec(), noise.map(<[f64]>::to_vec)),
-    };
-    let (poorer, richer, noise) = (&poorer[..], &richer[..], noise.as_deref());
+    match samples {
+        Samples::Filtered => of_residuals((poorer, richer), noise),
+        Samples::Recorded => {
+            let white = whitened(poorer, richer, noise);
+            of_residuals((&white.poorer, &white.richer), white.noise.as_deref())
+        }
+    }
+}
+
+fn of_residuals((poorer, richer): (&[Vec<f64>], &[Vec<f64>]), noise: Option<&[f64]>) -> Evidence {
     let scale: Vec<f64> = richer.iter().map(|e| deviation(e)).collect();
     let channels: Vec<usize> = (0..richer.len())
         .filter(|&c| !richer[c].is_empty())
@@ -120,7 +125,7 @@ pub fn encompassing(
 /// The innovations of both residuals have `Σ u²/σ²`, which falls by a χ² with `parameters` degrees of freedom at a
 /// given beginning and end (Wilks 1938), of which n rows have n²/2.
 pub fn of_own_parameters((poorer, richer): (&[Vec<f64>], &[Vec<f64>]), parameters: usize) -> f64 {
-    let (poorer, richer, _) = whitened(poorer, richer, None);
+    let Whitened { poorer, richer, .. } = whitened(poorer, richer, None);
     let rows = richer.iter().map(Vec::len).max().unwrap_or(0) as f64;
     let gain = |(before, after): (&Vec<f64>, &Vec<f64>)| {
         let squares = |e: &[f64]| e.iter().map(|u| u * u).sum::<f64>();
@@ -131,12 +136,6 @@ pub fn of_own_parameters((poorer, richer): (&[Vec<f64>], &[Vec<f64>]), parameter
     let one = Distribution::ChiSquared { freedom }.upper_tail(gain.max(0.0));
     (one * 0.5 * rows * rows).min(1.0)
 }
-
-/// Most coefficients of the autoregression of a residual.
-const MOST_COEFFICIENTS: usize = 32;
-
-/// Samples per coefficient at least.
-const SAMPLES_PER_COEFFICIENT: usize = 20;
 
 /// White noise that is added to a residual, as a share of its variance: frequencies at which there is nothing say nothing,
 /// and would have all the weight.
@@ -154,14 +153,19 @@ fn with_floor(series: &[f64], most: usize) -> Vec<f64> {
     covariance
 }
 
-type Whitened = (Vec<Vec<f64>>, Vec<Vec<f64>>, Option<Vec<f64>>);
+/// Two models' residuals per channel, and the RMS noise of a row where it is known.
+struct Whitened {
+    poorer: Vec<Vec<f64>>,
+    richer: Vec<Vec<f64>>,
+    noise: Option<Vec<f64>>,
+}
 
 /// Innovations of both residuals by the autoregression of the richer one, and the noise in the same units.
 fn whitened(poorer: &[Vec<f64>], richer: &[Vec<f64>], noise: Option<&[f64]>) -> Whitened {
     let models: Vec<Autoregression> = richer
         .iter()
         .map(|e| {
-            let most = MOST_COEFFICIENTS.min(e.len() / SAMPLES_PER_COEFFICIENT);
+            let most = largest_order(e.len());
             let covariance = with_floor(e, most);
             let model = Autoregression::of_autocovariance(&covariance, e.len());
             model.unwrap_or_else(|| Autoregression::white(1.0))
@@ -176,7 +180,11 @@ fn whitened(poorer: &[Vec<f64>], richer: &[Vec<f64>], noise: Option<&[f64]>) -> 
         let of = |c: usize| noise[c] * deviation(&of_richer[c]) / deviation(&richer[c]);
         (0..noise.len()).map(of).collect()
     });
-    (of_poorer, of_richer, noise)
+    Whitened {
+        poorer: of_poorer,
+        richer: of_richer,
+        noise,
+    }
 }
 
 /// Two models over the channels with rows.

@@ -66,6 +66,16 @@ pub fn improvement(before: f64, after: f64, unit: &str) -> String {
     )
 }
 
+/// What is left of a joint and is not known to be noise.
+pub fn unattested(joint: &str, (residual, unit): (f64, &str), of_signal: f64) -> String {
+    format!(
+        "{joint}: the error on recordings that were not fitted is {} {unit}, {:.0} % of the signal, and nothing in them \
+         says that this is noise",
+        short(residual),
+        100.0 * of_signal
+    )
+}
+
 /// `joint1`, `joint1 and joint2`, `joint1, joint2 and joint3`.
 pub fn list(names: &[String]) -> String {
     match names {

@@ -13,7 +13,8 @@ use crate::outcome::joint::JointFigures;
 /// Least excess over the noise that shares are taken of.
 pub const LEAST_EXCESS: f64 = 0.05;
 
-/// A held-out residual of more than this many times the variance of the noise is not explained.
+/// A held-out residual of more than this many times the variance of the noise is not explained: more of it is misfit than
+/// noise.
 pub const UNEXPLAINED: f64 = 2.0;
 
 /// Mean square of one row that is noise, per channel, and where it comes from.
@@ -59,7 +60,7 @@ impl Floor {
 
 /// Mean square of the differences of rows so many rows apart, halved: the variance of noise that forgets within them,
 /// which what changes slowly does not enter (von Neumann 1941).
-fn of_steps(series: &[f64], apart: usize) -> f64 {
+pub fn of_steps(series: &[f64], apart: usize) -> f64 {
     let pairs = series.iter().zip(series.get(apart..).unwrap_or_default());
     let squares: f64 = pairs.map(|(a, b)| (b - a).powi(2)).sum();
     0.5 * squares / (series.len().max(apart + 1) - apart) as f64

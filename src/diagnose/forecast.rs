@@ -27,6 +27,15 @@ pub fn forecast(bench: &Bench<'_>, (poorer, richer): (&Refit, &Refit)) -> Eviden
     let Some(noise) = floor::known(bench, richer) else {
         return evidence;
     };
+    under_way(bench, (poorer, richer), Some(&noise))
+}
+
+/// The same on rows at which joints are under way.
+pub fn under_way(
+    bench: &Bench<'_>,
+    (poorer, richer): (&Refit, &Refit),
+    noise: Option<&[f64]>,
+) -> Evidence {
     let of = |refit: &Refit| -> Vec<Vec<f64>> {
         let channels = richer.model.channels().iter().zip(&refit.validation);
         let kept = channels.map(|(channel, residual)| match channel.joint {
@@ -35,5 +44,5 @@ pub fn forecast(bench: &Bench<'_>, (poorer, richer): (&Refit, &Refit)) -> Eviden
         });
         kept.collect()
     };
-    encompassing((&of(poorer), &of(richer)), Some(&noise), bench.samples())
+    encompassing((&of(poorer), &of(richer)), noise, bench.samples())
 }

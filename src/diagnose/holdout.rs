@@ -1,4 +1,8 @@
-//! Rows that are held out of a training recording where no other recording is.
+//! Rows that are held out: of a training recording where no other recording is, and in two halves, one that chooses the
+//! model and one that tests what was chosen.
+//!
+//! A search takes the best of many hypotheses by their error on held-out rows, which makes that error too small
+//! (selection bias: Stone 1974; Varma and Simon 2006). Rows that took no part in the choice are free of it.
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::recording::split::Split;
@@ -8,6 +12,10 @@ const BLOCKS: usize = 12;
 
 /// One block of so many is held out.
 const HELD_OUT: usize = 3;
+
+/// Contiguous blocks of a recording that is held out, which in turn choose and test: two for each of the above, so that
+/// either half has rows from everywhere in the motion.
+const HALVES: usize = 2 * BLOCKS;
 
 /// The dataset with blocks of its training recordings held out; the same if there are validation
 /// recordings. The second value says whether blocks were held out.
@@ -28,4 +36,28 @@ fn part(recording: &Prepared, split: Split) -> Prepared {
         let held_out = (row * BLOCKS / rows) % HELD_OUT == HELD_OUT - 1;
         held_out == (split == Split::Validation)
     })
+}
+
+/// What rows that are held out are for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// Choosing among models.
+    Selection,
+    /// Testing what was chosen.
+    Test,
+}
+
+/// The dataset with one half of the rows that are held out.
+pub fn half(data: &Dataset, purpose: Purpose) -> Dataset {
+    let of = |recording: &Prepared| match recording.split {
+        Split::Train => recording.clone(),
+        Split::Validation => {
+            let rows = recording.rows();
+            let odd = usize::from(purpose == Purpose::Test);
+            recording.part(Split::Validation, |row| (row * HALVES / rows) % 2 == odd)
+        }
+    };
+    Dataset {
+        recordings: data.recordings.iter().map(of).collect(),
+    }
 }

@@ -93,6 +93,15 @@ impl Refit {
         }
     }
 
+    /// The same fit with what it leaves on the held-out rows of another bench.
+    pub fn on(&self, bench: &Bench<'_>) -> Self {
+        let held_out = bench.recordings(Split::Validation);
+        Self {
+            validation: held_out_residuals(&self.model, (&self.values, &self.own), &held_out),
+            ..self.clone()
+        }
+    }
+
     /// The fit as a problem, weighted by the deviations of its residuals.
     pub fn problem<'b>(&'b self, recordings: &'b [&'b Prepared]) -> FitProblem<'b> {
         FitProblem::new(

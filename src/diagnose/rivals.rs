@@ -1,6 +1,7 @@
 //! Other hypotheses that explain the same misfit, and whether the held-out recordings tell them apart.
 
 use crate::diagnose::bench::Bench;
+use crate::diagnose::benches::Benches;
 use crate::diagnose::conclude::channels_of;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::evidence::encompassing;
@@ -41,6 +42,35 @@ pub struct Separation {
 pub struct Contest {
     pub without: Refit,
     pub alternatives: Vec<Alternative>,
+}
+
+impl Contest {
+    /// The same as the rows show it that test the finding; whether a rival can be set aside, as all rows do. `full` is the
+    /// model with the finding over all rows.
+    pub fn on(
+        &self,
+        benches: &Benches<'_>,
+        floor: &Floor,
+        (full, finding): (&Refit, &Hypothesis),
+    ) -> Self {
+        let (rows, joints) = (benches.testing(finding), finding.named_joints());
+        let seen = |alternative: &Alternative| {
+            let (trial, whole) = (&alternative.trial, &benches.whole);
+            let refit = trial.refit.on(rows);
+            Alternative {
+                separation: separation(whole, floor, (&trial.refit.on(whole), full), &joints),
+                better: alternative.better,
+                trial: Trial {
+                    refit,
+                    ..trial.clone()
+                },
+            }
+        };
+        Self {
+            without: self.without.on(rows),
+            alternatives: self.alternatives.iter().map(seen).collect(),
+        }
+    }
 }
 
 /// A finding in whose place there could stand what the recordings cannot set aside.

@@ -5,7 +5,7 @@ use crate::chain::parameter::Role;
 use crate::diagnose::bench::Bench;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::evidence::{Evidence, of_own_parameters};
-use crate::diagnose::forecast::forecast;
+use crate::diagnose::forecast::{forecast, under_way};
 use crate::diagnose::hypothesis::{self, Hypothesis};
 use crate::diagnose::lead::Lead;
 use crate::diagnose::refit::{Refit, Start, refit, refit_holding};
@@ -25,6 +25,16 @@ pub struct Rules<'a> {
     pub sought: Option<&'a [String]>,
     /// Probability of a false finding after correction.
     pub significance: f64,
+}
+
+impl Rules<'_> {
+    /// The same for hypotheses that rows which no choice has seen are yet to test.
+    pub fn of_choice(self) -> Self {
+        Self {
+            significance: self.significance.max(CHOICE),
+            ..self
+        }
+    }
 }
 
 /// A hypothesis fitted beside what the model has already.
@@ -65,6 +75,8 @@ pub struct Step {
     /// Held-out score of the model as it was.
     pub score: f64,
     pub accepted: bool,
+    /// Nothing interrupted it.
+    pub is_complete: bool,
 }
 
 /// Hypotheses fitted exactly in one step.
@@ -88,6 +100,10 @@ const AT_LIMIT: f64 = 1e-3;
 
 /// Times that a search begins a step again because the richer model led to a better fit of the poorer.
 const SEARCHES_AGAIN: usize = 3;
+
+/// Significance at which a search accepts a hypothesis, corrected for the number of those that are open, where other rows
+/// test it afterwards: half of the rows and one test then find what all rows and hundreds of tests would.
+const CHOICE: f64 = 0.05;
 
 /// Confidence with which a model is preferred to another that has fewer parameters, and with which a rival is set
 /// aside: several rivals are compared with each finding, so that each may err but once in a hundred.
@@ -140,6 +156,7 @@ pub fn grow(
             trials,
             score,
             accepted: best.is_some(),
+            is_complete: !bench.control.is_interrupted(),
         });
         if best.is_none() {
             break;
@@ -312,7 +329,12 @@ pub fn compare(
     (before, refit): (&Refit, Refit),
     (hypothesis, tried): (Hypothesis, usize),
 ) -> Trial {
-    let mut evidence = forecast(bench, (before, &refit));
+    let pair = (before, &refit);
+    // At reversals the errors of differentiation look like a delay.
+    let mut evidence = match hypothesis.effect.law {
+        Law::Delay => under_way(bench, pair, None),
+        _ => forecast(bench, pair),
+    };
     if hypothesis.effect.needs.lasts == Lasts::OneRecording {
         let residuals = (&before.validation[..], &refit.validation[..]);
         let own = of_own_parameters(residuals, hypothesis.effect.parameters.len());
@@ -370,7 +392,7 @@ pub fn prune(
     bench: &Bench<'_>,
     mut refit: Refit,
     (rules, tried): (Rules<'_>, usize),
-) -> Result<(Refit, Vec<Trial>), DiagnoseError> {
+) -> Result<Refit, DiagnoseError> {
     loop {
         let dropped: Vec<Trial> = (0..refit.hypotheses.len())
             .into_par_iter()
@@ -389,7 +411,7 @@ pub fn prune(
             Some(k) => {
                 refit = fit_without(bench, &refit, k)?;
             }
-            None => return Ok((refit, dropped)),
+            None => return Ok(refit),
         }
     }
 }

@@ -46,6 +46,61 @@ pub struct Smooth {
     /// To be subtracted from the residual, over the fitted and over the held-out rows.
     pub train: Vec<f64>,
     pub validation: Vec<f64>,
+    curves: Curves,
+}
+
+/// Factors of hat functions over some variables of a joint.
+#[derive(Debug, Clone)]
+struct Curves {
+    /// Numbers of the variables among the regimes of the joint.
+    variables: Vec<usize>,
+    knots: Vec<Vec<f64>>,
+    factors: DVector<f64>,
+}
+
+impl Curves {
+    fn at(&self, regimes: &Regimes) -> Vec<f64> {
+        let forecast = design(&regimes.of_some(&self.variables), &self.knots) * &self.factors;
+        forecast.as_slice().to_vec()
+    }
+}
+
+impl Smooth {
+    /// The same correction over other rows than those by which it was chosen, with the evidence of these.
+    pub fn on(&self, bench: &Bench<'_>, refit: &Refit) -> Self {
+        let model = &refit.model;
+        let Some(joint) = model.channels()[self.channel].joint else {
+            return self.clone();
+        };
+        let [train, validation] = [Split::Train, Split::Validation].map(|split| {
+            let recordings = bench.recordings(split);
+            let series = Series::of(model, &refit.values, &[], &recordings);
+            self.curves
+                .at(&Regimes::of(model, (joint, &series.predicted), &recordings))
+        });
+        let before = &refit.validation[self.channel];
+        let after: Vec<f64> = before.iter().zip(&validation).map(|(e, f)| e - f).collect();
+        Self {
+            relief: 1.0 - rms(&after) / rms(before),
+            taken: taken(before, &after),
+            evidence: encompassing(
+                (std::slice::from_ref(before), &[after]),
+                None,
+                bench.samples(),
+            ),
+            train,
+            validation,
+            over: self.over.clone(),
+            curves: self.curves.clone(),
+            ..*self
+        }
+    }
+}
+
+/// RMS of what a correction takes over that of what it leaves.
+fn taken(before: &[f64], after: &[f64]) -> f64 {
+    let squares = rms(before).powi(2) - rms(after).powi(2);
+    squares.max(0.0).sqrt() / rms(after)
 }
 
 /// Smooth models of what a fit leaves, one per channel of a joint.
@@ -101,39 +156,33 @@ fn one(
     held_out: (&Regimes, &[f64]),
     (variables, samples): (&[usize], Samples),
 ) -> Option<Smooth> {
-    let pick = |regimes: &Regimes| -> Regimes {
-        Regimes {
-            variables: variables
-                .iter()
-                .map(|&v| regimes.variables[v].clone())
-                .collect(),
-            direction: regimes.direction.clone(),
-        }
-    };
-    let (of_train, of_held_out) = (pick(train.0), pick(held_out.0));
+    let of_train = train.0.of_some(variables);
     let knots: Vec<Vec<f64>> = of_train
         .variables
         .iter()
         .map(|v| knots(&v.values))
         .collect();
     let design = design(&of_train, &knots);
-    let coefficients = ridge(&design, train.1)?;
-    let fitted = &design * &coefficients;
-    let forecast = self::design(&of_held_out, &knots) * &coefficients;
-    let pairs = held_out.1.iter().zip(forecast.iter());
+    let factors = ridge(&design, train.1)?;
+    let fitted = &design * &factors;
+    let curves = Curves {
+        variables: variables.to_vec(),
+        knots,
+        factors,
+    };
+    let validation = curves.at(held_out.0);
+    let pairs = held_out.1.iter().zip(&validation);
     let after: Vec<f64> = pairs.map(|(e, f)| e - f).collect();
     Some(Smooth {
         channel: 0,
         over: of_train.variables.iter().map(|v| v.name.clone()).collect(),
         tried: 1,
         relief: 1.0 - rms(&after) / rms(held_out.1),
-        taken: (rms(held_out.1).powi(2) - rms(&after).powi(2))
-            .max(0.0)
-            .sqrt()
-            / rms(&after),
+        taken: taken(held_out.1, &after),
         evidence: encompassing((&[held_out.1.to_vec()], &[after]), None, samples),
         train: fitted.as_slice().to_vec(),
-        validation: forecast.as_slice().to_vec(),
+        validation,
+        curves,
     })
 }
 

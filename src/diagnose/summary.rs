@@ -5,7 +5,7 @@ use crate::diagnose::refit::Refit;
 use crate::diagnose::smooth::Smooth;
 use crate::estimate::figures::{Predictions, figures_by_recording, predictions_by_recording};
 use crate::estimate::fit::Fitted;
-use crate::outcome::diagnose::{Finding, Verdict};
+use crate::outcome::diagnose::{Finding, Unattested, Verdict};
 use crate::recording::split::Split;
 
 /// Held-out residuals of a model with smooth corrections.
@@ -49,50 +49,67 @@ pub fn correct(
     predictions
 }
 
-/// What was found, in plain words.
-pub fn paragraph(
-    verdict: Verdict,
-    findings: &[Finding],
-    (examined, cut_short): (usize, bool),
-) -> String {
-    let tried = format!("{examined} hypotheses were tried");
-    match verdict {
-        Verdict::NothingMissing if cut_short => {
-            "The search was interrupted before it found anything; that does not mean that nothing is missing."
-                .to_string()
-        }
-        Verdict::NothingMissing => format!(
-            "Nothing is missing that matters: {tried}, and none lowers the error on recordings that were not \
-             fitted by as much as 1 %."
+/// What a paragraph says beside the findings.
+pub struct About<'a> {
+    /// Number of hypotheses.
+    pub examined: usize,
+    /// What is left, is of weight, and is not known to be noise.
+    pub unattested: &'a [Unattested],
+    /// Effects that an interrupted search has not tried.
+    pub untried: Vec<String>,
+}
+
+/// What was found, in plain words; `None` is the verdict of a search that was interrupted.
+pub fn paragraph(verdict: Option<Verdict>, findings: &[Finding], about: &About<'_>) -> String {
+    let mut text: Vec<String> = findings.iter().map(told).collect();
+    text.push(match verdict {
+        None => return interrupted(text, about),
+        Some(Verdict::NothingMissing) => format!(
+            "Nothing is missing that matters: {} hypotheses were tried, and none lowers the error on recordings that \
+             were not fitted by as much as 1 %.",
+            about.examined
         ),
-        _ => {
-            let mut text: Vec<String> = findings.iter().map(|f| f.sentence.clone()).collect();
-            for finding in findings {
-                let alike: Vec<&str> = finding
-                    .rivals
-                    .iter()
-                    .filter(|r| !r.separable)
-                    .map(|r| r.effect.as_str())
-                    .collect();
-                if !alike.is_empty() {
-                    text.push(format!(
-                        "These recordings cannot tell {} from {}.",
-                        finding.effect,
-                        alike.join(" or ")
-                    ));
-                }
-            }
-            text.push(match verdict {
-                Verdict::Explained => "With that the model explains the recordings.".to_string(),
-                Verdict::PartlyExplained => {
-                    "That explains part of the misfit; some is left.".to_string()
-                }
-                _ => "Most of the misfit is left without a name.".to_string(),
-            });
-            if cut_short {
-                text.push("The search was interrupted: not every effect has been tried.".to_string());
-            }
-            text.join(" ")
+        Some(Verdict::Explained) => "With that the model explains the recordings.".to_string(),
+        Some(Verdict::PartlyExplained) => {
+            "That explains part of the misfit; some is left.".to_string()
         }
+        Some(Verdict::Unexplained) if findings.is_empty() => format!(
+            "What is left is not explained: {} hypotheses were tried, and none of them is it.",
+            about.examined
+        ),
+        Some(Verdict::Unexplained) => "Most of the misfit is left without a name.".to_string(),
+    });
+    let left = about.unattested.iter().map(|left| &left.sentence);
+    text.extend(left.map(|sentence| format!("{sentence}.")));
+    text.join(" ")
+}
+
+fn interrupted(mut text: Vec<String>, about: &About<'_>) -> String {
+    text.push(
+        match text.is_empty() {
+            true => {
+                "The search was interrupted before it found anything; that does not mean that nothing is missing."
+            }
+            false => "The search was interrupted: not every effect has been tried.",
+        }
+        .to_string(),
+    );
+    if !about.untried.is_empty() {
+        text.push(format!("Not tried yet: {}.", about.untried.join(", ")));
+    }
+    text.join(" ")
+}
+
+fn told(finding: &Finding) -> String {
+    let open = finding.rivals.iter().filter(|r| !r.separable);
+    let alike: Vec<&str> = open.map(|r| r.effect.as_str()).collect();
+    match alike.is_empty() {
+        true => finding.sentence.clone(),
+        false => format!(
+            "{} These recordings cannot tell {} from {}.",
+            finding.sentence,
+            finding.effect,
+            alike.join(" or ")
+        ),
     }
 }

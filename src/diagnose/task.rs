@@ -4,24 +4,28 @@ use crate::chain::dataset::Dataset;
 use crate::chain::model::Model;
 use crate::check;
 use crate::diagnose::bench::{Bench, is_in_time};
+use crate::diagnose::benches::{Benches, Halves};
 use crate::diagnose::conclude::{self, Step};
+use crate::diagnose::corrections::Corrections;
 use crate::diagnose::drift;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::floor::{self, Floor};
 use crate::diagnose::holdout;
+use crate::diagnose::hypothesis::{self, Hypothesis};
+use crate::diagnose::judge;
 use crate::diagnose::locate::locate;
 use crate::diagnose::refit::{Refit, refit};
 use crate::diagnose::rest;
 use crate::diagnose::rivals::{Contest, Doubt, contest, doubts, exchange};
 use crate::diagnose::search::{self, Grown, Rules, Trial, fit_without, grow, prune};
-use crate::diagnose::smooth::{self, Smooth};
-use crate::diagnose::summary;
+use crate::diagnose::smooth::Smooth;
+use crate::diagnose::summary::{self, About};
 use crate::diagnose::{next, outweighed, own, shadow};
 use crate::estimate::bandwidth;
 use crate::estimate::figures::{Predictions, noise_rms, predictions};
 use crate::estimate::fit::{Fitted, outcome};
 use crate::estimate::task::{notes, preprocessing};
-use crate::outcome::diagnose::{Baseline, Diagnosis, Final, Finding};
+use crate::outcome::diagnose::{Baseline, Diagnosis, Final, Finding, Unattested, Verdict};
 use crate::outcome::estimate::Estimate;
 use crate::outcome::parameter::Parameter;
 use crate::problem::solution::Control;
@@ -76,7 +80,8 @@ impl Stage {
 /// The grown model with the evidence for each finding.
 struct Explanation {
     full: Refit,
-    needed: Vec<Trial>,
+    /// Each finding on rows that no choice has seen.
+    tests: Vec<Trial>,
     contests: Vec<Contest>,
     /// Models with the first 0, 1, ... findings.
     prefixes: Vec<Refit>,
@@ -88,13 +93,22 @@ struct Explanation {
 }
 
 impl Explanation {
-    /// One finding after the other.
-    fn steps(&self) -> Vec<Step<'_>> {
-        let step = |k: usize| Step {
-            before: &self.prefixes[k],
-            after: &self.prefixes[k + 1],
-            needed: &self.needed[k],
-            contest: &self.contests[k],
+    /// One finding after the other, on rows that no choice has seen.
+    fn steps<'b>(
+        &'b self,
+        benches: &Benches<'_>,
+        (contests, floor): (&'b [Contest], &Floor),
+    ) -> Vec<Step<'b>> {
+        let step = |k: usize| {
+            let (test, contest) = (&self.tests[k], &contests[k]);
+            let rows = benches.testing(&test.hypothesis);
+            Step {
+                before: self.prefixes[k].on(rows),
+                after: self.prefixes[k + 1].on(rows),
+                test,
+                contest,
+                probabilities: judge::probabilities(rows, (test, contest), floor),
+            }
         };
         (0..self.full.hypotheses.len()).map(step).collect()
     }
@@ -114,38 +128,36 @@ pub fn run(
     let (data, held_out) = holdout::with_held_out(rest::left_out(&model, data));
     watch(Stage::Checking);
     let mistakes = check::run(problem, control);
-    let split = |data: Dataset| match held_out || !is_in_time(&data) {
-        true => (data, Vec::new()),
-        false => own::alternate(&data),
-    };
-    let (data, between) = split(data);
-    let mut bench = Bench {
-        between,
-        ..Bench::new((problem, &robot), &data, control)
-    };
+    let mut halves = halves(data, held_out);
+    let mut benches = halves.benches(problem, &robot, control);
     watch(Stage::Fitting);
-    let declared = baseline(&bench)?;
-    bench.noise = noise_rms(&declared.model, &declared.values, &data);
+    let declared = baseline(&benches.selection)?;
+    let noise = noise_rms(&declared.model, &declared.values, &halves.whole);
+    benches.set_noise(noise.clone());
     let sought = sought(problem);
     let rules = Rules {
         sought: sought.as_deref(),
         significance: problem.diagnose.significance.value,
     };
-    let explanation = explain(&bench, &declared, (rules, watch))?;
-    let (unrolled, between) = split(drift::unrolled(&data));
-    let over_time = Bench {
-        between,
-        noise: bench.noise.clone(),
-        ..Bench::new((problem, &robot), &unrolled, control)
-    };
-    let drifting = over_periods(&over_time, (&data, &explanation.full), (rules, watch))?;
-    let drifts = drifting.is_some();
-    let (mut diagnosis, fitted, [before, after], doubts) = match drifting {
-        Some(grown) => {
-            let explanation = conclude_search(&over_time, grown, (rules, watch))?;
-            report(&over_time, (&explanation, rules))?
+    let explanation = explain(&benches, &declared, (rules, watch))?;
+    let reported = match drift::sought(&halves.whole, rules) {
+        Some(effects) => {
+            watch(Stage::Drift);
+            let unrolled = self::halves(drift::unrolled(&halves.whole), held_out);
+            let mut over_time = unrolled.benches(problem, &robot, control);
+            over_time.set_noise(noise);
+            let full = &explanation.full;
+            let found = over_periods(&over_time, (full, &effects), (rules, watch))?;
+            found.map(|reported| (reported, unrolled))
         }
-        None => report(&bench, (&explanation, rules))?,
+        None => None,
+    };
+    let (mut diagnosis, fitted, [before, after], doubts) = match reported {
+        Some((over_time, unrolled)) => {
+            halves = unrolled;
+            over_time
+        }
+        None => report(&benches, (&explanation, rules))?,
     };
     diagnosis.mistakes = mistakes;
     let note = held_out.then(|| HELD_OUT.to_string());
@@ -158,28 +170,40 @@ pub fn run(
         baseline: before,
         finally: after,
         doubts,
-        data: if drifts { unrolled } else { data },
+        data: halves.whole,
     })
 }
 
 const HELD_OUT: &str = "No recording is kept for validation: every third of twelve blocks of each training \
                         recording was held out of the fits and is what the held-out figures are of.";
 
-/// The model grown by what changes from period to period, if anything does.
+/// The held-out rows in halves; parameters of one recording are fitted between them where these are samples in the order
+/// of time and not blocks of what was fitted.
+fn halves(data: Dataset, held_out: bool) -> Halves {
+    match held_out || !is_in_time(&data) {
+        true => Halves::of(data, Vec::new()),
+        false => {
+            let (judged, between) = own::alternate(&data);
+            Halves::of(judged, between)
+        }
+    }
+}
+
+/// What is to be reported where effects that change from period to period are found beside what explains the averages.
 fn over_periods(
-    bench: &Bench<'_>,
-    (data, full): (&Dataset, &Refit),
+    benches: &Benches<'_>,
+    (full, effects): (&Refit, &[String]),
     (rules, watch): (Rules<'_>, &(dyn Fn(Stage) + Sync)),
-) -> Result<Option<Grown>, DiagnoseError> {
-    let Some(effects) = drift::sought(data, rules) else {
-        return Ok(None);
-    };
-    watch(Stage::Drift);
-    let rules = Rules {
-        sought: Some(&effects),
+) -> Result<Option<Reported>, DiagnoseError> {
+    let of_time = Rules {
+        sought: Some(effects),
         ..rules
     };
-    drift::found(bench, (full, rules))
+    let Some(grown) = drift::found(&benches.selection, (full, of_time))? else {
+        return Ok(None);
+    };
+    let explanation = conclude_search(benches, grown, (rules, watch))?;
+    report(benches, (&explanation, rules)).map(Some)
 }
 
 fn sought(problem: &ProblemFile) -> Option<Vec<String>> {
@@ -199,33 +223,36 @@ fn baseline(bench: &Bench<'_>) -> Result<Refit, DiagnoseError> {
 const EXCHANGES: usize = 3;
 
 fn explain(
-    bench: &Bench<'_>,
+    benches: &Benches<'_>,
     baseline: &Refit,
     (rules, watch): (Rules<'_>, &(dyn Fn(Stage) + Sync)),
 ) -> Result<Explanation, DiagnoseError> {
     let searching = |found| watch(Stage::Searching { found });
-    let grown = grow(bench, baseline.clone(), (rules, &searching))?;
-    conclude_search(bench, grown, (rules, watch))
+    let choice = rules.of_choice();
+    let grown = grow(&benches.selection, baseline.clone(), (choice, &searching))?;
+    conclude_search(benches, grown, (rules, watch))
 }
 
-/// Prunes a grown model, has rivals contest each finding, exchanges what is bettered, and withdraws names that explain
-/// less than they leave or that are the shadow of another joint.
+/// Prunes a grown model, has rivals contest each finding, exchanges what is bettered, withdraws names that explain
+/// less than they leave or that are the shadow of another joint, and strikes out what fails on rows that chose nothing.
 fn conclude_search(
-    bench: &Bench<'_>,
+    benches: &Benches<'_>,
     mut grown: Grown,
     (rules, watch): (Rules<'_>, &(dyn Fn(Stage) + Sync)),
 ) -> Result<Explanation, DiagnoseError> {
+    let (bench, choice) = (&benches.selection, rules.of_choice());
     let searching = |found| watch(Stage::Searching { found });
     let examined = grown.examined;
     watch(Stage::Comparing);
     let mut tried = grown.steps.clone();
     let mut round = 0;
     let mut withdrawn = Vec::new();
+    let mut tested = 0;
     loop {
-        let (full, needed) = prune(bench, grown.refit.clone(), (rules, examined))?;
+        let full = prune(bench, grown.refit.clone(), (choice, examined))?;
         let floor = floor::of_rows(bench, &full, &[]);
         let contests = (0..full.hypotheses.len())
-            .map(|k| contest(bench, &full, (k, rules, &floor)))
+            .map(|k| contest(bench, &full, (k, choice, &floor)))
             .collect::<Result<Vec<_>, _>>()?;
         let mut exchanged = None;
         for (k, contest) in contests.iter().enumerate() {
@@ -233,33 +260,38 @@ fn conclude_search(
                 exchanged = exchange(bench, (contest, k))?;
             }
         }
-        match exchanged {
-            Some(refit) => {
-                grown = grow(bench, refit, (rules, &searching))?;
-                tried.extend(grown.steps.iter().cloned());
-                round += 1;
-            }
-            None => {
-                let withdraw = outweighed::weakest(&floor, &full, &contests).or_else(|| {
-                    shadow::first((bench, rules.significance), (&floor, &full), &contests)
-                });
-                if let Some(k) = withdraw {
-                    withdrawn.extend(full.hypotheses[k].named_joints());
-                    grown.refit = fit_without(bench, &full, k)?;
-                    round = EXCHANGES;
-                    continue;
-                }
-                return Ok(Explanation {
-                    prefixes: prefixes(bench, &full)?,
-                    full,
-                    needed,
-                    contests,
-                    examined,
-                    withdrawn,
-                    tried,
-                });
-            }
+        if let Some(refit) = exchanged {
+            grown = grow(bench, refit, (choice, &searching))?;
+            tried.extend(grown.steps.iter().cloned());
+            round += 1;
+            continue;
         }
+        let withdraw = outweighed::weakest(&floor, &full, &contests)
+            .or_else(|| shadow::first((bench, rules.significance), (&floor, &full), &contests));
+        if let Some(k) = withdraw {
+            withdrawn.extend(full.hypotheses[k].named_joints());
+            grown.refit = fit_without(bench, &full, k)?;
+            round = EXCHANGES;
+            continue;
+        }
+        tested = tested.max(full.hypotheses.len());
+        let prefixes = prefixes(bench, &full)?;
+        let tests = judge::tests(benches, &full, tested)?;
+        let failing = judge::failing(benches, (&prefixes, &tests), rules.significance);
+        if let Some(k) = failing {
+            grown.refit = fit_without(bench, &full, k)?;
+            round = EXCHANGES;
+            continue;
+        }
+        return Ok(Explanation {
+            prefixes,
+            full,
+            tests,
+            contests,
+            examined,
+            withdrawn,
+            tried,
+        });
     }
 }
 
@@ -279,46 +311,44 @@ const UNMEASURED: &str = "Nothing repeats, so the noise is not known apart from 
 type Reported = (Diagnosis, Fitted, [Predictions; 2], Vec<Doubt>);
 
 fn report(
-    bench: &Bench<'_>,
+    benches: &Benches<'_>,
     (explanation, rules): (&Explanation, Rules<'_>),
 ) -> Result<Reported, DiagnoseError> {
-    let full = &explanation.full;
+    let bench = &benches.whole;
+    let full = &explanation.full.on(bench);
     // The search may have found a better fit of the declared model than its first one.
-    let baseline = &baseline(bench)?;
+    let baseline = &baseline(&benches.selection)?.on(bench);
     let recordings = bench.recordings(Split::Train);
     let fitted = |refit: &Refit| outcome(&refit.problem(&recordings), &refit.solution, bench.data);
     let (mut before, mut after) = (fitted(baseline), fitted(full));
-    let smooths = smooth::of_all(bench, full);
-    let tried = smooths.len();
-    let needed: Vec<&Smooth> = smooths
-        .iter()
-        .filter(|s| conclude::is_needed(s, (rules.significance, tried)))
-        .collect();
-    let floor = floor::of_rows(bench, full, &needed);
+    let corrections = Corrections::of(benches, &explanation.full, rules);
+    let smooths: Vec<Smooth> = corrections.on(bench, full);
+    let smooths: Vec<&Smooth> = smooths.iter().collect();
+    let floor = floor::of_rows(bench, full, &smooths);
     let parameters = after.estimate.parameters.clone();
-    let cut_short = bench.control.is_interrupted();
-    let of_smooth = (&needed[..], tried);
-    let findings = findings(
-        bench,
-        (explanation, rules, &floor),
-        (of_smooth, &parameters),
-    );
-    let corrected = summary::correct(bench, (full, &mut after), &needed);
-    if bench.in_time && floor.measured {
-        // Between periods there is also what the findings say changes from one to the next.
-        for fitted in [&mut before, &mut after] {
-            floor.judge(&fitted.model, &mut fitted.estimate.joints);
-        }
-    }
-    let lacks = lacks(&floor, &findings, (baseline, full));
-    let verdict = conclude::verdict(&findings, lacks);
+    let reporting = Reporting {
+        benches,
+        explanation,
+        rules,
+        corrections: &corrections,
+        floor: &floor,
+        baseline,
+        full,
+    };
+    let contests = reporting.contests();
+    let findings = reporting.findings(&contests, &parameters);
+    let corrected = summary::correct(bench, (full, &mut after), &smooths);
+    judged_in_time(bench, &floor, [&mut before, &mut after]);
+    let unattested = conclude::unattested(bench, (full, &smooths), &floor);
+    let verdict = reporting.verdict(&findings, &unattested);
     let mut notes = notes(&after.model, bench.data);
     notes.extend((!floor.measured).then(|| UNMEASURED.to_string()));
     let diagnosis = Diagnosis {
         verdict,
-        summary: summary::paragraph(verdict, &findings, (explanation.examined, cut_short)),
+        summary: reporting.summary(verdict, (&findings, &unattested)),
         located: locate(bench, baseline, rules.significance),
         findings,
+        unattested,
         mistakes: Vec::new(),
         spoiled: conclude::spoiled(&before.estimate.parameters, &parameters),
         baseline: Baseline {
@@ -328,37 +358,100 @@ fn report(
             joints: after.estimate.joints.clone(),
             parameters,
         },
-        next_experiment: next::experiment(bench, full, &explanation.contests),
+        next_experiment: next::experiment(bench, full, &contests),
         preprocessing: preprocessing(&after.model, bench.data),
         notes,
         fit: Some(after.fit.clone()),
         evidence: conclude::evidence(&explanation.tried),
     };
     let first = predictions(&baseline.model, &baseline.values, bench.data);
-    let doubts = doubts(full, &explanation.contests);
+    let doubts = doubts(full, &contests);
     Ok((diagnosis, after, [first, corrected], doubts))
 }
 
-/// What has a name, what a smooth correction takes the place of, and what is left.
-fn findings(
-    bench: &Bench<'_>,
-    (explanation, rules, floor): (&Explanation, Rules<'_>, &Floor),
-    ((smooths, tried), parameters): ((&[&Smooth], usize), &[Parameter]),
-) -> Vec<Finding> {
-    let full = &explanation.full;
-    let mut findings = conclude::findings(&explanation.steps(), floor, parameters);
-    let cut_short = bench.control.is_interrupted();
-    let without_name = smooths
-        .iter()
-        .map(|s| conclude::unnamed(s, full, (floor, tried, cut_short)));
-    findings.extend(without_name);
-    let open = conclude::unexplained(
-        bench,
-        ([&explanation.prefixes[0], full], floor, rules.significance),
-        (&findings, &explanation.withdrawn, cut_short),
-    );
-    findings.extend(open);
-    findings
+/// Effects of which a search that was interrupted has not fitted every hypothesis beside the model that it had come to.
+fn untried(benches: &Benches<'_>, explanation: &Explanation, rules: Rules<'_>) -> Vec<String> {
+    let (bench, full) = (&benches.selection, &explanation.full);
+    let from = (&full.model, &full.prior);
+    let last = explanation.tried.last().filter(|step| step.is_complete);
+    let fitted = |h: &Hypothesis| last.is_some_and(|s| s.trials.iter().any(|t| t.hypothesis == *h));
+    let open = hypothesis::open(from, (rules.sought, bench.in_time));
+    let left = open.iter().filter(|h| !fitted(h)).map(|h| h.effect.id);
+    let mut left: Vec<String> = left.map(str::to_string).collect();
+    left.dedup();
+    left
+}
+
+/// Between periods there is also what the findings say changes from one to the next.
+fn judged_in_time(bench: &Bench<'_>, floor: &Floor, fitted: [&mut Fitted; 2]) {
+    if bench.in_time && floor.measured {
+        for fitted in fitted {
+            floor.judge(&fitted.model, &mut fitted.estimate.joints);
+        }
+    }
+}
+
+/// What a report is made of.
+struct Reporting<'b, 'a> {
+    benches: &'b Benches<'a>,
+    explanation: &'b Explanation,
+    rules: Rules<'b>,
+    corrections: &'b Corrections,
+    floor: &'b Floor,
+    /// The declared model, over all held-out rows.
+    baseline: &'b Refit,
+    /// The final model, over all held-out rows.
+    full: &'b Refit,
+}
+
+impl Reporting<'_, '_> {
+    fn is_cut_short(&self) -> bool {
+        self.benches.whole.control.is_interrupted()
+    }
+
+    fn contests(&self) -> Vec<Contest> {
+        let contests = self.explanation.contests.iter();
+        let seen = contests.zip(&self.full.hypotheses);
+        seen.map(|(contest, own)| contest.on(self.benches, self.floor, (self.full, own)))
+            .collect()
+    }
+
+    /// What has a name, what a smooth correction takes the place of, and what is left.
+    fn findings(&self, contests: &[Contest], parameters: &[Parameter]) -> Vec<Finding> {
+        let steps = self.explanation.steps(self.benches, (contests, self.floor));
+        let mut findings = conclude::findings(&steps, self.floor, parameters);
+        findings.extend(self.corrections.findings(self.floor, self.is_cut_short()));
+        findings.extend(conclude::unexplained(
+            &self.benches.whole,
+            (
+                [self.baseline, self.full],
+                self.floor,
+                self.rules.significance,
+            ),
+            (&findings, &self.explanation.withdrawn, self.is_cut_short()),
+        ));
+        findings
+    }
+
+    /// `None` of a search that was interrupted.
+    fn verdict(&self, findings: &[Finding], unattested: &[Unattested]) -> Option<Verdict> {
+        let lacks = lacks(self.floor, findings, (self.baseline, self.full));
+        let verdict = || conclude::verdict(findings, lacks, unattested);
+        (!self.is_cut_short()).then(verdict)
+    }
+
+    fn summary(
+        &self,
+        verdict: Option<Verdict>,
+        (findings, unattested): (&[Finding], &[Unattested]),
+    ) -> String {
+        let about = About {
+            examined: self.explanation.examined,
+            unattested,
+            untried: untried(self.benches, self.explanation, self.rules),
+        };
+        summary::paragraph(verdict, findings, &about)
+    }
 }
 
 /// Lack of fit of two models pooled over the joints that findings name.

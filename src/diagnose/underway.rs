@@ -14,6 +14,9 @@ use crate::recording::split::Split;
 /// Beyond this share of its RMS speed a joint is under way, however near a reversal is.
 const FAST: f64 = 0.5;
 
+/// Up to this share of its RMS speed a joint creeps, and friction is as uncertain as at a reversal.
+const CREEPS: f64 = 0.03;
+
 /// The rows of the held-out recordings that count, and whether the joint and all to which it is coupled are fast there,
 /// or further than half a period of their bandwidth from any reversal.
 pub fn rows(bench: &Bench<'_>, (model, joint): (&Refit, usize)) -> Vec<bool> {
@@ -34,11 +37,13 @@ pub fn rows(bench: &Bench<'_>, (model, joint): (&Refit, usize)) -> Vec<bool> {
 fn away(recording: &Prepared, joint: usize) -> Vec<bool> {
     let speed = &recording.segment().motors.dq[joint];
     let bandwidth = recording.experiment.bandwidth[joint].cutoff_hz;
-    let fast = FAST * rows::rms(speed);
+    let usual = rows::rms(speed);
+    let (fast, slow) = (FAST * usual, CREEPS * usual);
     let mut away = vec![true; speed.len()];
     let rate = recording.experiment.rate_hz / recording.stride as f64;
     let reach = (0.5 * rate / bandwidth).ceil().max(1.0) as usize;
-    for k in (0..speed.len()).filter(|&k| turns(speed, k)) {
+    let is_near = |k: &usize| turns(speed, *k) || speed[*k].abs() <= slow;
+    for k in (0..speed.len()).filter(is_near) {
         let end = (k + reach).min(speed.len());
         for near in k.saturating_sub(reach)..end {
             away[near] = speed[near].abs() > fast;

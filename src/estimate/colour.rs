@@ -8,15 +8,11 @@
 //! corner inside the band of the motion may not (prewhitening: Andrews and Monahan 1992).
 
 use crate::chain::dataset::Prepared;
-use crate::stats::autoregression::{Autoregression, OrderCriterion};
+use crate::stats::autoregression::{
+    Autoregression, MOST_COEFFICIENTS, OrderCriterion, largest_order,
+};
 use nalgebra::Complex;
 use std::f64::consts::TAU;
-
-/// Most coefficients of an autoregression: `10 log₁₀ N` of usual recordings (Schwert 1989 names orders of this size).
-const MOST_COEFFICIENTS: usize = 32;
-
-/// Samples per coefficient at least.
-const SAMPLES_PER_COEFFICIENT: usize = 20;
 
 /// Share of the samples that have to have as many samples before them in their run: errors that outlast short runs are
 /// in their spectrum across the gaps, and no autoregression within runs has them.
@@ -58,7 +54,7 @@ impl Colour {
                     .sum::<usize>()
             };
             let most = match used(MOST_COEFFICIENTS) as f64 >= MOSTLY_USED * samples as f64 {
-                true => MOST_COEFFICIENTS.min(samples / SAMPLES_PER_COEFFICIENT),
+                true => largest_order(samples),
                 false => 0,
             };
             let fitted = Autoregression::fit(&runs, most, OrderCriterion::Bic);
@@ -95,7 +91,7 @@ impl Colour {
             }
         }
         let of = |covariance: &Vec<f64>| {
-            let most = MOST_COEFFICIENTS.min(samples / SAMPLES_PER_COEFFICIENT);
+            let most = largest_order(samples);
             let known = &covariance[..covariance.len().min(most + 1)];
             let model = Autoregression::of_autocovariance(known, samples);
             model.unwrap_or_else(|| Autoregression::white(1.0))

@@ -1,11 +1,14 @@
 //! One fit from recordings to everything that is reported of it.
 //!
-//! | estimator | weights | transition speeds w |
-//! |---|---|---|
-//! | ordinary | torque at joint scale counts the same on every channel | given, else 0 |
-//! | weighted | every channel by the deviation of its residual, iterated | given, else 0 |
-//! | robust | as weighted, and every residual by Tukey's biweight | given, else 0 |
-//! | maximum likelihood | the inverse covariance across channels by the scatter of periods, else as weighted | estimated |
+//! | estimator | weights |
+//! |---|---|
+//! | ordinary | torque at joint scale counts the same on every channel |
+//! | weighted | every channel by the deviation of its residual, iterated |
+//! | robust | as weighted, and every residual by Tukey's biweight |
+//! | maximum likelihood | the inverse covariance across channels by the scatter of periods, else as weighted |
+//!
+//! All of them estimate the transition speed w of `sign(v) = v/(|v| + w)` together with the rest where it is not given:
+//! a w of zero in place of the true one biases Coulomb friction by many of its standard deviations.
 
 use crate::chain::base_parameters::scan_order;
 use crate::chain::dataset::{Dataset, Prepared};
@@ -52,7 +55,6 @@ pub struct Fitted {
     pub estimate: Estimate,
     pub fit: Fit,
     pub predictions: Predictions,
-    /// The model with the transition speeds as the estimator took them.
     pub model: Model,
     /// Values of all parameters.
     pub values: DVector<f64>,
@@ -75,37 +77,15 @@ pub fn fit(
     (estimator, prior): (Estimator, &Prior),
     control: &Control<'_>,
 ) -> Result<Fitted, EstimateError> {
-    let model = with_transition_speeds(model, estimator)?;
     let recordings: Vec<&Prepared> = data.of(Split::Train).collect();
     if recordings.is_empty() {
         return Err(EstimateError::NoTraining);
     }
-    let unknowns = Unknowns::find(&model, data, prior);
-    check_counts(&model, &unknowns, &recordings)?;
-    let (solution, problem) = minimise(
-        &model,
-        &unknowns,
-        (&recordings, prior),
-        (estimator, control),
-    )?;
+    let unknowns = Unknowns::find(model, data, prior);
+    check_counts(model, &unknowns, &recordings)?;
+    let (solution, problem) =
+        minimise(model, &unknowns, (&recordings, prior), (estimator, control))?;
     Ok(outcome(&problem, &solution, data))
-}
-
-/// Estimators without a nonlinear search take w as given, or 0.
-pub(crate) fn with_transition_speeds(
-    model: &Model,
-    estimator: Estimator,
-) -> Result<Model, EstimateError> {
-    let mut model = model.clone();
-    if estimator != Estimator::MaximumLikelihood {
-        let widths: Vec<usize> = model.joints().iter().filter_map(|j| j.width).collect();
-        for width in widths {
-            if model.parameters()[width].is_free() {
-                model.fix(width, 0.0)?;
-            }
-        }
-    }
-    Ok(model)
 }
 
 pub(crate) fn check_counts(

@@ -186,7 +186,7 @@ fn estimate(
             return Ok(noisy_fit::fit(model, data, prior, control));
         }
         choices::Estimator::MaximumLikelihood => return plain(Estimator::MaximumLikelihood),
-        choices::Estimator::Feasible => Form::Linear,
+        choices::Estimator::Feasible => Form::Weighted,
         choices::Estimator::FeasibleMaximumLikelihood => Form::MaximumLikelihood,
         choices::Estimator::ConstantVelocity => {
             return Err(SetupError::mismatch(
@@ -365,8 +365,8 @@ pub fn notes(model: &Model, data: &Dataset) -> Vec<String> {
             .all(|j| j.width.is_none_or(|w| !model.parameters()[w].is_free()))
     {
         notes.push(
-            "The transition speed w of Coulomb friction is taken as given; maximum_likelihood \
-             estimates it."
+            "The transition speed w of Coulomb friction is taken as given; left out of the problem, it is \
+             estimated."
                 .to_string(),
         );
     }

@@ -19,7 +19,7 @@ use crate::recording::split::Split;
 use crate::robot::newton_euler::NewtonEuler;
 use crate::setup;
 use crate::setup::error::SetupError;
-use crate::setup::recordings::{list, read_one};
+use crate::setup::recordings::{Read, read_all};
 use crate::setup::robot::Robot;
 
 /// What the fit gives.
@@ -98,8 +98,7 @@ pub fn run(problem: &ProblemFile) -> Result<MotorRun, MotorsError> {
         ..Steadiness::default()
     };
     let mut recordings = Vec::new();
-    for named in list(table) {
-        let recording = read_one(table, &robot, named.path)?;
+    for Read { named, recording } in read_all(problem, &robot)? {
         let parameters = link_parameters(problem, &model, named.loaded)?;
         let mut steady = steady_parts(&recording, table, (&robot, &parameters), &rule)?;
         steady.name = named.path.written.clone();
@@ -272,7 +271,7 @@ fn times(recording: &Recording, table: &RecordingsTable) -> Result<Vec<f64>, Mot
         Some(k) => {
             let (before, found) = (time[k - 1], time[k]);
             let kind = RecordingErrorKind::TimeNotIncreasing { before, found };
-            Err(fault(place.line(recording.first_line + k), kind))
+            Err(fault(place.line(recording.line(k)), kind))
         }
     }
 }

@@ -11,7 +11,8 @@ use crate::outcome::parameter::Parameter;
 /// The part of `diagnose`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Diagnosis {
-    pub verdict: Verdict,
+    /// `None` of a search that was interrupted: what it has not tried may be what is missing.
+    pub verdict: Option<Verdict>,
     /// A paragraph in plain words.
     pub summary: String,
     pub baseline: Baseline,
@@ -19,6 +20,9 @@ pub struct Diagnosis {
     pub located: Vec<Located>,
     /// Strongest first.
     pub findings: Vec<Finding>,
+    /// What is of weight, and nothing in the recordings says that it is noise.
+    #[serde(default)]
+    pub unattested: Vec<Unattested>,
     /// A mismatch that is a mistake in the input, not physics.
     pub mistakes: Vec<Mistake>,
     #[serde(rename = "final")]
@@ -52,8 +56,12 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// The verdict as people read it.
-    pub fn words(self) -> &'static str {
+    /// A verdict as people read it.
+    pub fn or_none(verdict: Option<Self>) -> &'static str {
+        verdict.map_or("none, the search was interrupted", Self::words)
+    }
+
+    fn words(self) -> &'static str {
         match self {
             Self::NothingMissing => "nothing is missing",
             Self::Explained => "explained",
@@ -125,6 +133,26 @@ pub struct Finding {
     pub p_value: f64,
     pub sentence: String,
     pub rivals: Vec<Rival>,
+    /// That this, and not a rival, something without a name or nothing, is what is there.
+    #[serde(default, with = "number::nullable")]
+    pub probability: f64,
+    #[serde(default, with = "number::nullable")]
+    pub probability_unnamed: f64,
+    #[serde(default, with = "number::nullable")]
+    pub probability_nothing: f64,
+}
+
+/// A channel of which the final model leaves more than is known to be noise.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Unattested {
+    pub joint: String,
+    pub unit: String,
+    #[serde(with = "number::nullable")]
+    pub rmse_validation: f64,
+    /// Share of the RMS signal.
+    #[serde(with = "number::nullable")]
+    pub of_signal: f64,
+    pub sentence: String,
 }
 
 /// Other physics that explains the same misfit.
@@ -136,6 +164,9 @@ pub struct Rival {
     pub explained_share: f64,
     /// Whether these recordings tell it from the finding.
     pub separable: bool,
+    /// That it is what is there in the place of the finding.
+    #[serde(default, with = "number::nullable")]
+    pub probability: f64,
     /// Of a rival that is not separable: recordings of fewer than so many times the length do not tell it apart but by
     /// chance, once in twenty times; `None` where no length does, because the two are the same torque.
     #[serde(default, with = "number::optional")]

@@ -15,9 +15,59 @@ pub struct Trials {
     pub power: Vec<Power>,
     pub false_findings: FalseFindings,
     pub rates: Rates,
+    /// The same of the trials of each kind of motion.
+    #[serde(default)]
+    pub by_motion: Vec<Group>,
+    /// The same of the trials of each kind of noise.
+    #[serde(default)]
+    pub by_noise: Vec<Group>,
+    /// Stated probabilities against what was there, of all trials and of those of each kind of motion.
+    #[serde(default)]
+    pub calibration: Vec<Calibration>,
     /// Anything a reader should know, one sentence each.
     #[serde(default)]
     pub notes: Vec<String>,
+}
+
+/// The trials of one kind of motion or noise.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Group {
+    pub kind: String,
+    pub trials: usize,
+    /// Trials that ended in a failure.
+    pub without_answer: usize,
+    pub confusion: BTreeMap<String, BTreeMap<String, usize>>,
+    pub power: Vec<Power>,
+    pub false_findings: FalseFindings,
+    pub rates: Rates,
+}
+
+/// Claims whose stated probability lies in one tenth.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Calibration {
+    /// Kind of motion; nothing for all trials together.
+    pub motion: Option<String>,
+    /// Lower end of the tenth; the last one includes 1.
+    pub from: f64,
+    pub claims: usize,
+    /// Mean of what was stated.
+    #[serde(with = "number::nullable")]
+    pub stated: f64,
+    /// Claims that were right.
+    pub right: usize,
+    /// 95 % interval of the share that is right (Wilson 1927), of claims that are independent.
+    pub ci95: [f64; 2],
+}
+
+/// A claim of a diagnosis with its probability.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Stated {
+    pub effect: String,
+    pub joints: Vec<String>,
+    #[serde(with = "number::nullable")]
+    pub probability: f64,
+    /// Whether it was there: the effect on these joints, or physics outside the vocabulary where `unnamed` is said.
+    pub right: bool,
 }
 
 /// One trial.
@@ -27,9 +77,21 @@ pub struct Trial {
     pub seed: u64,
     /// Kind of the random robot.
     pub robot: String,
+    /// Kind of the motion.
+    #[serde(default)]
+    pub motion: String,
+    /// Kind of the noise.
+    #[serde(default)]
+    pub noise: String,
+    /// Correlation of the noise of neighbouring samples.
+    #[serde(default)]
+    pub noise_correlation: f64,
     /// What the declared model lacks; nothing in a control.
     pub concealed: Vec<Hidden>,
     pub found: Vec<Found>,
+    /// Findings and rivals with the probabilities that the diagnosis states.
+    #[serde(default)]
+    pub stated: Vec<Stated>,
     /// The first finding is a concealed effect, or lists one among the rivals that it cannot set aside.
     pub right_effect: bool,
     /// The joints of that finding are those of the effect.

@@ -39,7 +39,7 @@ pub fn read_apart(
 
 impl Recording {
     /// Keeps some samples.
-    fn keep(&mut self, kept: &[usize]) {
+    pub(super) fn keep(&mut self, kept: &[usize]) {
         let pick = |series: &mut Vec<f64>| *series = kept.iter().map(|&k| series[k]).collect();
         let groups = [
             &mut self.velocity,

@@ -4,7 +4,11 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use crate::fault::Place;
+use crate::recording::column_names::{
+    ACCELERATION, CURRENT, POSITION, TEMPERATURE, TIME, TORQUE, VELOCITY, WRENCH,
+};
 use crate::recording::error::{MissingColumn, RecordingError, RecordingErrorKind};
+use crate::recording::held::Held;
 use crate::recording::table::{Table, format_of};
 
 /// Names of the columns. In a pattern `{joint}` stands for the joint's name and `{n}` for its
@@ -58,7 +62,7 @@ pub struct Recording {
     pub file: PathBuf,
     /// Time stamps, s.
     pub time: Option<Vec<f64>>,
-    /// Line of sample 0 in the file; sample k is line `first_line + k`.
+    /// Line of sample 0 in the file; sample k is line `first_line + k` where no rows are left out.
     pub first_line: usize,
     /// `position[j][k]`: joint j, sample k; rad or m.
     pub position: Vec<Vec<f64>>,
@@ -72,68 +76,34 @@ pub struct Recording {
     pub temperature: Option<Vec<Vec<f64>>>,
     /// false: the sample is left out.
     pub mask: Option<Vec<bool>>,
+    /// Set where the file repeats or interpolates every sample and only the samples themselves are kept.
+    pub held: Option<Held>,
+    /// Set where `time` is an even clock: the deviation of the file's stamps from it, s.
+    pub stamp_jitter: Option<f64>,
 }
 
-const TIME: &[&str] = &["t", "time"];
-const POSITION: &[&str] = &[
-    "q_{joint}",
-    "{joint}_position",
-    "position_{joint}",
-    "{joint}_q",
-    "q{n}",
-    "q_{n}",
-    "position{n}",
-    "position_{n}",
-];
-const VELOCITY: &[&str] = &[
-    "dq_{joint}",
-    "{joint}_velocity",
-    "velocity_{joint}",
-    "dq{n}",
-    "dq_{n}",
-    "velocity{n}",
-    "velocity_{n}",
-];
-const ACCELERATION: &[&str] = &[
-    "ddq_{joint}",
-    "{joint}_acceleration",
-    "acceleration_{joint}",
-    "ddq{n}",
-    "ddq_{n}",
-    "acceleration{n}",
-    "acceleration_{n}",
-];
-const CURRENT: &[&str] = &[
-    "i_{joint}",
-    "{joint}_current",
-    "current_{joint}",
-    "i{n}",
-    "i_{n}",
-    "current{n}",
-    "current_{n}",
-    // Joint states have one field for both: the signal of the problem says which it is.
-    "effort_{joint}",
-];
-const TORQUE: &[&str] = &[
-    "tau_{joint}",
-    "{joint}_torque",
-    "torque_{joint}",
-    "{joint}_effort",
-    "effort_{joint}",
-    "tau{n}",
-    "tau_{n}",
-    "torque{n}",
-    "torque_{n}",
-];
-const TEMPERATURE: &[&str] = &[
-    "temp_{joint}",
-    "{joint}_temperature",
-    "temperature_{joint}",
-    "temp{n}",
-    "temp_{n}",
-    "temperature{n}",
-];
-const WRENCH: [&str; 6] = ["fx", "fy", "fz", "mx", "my", "mz"];
+impl Recording {
+    /// Positions and signals alone, as of a file with one line above them.
+    pub fn of_samples(
+        file: impl Into<PathBuf>,
+        position: Vec<Vec<f64>>,
+        signal: Vec<Vec<f64>>,
+    ) -> Self {
+        Self {
+            file: file.into(),
+            time: None,
+            first_line: 2,
+            position,
+            velocity: None,
+            acceleration: None,
+            signal,
+            temperature: None,
+            mask: None,
+            held: None,
+            stamp_jitter: None,
+        }
+    }
+}
 
 /// A joint whose channels are read.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -281,15 +251,13 @@ impl Names {
         let temperature = self.temperature.as_ref().map(&mut group);
         let valid = |column: Vec<f64>| column.iter().map(|&value| value != 0.0).collect();
         Recording {
-            file: path.to_path_buf(),
             time: self.time.as_ref().map(&mut take),
             first_line,
-            position,
             velocity,
             acceleration,
-            signal,
             temperature,
             mask: self.mask.as_ref().map(|name| valid(take(name))),
+            ..Recording::of_samples(path, position, signal)
         }
     }
 }

@@ -4,6 +4,7 @@
 use std::fmt;
 
 use crate::fault::{Description, Fault, Place, write_fault};
+use crate::recording::row_faults::{SharedRows, describe_held_apart};
 use crate::recording::table::FORMATS;
 
 /// A fault of a recording, with the file, line and column or channel where it lies.
@@ -114,6 +115,12 @@ pub enum RecordingErrorKind {
         least: usize,
     },
     NothingUnmasked,
+    /// Rows that are those of another recording of the same problem.
+    SharedRows(Box<SharedRows>),
+    /// Channels that repeat samples of different instants, each so many times.
+    HeldApart {
+        factors: [f64; 2],
+    },
     /// A recorded position at which the loops of the mechanism stay open, or are not held.
     NoMotion {
         reason: String,
@@ -448,6 +455,8 @@ fn describe_use(kind: &RecordingErrorKind) -> Description {
             reason.as_str(),
             "check the order, units, signs and zero of the recorded positions against the mechanism",
         ),
+        Kind::SharedRows(shared) => shared.describe(),
+        Kind::HeldApart { factors } => describe_held_apart(*factors),
         _ => Description::new(
             "nothing-unmasked",
             "the mask leaves out too many samples",

@@ -12,7 +12,7 @@ use crate::recording::period::{self, Settled};
 use crate::recording::settings::{Method, Preparation};
 use crate::recording::timing::{Timing, examine};
 use crate::recording::zero_phase::ZeroPhase;
-use crate::recording::{aperiodic, periodic};
+use crate::recording::{aperiodic, clock, periodic};
 
 /// Motion of n joints over N rows: `[j][k]`, joint j, row k.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -160,11 +160,16 @@ pub fn prepare(
     let timing = examine(&recording, preparation.rate)?;
     preparation.validate(&recording, &timing)?;
     let settled = period_of(&recording, preparation, &timing)?;
+    let held = recording.held.as_ref();
+    let held = held.map(|held| held.words(&recording, &timing));
+    let clock = clock::words(&recording, timing.rate_hz);
     let mut experiment = match settled.period {
         Some(period) => periodic::prepare(recording, preparation, timing, period),
         None => aperiodic::prepare(recording, preparation, timing),
     }?;
-    experiment.remarks.extend(settled.remark);
+    experiment
+        .remarks
+        .extend(held.into_iter().chain(clock).chain(settled.remark));
     Ok(experiment)
 }
 

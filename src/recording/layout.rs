@@ -124,15 +124,8 @@ mod tests {
 
     fn recording(series: Vec<f64>, mask: Option<Vec<bool>>) -> Recording {
         Recording {
-            file: "made.csv".into(),
-            time: None,
-            first_line: 2,
-            position: vec![series],
-            velocity: None,
-            acceleration: None,
-            signal: Vec::new(),
-            temperature: None,
             mask,
+            ..Recording::of_samples("made.csv", vec![series], Vec::new())
         }
     }
 

@@ -174,15 +174,8 @@ fn periodic_recording(time: Vec<f64>, sd: [f64; 2]) -> Recording {
         .map(|t| motion(*t)[1] + sd[1] * draw())
         .collect();
     Recording {
-        file: "made.csv".into(),
         time: Some(time),
-        first_line: 2,
-        position: vec![position],
-        velocity: None,
-        acceleration: None,
-        signal: vec![signal],
-        temperature: None,
-        mask: None,
+        ..Recording::of_samples("made.csv", vec![position], vec![signal])
     }
 }
 

@@ -20,11 +20,11 @@ pub struct Timing {
 }
 
 /// A step longer than this many median steps is a gap: one sample missing makes two steps.
-const GAP_STEPS: f64 = 1.5;
+pub(super) const GAP_STEPS: f64 = 1.5;
 
 /// Stamps within this fraction of a step of an even grid are even: at 5 % of a step the error of a
 /// position is what the joint moves in 5 % of a sample, below what interpolation would add.
-const UNIFORM_STEPS: f64 = 0.05;
+pub(super) const UNIFORM_STEPS: f64 = 0.05;
 
 /// Given and found rate may differ by this fraction; more is a wrong unit or a wrong rate.
 const RATE_AGREEMENT: f64 = 0.05;
@@ -63,10 +63,11 @@ pub fn examine(recording: &Recording, rate: Option<f64>) -> Result<Timing, Recor
             before: time[k - 1],
             found: time[k],
         };
-        let place = place().line(recording.first_line + k).key("time");
+        let place = place().line(recording.line(k)).key("time");
         return Err(RecordingError::new(place, kind));
     }
-    let timing = of_stamps(time, recording.first_line);
+    let mut timing = of_stamps(time);
+    (timing.gaps.iter_mut()).for_each(|(line, _)| *line = recording.line(*line));
     let expected = (time[time.len() - 1] - time[0]) * timing.rate_hz;
     let longest = timing.gaps.iter().max_by(|a, b| a.1.total_cmp(&b.1));
     if let Some(&(line, seconds)) = longest.filter(|_| expected > MOST_STRETCH * time.len() as f64)
@@ -74,9 +75,12 @@ pub fn examine(recording: &Recording, rate: Option<f64>) -> Result<Timing, Recor
         let kind = RecordingErrorKind::GapTooLong { seconds };
         return Err(RecordingError::new(place().line(line).key("time"), kind));
     }
+    // A rate is that of the rows of the file or, where these repeat samples, that of the samples.
+    let rates = [recording.rows_per_sample(), 1.0].map(|per_sample| per_sample * timing.rate_hz);
+    let is_near = |given: f64| rates.map(|rate| (rate / given - 1.0).abs() <= RATE_AGREEMENT);
     match rate {
-        Some(given) if (timing.rate_hz / given - 1.0).abs() > RATE_AGREEMENT => {
-            let found = timing.rate_hz;
+        Some(given) if !is_near(given).contains(&true) => {
+            let found = rates[0];
             let kind = RecordingErrorKind::RateContradictsTime { given, found };
             Err(RecordingError::new(place().key("rate"), kind))
         }
@@ -90,8 +94,8 @@ pub(super) fn stamps(recording: &Recording) -> Result<&[f64], RecordingError> {
     recording.time.as_deref().ok_or_else(none)
 }
 
-/// Timing of increasing stamps (s); the first one is on line `first_line`.
-fn of_stamps(time: &[f64], first_line: usize) -> Timing {
+/// Timing of increasing stamps, s; gaps by the sample after them.
+fn of_stamps(time: &[f64]) -> Timing {
     let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let gaps_beyond = |median: f64| move |step: &f64| *step > GAP_STEPS * median;
     let median = {
@@ -104,7 +108,7 @@ fn of_stamps(time: &[f64], first_line: usize) -> Timing {
         .iter()
         .enumerate()
         .filter(|(_, step)| is_gap(step))
-        .map(|(k, step)| (first_line + k + 1, *step))
+        .map(|(k, step)| (k + 1, *step))
         .collect();
     let count = steps.len();
     let span = time[count] - time[0];
@@ -213,6 +217,8 @@ pub fn resample(recording: Recording, grid: Grid) -> Recording {
         signal: channels(recording.signal),
         temperature: recording.temperature.map(channels),
         mask,
+        held: recording.held,
+        stamp_jitter: recording.stamp_jitter,
         time: Some(
             (0..grid.samples)
                 .map(|m| grid.start + m as f64 / grid.rate_hz)
@@ -277,7 +283,7 @@ mod tests {
     #[test]
     fn stamps_rounded_to_milliseconds_are_even_at_their_mean_rate() {
         let time = stamps(|k| (k as f64 / 300.0 * 1e3).round() / 1e3);
-        let timing = of_stamps(&time, 2);
+        let timing = of_stamps(&time);
         assert!(timing.uniform);
         // Both ends are rounded by at most 0.5 ms of 3.33 s.
         assert!((timing.rate_hz / 300.0 - 1.0).abs() <= 1e-3 / 3.33);
@@ -286,17 +292,17 @@ mod tests {
     #[test]
     fn alternating_steps_are_not_even_and_jitter_is_their_spread() {
         let time = stamps(|k| 0.01 * k as f64 + 0.002 * ((k * k / 3) % 2) as f64);
-        let timing = of_stamps(&time, 2);
+        let timing = of_stamps(&time);
         assert!(!timing.uniform);
         assert!(timing.jitter_rms_s > 0.5e-3 && timing.jitter_rms_s <= 2e-3);
     }
 
     #[test]
-    fn a_missing_sample_is_a_gap_at_its_line() {
+    fn a_missing_sample_is_a_gap_before_the_next() {
         let time = stamps(|k| 0.01 * (k + usize::from(k >= 500)) as f64);
-        let timing = of_stamps(&time, 2);
+        let timing = of_stamps(&time);
         assert_eq!(timing.gaps.len(), 1);
-        assert_eq!(timing.gaps[0].0, 502);
+        assert_eq!(timing.gaps[0].0, 500);
         assert!((timing.gaps[0].1 - 0.02).abs() < 1e-12);
         assert!(!timing.uniform);
     }

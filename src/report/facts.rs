@@ -6,7 +6,7 @@ use crate::outcome::estimate::Solver;
 use crate::outcome::fit::Fit;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::parameter::{Parameter, Source};
-use crate::outcome::trials::{Share, Trials};
+use crate::outcome::trials::{Calibration, Group, Share, Trials};
 use crate::report::number;
 
 /// The rates of trials: what is counted, and how many of how many.
@@ -40,6 +40,65 @@ pub(super) fn trial_rates(trials: &Trials) -> Vec<(&'static str, Share)> {
             "bodies back within 1.5 of the informed fit",
             rates.bodies_back,
         ),
+    ]
+}
+
+/// What is told of the trials of one kind of motion or noise.
+pub(super) const GROUP_HEADERS: [&str; 7] = [
+    "",
+    "trials",
+    "no answer",
+    "first finding right",
+    "findings with a wrong name",
+    "controls with a finding",
+    "at most (95 %)",
+];
+
+/// The figures of a kind of trials under [`GROUP_HEADERS`].
+pub(super) fn group_row(group: &Group) -> [String; 7] {
+    let share = |s: Share| match s.of {
+        0 => String::new(),
+        _ => format!("{} of {} ({})", s.are, s.of, number::percent(s.value())),
+    };
+    let controls = &group.false_findings;
+    let bound = match controls.controls {
+        0 => String::new(),
+        _ => number::percent(controls.upper95),
+    };
+    [
+        group.kind.clone(),
+        group.trials.to_string(),
+        group.without_answer.to_string(),
+        share(group.rates.first_right),
+        share(group.rates.wrong_names),
+        share(Share {
+            of: controls.controls,
+            are: controls.with_finding,
+        }),
+        bound,
+    ]
+}
+
+/// What is told of the claims that are stated with a probability of one tenth.
+pub(super) const CALIBRATION_HEADERS: [&str; 6] = [
+    "motion",
+    "stated from",
+    "claims",
+    "mean stated",
+    "right",
+    "95 % interval",
+];
+
+/// The figures of a tenth under [`CALIBRATION_HEADERS`].
+pub(super) fn calibration_row(row: &Calibration) -> [String; 6] {
+    let [low, high] = row.ci95.map(number::percent);
+    [
+        row.motion.clone().unwrap_or_else(|| "all".to_string()),
+        number::percent(row.from),
+        row.claims.to_string(),
+        number::percent(row.stated),
+        number::percent(row.right as f64 / row.claims as f64),
+        format!("{low} to {high}"),
     ]
 }
 

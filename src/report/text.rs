@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::outcome::check::Check;
 use crate::outcome::contest::Contest;
 use crate::outcome::design::Design;
-use crate::outcome::diagnose::{Diagnosis, Finding};
+use crate::outcome::diagnose::{Diagnosis, Finding, Verdict};
 use crate::outcome::estimate::Estimate;
 use crate::outcome::fit::Fit;
 use crate::outcome::joint::JointFigures;
@@ -156,16 +156,25 @@ fn align<const N: usize>(rows: &[[String; N]]) -> Vec<String> {
 }
 
 fn diagnosis_lines(diagnosis: &Diagnosis) -> Vec<String> {
-    let mut lines = vec![format!("verdict: {}", diagnosis.verdict.words())];
+    let mut lines = vec![format!("verdict: {}", Verdict::or_none(diagnosis.verdict))];
     if diagnosis.findings.is_empty() {
         lines.push(diagnosis.summary.clone());
     }
     for (k, finding) in diagnosis.findings.iter().enumerate() {
-        lines.push(format!("{}. {}", k + 1, finding.sentence));
+        let probability = percent(finding.probability);
+        lines.push(format!(
+            "{}. {} ({probability} probable)",
+            k + 1,
+            finding.sentence
+        ));
         lines.extend(rival_line(finding));
     }
     let located = diagnosis.located.iter();
     lines.extend(located.map(|place| format!("{GAP}where: {}", place.sentence)));
+    if !diagnosis.findings.is_empty() {
+        let left = diagnosis.unattested.iter();
+        lines.extend(left.map(|left| format!("{GAP}left: {}", left.sentence)));
+    }
     let mistakes = diagnosis.mistakes.iter();
     lines.extend(mistakes.map(|m| format!("{}: {} [{}]", m.severity.as_str(), m.message, m.code)));
     let next = diagnosis.next_experiment.as_ref();
@@ -191,6 +200,18 @@ fn trial_lines(trials: &Trials) -> Vec<String> {
     let mut table = vec![["", "are", "of", "share"].map(str::to_string)];
     table.extend(rows);
     lines.extend(align(&table));
+    for groups in [&trials.by_motion, &trials.by_noise] {
+        let mut table = vec![facts::GROUP_HEADERS.map(str::to_string)];
+        table.extend(groups.iter().map(facts::group_row));
+        if !groups.is_empty() {
+            lines.extend(align(&table));
+        }
+    }
+    let mut table = vec![facts::CALIBRATION_HEADERS.map(str::to_string)];
+    table.extend(trials.calibration.iter().map(facts::calibration_row));
+    if table.len() > 1 {
+        lines.extend(align(&table));
+    }
     lines.extend(trials.notes.iter().map(|note| format!("note: {note}")));
     lines
 }

@@ -171,7 +171,12 @@ pub fn sensed(
                 (column, &mut sensed.accelerations)
             }
         };
-        let series = read_further(&recording.file, std::slice::from_ref(column))?;
+        let mut series = read_further(&recording.file, std::slice::from_ref(column))?;
+        if let Some(held) = &recording.held {
+            for series in &mut series {
+                *series = held.rows.iter().map(|&row| series[row]).collect();
+            }
+        }
         let measured = matches!(sensor.value.value, SensorTable::Acceleration(_));
         let alone = Recording {
             acceleration: measured.then(|| series.clone()),

@@ -12,4 +12,5 @@ pub mod platform;
 pub mod prior;
 pub mod recordings;
 pub mod robot;
+pub mod shared_rows;
 pub mod values;

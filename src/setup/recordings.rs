@@ -12,14 +12,17 @@ use crate::fault::Place;
 use crate::problem_file::choices::{DifferentiationMethod, PositionSide, Signal};
 use crate::problem_file::{FilePath, Located, ProblemFile, RecordingsTable};
 use crate::recording::apart::read_apart;
+use crate::recording::clock::evened;
 use crate::recording::columns::{ColumnMap, RecordedJoint, Recording, read};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::experiment::{Bandwidth, Experiment, Noise, prepare};
+use crate::recording::held::thinned;
 use crate::recording::settings::{Differentiation, Method, Preparation};
 use crate::recording::split::Split;
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::loops;
 use crate::setup::robot::Robot;
+use crate::setup::shared_rows::shared_rows;
 use nalgebra::{DMatrix, DVector};
 
 /// A recording that the problem file names.
@@ -39,13 +42,20 @@ pub struct Read<'a> {
 }
 
 /// Reads every recording of a problem file.
+///
+/// Errors: those of the files; rows that are given twice.
 pub fn read_all<'a>(problem: &'a ProblemFile, robot: &Robot) -> Result<Vec<Read<'a>>, SetupError> {
     let table = problem.recordings()?;
-    let read = |named: Named<'a>| {
+    let read = |named: Named<'a>| -> Result<Read<'a>, SetupError> {
         let recording = read_one(table, robot, named.path)?;
         Ok(Read { named, recording })
     };
-    list(table).into_iter().map(read).collect()
+    let read = list(table).into_iter().map(read);
+    let read = read.collect::<Result<Vec<_>, _>>()?;
+    match shared_rows(table, &read).into_iter().next() {
+        Some(shared) => Err(shared.into()),
+        None => Ok(read),
+    }
 }
 
 /// Makes every recording of a problem file ready, those that do not repeat with a bandwidth in common where one is given.
@@ -172,6 +182,9 @@ pub fn read_one(
         }
         None => read(&path.resolved, &map, &joints, kind),
     };
+    let rate = table.rate.as_ref().map(|rate| rate.value);
+    let recording = recording.and_then(|recording| thinned(recording, rate));
+    let recording = recording.map(evened);
     recording.map_err(|e| at_request(table, path, e))
 }
 

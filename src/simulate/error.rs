@@ -53,6 +53,9 @@ pub enum SimulateErrorKind {
         file: f64,
         recordings: f64,
     },
+    PeriodOfFreeMotion {
+        recordings: f64,
+    },
     UnevenTime {
         step: f64,
         mean: f64,
@@ -190,6 +193,13 @@ fn of_motion(kind: &SimulateErrorKind) -> Option<Description> {
             "period-conflict",
             format!("the trajectory lasts {file:.6} s and recordings.period is {recordings} s"),
             "give one period of the motion in the file, or correct recordings.period",
+        ),
+        Kind::PeriodOfFreeMotion { recordings } => Description::new(
+            "period-of-free-motion",
+            format!(
+                "recordings.period is {recordings} s and the motion of [simulate] does not repeat"
+            ),
+            "remove recordings.period, or simulate a motion that repeats: trajectory = \"random\"",
         ),
         Kind::UnevenTime { step, mean } => Description::new(
             "uneven-time",

@@ -7,9 +7,11 @@
 mod closed_loop;
 mod concealed;
 pub mod error;
+mod free;
 pub mod path;
 mod path_file;
 pub mod plant;
+mod random_free;
 mod random_path;
 pub mod sensors;
 pub mod truth;
@@ -33,7 +35,8 @@ use crate::setup::robot;
 use crate::simulate::closed_loop::{Loop, Schedule};
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
 use crate::simulate::path::{Motion, Path};
-use crate::simulate::random_path::{Course, Frame, torques};
+use crate::simulate::random_free::Kind;
+use crate::simulate::random_path::{Course, Frame, Shape, torques};
 use crate::simulate::sensors::{Sensors, Table, joints_of};
 use crate::simulate::truth::Truth;
 use rand_chacha::ChaCha8Rng;
@@ -287,24 +290,43 @@ impl Task<'_> {
     /// The path of the motors that is commanded.
     fn path(&self, number: usize, loaded: bool) -> Result<Path, SimulateError> {
         let (problem, truth) = (self.problem, self.truth);
-        let stated = problem.recordings.as_ref().and_then(|r| r.period.as_ref());
-        match &problem.simulate.trajectory.value {
-            Trajectory::Random => {
-                let frame = Frame {
-                    plant: &truth.plant,
-                    nominal: &truth.nominal,
-                    limits: &self.limits,
-                    harmonics: problem.design.harmonics.value.most(),
-                    period: stated.unwrap_or(&problem.design.period).value,
-                };
-                let place = &problem.simulate.trajectory.place;
-                frame.draw(&mut self.generator(number, 0), loaded, place)
-            }
+        let shape = match &problem.simulate.trajectory.value {
             Trajectory::File(file) => {
                 let joints = path_file::read(problem, file, &truth.nominal)?;
-                Ok(random_path::to_motors(&joints, &truth.nominal))
+                return Ok(random_path::to_motors(&joints, &truth.nominal));
             }
+            Trajectory::Random => Shape::Fourier,
+            Trajectory::Tones => self.free(Kind::Tones)?,
+            Trajectory::Moves => self.free(Kind::Moves)?,
+            Trajectory::Sweeps => self.free(Kind::Sweeps)?,
+        };
+        let stated = problem.recordings.as_ref().and_then(|r| r.period.as_ref());
+        let frame = Frame {
+            plant: &truth.plant,
+            nominal: &truth.nominal,
+            limits: &self.limits,
+            harmonics: problem.design.harmonics.value.most(),
+            period: stated.unwrap_or(&problem.design.period).value,
+            shape,
+        };
+        let place = &problem.simulate.trajectory.place;
+        frame.draw(&mut self.generator(number, 0), loaded, place)
+    }
+
+    /// A motion that does not repeat, for as many of `design.period` as `simulate.periods` says.
+    fn free(&self, kind: Kind) -> Result<Shape, SimulateError> {
+        let problem = self.problem;
+        let stated = problem.recordings.as_ref().and_then(|r| r.period.as_ref());
+        if let Some(period) = stated {
+            let recordings = period.value;
+            let kind = SimulateErrorKind::PeriodOfFreeMotion { recordings };
+            return Err(SimulateError::new(&period.place, kind));
         }
+        let periods = problem.simulate.periods.value as f64;
+        Ok(Shape::Free {
+            kind,
+            duration: periods * problem.design.period.value,
+        })
     }
 
     /// The motion of the motors at the samples of a recording.

@@ -1,9 +1,10 @@
-//! Paths of all joints over time: Fourier series, and cubic splines through points.
+//! Paths of all joints over time: Fourier series, cubic splines through points, and motions that do not repeat.
 //!
 //! ```text
 //! x_j(t) = c_j + Σ_h a_jh cos(hωt) + b_jh sin(hωt),   ω = 2π / period
 //! ```
 
+use crate::simulate::free::Free;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
@@ -15,6 +16,7 @@ pub type Motion = [Vec<Vec<f64>>; 3];
 pub enum Path {
     Fourier(Fourier),
     Spline(Spline),
+    Free(Free),
 }
 
 impl Path {
@@ -23,6 +25,7 @@ impl Path {
         match self {
             Self::Fourier(series) => series.sample((start, rate), count),
             Self::Spline(spline) => spline.sample((start, rate), count),
+            Self::Free(free) => free.sample((start, rate), count),
         }
     }
 
@@ -31,6 +34,7 @@ impl Path {
         match self {
             Self::Fourier(series) => series.period,
             Self::Spline(spline) => spline.time.last().copied().unwrap_or(0.0),
+            Self::Free(free) => free.duration,
         }
     }
 
@@ -50,6 +54,7 @@ impl Path {
                     curvature: mixed(&spline.curvature, matrix, &zeros),
                 })
             }
+            Self::Free(free) => Self::Free(free.mapped(matrix, shift)),
         }
     }
 }

@@ -1,4 +1,5 @@
-//! Random excitation: a Fourier series of the joints, scaled to 80 % of the tightest limit.
+//! Random excitation: a Fourier series of the joints, scaled to 80 % of the tightest limit, or a
+//! [motion that does not repeat](crate::simulate::random_free).
 //!
 //! Coefficients of harmonic h are normal with standard deviation 1/h, so that all harmonics move the
 //! joint at the same speed. Each joint moves about the middle of its range; all amplitudes then shrink
@@ -12,6 +13,7 @@ use crate::robot::batch::Trajectory;
 use crate::setup::limits::JointLimits;
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
 use crate::simulate::path::{Fourier, Motion, Path};
+use crate::simulate::random_free::{self, Kind, LOOK_RATE};
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -39,6 +41,18 @@ pub struct Frame<'a> {
     pub harmonics: usize,
     /// s.
     pub period: f64,
+    pub shape: Shape,
+}
+
+/// What kind of motion is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    Fourier,
+    /// Does not repeat; lasts `duration` s.
+    Free {
+        kind: Kind,
+        duration: f64,
+    },
 }
 
 impl Frame<'_> {
@@ -52,11 +66,16 @@ impl Frame<'_> {
         loaded: bool,
         place: &Place,
     ) -> Result<Path, SimulateError> {
-        let joints = self.joints(rng);
+        let joints = match self.shape {
+            Shape::Fourier => Path::Fourier(self.joints(rng)),
+            Shape::Free { kind, duration } => {
+                Path::Free(random_free::draw(self, (kind, duration), rng))
+            }
+        };
         let mut factor = 1.0;
         let mut worst = (0, 0.0);
         for _ in 0..MOST_STEPS {
-            let path = to_motors(&Path::Fourier(joints.scaled(factor)), self.nominal);
+            let path = to_motors(&scaled(&joints, factor), self.nominal);
             worst = self.worst_torque(&path, loaded);
             if worst.1 <= SHARE {
                 return Ok(path);
@@ -143,12 +162,14 @@ impl Frame<'_> {
         if joints.is_empty() {
             return worst;
         }
-        let count = self.instants();
-        let rate = count as f64 / self.period;
+        let (count, rate) = match self.shape {
+            Shape::Fourier => (self.instants(), self.instants() as f64 / self.period),
+            Shape::Free { duration, .. } => ((duration * LOOK_RATE).ceil() as usize, LOOK_RATE),
+        };
         let motion = path.sample((0.0, rate), count);
         let course = Course {
             rate,
-            cyclic: true,
+            cyclic: path.repeats(),
             loaded,
         };
         for (j, torque) in joints
@@ -162,6 +183,15 @@ impl Frame<'_> {
             }
         }
         worst
+    }
+}
+
+/// A random path of the joints with its amplitudes times `factor`.
+fn scaled(path: &Path, factor: f64) -> Path {
+    match path {
+        Path::Fourier(series) => Path::Fourier(series.scaled(factor)),
+        Path::Free(free) => Path::Free(free.scaled(factor)),
+        Path::Spline(spline) => Path::Spline(spline.clone()),
     }
 }
 

@@ -6,6 +6,7 @@
 //! position_side = "motor"   q_rec = ratio · m
 //! position_side = "link"    q_rec = V m + offset
 //! signal = "motor_torque"   τ_rec = τ / ratio
+//! noise_correlation = ρ     x_k = ρ x_{k−1} + √(1 − ρ²) e_k  added to the signal, e_k independent and normal
 //! ```
 
 use crate::chain::model::Model;
@@ -65,6 +66,8 @@ pub struct Sensors {
     /// Least step of an encoder, in recorded units, in the order of the tree.
     step: Option<Vec<f64>>,
     columns: Option<ColumnsTable>,
+    /// Correlation of the noise of neighbouring samples.
+    correlation: f64,
 }
 
 impl Sensors {
@@ -104,6 +107,7 @@ impl Sensors {
             ratio: robot.ratio.clone().unwrap_or_else(|| vec![1.0; n]),
             step: step.map(|all| all.iter().enumerate().map(|(k, c)| of_turn(k, c)).collect()),
             columns: table.map(|t| t.columns.clone()),
+            correlation: problem.simulate.noise_correlation.value,
         };
         sensors.channels = sensors.signal_channels(problem, robot, model)?;
         Ok(sensors)
@@ -184,7 +188,8 @@ impl Sensors {
         }
         let mut added = Vec::with_capacity(signals.len());
         for (number, (channel, mut series)) in self.channels.iter().zip(signals).enumerate() {
-            let errors = normal(noise(number), channel.noise, rows);
+            let mut errors = normal(noise(number), channel.noise, rows);
+            correlate(&mut errors, self.correlation);
             let pairs = series.iter_mut().zip(&errors);
             pairs.for_each(|(x, e)| *x = channel.scale * *x + e);
             table.push(channel.column.clone(), series);
@@ -324,4 +329,12 @@ fn expand(pattern: &str, joint: &Recorded) -> String {
 fn normal(mut rng: ChaCha8Rng, std_dev: f64, count: usize) -> Vec<f64> {
     let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
     (0..count).map(|_| std_dev * draw()).collect()
+}
+
+/// Turns white noise into stationary noise of the same deviation, x_k = ρ x_{k−1} + √(1 − ρ²) e_k.
+fn correlate(noise: &mut [f64], correlation: f64) {
+    let fresh = (1.0 - correlation * correlation).sqrt();
+    for k in 1..noise.len() {
+        noise[k] = correlation * noise[k - 1] + fresh * noise[k];
+    }
 }

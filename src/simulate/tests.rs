@@ -1,6 +1,7 @@
 //! Whole simulations: limits, sensors, concealed effects, the way back through files.
 
 mod dynamics;
+mod free;
 
 use crate::chain::effect;
 use crate::fault::Fault;

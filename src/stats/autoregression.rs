@@ -24,6 +24,17 @@ pub enum OrderCriterion {
 /// An innovation variance below this share of the variance of the series is rounding.
 const LEAST_SHARE: f64 = 1e-28;
 
+/// Most coefficients of a residual: `10 log₁₀ N` of usual recordings (Schwert 1989 names orders of this size).
+pub const MOST_COEFFICIENTS: usize = 32;
+
+/// Samples per coefficient at least.
+const SAMPLES_PER_COEFFICIENT: usize = 20;
+
+/// Largest order that so many samples of a residual determine.
+pub fn largest_order(samples: usize) -> usize {
+    MOST_COEFFICIENTS.min(samples / SAMPLES_PER_COEFFICIENT)
+}
+
 impl Autoregression {
     /// White noise of a variance.
     pub fn white(variance: f64) -> Self {

@@ -31,7 +31,12 @@ pub fn median(values: &[f64]) -> Option<f64> {
 pub fn mad_scale(values: &[f64]) -> Option<f64> {
     let centre = median(values)?;
     let deviations: Vec<f64> = values.iter().map(|v| (v - centre).abs()).collect();
-    Some(MAD_TO_SIGMA * median(&deviations)?)
+    Some(normal_scale(median(&deviations)?))
+}
+
+/// Standard deviation of normal values whose sizes have this median.
+pub fn normal_scale(median_size: f64) -> f64 {
+    MAD_TO_SIGMA * median_size
 }
 
 /// 1 for |u| <= threshold, else threshold / |u|.

@@ -38,7 +38,7 @@ pub fn effects() -> impl Iterator<Item = &'static Effect> {
     all.filter(move |e| !declared.contains(&e.id))
 }
 
-/// How a recording lasts and how its periods follow each other.
+/// How long a recording lasts: so many periods, or as long where the motion does not repeat.
 #[derive(Debug, Clone, Copy)]
 pub struct Course {
     /// s.

@@ -1,6 +1,7 @@
 //! Why a trial has no answer.
 
 use crate::diagnose::error::DiagnoseError;
+use crate::problem::defect::Defect;
 use crate::problem_file::ProblemFileError;
 use crate::setup::error::SetupError;
 use crate::simulate::error::SimulateError;
@@ -19,4 +20,6 @@ pub enum TrialError {
     Simulate(#[from] SimulateError),
     #[error(transparent)]
     Diagnose(#[from] DiagnoseError),
+    #[error(transparent)]
+    Defect(#[from] Defect),
 }

@@ -29,7 +29,7 @@ pub fn judge(
     let mut longer = plan.clone();
     longer.course.periods *= LONGER;
     prepare(&longer, folder, control)?;
-    let opened = Opened::read(&folder.join(PROBLEM))?;
+    let opened = Opened::read(&folder.join(PROBLEM), control)?;
     for doubt in doubts {
         let named = doubt.found.hypotheses.get(doubt.finding);
         let (Some(named), Some(finding)) = (named, found.get_mut(doubt.finding)) else {

@@ -1,14 +1,17 @@
 //! Trials of the diagnosis: random robots are simulated with physics that the declared model lacks, or with none
 //! lacking, and the diagnosis sees nothing but the recordings and the declared model.
 //!
-//! The robot, the physics, its size and the noise of a trial follow from the seed and the trial's number alone.
+//! The robot, the physics, its size, the motion and the noise of a trial follow from the seed and the trial's number alone.
+//! Motion and noise are drawn apart: the same trial of another motion has the same robot and the same physics.
 //! The size of what is concealed is the held-out RMS of what the declared model, fitted to recordings without
 //! noise, leaves of it, over the RMS noise of a row: what the fitted parameters absorb is no misfit.
 
 pub mod bodies;
+pub mod calibration;
 pub mod conceal;
 pub mod error;
 pub mod longer;
+pub mod motion;
 pub mod outside;
 pub mod plan;
 pub mod robot;

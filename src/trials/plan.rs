@@ -3,6 +3,7 @@
 use crate::chain::effect::{self, rotor_inertia, unmodelled_payload};
 use crate::robot::random::generator;
 use crate::trials::conceal::{self, Concealed, Course};
+use crate::trials::motion::{Motion, Noise};
 use crate::trials::outside::Outside;
 use crate::trials::robot::{KINDS, RandomRobot, between};
 use rand::RngExt;
@@ -26,15 +27,28 @@ pub struct Scope {
     pub effects: Vec<&'static str>,
     /// Kinds of robots.
     pub robots: Vec<&'static str>,
+    pub motions: Vec<Motion>,
+    pub noises: Vec<Noise>,
 }
 
 impl Scope {
-    /// All effects on all kinds of robots.
+    /// All effects on all kinds of robots, in all motions and noises.
     pub fn all(seed: u64) -> Self {
         Self {
             seed,
             effects: conceal::effects().map(|e| e.id).collect(),
             robots: KINDS.to_vec(),
+            motions: Motion::ALL.to_vec(),
+            noises: Noise::ALL.to_vec(),
+        }
+    }
+
+    /// The same in motions that repeat with a declared period, and white noise.
+    pub fn periodic(seed: u64) -> Self {
+        Self {
+            motions: vec![Motion::Fourier],
+            noises: vec![Noise::White],
+            ..Self::all(seed)
         }
     }
 }
@@ -48,11 +62,20 @@ pub struct Plan {
     pub concealed: Vec<Concealed>,
     /// A law outside the vocabulary, its joint and neighbour, and its size as a share of the usual current.
     pub outside: Option<(Outside, (usize, usize), f64)>,
+    pub motion: Motion,
+    pub noise: Noise,
+    /// Correlation of the noise of neighbouring samples.
+    pub correlation: f64,
+    /// The seed of its motion and noise.
+    pub simulation: u64,
     /// The link inertials of the robot file are known, not estimated.
     pub known_links: bool,
     /// Rotor inertias are declared.
     pub known_rotors: bool,
 }
+
+/// Streams of random numbers that motions and noises are drawn from; those of robots are below.
+const APART: u64 = 1 << 63;
 
 /// Hz.
 pub const RATE: f64 = 100.0;
@@ -60,6 +83,10 @@ pub const RATE: f64 = 100.0;
 impl Plan {
     /// The plan of a trial; another `attempt` draws another one, with smaller effects, where a robot cannot follow.
     pub fn draw(scope: &Scope, (number, attempt): (u64, u64)) -> Self {
+        let mut apart = generator(scope.seed);
+        apart.set_stream(APART | number);
+        let motion = pick(&mut apart, &scope.motions);
+        let noise = Noise::draw(&mut apart, &scope.noises);
         let mut rng = generator(scope.seed);
         rng.set_stream((number << 8) | attempt);
         let kind = pick(&mut rng, &scope.robots);
@@ -73,6 +100,10 @@ impl Plan {
             course,
             concealed: Vec::new(),
             outside: None,
+            motion,
+            noise,
+            correlation: noise.correlation(&mut apart),
+            simulation: apart.random(),
             known_links: rng.random::<f64>() < 0.25,
             known_rotors: true,
             robot,

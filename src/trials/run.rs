@@ -6,9 +6,12 @@ use crate::diagnose::bench::Bench;
 use crate::diagnose::drift::unrolled;
 use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::refit::{Refit, Start, refit};
+use crate::diagnose::rest;
 use crate::diagnose::rows::rms;
 use crate::diagnose::task::{self, DiagnoseRun};
+use crate::estimate::bandwidth;
 use crate::outcome::trials::Trial;
+use crate::problem::defect::guarded;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::recording::split::Split;
@@ -30,19 +33,50 @@ const ATTEMPTS: u64 = 8;
 
 /// Runs one trial; a failure is an answer too.
 pub fn run(scope: &Scope, number: u64, control: &Control<'_>) -> Trial {
+    attempts(scope, number, |plan| {
+        let scratch = tempfile::tempdir()?;
+        one(plan, scratch.path(), control)
+    })
+}
+
+/// Runs one trial and leaves its files, and what it came to, in `folder`, which is made.
+///
+/// # Errors
+/// The folder exists, or cannot be written.
+pub fn run_in(
+    scope: &Scope,
+    number: u64,
+    (folder, control): (&Path, &Control<'_>),
+) -> Result<Trial, std::io::Error> {
+    fs::create_dir(folder)?;
+    let trial = attempts(scope, number, |plan| {
+        fs::remove_dir_all(folder)?;
+        fs::create_dir(folder)?;
+        one(plan, folder, control)
+    });
+    fs::write(folder.join(JUDGED), serde_json::to_string_pretty(&trial)?)?;
+    Ok(trial)
+}
+
+/// Draws a trial until its robot can follow its motion, and runs it.
+fn attempts(
+    scope: &Scope,
+    number: u64,
+    mut one: impl FnMut(&Plan) -> Result<Trial, TrialError>,
+) -> Trial {
     let started = Instant::now();
     let mut trial = Trial::default();
     for attempt in 0..ATTEMPTS {
         let plan = Plan::draw(scope, (number, attempt));
-        match one(&plan, control) {
+        match guarded(|| one(&plan)).unwrap_or_else(|defect| Err(defect.into())) {
             Ok(done) => {
                 trial = done;
                 break;
             }
             Err(error) => {
-                let could_not_move = matches!(error, TrialError::Simulate(_));
+                let could_not_move = matches!(&error, TrialError::Simulate(e) if !e.is_interrupt());
                 trial = score::failed(&plan, error.to_string());
-                if !could_not_move || control.is_interrupted() {
+                if !could_not_move {
                     break;
                 }
             }
@@ -52,9 +86,7 @@ pub fn run(scope: &Scope, number: u64, control: &Control<'_>) -> Trial {
     trial
 }
 
-fn one(plan: &Plan, control: &Control<'_>) -> Result<Trial, TrialError> {
-    let scratch = tempfile::tempdir()?;
-    let folder = scratch.path();
+fn one(plan: &Plan, folder: &Path, control: &Control<'_>) -> Result<Trial, TrialError> {
     prepare(plan, folder, control)?;
     let problem = folder.join(PROBLEM);
     let diagnosed = {
@@ -72,8 +104,14 @@ fn one(plan: &Plan, control: &Control<'_>) -> Result<Trial, TrialError> {
 /// The declared problem in the folder of a trial.
 pub const PROBLEM: &str = "problem.toml";
 
+/// The truth behind the recordings in it, as a problem for `exid simulate`.
+const TRUTH: &str = "truth.toml";
+
 /// The folder in it with the same problem and recordings without noise.
 pub const CLEAN: &str = "clean";
+
+/// What the trial came to, in a folder that is kept.
+const JUDGED: &str = "trial.json";
 
 /// The folder in it with longer recordings.
 const LONGER_FOLDER: &str = "longer";
@@ -81,23 +119,25 @@ const LONGER_FOLDER: &str = "longer";
 /// Writes everything of a trial into an empty folder: the robot, the declared problem with its recordings, the
 /// same without noise, and the truth as a problem for `exid simulate`.
 pub fn prepare(plan: &Plan, folder: &Path, control: &Control<'_>) -> Result<(), TrialError> {
-    let declared = declared(plan);
+    let period = plan.course.period;
+    let declared = declared(plan, plan.motion.states_period().then_some(period));
     let clean = folder.join(CLEAN);
     fs::create_dir(&clean)?;
     for own in [folder, &clean] {
         fs::write(own.join("robot.urdf"), plan.robot.urdf())?;
         fs::write(own.join(PROBLEM), &declared)?;
     }
-    let truth = folder.join("truth.toml");
-    fs::write(&truth, format!("{declared}\n{}", simulated(plan)))?;
-    let truth = ProblemFile::read(&truth, &[], &effect::ids())?;
-    let made = simulate::run(&truth, plan.number, control)?;
+    let path = folder.join(TRUTH);
+    let repeating = self::declared(plan, plan.motion.repeats().then_some(period));
+    fs::write(&path, format!("{repeating}\n{}", simulated(plan)))?;
+    let truth = ProblemFile::read(&path, &[], &effect::ids())?;
+    let made = simulate::run(&truth, plan.simulation, control)?;
     write(plan, &made, (folder, true))?;
     write(plan, &made, (&clean, false))
 }
 
-/// The declared model and its recordings.
-fn declared(plan: &Plan) -> String {
+/// The declared model and its recordings, with their period or without.
+fn declared(plan: &Plan, period: Option<f64>) -> String {
     let robot = &plan.robot;
     let inertials = if plan.known_links {
         "known"
@@ -108,12 +148,13 @@ fn declared(plan: &Plan) -> String {
         true => format!("rotor_inertia = {:?}\n", robot.rotor_inertia),
         false => String::new(),
     };
+    let period = period.map_or(String::new(), |seconds| format!("period = {seconds:?}\n"));
     format!(
         "name = \"trial\"\n[robot]\nurdf = \"robot.urdf\"\ninertials = \"{inertials}\"\n[drive]\n\
          torque_constant = {:?}\n{rotors}effects = [\"coulomb_friction\", \"viscous_friction\"]\n\
          [recordings]\ntrain = [\"train.csv\"]\nvalidation = [\"validation.csv\"]\nsignal = \"current\"\n\
-         rate = {RATE:?}\nperiod = {:?}\n",
-        robot.torque_constant, plan.course.period
+         rate = {RATE:?}\n{period}",
+        robot.torque_constant
     )
 }
 
@@ -121,9 +162,14 @@ fn declared(plan: &Plan) -> String {
 fn simulated(plan: &Plan) -> String {
     let robot = &plan.robot;
     let mut text = format!(
-        "[simulate]\ntrajectory = \"random\"\nmode = \"closed_loop\"\nperiods = {}\nwarmup_periods = 1\n\
-         noise = {:?}\nencoder_counts = {ENCODER_COUNTS:?}\n[simulate.values]\n",
-        plan.course.periods, robot.noise
+        "[design]\nperiod = {:?}\n[simulate]\ntrajectory = \"{}\"\nmode = \"closed_loop\"\nperiods = {}\n\
+         warmup_periods = 1\nnoise = {:?}\nnoise_correlation = {:?}\nencoder_counts = {ENCODER_COUNTS:?}\n\
+         [simulate.values]\n",
+        plan.course.period,
+        plan.motion.trajectory(),
+        plan.course.periods,
+        robot.noise,
+        plan.correlation
     );
     for (j, [dry, viscous]) in robot.friction.iter().enumerate() {
         let name = robot.name(j);
@@ -158,8 +204,8 @@ fn write(plan: &Plan, made: &Simulated, (folder, noisy): (&Path, bool)) -> Resul
     Ok(())
 }
 
-/// What is left of the concealed physics, per joint: held-out RMS over the noise of a row, of periods that are averaged
-/// and of single samples.
+/// What is left of the concealed physics, per joint: held-out RMS over the noise of a row, of periods that are averaged,
+/// where there are any, and of single samples.
 #[derive(Debug, Clone, Default)]
 pub struct Sizes {
     pub averaged: Vec<f64>,
@@ -167,7 +213,7 @@ pub struct Sizes {
 }
 
 fn sizes(plan: &Plan, problem: &Path, control: &Control<'_>) -> Result<Sizes, TrialError> {
-    let opened = Opened::read(problem)?;
+    let opened = Opened::read(problem, control)?;
     let of = |data: &Dataset, periods: f64| -> Result<Vec<f64>, TrialError> {
         let left = opened.fit(data, (&[], &Vec::new()), control)?.validation;
         let pairs = left.iter().zip(&plan.robot.noise);
@@ -175,8 +221,12 @@ fn sizes(plan: &Plan, problem: &Path, control: &Control<'_>) -> Result<Sizes, Tr
             .map(|(e, noise)| rms(e) * periods.sqrt() / noise)
             .collect())
     };
+    let averaged = match plan.motion.repeats() {
+        true => plan.course.periods as f64,
+        false => 1.0,
+    };
     Ok(Sizes {
-        averaged: of(&opened.data, plan.course.periods as f64)?,
+        averaged: of(&opened.data, averaged)?,
         in_time: match plan.concealed.iter().any(Concealed::changes_with_time) {
             true => of(&unrolled(&opened.data), 1.0)?,
             false => Vec::new(),
@@ -198,7 +248,7 @@ fn informed(
     if plan.concealed.is_empty() {
         return Ok(None);
     }
-    let opened = Opened::read(problem)?;
+    let opened = Opened::read(problem, control)?;
     let data = match plan.concealed.iter().any(Concealed::changes_with_time) {
         true => unrolled(&opened.data),
         false => opened.data.clone(),
@@ -224,12 +274,13 @@ pub struct Opened {
 }
 
 impl Opened {
-    pub fn read(path: &Path) -> Result<Self, TrialError> {
+    pub fn read(path: &Path, control: &Control<'_>) -> Result<Self, TrialError> {
         let problem = ProblemFile::read(path, &[], &effect::ids())?;
         let robot = setup::robot::open(&problem)?;
         let mut model = setup::model::build(&problem, &robot)?;
-        setup::prior::build(&problem, &mut model)?;
-        let data = setup::recordings::open(&problem, &robot, &model)?;
+        let prior = setup::prior::build(&problem, &mut model)?;
+        let prepared = bandwidth::prepared(&problem, &robot, &model, &prior, control)?;
+        let data = rest::left_out(&model, prepared);
         Ok(Self {
             problem,
             robot,

@@ -3,12 +3,12 @@
 use crate::chain::model::Model;
 use crate::diagnose::refit::Refit;
 use crate::diagnose::task::DiagnoseRun;
-use crate::outcome::diagnose::Finding;
+use crate::outcome::diagnose::{Finding, Verdict};
 use crate::outcome::trials::{Found, Hidden, Inseparable, Trial};
-use crate::trials::bodies;
 use crate::trials::conceal::Concealed;
 use crate::trials::plan::Plan;
 use crate::trials::run::{Informed, Sizes, values};
+use crate::trials::{bodies, calibration};
 use nalgebra::DVector;
 
 /// A finding may list so many rivals that it cannot set aside and still be right by one of them.
@@ -27,6 +27,9 @@ fn head(plan: &Plan) -> Trial {
     Trial {
         seed: plan.number,
         robot: plan.robot.kind.to_string(),
+        motion: plan.motion.name().to_string(),
+        noise: plan.noise.name().to_string(),
+        noise_correlation: plan.correlation,
         ..Trial::default()
     }
 }
@@ -52,10 +55,11 @@ pub fn judge(
             && concealed
                 .iter()
                 .all(|hidden| found.iter().any(|f| names(f, hidden))),
-        verdict: run.diagnosis.verdict.words().to_string(),
+        verdict: Verdict::or_none(run.diagnosis.verdict).to_string(),
         error_ratio: error_ratio(run),
         friction_error: informed.and_then(|informed| friction_error(plan, run, informed)),
         body_error: informed.and_then(|informed| body_error(plan, run, informed)),
+        stated: calibration::stated(&run.diagnosis.findings, &concealed),
         concealed,
         found,
         ..head(plan)
@@ -116,7 +120,7 @@ pub fn names(finding: &Found, hidden: &Hidden) -> bool {
         || (rivals.len() <= RIVALS && rivals.iter().any(|r| same(&r.effect, &r.joints)))
 }
 
-fn same_joints(a: &[String], b: &[String]) -> bool {
+pub(super) fn same_joints(a: &[String], b: &[String]) -> bool {
     a.len() == b.len() && a.iter().all(|joint| b.contains(joint))
 }
 

@@ -1,9 +1,10 @@
 //! The rates over many trials.
 
 use crate::outcome::trials::{
-    self, FalseFindings, Found, LONGER, Power, Rates, Share, Trial, Trials,
+    self, FalseFindings, Found, Group, LONGER, Power, Rates, Share, Trial, Trials,
 };
 use crate::stats::distribution::Distribution;
+use crate::trials::calibration;
 use crate::trials::score::names;
 use std::collections::BTreeMap;
 
@@ -17,26 +18,57 @@ const SIZES: [f64; 8] = [0.0, 0.3, 1.0, 2.0, 3.0, 5.0, 10.0, 30.0];
 const NOTHING: &str = "nothing";
 
 /// Finding of a misfit that nothing in the vocabulary explains.
-const UNNAMED: &str = "unnamed";
+pub(super) const UNNAMED: &str = "unnamed";
 
 /// Friction and bodies are back if their error is at most so many times that of a fit that knew the truth.
 const BACK: f64 = 1.5;
 
 /// Sums up trials.
 pub fn tally(trials: Vec<Trial>) -> Trials {
-    let answered: Vec<&Trial> = trials.iter().filter(|t| t.failure.is_none()).collect();
-    let failures = trials.len() - answered.len();
+    let every: Vec<&Trial> = trials.iter().collect();
+    let all = group("", &every);
+    let by_motion = by_kind(&every, |trial| &trial.motion);
+    let motions: Vec<String> = by_motion.iter().map(|group| group.kind.clone()).collect();
+    let failures = all.without_answer;
     let notes = (failures > 0).then(|| {
         format!("{failures} trials have no answer and count as not found: see `failure` of each.")
     });
     Trials {
-        confusion: confusion(&answered),
-        power: power(&trials),
-        false_findings: false_findings(&answered),
-        rates: rates(&trials),
+        confusion: all.confusion,
+        power: all.power,
+        false_findings: all.false_findings,
+        rates: all.rates,
+        by_motion,
+        by_noise: by_kind(&every, |trial| &trial.noise),
+        calibration: calibration::table(&trials, &motions),
         notes: notes.into_iter().collect(),
         trials,
     }
+}
+
+/// The figures of trials of one kind.
+fn group(kind: &str, trials: &[&Trial]) -> Group {
+    let all = trials.iter().copied();
+    let answered: Vec<&Trial> = all.filter(|t| t.failure.is_none()).collect();
+    Group {
+        kind: kind.to_string(),
+        trials: trials.len(),
+        without_answer: trials.len() - answered.len(),
+        confusion: confusion(&answered),
+        power: power(trials),
+        false_findings: false_findings(&answered),
+        rates: rates(trials),
+    }
+}
+
+/// The figures of every kind of trials, by its name.
+fn by_kind(trials: &[&Trial], kind: impl Fn(&Trial) -> &String) -> Vec<Group> {
+    let mut kinds: BTreeMap<&String, Vec<&Trial>> = BTreeMap::new();
+    for &trial in trials {
+        kinds.entry(kind(trial)).or_default().push(trial);
+    }
+    let groups = kinds.iter().map(|(kind, own)| group(kind, own));
+    groups.collect()
 }
 
 /// Size of what a trial conceals: the smaller one of two.
@@ -73,7 +105,7 @@ fn confusion(trials: &[&Trial]) -> BTreeMap<String, BTreeMap<String, usize>> {
     table
 }
 
-fn power(trials: &[Trial]) -> Vec<Power> {
+fn power(trials: &[&Trial]) -> Vec<Power> {
     let mut cells: BTreeMap<(String, usize), Share> = BTreeMap::new();
     for trial in trials {
         let (Some(effect), size) = (single(trial), size(trial)) else {
@@ -120,13 +152,13 @@ fn upper95(share: Share) -> f64 {
     more * quantile / (rest + more * quantile)
 }
 
-fn rates(trials: &[Trial]) -> Rates {
+fn rates(trials: &[&Trial]) -> Rates {
     let mut rates = Rates {
         least_size: LEAST_SIZE,
         ..Rates::default()
     };
     let (mut errors, mut frictions, mut bodies) = (Vec::new(), Vec::new(), Vec::new());
-    for trial in trials.iter().filter(|t| size(t) >= LEAST_SIZE) {
+    for &trial in trials.iter().filter(|t| size(t) >= LEAST_SIZE) {
         count_claims(trial, &mut rates);
         if trial.concealed.is_empty() {
             continue;

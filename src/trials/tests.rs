@@ -5,9 +5,11 @@ use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::rivals::{Doubt, Stated};
 use crate::outcome::trials::{Found, Hidden, Inseparable, Trial, is_outside};
 use crate::problem::solution::Control;
+use crate::trials::motion::{Motion, Noise};
 use crate::trials::outside::Outside;
 use crate::trials::plan::{Plan, Scope};
 use crate::trials::run::run;
+use crate::trials::run::{Opened, PROBLEM, prepare};
 use crate::trials::tally::tally;
 use crate::trials::{conceal, longer};
 
@@ -48,30 +50,119 @@ fn every_effect_that_is_not_declared_is_concealed_in_some_trial() {
 
 #[test]
 fn a_trial_is_the_same_again() {
-    let scope = Scope {
-        effects: vec!["torque_offset"],
-        robots: vec!["arm3"],
-        ..Scope::all(5)
-    };
-    let [first, second] = [0, 1].map(|_| run(&scope, 1, &Control::default()));
-    assert_eq!(first.failure, None);
-    assert_eq!(
-        Trial {
-            seconds: 0.0,
-            ..first
-        },
-        Trial {
-            seconds: 0.0,
-            ..second
+    for motion in [Motion::Fourier, Motion::Moves] {
+        let scope = Scope {
+            effects: vec!["torque_offset"],
+            robots: vec!["arm3"],
+            motions: vec![motion],
+            ..Scope::all(5)
+        };
+        let [first, second] = [0, 1].map(|_| run(&scope, 1, &Control::default()));
+        assert_eq!(first.failure, None);
+        assert_eq!(first.motion, motion.name());
+        assert_eq!(
+            Trial {
+                seconds: 0.0,
+                ..first
+            },
+            Trial {
+                seconds: 0.0,
+                ..second
+            }
+        );
+    }
+}
+
+#[test]
+fn another_motion_moves_the_same_robot_with_the_same_physics() {
+    for number in 0..20 {
+        let drawn = Motion::ALL.map(|motion| {
+            let scope = Scope {
+                motions: vec![motion],
+                ..Scope::all(6)
+            };
+            Plan::draw(&scope, (number, 0))
+        });
+        for plan in &drawn {
+            assert_eq!(plan.robot.urdf(), drawn[0].robot.urdf());
+            assert_eq!(plan.concealed, drawn[0].concealed);
+            assert_eq!(plan.correlation, drawn[0].correlation);
         }
-    );
+    }
+}
+
+/// Of 400 trials a fifth has each motion, and a third red noise: five standard deviations are 0.10 and 0.12.
+#[test]
+fn all_motions_and_noises_are_drawn() {
+    let drawn: Vec<Plan> = (0..400)
+        .map(|n| Plan::draw(&Scope::all(11), (n, 0)))
+        .collect();
+    let share = |is: &dyn Fn(&Plan) -> bool| {
+        drawn.iter().filter(|plan| is(plan)).count() as f64 / drawn.len() as f64
+    };
+    for motion in Motion::ALL {
+        assert!((share(&|plan| plan.motion == motion) - 0.2).abs() < 0.1);
+        let red = |plan: &Plan| plan.motion == motion && plan.noise == Noise::Red;
+        assert!(share(&red) > 0.0);
+    }
+    assert!((share(&|plan| plan.noise == Noise::Red) - 1.0 / 3.0).abs() < 0.12);
+    for plan in &drawn {
+        let is_red = (0.8..0.98).contains(&plan.correlation);
+        assert_eq!(is_red, plan.noise == Noise::Red);
+        assert!(is_red || plan.correlation == 0.0);
+    }
+}
+
+/// Recordings keep to the robot's positions, every joint moves, and periods are found where there are some and nowhere
+/// else.
+#[test]
+fn recordings_repeat_only_where_the_motion_does() {
+    for motion in Motion::ALL {
+        for number in [4, 9] {
+            let scope = Scope {
+                motions: vec![motion],
+                ..Scope::all(12)
+            };
+            let plan = Plan::draw(&scope, (number, 0));
+            let folder = tempfile::tempdir().unwrap();
+            let control = Control::default();
+            prepare(&plan, folder.path(), &control).unwrap();
+            let problem = folder.path().join(PROBLEM);
+            let text = std::fs::read_to_string(&problem).unwrap();
+            assert_eq!(text.contains("period"), motion == Motion::Fourier);
+            let opened = Opened::read(&problem, &control).unwrap();
+            assert_eq!(opened.data.recordings.len(), 2);
+            for recording in &opened.data.recordings {
+                let experiment = &recording.experiment;
+                let found = experiment.periods.map(|periods| periods.count);
+                let expected = motion.repeats().then_some(plan.course.periods);
+                assert_eq!(found, expected, "{motion:?}, {number}");
+                for (j, position) in experiment.motion.position.iter().enumerate() {
+                    let (middle, half_range) = plan.robot.range(j);
+                    let away = |q: &f64| (q - middle).abs();
+                    let farthest = position.iter().map(away).fold(0.0, f64::max);
+                    assert!(farthest <= half_range, "{motion:?}, {number}, {j}");
+                    let mean = position.iter().sum::<f64>() / position.len() as f64;
+                    let spread = position.iter().map(|q| (q - mean).powi(2)).sum::<f64>();
+                    let rms = (spread / position.len() as f64).sqrt();
+                    assert!(rms > 0.02 * half_range, "{motion:?}, {number}, {j}: {rms}");
+                }
+            }
+            let [train, validation] = [0, 1].map(|k| &opened.data.recordings[k].experiment.motion);
+            assert_ne!(train.position, validation.position);
+        }
+    }
 }
 
 /// A rotor and a spring that the declared model lacks: its links take their place, and no longer do with what is found.
 #[test]
 fn bodies_are_as_right_with_what_is_found_as_with_the_truth() {
-    for number in [13, 20] {
-        let trial = run(&Scope::all(5), number, &Control::default());
+    let springs = Scope {
+        effects: vec!["joint_spring"],
+        ..Scope::periodic(31)
+    };
+    for (scope, number) in [(Scope::periodic(5), 13), (springs, 8)] {
+        let trial = run(&scope, number, &Control::default());
         let [declared, found, known] = trial.body_error.unwrap();
         assert!(declared > 5.0 * known, "{number}: {declared} {known}");
         assert!(found < 1.5 * known, "{number}: {found} {known}");
@@ -85,6 +176,7 @@ fn trial(seed: u64, size: Option<f64>, found: Option<&str>) -> Trial {
     let right = size.is_some() && found == Some("joint_spring");
     Trial {
         seed,
+        motion: ["tones", "moves"][seed as usize % 2].to_string(),
         concealed: size
             .map(|effect_over_noise| Hidden {
                 effect: "joint_spring".to_string(),
@@ -129,6 +221,20 @@ fn rates_count_large_effects_and_controls() {
         (1, 2)
     );
     assert_eq!(tallied.confusion["joint_spring"]["torque_ripple"], 1);
+    let kinds: Vec<(&str, usize)> = tallied
+        .by_motion
+        .iter()
+        .map(|group| (group.kind.as_str(), group.trials))
+        .collect();
+    assert_eq!(kinds, [("moves", 2), ("tones", 3)]);
+    let [moves, tones] = [0, 1].map(|k| &tallied.by_motion[k]);
+    let first = [moves, tones].map(|group| group.rates.first_right);
+    assert_eq!(first.map(|share| (share.are, share.of)), [(0, 1), (1, 1)]);
+    let controls = [moves, tones].map(|group| &group.false_findings);
+    assert_eq!(
+        controls.map(|c| (c.with_finding, c.controls)),
+        [(0, 1), (1, 1)]
+    );
     // Of two cases one: the p with P(X ≤ 1) = 1 − p² = 0.05.
     approx::assert_relative_eq!(
         tallied.false_findings.upper95,
@@ -142,7 +248,7 @@ fn longer_recordings_judge_what_is_said_to_be_inseparable() {
     let scope = Scope {
         effects: vec!["torque_offset"],
         robots: vec!["arm3"],
-        ..Scope::all(5)
+        ..Scope::periodic(5)
     };
     let plan = Plan::draw(&scope, (1, 0));
     let truth = plan.concealed[0].hypothesis.clone();

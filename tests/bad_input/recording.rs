@@ -30,6 +30,31 @@ fn key(bench: &Bench, text: &str) {
     bench.problem(train, &format!("{train}\n{text}"));
 }
 
+/// Lines of the recording from one on, with its time from 0 and six decimals.
+fn piece(bench: &Bench, name: &str, from: usize) {
+    let text = fs::read_to_string(bench.path("train.csv")).unwrap();
+    let mut lines = text.lines();
+    let mut out = lines.next().unwrap().to_string();
+    for (k, line) in lines.skip(from - 1).enumerate() {
+        let fields = line.split(',').skip(1);
+        let numbers = fields.map(|x| format!("{:.6}", x.parse::<f64>().unwrap()));
+        let numbers: Vec<String> = numbers.collect();
+        out.push_str(&format!("\n{:.2},{}", 0.01 * k as f64, numbers.join(",")));
+    }
+    bench.write(name, out + "\n");
+}
+
+/// Repeats every second value of the first signal and every third of the other.
+fn held_apart(lines: &mut Vec<String>) {
+    let kept = lines.clone();
+    for (k, line) in lines.iter_mut().enumerate().skip(1) {
+        let field = |row: usize, field: usize| kept[row].split(',').nth(field).unwrap();
+        let (second, third) = ((k - 1) / 2 * 2 + 1, (k - 1) / 3 * 3 + 1);
+        let own = [0, 1, 2].map(|at| field(k, at)).join(",");
+        *line = format!("{own},{},{}", field(second, 3), field(third, 4));
+    }
+}
+
 /// Files that are no table.
 #[rustfmt::skip]
 pub const FILE_CASES: &[Case] = &[
@@ -91,4 +116,7 @@ pub const CASES: &[Case] = &[
     case("a pattern with an unknown placeholder", 2, ["problem.toml:16:23: recordings.columns.current", "{axis}", "use {joint}"], |b| key(b, "columns = { current = \"i{axis}\" }")),
     case("a column in two roles", 2, ["problem.toml: recordings.columns", "\"q1\" is asked for in two roles", "another column"], |b| key(b, "columns = { current = \"q{n}\" }")),
     case("a fault in the validation recording", 3, ["validation.csv:1: ", "(0)", "name of every column first"], |b| { b.write("validation.csv", "0,0,0,0,0\n"); key(b, "validation = [\"validation.csv\"]"); }),
+    case("a held-out piece of the fitted run", 3, ["validation.csv:2: ", "5.0000 s of it (100.0 % of its samples) are also in train.csv", "leave recordings.validation out"], |b| { piece(b, "validation.csv", 301); key(b, "validation = [\"validation.csv\"]"); }),
+    case("a run that is given twice", 3, ["again.csv:2: ", "(100.0 % of its samples) are given twice, also in train.csv", "remove one of the two"], |b| { piece(b, "again.csv", 1); b.problem("[\"train.csv\"]", "[\"train.csv\", \"again.csv\"]"); }),
+    case("signals held at other instants than positions", 3, ["train.csv: ", "over 3.0000 rows and one over 2.0000", "at common instants"], |b| b.recording(held_apart)),
 ];

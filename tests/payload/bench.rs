@@ -142,17 +142,11 @@ impl Bench {
             .position
             .iter()
             .map(|q| noisy((q, &self.encoder_noise)));
-        let recording = Recording {
-            file: PathBuf::from(format!("seed {seed}")),
-            time: None,
-            first_line: 2,
-            position: angles.map(|q| q.iter().map(count).collect()).collect(),
-            velocity: None,
-            acceleration: None,
+        let recording = Recording::of_samples(
+            format!("seed {seed}"),
+            angles.map(|q| q.iter().map(count).collect()).collect(),
             signal,
-            temperature: None,
-            mask: None,
-        };
+        );
         let table = self.problem.recordings().unwrap();
         let named = &setup::recordings::list(table)[0];
         let from = (table, &self.robot, &self.model);

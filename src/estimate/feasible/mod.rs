@@ -51,12 +51,12 @@ const MAX_ROUNDS: usize = 10;
 /// Reweighting ends when no deviation of a residual changes by more than this share.
 const ROUND_TOLERANCE: f64 = 1e-3;
 
-/// Which parameters are estimated, and how residuals are weighted.
+/// How residuals are weighted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
-    /// Linear parameters; every channel by the deviation of its residual.
-    Linear,
-    /// All parameters; the covariance of the residuals across channels.
+    /// Every channel by the deviation of its residual.
+    Weighted,
+    /// The covariance across channels by the scatter of periods, else as weighted.
     MaximumLikelihood,
 }
 
@@ -100,19 +100,18 @@ pub fn fit(
     control: &Control<'_>,
 ) -> Result<Fitted, EstimateError> {
     let estimator = match settings.form {
-        Form::Linear => Estimator::Weighted,
+        Form::Weighted => Estimator::Weighted,
         Form::MaximumLikelihood => Estimator::MaximumLikelihood,
     };
-    let model = fit::with_transition_speeds(model, estimator)?;
     let recordings: Vec<&Prepared> = data.of(Split::Train).collect();
     if recordings.is_empty() {
         return Err(EstimateError::NoTraining);
     }
-    let unknowns = Unknowns::find(&model, data, prior);
-    fit::check_counts(&model, &unknowns, &recordings)?;
+    let unknowns = Unknowns::find(model, data, prior);
+    fit::check_counts(model, &unknowns, &recordings)?;
     let training = (&recordings[..], prior);
-    let (first, mut problem) = fit::minimise(&model, &unknowns, training, (estimator, control))?;
-    let standard = Standard::new(&model, &unknowns);
+    let (first, mut problem) = fit::minimise(model, &unknowns, training, (estimator, control))?;
+    let standard = Standard::new(model, &unknowns);
     let constraints = Constraints::new(&standard, &settings.limits);
     let bodies = settings
         .prior

@@ -168,14 +168,19 @@ impl Program {
         self
     }
 
+    /// An answer may lack up to the shortfall of the margin of its bodies.
     pub fn solve(
         &self,
         start: &DVector<f64>,
-        terms: &Terms,
+        (terms, shortfall): (&Terms, f64),
         control: &Control<'_>,
     ) -> Result<InteriorSolution, SolveError> {
         let view = ConeProgram::try_from(self as &dyn Problem)?;
-        interior::solve(view, start, (&Settings::default(), terms), control)
+        let settings = Settings {
+            shortfall,
+            ..Settings::default()
+        };
+        interior::solve(view, start, (&settings, terms), control)
     }
 }
 
@@ -241,7 +246,7 @@ impl Class<'_> {
             slopes: rows.slopes,
         };
         let found = program
-            .solve(&start, &Terms::default(), &Control::default())
+            .solve(&start, (&Terms::default(), 0.0), &Control::default())
             .ok()?;
         let usable = found.solution.stop == Stop::Optimal || found.gap.is_finite();
         if !usable {
@@ -374,7 +379,7 @@ impl Rows {
         let least = self.least();
         start[count] = least - least.abs().max(LARGEST_MARGIN);
         let found = program
-            .solve(&start, &Terms::default(), &Control::default())
+            .solve(&start, (&Terms::default(), 0.0), &Control::default())
             .ok()?;
         let x = found.solution.x;
         (found.gap.is_finite() && x[count] >= margin).then(|| x.rows(0, count).into_owned())

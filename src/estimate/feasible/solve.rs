@@ -63,28 +63,49 @@ pub struct Setting<'a> {
     pub prior: Strong<'a>,
 }
 
+/// The feasible optimum of an affine residual.
 pub fn estimate(
     setting: Setting<'_>,
     residual: &Compressed,
     control: &Control<'_>,
 ) -> Result<Feasible, SolveError> {
-    let free = residual.least_squares();
-    let unconstrained = free.as_ref().map_or(0.0, |b| residual.cost(b));
-    if let (Some(free), None) = (&free, setting.prior)
-        && let Some(x) = member(setting, free)
+    if let Some(free) = residual.least_squares()
+        && let Some(inactive) = inactive(setting, residual, &free)
     {
-        return Ok(Feasible {
-            x,
-            cost: unconstrained,
-            unconstrained,
-            inactive: true,
-            gap: 0.0,
-            stationarity: 0.0,
-            stop: Stop::Optimal,
-            iterations: 1,
-        });
+        return Ok(inactive);
     }
     let found = constrained(setting, setting.constraints, (residual, control))?;
+    Ok(active(setting, residual, found))
+}
+
+/// The estimate where base unknowns of least cost have a physical member and no prior has a say.
+pub(super) fn inactive(
+    setting: Setting<'_>,
+    residual: &Compressed,
+    free: &DVector<f64>,
+) -> Option<Feasible> {
+    if setting.prior.is_some() {
+        return None;
+    }
+    let cost = residual.cost(free);
+    Some(Feasible {
+        x: member(setting, free)?,
+        cost,
+        unconstrained: cost,
+        inactive: true,
+        gap: 0.0,
+        stationarity: 0.0,
+        stop: Stop::Optimal,
+        iterations: 1,
+    })
+}
+
+/// The estimate of a cone program: of its class the member closest to the reference.
+pub(super) fn active(
+    setting: Setting<'_>,
+    residual: &Compressed,
+    found: InteriorSolution,
+) -> Feasible {
     let base = &setting.standard.to_base * &found.solution.x;
     let class = Class {
         constraints: setting.constraints,
@@ -95,16 +116,16 @@ pub fn estimate(
         None => class.closest(setting.margin, &setting.standard.reference()),
         Some(_) => None,
     };
-    Ok(Feasible {
+    Feasible {
         cost: residual.cost(&base),
         x: closest.unwrap_or(found.solution.x),
-        unconstrained,
+        unconstrained: residual.least_squares().map_or(0.0, |b| residual.cost(&b)),
         inactive: false,
         gap: found.gap,
         stationarity: found.stationarity,
         stop: found.solution.stop,
         iterations: found.solution.iterations,
-    })
+    }
 }
 
 /// The physical member of the class of base unknowns that is closest to the reference.
@@ -141,7 +162,8 @@ const COST_OF_PULL: f64 = 1e-10;
 /// Weight below which the pull is lost in rounding.
 const LEAST_PULL: f64 = 1e-9;
 
-/// The cone program with twice the margin, so that its class has members with once the margin.
+/// The cone program with three times the margin, of which an answer may lack one to rounding, so that its class has
+/// members with once the margin.
 ///
 /// Where only bodies of many tonnes attain the least cost, the pull keeps the answer from it by about twice what
 /// it costs itself: it is then weakened until that is next to nothing.
@@ -194,9 +216,9 @@ fn pulled(
     let matrix = stacked(&[data, rows, weak], standard.len());
     let parts = [&residual.offset, &offset, &weak_offset];
     let whole: Vec<f64> = parts.iter().flat_map(|p| p.iter().copied()).collect();
-    let margin = match setting.prior {
-        Some(_) => setting.margin,
-        None => 2.0 * setting.margin,
+    let (margin, shortfall) = match setting.prior {
+        Some(_) => (setting.margin, 0.0),
+        None => (3.0 * setting.margin, setting.margin),
     };
     let program = Program::fit(constraints, margin, (matrix, DVector::from_vec(whole)));
     let weights = match setting.prior {
@@ -204,7 +226,7 @@ fn pulled(
         None => DVector::zeros(0),
     };
     if weights.iter().all(|w| *w == 0.0) {
-        return program.solve(&start, &terms, control);
+        return program.solve(&start, (&terms, shortfall), control);
     }
     sparse(program, (&weights, &start), control)
 }
@@ -227,7 +249,7 @@ fn sparse(
         ..Terms::default()
     };
     let program = program.with_absolute(weights);
-    let mut found = program.solve(&DVector::from_vec(whole), &terms, control)?;
+    let mut found = program.solve(&DVector::from_vec(whole), (&terms, 0.0), control)?;
     let x = &found.solution.x;
     found.solution.x = x.rows(0, weights.len()).into_owned();
     Ok(found)

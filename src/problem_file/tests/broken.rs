@@ -136,6 +136,7 @@ const OTHER_CASES: &[Case] = &[
     ("[simulate]\nmode = \"open_loop\"", "unknown-simulation-mode", (4, 8), "simulate.mode", "closed_loop"),
     ("[simulate]\nnoise = [-0.5]", "negative", (4, 10), "simulate.noise", "-0.5"),
     ("[simulate]\nperiods = -3", "out-of-range", (4, 11), "simulate.periods", "-3"),
+    ("[simulate]\nnoise_correlation = 1", "out-of-range", (4, 21), "simulate.noise_correlation", "less than 1"),
     ("[simulate]\nencoder_counts = 0", "not-positive", (4, 18), "simulate.encoder_counts", "0"),
     ("[diagnose]\nsignificance = 1", "out-of-range", (4, 16), "diagnose.significance", "less than 1"),
     ("[diagnose]\neffects = \"every\"", "wrong-type", (4, 11), "diagnose.effects", "\"all\""),

@@ -214,6 +214,7 @@ fn simulate_and_diagnose_of_the_complete_file() {
     assert_eq!(simulate.warmup_periods.value, 0);
     assert_eq!(*given(&simulate.rate), 250.0);
     assert_eq!(*given(&simulate.noise), PerJoint::Each(vec![0.5, 0.5, 0.0]));
+    assert_eq!(simulate.noise_correlation.value, 0.9);
     assert_eq!(*given(&simulate.encoder_counts), PerJoint::All(524288.0));
     assert_eq!(
         named(&simulate.values),
@@ -247,6 +248,7 @@ fn a_file_with_a_robot_alone_has_the_documented_defaults() {
     assert_eq!(file.design.trajectories.value, 1);
     assert_eq!(file.simulate.trajectory.value, Trajectory::Random);
     assert_eq!(file.simulate.mode.value, SimulationMode::Inverse);
+    assert_eq!(file.simulate.noise_correlation.value, 0.0);
     assert_eq!(file.diagnose.effects.value, SoughtEffects::All);
     assert_eq!(file.diagnose.significance.value, 0.001);
     let error = file.recordings().unwrap_err().to_string();

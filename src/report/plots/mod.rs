@@ -2,6 +2,7 @@
 //!
 //! The drawing library places points on whole units, so twice the size gives lines half as coarse.
 
+pub(super) mod agreement;
 pub(super) mod bars;
 pub(super) mod boxes;
 pub(super) mod curves;
@@ -32,6 +33,7 @@ type Cartesian<'a, 'b> = ChartContext<
 pub(super) const RECORDED: RGBColor = RGBColor(128, 136, 146);
 pub(super) const PREDICTED: RGBColor = RGBColor(11, 95, 165);
 pub(super) const RESIDUAL: RGBColor = RGBColor(190, 82, 22);
+pub(super) const KIND: RGBColor = RGBColor(122, 62, 145);
 pub(super) const INK: RGBColor = RGBColor(27, 31, 36);
 const GRID: RGBColor = RGBColor(226, 229, 233);
 

@@ -38,11 +38,14 @@ pub(super) fn missing(source: &Source) -> Option<Section> {
 fn one(finding: &Finding) -> String {
     let mut html = format!(
         "<h3>{}</h3>\n<p>{}</p>\n<p>It explains {} of the misfit there; a finding as strong as this \
-         by chance: p = {}.</p>\n",
+         by chance: p = {}. That it is what is there: {}; something without a name: {}; nothing: {}.</p>\n",
         escape(&finding.effect),
         escape(&finding.sentence),
         percent(finding.explained_share),
-        significant(finding.p_value)
+        significant(finding.p_value),
+        percent(finding.probability),
+        percent(finding.probability_unnamed),
+        percent(finding.probability_nothing)
     );
     if !finding.parameters.is_empty() {
         let mut table = Table::new(&["Parameter", "Value", "Unit", "95 % from", "to"]);
@@ -58,12 +61,20 @@ fn one(finding: &Finding) -> String {
         html.push_str(&table.html());
     }
     if !finding.rivals.is_empty() {
-        let mut table = Table::new(&["Rival", "Joints", "Explains", "These recordings"]);
+        let headers = [
+            "Rival",
+            "Joints",
+            "Explains",
+            "Probability",
+            "These recordings",
+        ];
+        let mut table = Table::new(&headers);
         for rival in &finding.rivals {
             table.row(vec![
                 Cell::text(&rival.effect),
                 Cell::text(rival.joints.join(", ")),
                 Cell::Number(percent(rival.explained_share)),
+                Cell::Number(percent(rival.probability)),
                 Cell::text(told_apart(rival)),
             ]);
         }

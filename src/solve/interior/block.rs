@@ -29,11 +29,16 @@ impl Cone {
         })
     }
 
-    /// `out_j −= ⟨A_j, Z⟩`.
-    pub fn subtract_adjoint(&self, z: &Small, out: &mut DVector<f64>) {
+    /// `out_j += ⟨A_j, Z⟩`.
+    pub fn add_adjoint(&self, z: &Small, out: &mut DVector<f64>) {
         for (&j, slope) in self.columns.iter().zip(&self.slopes) {
-            out[j] -= slope.dot(z);
+            out[j] += slope.dot(z);
         }
+    }
+
+    /// Rows of the svec of S.
+    pub fn rows(&self) -> usize {
+        self.order * (self.order + 1) / 2
     }
 }
 
@@ -46,8 +51,8 @@ pub(super) struct State {
     pub lambda: [f64; LARGEST],
     r: Small,
     inverse: Small,
-    /// svec of r⁻¹ A_j r⁻ᵀ per column of the cone.
-    slopes: Vec<[f64; ROWS]>,
+    /// svec of r⁻¹ A_j r⁻ᵀ per coordinate, rows x coordinates.
+    pub slopes: DMatrix<f64>,
     /// r⁻¹ miss r⁻ᵀ.
     scaled_miss: Small,
 }
@@ -61,13 +66,13 @@ impl State {
             lambda: [0.0; LARGEST],
             r: Small::zeros(),
             inverse: Small::zeros(),
-            slopes: Vec::new(),
+            slopes: DMatrix::zeros(0, 0),
             scaled_miss: Small::zeros(),
         }
     }
 
     /// Computes the scaling; `None` where S or Z has left its cone by rounding.
-    pub fn scale(&mut self, cone: &Cone) -> Option<()> {
+    pub fn scale(&mut self, cone: &Cone, basis: &DMatrix<f64>) -> Option<()> {
         let order = cone.order;
         let (l, m) = (
             small::cholesky(&self.s, order)?,
@@ -84,8 +89,15 @@ impl State {
         self.lambda = lambda;
         self.r = l * v * root;
         self.inverse = root * u.transpose() * m.transpose();
-        let scaled = |a: &Small| small::svec(&self.scaled(a), order);
-        self.slopes = cone.slopes.iter().map(scaled).collect();
+        let own = cone
+            .slopes
+            .iter()
+            .map(|a| small::svec(&self.scaled(a), order));
+        let entries: Vec<f64> = own
+            .flat_map(|rows| rows.into_iter().take(cone.rows()))
+            .collect();
+        let own = DMatrix::from_vec(cone.rows(), cone.columns.len(), entries);
+        self.slopes = own * basis.select_rows(&cone.columns);
         self.scaled_miss = self.scaled(&self.miss);
         Some(())
     }
@@ -95,34 +107,19 @@ impl State {
         self.inverse * a * self.inverse.transpose()
     }
 
-    /// Adds ÃᵀÃ to the lower triangle.
-    pub fn add_curvature(&self, cone: &Cone, normal: &mut DMatrix<f64>) {
-        for (a, &i) in cone.columns.iter().enumerate() {
-            for (b, &j) in cone.columns.iter().enumerate().take(a + 1) {
-                let pairs = self.slopes[a].iter().zip(&self.slopes[b]);
-                let product: f64 = pairs.map(|(x, y)| x * y).sum();
-                normal[(i.max(j), i.min(j))] += product;
-            }
+    /// Rows `λ + v − miss` of the least squares problem whose solution is the step.
+    pub fn right(&self, cone: &Cone, wanted: &Small) -> [f64; ROWS] {
+        let mut rows = wanted - self.scaled_miss;
+        for k in 0..cone.order {
+            rows[(k, k)] += self.lambda[k];
         }
-    }
-
-    /// Adds Ãᵀ (v − miss) to the right-hand side.
-    pub fn add_right(&self, cone: &Cone, wanted: &Small, right: &mut DVector<f64>) {
-        let rows = small::svec(&(wanted - self.scaled_miss), cone.order);
-        for (slope, &j) in self.slopes.iter().zip(&cone.columns) {
-            right[j] += slope.iter().zip(&rows).map(|(x, y)| x * y).sum::<f64>();
-        }
+        small::svec(&rows, cone.order)
     }
 
     /// Scaled changes of S and Z for a step and `ΔS + ΔZ = v`.
     pub fn directions(&self, cone: &Cone, wanted: &Small, step: &DVector<f64>) -> (Small, Small) {
-        let mut rows = [0.0; ROWS];
-        for (slope, &j) in self.slopes.iter().zip(&cone.columns) {
-            for (row, x) in rows.iter_mut().zip(slope) {
-                *row += x * step[j];
-            }
-        }
-        let ds = small::smat(&rows, cone.order) + self.scaled_miss;
+        let rows = &self.slopes * step;
+        let ds = small::smat(rows.as_slice(), cone.order) + self.scaled_miss;
         (ds, wanted - ds)
     }
 

@@ -2,7 +2,8 @@
 
 use crate::problem::solution::{Stop, Trace};
 use crate::solve::interior::block::{Cone, State};
-use crate::solve::interior::normal::{Factor, gram};
+use crate::solve::interior::coordinates::Coordinates;
+use crate::solve::interior::newton::Factor;
 use crate::solve::interior::program::Program;
 use crate::solve::interior::small::{self, Small};
 use crate::solve::interior::{Run, Settings};
@@ -17,6 +18,10 @@ const FIRST_INTERIOR: f64 = 0.1;
 /// Complementarity of a weighted cone above this many times its weight is reduced step by step.
 const NEAR_WEIGHT: f64 = 10.0;
 
+/// Share of its column by which a coordinate that the squares do not see is held: a proximal term, which moves no
+/// solution but keeps directions that nothing determines from being divided by rounding.
+const PROXIMAL: f64 = 1e-7;
+
 /// Shortest step that is progress.
 const LEAST_STEP: f64 = 1e-10;
 
@@ -29,11 +34,11 @@ const COST_ROUNDING: f64 = 1e-5;
 
 pub(super) struct Iterate<'a> {
     program: &'a Program,
-    gram: DMatrix<f64>,
-    step: DVector<f64>,
+    /// By which an answer may miss a semidefinite block.
+    shortfall: f64,
+    /// Coordinates of the step.
+    at: DVector<f64>,
     states: Vec<State>,
-    /// Gradient of the smooth part less Σ Aᵀ Z.
-    dual_miss: DVector<f64>,
     measure: Option<Measure>,
     /// The best point strictly inside all cones so far.
     best: Option<(DVector<f64>, Measure)>,
@@ -62,22 +67,19 @@ impl Measure {
 impl<'a> Iterate<'a> {
     /// S at the start, pushed inside where it must be, and `S Z = μ·1` with μ of the size of the cost that
     /// there is to gain.
-    pub fn start(program: &'a Program) -> Option<Self> {
-        let step = DVector::zeros(program.linear.len());
-        let gram = match &program.root {
-            Some((matrix, _)) => gram(matrix),
-            None => DMatrix::zeros(step.len(), step.len()),
-        };
-        let gradient = program.gradient(&step);
-        let slope = match &program.root {
-            Some(_) => 0.5 * gradient.dot(&Factor::of(gram.clone())?.solve(&gradient)),
-            None => gradient.amax(),
+    pub fn start(program: &'a Program, shortfall: f64) -> Option<Self> {
+        let at = DVector::zeros(program.linear.len());
+        let gradient = program.gradient(&at);
+        let seen = &program.coordinates.seen;
+        let slope = match seen.amax() > 0.0 {
+            true => 0.5 * gradient.component_mul(seen).norm_squared(),
+            false => gradient.amax(),
         };
         let degree: usize = program.cones.iter().map(|c| c.order).sum();
         let share = slope / degree.max(1) as f64;
         let mu = if share > 0.0 { share } else { 1.0 };
         let states = program.cones.iter().map(|cone| {
-            let mut s = cone.at(&step);
+            let mut s = cone.constant;
             let size = (0..cone.order).map(|k| s[(k, k)].abs()).fold(0.0, f64::max);
             let size = if size > 0.0 { size } else { 1.0 };
             let least = exact_least(&s, cone.order);
@@ -89,14 +91,13 @@ impl<'a> Iterate<'a> {
         });
         Some(Self {
             states: states.collect::<Option<Vec<_>>>()?,
-            size: program
-                .root
-                .as_ref()
-                .map_or(1.0, |(_, r)| 0.5 * r.norm_squared()),
+            size: match seen.amax() > 0.0 {
+                true => program.coordinates.squares(&at),
+                false => 1.0,
+            },
             program,
-            gram,
-            dual_miss: DVector::zeros(step.len()),
-            step,
+            shortfall,
+            at,
             measure: None,
             best: None,
         })
@@ -105,32 +106,32 @@ impl<'a> Iterate<'a> {
     /// Scales the cones and measures the iterate; `None` where rounding has the better of it.
     pub fn measure(&mut self) -> Option<Measure> {
         let program = self.program;
-        let gradient = program.gradient(&self.step);
-        let cost = program.cost(&self.step);
+        let Coordinates { basis, seen, .. } = &program.coordinates;
+        let step = program.coordinates.step(&self.at);
+        let cost = program.cost(&self.at);
         let unit = cost.abs().max(COST_ROUNDING * self.size);
-        let mut miss = gradient;
-        let mut sizes =
-            self.gram.diagonal().map(|g| (2.0 * unit * g).sqrt()) + program.linear.abs();
+        let mut balance = DVector::zeros(step.len());
+        let mut sizes = DVector::zeros(step.len());
         let mut gap = 0.0;
         let mut inside = true;
         for (cone, state) in program.cones.iter().zip(&mut self.states) {
-            inside &= is_inside(cone, &self.step, state);
-            state.scale(cone)?;
-            cone.subtract_adjoint(&state.z, &mut miss);
+            inside &= is_inside(cone, (&step, self.shortfall), state);
+            state.scale(cone, basis)?;
+            cone.add_adjoint(&state.z, &mut balance);
+            let size = state.z.norm() + unit / state.s.norm();
             for (&j, slope) in cone.columns.iter().zip(&cone.slopes) {
-                sizes[j] += slope.norm() * (state.z.norm() + unit / state.s.norm());
+                sizes[j] += slope.norm() * size;
             }
-            gap += state.gap(cone);
+            gap += state.gap(cone) + state.miss.dot(&state.z).max(0.0);
         }
+        let miss = program.gradient(&self.at) - basis.tr_mul(&balance);
+        let sizes = basis.abs().tr_mul(&sizes) + seen * (2.0 * unit).sqrt() + program.linear.abs();
         let shares = miss.iter().zip(sizes.iter()).map(|(m, s)| {
             let floor = f64::MIN_POSITIVE;
             m.abs() / s.max(floor)
         });
-        // What the balance misses counts over the way that the variables have gone.
-        let unbalanced: f64 = miss
-            .iter()
-            .zip(self.step.iter())
-            .map(|(m, d)| (m * d).abs())
+        let unbalanced: f64 = (0..miss.len())
+            .map(|k| unbalanced(miss[k], (self.at[k], seen[k])))
             .sum();
         let gap = gap + unbalanced;
         let measure = Measure {
@@ -143,10 +144,9 @@ impl<'a> Iterate<'a> {
         if !(gap.is_finite() && measure.stationarity.is_finite()) {
             return None;
         }
-        self.dual_miss = miss;
         let better = |best: &(DVector<f64>, Measure)| gap < best.1.gap;
         if inside && self.best.as_ref().is_none_or(better) {
-            self.best = Some((self.step.clone(), measure));
+            self.best = Some((self.at.clone(), measure));
         }
         self.measure = Some(measure);
         Some(measure)
@@ -154,11 +154,7 @@ impl<'a> Iterate<'a> {
 
     /// One predictor-corrector step; the length that was taken, `None` where there is none.
     pub fn advance(&mut self) -> Option<f64> {
-        let mut normal = self.gram.clone();
-        for (cone, state) in self.program.cones.iter().zip(&self.states) {
-            state.add_curvature(cone, &mut normal);
-        }
-        let factor = Factor::of(normal)?;
+        let factor = Factor::of(&self.rows())?;
         let none = vec![Small::zeros(); self.states.len()];
         let predicted = self.direction(&factor, (0.0, &none));
         let reach = self.reach(&predicted.1).min(1.0);
@@ -173,7 +169,7 @@ impl<'a> Iterate<'a> {
         if !(length > LEAST_STEP && step.iter().all(|x| x.is_finite())) {
             return None;
         }
-        self.step.axpy(length, &step, 1.0);
+        self.at.axpy(length, &step, 1.0);
         let cones = self.program.cones.iter();
         for ((cone, state), change) in cones.zip(&mut self.states).zip(&changes) {
             state.advance(cone.order, length, change);
@@ -205,15 +201,36 @@ impl<'a> Iterate<'a> {
                 state.wanted(cone.order, target, correction)
             })
             .collect();
-        let mut right = -&self.dual_miss;
+        let mut right: Vec<f64> = Vec::new();
         for ((cone, state), wanted) in cones.iter().zip(&self.states).zip(&wanted) {
-            state.add_right(cone, wanted, &mut right);
+            right.extend(state.right(cone, wanted).iter().take(cone.rows()));
         }
-        let step = factor.solve(&right);
+        let coordinates = &self.program.coordinates;
+        right.extend((-coordinates.gradient(&self.at)).iter());
+        let step = factor.solve(&DVector::from_vec(right), &self.program.linear);
         let changes = cones.iter().zip(&self.states).zip(&wanted);
         let changes = changes.map(|((cone, state), wanted)| state.directions(cone, wanted, &step));
         let changes = changes.collect();
         (step, changes)
+    }
+
+    /// Rows of the least squares problem whose solution is the step: those of the cones, then of the squares.
+    fn rows(&self) -> DMatrix<f64> {
+        let n = self.at.len();
+        let count: usize = self.program.cones.iter().map(Cone::rows).sum();
+        let mut rows = DMatrix::zeros(count + n, n);
+        let mut first = 0;
+        for state in &self.states {
+            let own = &state.slopes;
+            rows.rows_mut(first, own.nrows()).copy_from(own);
+            first += own.nrows();
+        }
+        for (k, seen) in self.program.coordinates.seen.iter().enumerate() {
+            let size = rows.column(k).amax();
+            let proximal = PROXIMAL * if size > 0.0 { size } else { 1.0 };
+            rows[(count + k, k)] = if *seen > 0.0 { *seen } else { proximal };
+        }
+        rows
     }
 
     /// μ: mean of S Z over the cones without a weight.
@@ -253,20 +270,20 @@ impl<'a> Iterate<'a> {
             inside: false,
             unit: 1.0,
         };
-        let last = (self.step, self.measure.unwrap_or(none));
-        let (step, measure) = match self.best {
+        let last = (self.at, self.measure.unwrap_or(none));
+        let (at, measure) = match self.best {
             Some(best) if stop != Stop::Optimal => best,
             _ => last,
         };
-        // Rounding stopped the method close enough.
+        // Rounding kept the method from coming closer, or further iterates out of the cones.
         let near = measure.is_optimal(settings.reduced_tolerance);
         let stop = match stop {
             Stop::Stalled if !measure.inside => Stop::Infeasible,
-            Stop::Stalled if near => Stop::Optimal,
+            Stop::Stalled | Stop::IterationLimit if near => Stop::Optimal,
             other => other,
         };
         Run {
-            step,
+            step: self.program.coordinates.step(&at),
             measure,
             stop,
             trace,
@@ -275,21 +292,34 @@ impl<'a> Iterate<'a> {
     }
 }
 
-/// Gives a cone the S that follows from the variables where that is inside; a cone that is still missed keeps its own.
-/// Whether S is inside by more than rounding.
-fn is_inside(cone: &Cone, step: &DVector<f64>, state: &mut State) -> bool {
+/// How far the Lagrangian falls below its value where its slope along a coordinate is the miss and its curvature one or
+/// zero, over no longer a way than the coordinate has gone: Z bounds the cost from below by its least.
+fn unbalanced(miss: f64, (way, curvature): (f64, f64)) -> f64 {
+    let (miss, way) = (miss.abs(), way.abs());
+    if miss < curvature * way {
+        0.5 * miss * miss / curvature
+    } else {
+        way * (miss - 0.5 * curvature * way)
+    }
+}
+
+/// Whether S is inside by more than rounding. A cone is given the S that follows from the variables where that is
+/// inside; one that is still missed keeps its own.
+fn is_inside(cone: &Cone, (step, shortfall): (&DVector<f64>, f64), state: &mut State) -> bool {
     let exact = cone.at(step);
     let rounding = ROUNDING * cone.size(step);
     let room = (NEAR * state.s.amax()).max(rounding);
     let near = (exact - state.s).amax() <= room;
-    if !near || small::cholesky(&exact, cone.order).is_none() {
+    let allowed = if cone.order > 1 { shortfall } else { 0.0 };
+    let within = exact + small::identity(cone.order) * (allowed - rounding);
+    let inside = near && small::cholesky(&within, cone.order).is_some();
+    if near && small::cholesky(&exact, cone.order).is_some() {
+        state.s = exact;
+        state.miss = Small::zeros();
+    } else {
         state.miss = exact - state.s;
-        return false;
     }
-    state.s = exact;
-    state.miss = Small::zeros();
-    let within = exact - small::identity(cone.order) * rounding;
-    small::cholesky(&within, cone.order).is_some()
+    inside
 }
 
 fn exact_least(matrix: &Small, order: usize) -> f64 {

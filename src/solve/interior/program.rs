@@ -1,4 +1,5 @@
-//! The program in the variables' steps: `½ ‖M d + r‖² + cᵀ d − Σ γ_k log det S_k(d)` over cones S_k.
+//! The program in the variables' steps, `½ ‖M d + r‖² + cᵀ d − Σ γ_k log det S_k(d)` over cones S_k, and in coordinates
+//! of them.
 
 use crate::problem::Linearization;
 use crate::problem::error::{ProblemError, ProblemErrorKind};
@@ -6,12 +7,14 @@ use crate::problem::form::{Form, Objective, Set};
 use crate::solve::error::{SolveError, SolveErrorKind};
 use crate::solve::interior::Terms;
 use crate::solve::interior::block::Cone;
+use crate::solve::interior::coordinates::Coordinates;
 use crate::solve::interior::small::{self, LARGEST, Small};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 pub(super) struct Program {
-    /// M and r; absent for a linear cost.
-    pub root: Option<(DMatrix<f64>, DVector<f64>)>,
+    /// Of the step, with the sum of squares in them.
+    pub coordinates: Coordinates,
+    /// c over the coordinates.
     pub linear: DVector<f64>,
     /// Blocks of the constraints in their order, then the bounds.
     pub cones: Vec<Cone>,
@@ -36,7 +39,7 @@ impl Program {
         (model, terms): (Linearization, &Terms),
     ) -> Result<Self, SolveError> {
         let mut program = Self {
-            root: None,
+            coordinates: Coordinates::of_scales(form),
             linear: terms.linear.clone(),
             cones: Vec::new(),
             origins: Vec::new(),
@@ -71,13 +74,15 @@ impl Program {
         match (form.objective, model.square_root) {
             (Objective::SumOfSquares { .. }, Some(root)) => {
                 program.constant -= 0.5 * root.residual.norm_squared();
-                program.root = Some((root.matrix, root.residual));
+                program.coordinates = Coordinates::of_squares(form, (&root.matrix, &root.residual))
+                    .ok_or_else(|| SolveError::whole(SolveErrorKind::ModelNotFinite))?;
             }
             (Objective::SumOfSquares { .. }, None) => {
                 return Err(SolveError::whole(SolveErrorKind::ModelNotFinite));
             }
             (Objective::Smooth, _) => program.linear += model.gradient,
         }
+        program.linear = program.coordinates.basis.tr_mul(&program.linear);
         Ok(program)
     }
 
@@ -104,21 +109,14 @@ impl Program {
         }
     }
 
-    /// ½ ‖M d + r‖² + cᵀ d, less its value at d = 0 of the constant part.
-    pub fn cost(&self, step: &DVector<f64>) -> f64 {
-        let squares = self
-            .root
-            .as_ref()
-            .map_or(0.0, |(m, r)| 0.5 * (m * step + r).norm_squared());
-        squares + self.linear.dot(step) + self.constant
+    /// The cost without its logarithms.
+    pub fn cost(&self, y: &DVector<f64>) -> f64 {
+        self.coordinates.squares(y) + self.linear.dot(y) + self.constant
     }
 
-    /// Gradient of the smooth part.
-    pub fn gradient(&self, step: &DVector<f64>) -> DVector<f64> {
-        match &self.root {
-            Some((m, r)) => m.tr_mul(&(m * step + r)) + &self.linear,
-            None => self.linear.clone(),
-        }
+    /// Gradient of that.
+    pub fn gradient(&self, y: &DVector<f64>) -> DVector<f64> {
+        self.coordinates.gradient(y) + &self.linear
     }
 
     /// Sum of the orders of the cones without a weight.

@@ -206,3 +206,85 @@ fn invariant_the_same_bits_on_every_run() {
     };
     assert_eq!(x(), x());
 }
+
+/// Four matrices [A h; hᵀ m] of which m is not seen, with A that is not possible and h that is not zero: the infimum lies at
+/// m without bound, where a weak pull ends the search at 1e6 times the entries that are seen.
+fn runaway(seed: u64) -> TestProblem {
+    const COUNT: usize = 4;
+    const ROWS: usize = 200;
+    let n = 10 * COUNT;
+    let mut state = seed * 7919 | 1;
+    let mut uniform = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    };
+    let mut mix = DMatrix::from_fn(9 * COUNT, n, |_, _| uniform());
+    for body in 0..COUNT {
+        mix.column_mut(10 * body + 9).fill(0.0);
+    }
+    let seen = DMatrix::from_fn(ROWS, 9 * COUNT, |_, _| 100.0 * uniform()) * mix;
+    let mut truth = DVector::zeros(n);
+    let mut start = DVector::zeros(n);
+    for body in 0..COUNT {
+        let mut matrix = DMatrix::from_diagonal(&dvector![-0.6, -0.6, -0.6, 0.0]);
+        for _ in 0..2 {
+            let point = dvector![uniform(), uniform(), uniform(), 1.0];
+            matrix += &point * point.transpose() * (0.8 + 0.5 * uniform());
+        }
+        let rows = svec::svec(&matrix);
+        truth.rows_mut(10 * body, 10).copy_from(&rows);
+        let identity = svec::svec(&DMatrix::identity(4, 4));
+        start.rows_mut(10 * body, 10).copy_from(&identity);
+    }
+    let measured = &seen * truth + DVector::from_fn(ROWS, |_, _| 30.0 * uniform());
+    let pull = DMatrix::identity(n, n) * 1e-6;
+    let mut matrix = seen.resize_vertically(ROWS + n, 0.0);
+    matrix.rows_mut(ROWS, n).copy_from(&pull);
+    let mut right = measured.resize_vertically(ROWS + n, 0.0);
+    right.rows_mut(ROWS, n).copy_from(&(pull * start));
+    let names: Vec<String> = (0..n).map(|i| format!("p{i}")).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let mut form = least_squares_form(&names, ROWS + n, Structure::Affine);
+    form.constraints = (0..COUNT).map(psd).collect();
+    TestProblem {
+        form,
+        model: Box::new(move |x| {
+            let mut model = sum_of_squares(&matrix * x - &right, matrix.clone());
+            let identity = svec::svec(&DMatrix::identity(4, 4)) * SHORTFALL;
+            model.constraints = DVector::from_fn(n, |k, _| x[k] - identity[k % 10]);
+            model.jacobian = DMatrix::identity(n, n);
+            Ok(model)
+        }),
+        spoil: None,
+    }
+}
+
+const SHORTFALL: f64 = 5e-9;
+
+/// Rounding of S is worth 1e-6 of the cost there: without the room of the margin no answer is as good as the tolerance.
+#[test]
+fn certified_to_the_tolerance_where_matrices_grow_without_bound() {
+    let settings = Settings {
+        shortfall: SHORTFALL,
+        ..Settings::default()
+    };
+    for seed in 1..=20 {
+        let problem = runaway(seed);
+        let start = DVector::from_fn(40, |k, _| {
+            f64::from(u8::from([0, 2, 5, 9].contains(&(k % 10))))
+        });
+        let view = ConeProgram::try_from(&problem as &dyn Problem).unwrap();
+        let terms = Terms::default();
+        let found = solve(view, &start, (&settings, &terms), &Control::default()).unwrap();
+        assert_eq!(found.solution.stop, Stop::Optimal, "{seed}");
+        let share = found.gap / found.solution.cost;
+        assert!(share <= settings.tolerance, "{seed}: {share:.1e}");
+        assert!(
+            found.solution.x.amax() > 1e4,
+            "{seed}: the problem is to run away"
+        );
+        assert!(is_inside(&found.solution.x), "{seed}");
+    }
+}

@@ -1,0 +1,63 @@
+//! Names of columns that are known where the problem file gives none: `{joint}` stands for the name of a joint, `{n}` for
+//! its number from 1. Earlier ones win.
+
+pub(super) const TIME: &[&str] = &["t", "time"];
+pub(super) const POSITION: &[&str] = &[
+    "q_{joint}",
+    "{joint}_position",
+    "position_{joint}",
+    "{joint}_q",
+    "q{n}",
+    "q_{n}",
+    "position{n}",
+    "position_{n}",
+];
+pub(super) const VELOCITY: &[&str] = &[
+    "dq_{joint}",
+    "{joint}_velocity",
+    "velocity_{joint}",
+    "dq{n}",
+    "dq_{n}",
+    "velocity{n}",
+    "velocity_{n}",
+];
+pub(super) const ACCELERATION: &[&str] = &[
+    "ddq_{joint}",
+    "{joint}_acceleration",
+    "acceleration_{joint}",
+    "ddq{n}",
+    "ddq_{n}",
+    "acceleration{n}",
+    "acceleration_{n}",
+];
+pub(super) const CURRENT: &[&str] = &[
+    "i_{joint}",
+    "{joint}_current",
+    "current_{joint}",
+    "i{n}",
+    "i_{n}",
+    "current{n}",
+    "current_{n}",
+    // Joint states have one field for both: the signal of the problem says which it is.
+    "effort_{joint}",
+];
+pub(super) const TORQUE: &[&str] = &[
+    "tau_{joint}",
+    "{joint}_torque",
+    "torque_{joint}",
+    "{joint}_effort",
+    "effort_{joint}",
+    "tau{n}",
+    "tau_{n}",
+    "torque{n}",
+    "torque_{n}",
+];
+pub(super) const TEMPERATURE: &[&str] = &[
+    "temp_{joint}",
+    "{joint}_temperature",
+    "temperature_{joint}",
+    "temp{n}",
+    "temp_{n}",
+    "temperature{n}",
+];
+pub(super) const WRENCH: [&str; 6] = ["fx", "fy", "fz", "mx", "my", "mz"];
