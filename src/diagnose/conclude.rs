@@ -14,6 +14,7 @@ use crate::diagnose::rows::rms;
 use crate::diagnose::search::{Step as SearchStep, Trial};
 use crate::diagnose::smooth::Smooth;
 use crate::diagnose::summary;
+use crate::diagnose::uncertainty::Uncertainty;
 use crate::diagnose::underway;
 use crate::outcome::diagnose::{Evidence, Finding, Rival, Spoiled, Unattested, Verdict};
 use crate::outcome::parameter::Parameter;
@@ -180,12 +181,13 @@ pub fn unnamed(
 }
 
 /// Findings of channels without one whose held-out residual is much larger than noise, and larger than chance would
-/// have it, and not mostly explained by what is found elsewhere: not even where the misfit lies says what it is. Where a
-/// name was withdrawn there is a misfit of weight. Where nothing attests the noise it is at most what is left of the rows
+/// have it, and not mostly explained by what is found elsewhere: not even where the misfit lies says what it is. What
+/// uncertain parameters add to a prediction is as attested as noise. Where a name was withdrawn there is a misfit of weight. Where nothing attests the noise it is at most what is left of the rows
 /// that were fitted.
 pub fn unexplained(
     bench: &Bench<'_>,
     ([declared, refit], floor, significance): ([&Refit; 2], &Floor, f64),
+    predicted: &Uncertainty,
     (findings, withdrawn, cut_short): (&[Finding], &[usize], bool),
 ) -> Vec<Finding> {
     let signal = bench.signal_rms(Split::Validation);
@@ -208,12 +210,13 @@ pub fn unexplained(
                 true => (floor.rms[c], "the noise"),
                 false => (rms(&refit.train[c]), "that on those that were"),
             };
+            let attested = noise.hypot(predicted.deviation[c]);
             let under_way = underway::kept(residual, &underway::rows(bench, (refit, joint)));
             let views: [(&[f64], f64); VIEWS] = [(residual, least), (&under_way, OF_TORQUE)];
             let of_weight = views
                 .into_iter()
                 .filter(|(rows, least)| rms(rows) > least * signal[c]);
-            let chances = of_weight.filter_map(|(rows, _)| chance(rows, noise));
+            let chances = of_weight.filter_map(|(rows, _)| chance(rows, attested));
             let p_value = (chances.reduce(f64::min)? * tried).min(1.0);
             (p_value < significance).then(|| Finding {
                 effect: "unnamed".to_string(),
@@ -252,11 +255,13 @@ pub fn chance(residual: &[f64], noise: f64) -> Option<f64> {
 /// Channels of which the residual is of weight, more than [`OF_SIGNAL`], and more than [`UNEXPLAINED`] times the variance of
 /// the noise that is known apart from the misfit: by the scatter of periods, by what no motion reaches in the signal, or by
 /// what successive rows of the residual differ, in which a misfit that follows the motion has no part. Slow noise is not
-/// told from misfit. The final model, with smooth corrections.
+/// told from misfit, and what uncertain parameters add to a prediction is added to it. The final model, with smooth
+/// corrections.
 pub fn unattested(
     bench: &Bench<'_>,
     (full, smooths): (&Refit, &[&Smooth]),
     floor: &Floor,
+    predicted: &Uncertainty,
 ) -> Vec<Unattested> {
     let (model, left) = (&full.model, summary::left(full, smooths));
     let signal = bench.signal_rms(Split::Validation);
@@ -271,7 +276,8 @@ pub fn unattested(
             }
         };
         let residual = rms(&left[c]);
-        let excess = residual.powi(2) > UNEXPLAINED * noise.powi(2);
+        let attested = noise.hypot(predicted.deviation[c]);
+        let excess = residual > UNEXPLAINED.sqrt() * attested;
         let of_signal = residual / signal[c];
         (excess && of_signal > OF_SIGNAL).then(|| Unattested {
             joint: channel.name.clone(),

@@ -64,7 +64,7 @@ impl Grid {
                 },
                 scanned: search == Search::Cycles,
                 rising: matches!(search, Search::Rising(_)),
-                time: matches!(search, Search::Duration(_)),
+                time: matches!(search, Search::Duration(_) | Search::Instant(_)),
                 begun_anew: matches!(search, Search::Speed(_) | Search::Typical),
             });
         }

@@ -19,6 +19,7 @@ use crate::diagnose::grid::Grid;
 use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::lead::{Lead, Naming, Point};
 use crate::diagnose::passage::Chain;
+use crate::diagnose::points::{best_first, halved};
 use crate::diagnose::refit::{Refit, Start};
 use crate::diagnose::rows::{Series, rms};
 use crate::estimate::reach::Motion;
@@ -31,7 +32,7 @@ use std::sync::OnceLock;
 /// The model as it stands, linearised over the fitted recordings.
 pub struct Linearised<'a> {
     refit: &'a Refit,
-    recordings: Vec<&'a Prepared>,
+    recordings: Vec<Prepared>,
     /// The same with what the bodies do, which laws of drives leave as it is; made when first needed.
     known: OnceLock<Vec<Prepared>>,
     chain: Chain,
@@ -53,22 +54,34 @@ const INDEPENDENT: f64 = 1e-8;
 /// Dry friction whose transition is narrower than this leaves it as it is.
 const MOSTLY_REACHED: f64 = 0.8;
 
-/// Rising values that are tried at the same time, some of them perhaps beyond the first that is far too large.
-const AT_ONCE: usize = 4;
-
-/// Times that the steps of rising values are halved about the best: impacts move by a row within them, and a search
-/// does not see past that.
-const HALVINGS: usize = 2;
-
 /// A value that makes the squared residual so many times larger is far too large.
 const HOPELESS: f64 = 10.0;
 
+/// A model with a hypothesis more, and the recordings along which it is evaluated.
+struct Enlarged<'a> {
+    model: Model,
+    recordings: Vec<&'a Prepared>,
+}
+
+/// Rows that tell which hypotheses are worth a closer look: what takes 1 % of the squares of so many rows, the least that
+/// matters, gains 25 where noise gives each parameter 1 (Wilks 1938).
+const ENOUGH: usize = 2500;
+
+/// Hypotheses that get a closer look, several times as many as are fitted.
+const CLOSER: usize = 40;
+
 impl<'a> Linearised<'a> {
-    pub fn new(bench: &'a Bench<'_>, refit: &'a Refit) -> Self {
-        let recordings = bench.recordings(Split::Train);
+    pub fn new(bench: &Bench<'_>, refit: &'a Refit) -> Self {
+        Self::of_every(1, bench, refit)
+    }
+
+    fn of_every(every: usize, bench: &Bench<'_>, refit: &'a Refit) -> Self {
+        let recordings = bench.recordings(Split::Train).into_iter();
+        let recordings: Vec<Prepared> = recordings.map(|r| r.thinned(every)).collect();
         let scale = refit.deviations();
         let positions = refit.unknowns.positions();
-        let series = Series::of(&refit.model, &refit.values, &positions, &recordings);
+        let of: Vec<&Prepared> = recordings.iter().collect();
+        let series = Series::of(&refit.model, &refit.values, &positions, &of);
         let mut columns = series.columns;
         for (c, of_channel) in columns.iter_mut().enumerate() {
             for column in of_channel.iter_mut().flatten() {
@@ -93,20 +106,10 @@ impl<'a> Linearised<'a> {
 
     /// The best point of a hypothesis; `None` where it cannot be in the model or takes nothing.
     pub fn examine(&self, bench: &Bench<'_>, hypothesis: &Hypothesis) -> Option<Lead> {
-        let mut all = self.refit.hypotheses.clone();
-        all.push(hypothesis.clone());
-        let (mut model, _) = bench.model(&all).ok()?;
-        if hypothesis.joints.len() == 1 && self.chain.leaves_others(&self.refit.model, hypothesis) {
-            model.predict_only(hypothesis.joints[0]);
-        }
-        let recordings: Vec<&Prepared> =
-            match self.chain.knows_bodies(&self.refit.model, hypothesis) {
-                true => self.known().iter().collect(),
-                false => self.recordings.clone(),
-            };
+        let Enlarged { model, recordings } = self.enlarged(bench, hypothesis)?;
         let own = self.own_parameters(&model);
         let bases = self.bases(&model, hypothesis);
-        let motion = Motion::of(&self.recordings, hypothesis.joints[0]);
+        let motion = Motion::of(&bench.recordings(Split::Train), hypothesis.joints[0]);
         let grid = Grid::new(&model, &own, (hypothesis.effect, &motion));
         let gain = |point: Vec<f64>| {
             let from = |(b, base): (usize, &DVector<f64>)| {
@@ -145,6 +148,33 @@ impl<'a> Linearised<'a> {
         Some(lead)
     }
 
+    /// The same lead with what it gains at its start over these rows.
+    fn confirmed(&self, bench: &Bench<'_>, lead: Lead) -> Option<Lead> {
+        let Enlarged { model, recordings } = self.enlarged(bench, &lead.hypothesis)?;
+        let own = self.own_parameters(&model);
+        let mut values = self.transfer(&model);
+        for (name, value) in &lead.start {
+            values[model.find(name).ok()?] = *value;
+        }
+        let gain = self.gain(&model, (&values, &own), &recordings);
+        Some(Lead { gain, ..lead })
+    }
+
+    /// The model with a hypothesis more; `None` where it cannot be in it.
+    fn enlarged(&self, bench: &Bench<'_>, hypothesis: &Hypothesis) -> Option<Enlarged<'_>> {
+        let mut all = self.refit.hypotheses.clone();
+        all.push(hypothesis.clone());
+        let (mut model, _) = bench.model(&all).ok()?;
+        if hypothesis.joints.len() == 1 && self.chain.leaves_others(&self.refit.model, hypothesis) {
+            model.predict_only(hypothesis.joints[0]);
+        }
+        let recordings = match self.chain.knows_bodies(&self.refit.model, hypothesis) {
+            true => self.known().iter().collect(),
+            false => self.recordings.iter().collect(),
+        };
+        Some(Enlarged { model, recordings })
+    }
+
     /// What further columns of a channel would take.
     pub fn gain_of(&self, channel: usize, columns: &[Vec<f64>]) -> f64 {
         let weighted = |column: &Vec<f64>| -> Column {
@@ -156,7 +186,7 @@ impl<'a> Linearised<'a> {
     }
 
     fn known(&self) -> &[Prepared] {
-        let with_bodies = |r: &&Prepared| with_bodies((self.refit, self.chain), r);
+        let with_bodies = |r: &Prepared| with_bodies((self.refit, self.chain), r);
         let make = || self.recordings.iter().map(with_bodies).collect();
         self.known.get_or_init(make)
     }
@@ -216,7 +246,7 @@ impl<'a> Linearised<'a> {
     fn reached(&self, joint: usize) -> f64 {
         let width = self.refit.model.joints()[joint].width;
         let width = width.map_or(0.0, |index| self.refit.values[index]);
-        let of = |r: &&Prepared| {
+        let of = |r: &Prepared| {
             let speeds = r.segment().motors.dq[joint].iter();
             let share = |v: &f64| v / (v.abs() + width).max(f64::MIN_POSITIVE);
             speeds.map(share).collect::<Vec<f64>>()
@@ -334,50 +364,6 @@ impl<'a> Linearised<'a> {
     }
 }
 
-/// Points by what they gain, the most first; of rising values those before the first that is `hopeless`.
-fn best_first(
-    points: Vec<Vec<f64>>,
-    hopeless: Option<f64>,
-    gain: &(dyn Fn(Vec<f64>) -> Point + Sync),
-) -> Vec<Point> {
-    let mut seen: Vec<Point> = match hopeless {
-        Some(hopeless) => {
-            let at_once = points.chunks(AT_ONCE);
-            let seen = at_once
-                .flat_map(|some| -> Vec<Point> { some.par_iter().cloned().map(gain).collect() });
-            seen.take_while(|point| point.gain > hopeless).collect()
-        }
-        None => points.into_par_iter().map(gain).collect(),
-    };
-    seen.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    seen
-}
-
-/// Points with steps about the best halved again and again.
-fn halved(mut points: Vec<Point>, best_first: &dyn Fn(Vec<Vec<f64>>) -> Vec<Point>) -> Vec<Point> {
-    for _ in 0..HALVINGS {
-        points.extend(best_first(beside_best(&points)));
-        points.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    }
-    points
-}
-
-/// Half the way from the best of some points, which come first, to those next to it.
-fn beside_best(points: &[Point]) -> Vec<Vec<f64>> {
-    let Some(best) = points.first() else {
-        return Vec::new();
-    };
-    let of = |point: &Point| point.at[0] - best.at[0];
-    let below = points.iter().filter(|p| of(p) < 0.0);
-    let above = points.iter().filter(|p| of(p) > 0.0);
-    let nearest = [
-        below.max_by(|a, b| of(a).total_cmp(&of(b))),
-        above.min_by(|a, b| of(a).total_cmp(&of(b))),
-    ];
-    let halfway = |point: &Point| best.at.iter().map(|x| x + 0.5 * of(point)).collect();
-    nearest.into_iter().flatten().map(halfway).collect()
-}
-
 /// A recording with what the bodies of a fitted model do along it.
 fn with_bodies((refit, chain): (&Refit, Chain), recording: &Prepared) -> Prepared {
     let rows = recording.experiment.rows();
@@ -432,8 +418,20 @@ fn weighted_difference(a: &[Vec<f64>], b: &[Vec<f64>], scale: &[f64]) -> Vec<Vec
     a.iter().zip(b).zip(scale).map(of).collect()
 }
 
+/// Sums of so many products are kept apart, which a processor makes at the same time.
+const LANES: usize = 8;
+
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let (a_lanes, b_lanes) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let ends = a_lanes.remainder().iter().zip(b_lanes.remainder());
+    let end: f64 = ends.map(|(a, b)| a * b).sum();
+    let mut sums = [0.0; LANES];
+    for (a, b) in a_lanes.zip(b_lanes) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += a * b;
+        }
+    }
+    end + sums.iter().sum::<f64>()
 }
 
 fn inner(a: &Column, b: &Column) -> f64 {
@@ -444,18 +442,32 @@ fn inner(a: &Column, b: &Column) -> f64 {
     a.iter().map(of).sum()
 }
 
-/// The leads among hypotheses, the most promising first.
+/// The leads among hypotheses, the most promising first: by a glance at some rows, and a look of those in front at all.
 pub fn leads(
     bench: &Bench<'_>,
     refit: &Refit,
     open: &[Hypothesis],
 ) -> Result<Vec<Lead>, DiagnoseError> {
-    let linearised = Linearised::new(bench, refit);
+    let by_gain = |leads: &mut Vec<Lead>| leads.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let is_going_on = || !bench.control.is_interrupted();
+    let train = bench.recordings(Split::Train);
+    let rows: usize = train.iter().map(|r| r.counting().count()).sum();
+    let every = (rows / ENOUGH).max(1);
+    let glance = Linearised::of_every(every, bench, refit);
     let examined = open
         .par_iter()
-        .filter(|_| !bench.control.is_interrupted())
-        .filter_map(|hypothesis| linearised.examine(bench, hypothesis));
+        .filter(|_| is_going_on())
+        .filter_map(|hypothesis| glance.examine(bench, hypothesis));
     let mut leads: Vec<Lead> = examined.filter(|lead| lead.gain > 0.0).collect();
-    leads.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    by_gain(&mut leads);
+    if every > 1 {
+        let look = Linearised::new(bench, refit);
+        leads.truncate(CLOSER);
+        let closer = leads.into_par_iter().filter(|_| is_going_on());
+        leads = closer
+            .filter_map(|lead| look.confirmed(bench, lead))
+            .collect();
+        by_gain(&mut leads);
+    }
     Ok(leads)
 }

@@ -8,6 +8,7 @@ use crate::diagnose::evidence::{Evidence, of_own_parameters};
 use crate::diagnose::forecast::{forecast, under_way};
 use crate::diagnose::hypothesis::{self, Hypothesis};
 use crate::diagnose::lead::Lead;
+use crate::diagnose::passing;
 use crate::diagnose::refit::{Refit, Start, refit, refit_holding};
 use crate::diagnose::relief::{MATTERS, excess, relief};
 use crate::diagnose::rows::rms;
@@ -200,7 +201,7 @@ fn foremost(leads: Vec<Lead>) -> Vec<Lead> {
 }
 
 /// Whether the parameters of a hypothesis came out where its physics has them: friction that drives is no
-/// friction, whatever it explains, and a law of speed changes within the speeds of its joint.
+/// friction, whatever it explains, a law of speed changes within the speeds of its joint, and what begins and ends does.
 fn is_possible(bench: &Bench<'_>, refit: &Refit, lead: &Lead) -> bool {
     let model = &refit.model;
     let mut own = lead.start.iter();
@@ -210,7 +211,9 @@ fn is_possible(bench: &Bench<'_>, refit: &Refit, lead: &Lead) -> bool {
             (parameter.lower..=parameter.upper).contains(&refit.values[index])
         })
     });
-    within_limits && speeds::are_reached(bench, refit, &lead.hypothesis)
+    within_limits
+        && speeds::are_reached(bench, refit, &lead.hypothesis)
+        && passing::is_shorter(bench, refit, &lead.hypothesis)
 }
 
 /// Weighted sum of squares of one joint whose loss lowers its RMS error by half of what matters: what

@@ -20,6 +20,7 @@ use crate::diagnose::rivals::{Contest, Doubt, contest, doubts, exchange};
 use crate::diagnose::search::{self, Grown, Rules, Trial, fit_without, grow, prune};
 use crate::diagnose::smooth::Smooth;
 use crate::diagnose::summary::{self, About};
+use crate::diagnose::uncertainty::Uncertainty;
 use crate::diagnose::{next, outweighed, own, shadow};
 use crate::estimate::bandwidth;
 use crate::estimate::figures::{Predictions, noise_rms, predictions};
@@ -203,7 +204,11 @@ fn over_periods(
         return Ok(None);
     };
     let explanation = conclude_search(benches, grown, (rules, watch))?;
-    report(benches, (&explanation, rules)).map(Some)
+    let of_time = |h: &Hypothesis| effects.iter().any(|id| id == h.effect.id);
+    match explanation.full.hypotheses.iter().any(of_time) {
+        true => report(benches, (&explanation, rules)).map(Some),
+        false => Ok(None),
+    }
 }
 
 fn sought(problem: &ProblemFile) -> Option<Vec<String>> {
@@ -325,6 +330,7 @@ fn report(
     let smooths: Vec<Smooth> = corrections.on(bench, full);
     let smooths: Vec<&Smooth> = smooths.iter().collect();
     let floor = floor::of_rows(bench, full, &smooths);
+    let predicted = Uncertainty::of(bench, full);
     let parameters = after.estimate.parameters.clone();
     let reporting = Reporting {
         benches,
@@ -332,6 +338,7 @@ fn report(
         rules,
         corrections: &corrections,
         floor: &floor,
+        predicted: &predicted,
         baseline,
         full,
     };
@@ -339,7 +346,7 @@ fn report(
     let findings = reporting.findings(&contests, &parameters);
     let corrected = summary::correct(bench, (full, &mut after), &smooths);
     judged_in_time(bench, &floor, [&mut before, &mut after]);
-    let unattested = conclude::unattested(bench, (full, &smooths), &floor);
+    let unattested = conclude::unattested(bench, (full, &smooths), &floor, &predicted);
     let verdict = reporting.verdict(&findings, &unattested);
     let mut notes = notes(&after.model, bench.data);
     notes.extend((!floor.measured).then(|| UNMEASURED.to_string()));
@@ -398,6 +405,7 @@ struct Reporting<'b, 'a> {
     rules: Rules<'b>,
     corrections: &'b Corrections,
     floor: &'b Floor,
+    predicted: &'b Uncertainty,
     /// The declared model, over all held-out rows.
     baseline: &'b Refit,
     /// The final model, over all held-out rows.
@@ -428,6 +436,7 @@ impl Reporting<'_, '_> {
                 self.floor,
                 self.rules.significance,
             ),
+            self.predicted,
             (&findings, &self.explanation.withdrawn, self.is_cut_short()),
         ));
         findings

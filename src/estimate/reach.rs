@@ -70,7 +70,7 @@ impl Motion {
             Search::Range(of) => shares(of, range, 0.0),
             Search::Speed(of) => shares(of, self.fastest, 0.0),
             Search::OverSpeed(of) => shares(of, 1.0 / self.fastest, 0.0),
-            Search::Duration(of) => shares(of, self.duration, 0.0),
+            Search::Duration(of) | Search::Instant(of) => shares(of, self.duration, 0.0),
             Search::Cycles => {
                 let step = TAU * CYCLES / range;
                 let most = PI / self.longest_step;

@@ -215,6 +215,8 @@ pub enum Search {
     OverSpeed(&'static [f64]),
     /// Shares of the duration of the recording.
     Duration(&'static [f64]),
+    /// The same, of what begins or ends then.
+    Instant(&'static [f64]),
     /// Cycles over the range of the joint's positions, from one to what the sampling resolves.
     Cycles,
 }

@@ -70,7 +70,8 @@ impl Lagging {
     fn contact(&self, lag: f64, rate: f64) -> Contact {
         let g = self.half_gap;
         let (near, far) = (lag - g, lag + g);
-        let (s, r) = (near.hypot(FLANK_WIDTH), far.hypot(FLANK_WIDTH));
+        let root = |x: f64| (x * x + FLANK_WIDTH * FLANK_WIDTH).sqrt();
+        let (s, r) = (root(near), root(far));
         let (near_share, far_share) = (near / s, far / r);
         let (near_bend, far_bend) = (
             FLANK_WIDTH.powi(2) / s.powi(3),

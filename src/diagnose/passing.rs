@@ -1,0 +1,35 @@
+//! Whether what begins and ends does so within the recordings.
+
+use crate::chain::effect::{Effect, Search};
+use crate::diagnose::bench::Bench;
+use crate::diagnose::hypothesis::Hypothesis;
+use crate::diagnose::refit::Refit;
+
+/// What is there for a larger share of a recording is an offset of all of it: the times at which it may begin and end
+/// are tried a tenth of the duration apart, and are known to half of that where a search begins.
+const WHOLE: f64 = 0.95;
+
+/// Whether an effect that lasts from one instant to another has both in each recording, but for a share of less than
+/// [`WHOLE`]; true of any other effect.
+pub fn is_shorter(bench: &Bench<'_>, refit: &Refit, hypothesis: &Hypothesis) -> bool {
+    let own = |(law, _): &&(&Effect, usize)| law.id == hypothesis.effect.id;
+    hypothesis.joints.iter().all(|&joint| {
+        let effects = &refit.model.joints()[joint].effects;
+        let Some((law, first)) = effects.iter().find(own) else {
+            return true;
+        };
+        let parameters = law.parameters.iter().zip(*first..);
+        let instants = parameters.filter(|(info, _)| matches!(info.search, Search::Instant(_)));
+        let instants: Vec<usize> = instants.map(|(_, at)| at).collect();
+        let [from, to] = instants[..] else {
+            return true;
+        };
+        (0..bench.data.recordings.len()).all(|k| {
+            let values = refit.values_in(bench.data, k);
+            let recording = &bench.data.recordings[k];
+            let (begin, end) = (recording.time(0), recording.time(recording.rows() - 1));
+            let lasts = values[to].min(end) - values[from].max(begin);
+            lasts < WHOLE * (end - begin)
+        })
+    })
+}

@@ -1,0 +1,57 @@
+//! What uncertain parameters add to the errors of predictions.
+//!
+//! ```text
+//! ŝ(θ̂) − ŝ(θ) ≈ J (θ̂ − θ),   mean over rows of Var = tr(JᵀJ C) / rows
+//! ```
+//!
+//! with the derivatives J of a channel over the held-out rows and the covariance C of the parameters, in which noise has its
+//! colour. Recordings that show little of a parameter leave it to those that show more.
+
+use crate::diagnose::bench::Bench;
+use crate::diagnose::refit::Refit;
+use crate::diagnose::rows::Series;
+use crate::estimate::covariance;
+use crate::recording::split::Split;
+
+/// Of the predictions of held-out rows.
+#[derive(Debug, Clone)]
+pub struct Uncertainty {
+    /// RMS deviation per channel, in the unit of the channel; 0 where nothing is held out.
+    pub deviation: Vec<f64>,
+}
+
+impl Uncertainty {
+    /// Of a fitted model; parameters that its derivatives do not determine add nothing.
+    pub fn of(bench: &Bench<'_>, refit: &Refit) -> Self {
+        let channels = refit.model.channels().len();
+        let [train, held_out] = [Split::Train, Split::Validation].map(|s| bench.recordings(s));
+        let problem = refit.problem(&train);
+        let Some(covariance) = covariance::of_unknowns(&problem, &refit.solution.x) else {
+            return Self {
+                deviation: vec![0.0; channels],
+            };
+        };
+        let positions = refit.unknowns.positions();
+        let series = Series::of(&refit.model, &refit.values, &positions, &held_out);
+        let of = |c: usize| {
+            let own = series.columns[c].iter().enumerate();
+            let own: Vec<(usize, &Vec<f64>)> = own
+                .filter_map(|(k, column)| Some((k, column.as_ref()?)))
+                .collect();
+            let mut sum = 0.0;
+            for (i, a) in &own {
+                for (j, b) in &own {
+                    let entry = covariance[(*i, *j)];
+                    if entry.is_finite() {
+                        sum += entry * a.iter().zip(*b).map(|(a, b)| a * b).sum::<f64>();
+                    }
+                }
+            }
+            let rows = series.predicted[c].len().max(1) as f64;
+            (sum.max(0.0) / rows).sqrt()
+        };
+        Self {
+            deviation: (0..channels).map(of).collect(),
+        }
+    }
+}
