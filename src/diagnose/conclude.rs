@@ -210,7 +210,7 @@ pub fn unexplained(
                 true => (floor.rms[c], "the noise"),
                 false => (rms(&refit.train[c]), "that on those that were"),
             };
-            let attested = noise.hypot(predicted.deviation[c]);
+            let attested = predicted.beside(c, noise);
             let under_way = underway::kept(residual, &underway::rows(bench, (refit, joint)));
             let views: [(&[f64], f64); VIEWS] = [(residual, least), (&under_way, OF_TORQUE)];
             let of_weight = views
@@ -276,7 +276,7 @@ pub fn unattested(
             }
         };
         let residual = rms(&left[c]);
-        let attested = noise.hypot(predicted.deviation[c]);
+        let attested = predicted.beside(c, noise);
         let excess = residual > UNEXPLAINED.sqrt() * attested;
         let of_signal = residual / signal[c];
         (excess && of_signal > OF_SIGNAL).then(|| Unattested {

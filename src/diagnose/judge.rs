@@ -15,6 +15,7 @@ use crate::diagnose::refit::Refit;
 use crate::diagnose::rivals::Contest;
 use crate::diagnose::rows::rms;
 use crate::diagnose::search::{Trial, compare, fit_without};
+use crate::diagnose::underway;
 
 /// The hypotheses of a model, each against the model without it, on rows that no choice has seen; p-values are
 /// corrected for `count` tests.
@@ -70,11 +71,17 @@ pub fn probabilities(
     let found = &test.refit.validation;
     let against = |rival: &Refit| encompassing((&rival.validation, found), None, rows.samples());
     let rivals = contest.alternatives.iter().map(|a| against(&a.trial.refit));
-    let channels = channels_of(&test.refit.model, &test.hypothesis.named_joints());
+    let model = &test.refit.model;
+    let channels = channels_of(model, &test.hypothesis.named_joints());
+    // At reversals every model leaves more than noise.
+    let kept = |c: usize| match model.channels()[c].joint {
+        Some(joint) => underway::kept(&found[c], &underway::rows(rows, (&test.refit, joint))),
+        None => found[c].clone(),
+    };
     let left = channels
         .into_iter()
         .filter(|_| floor.measured)
-        .filter_map(|c| chance(&found[c], floor.rms[c]))
+        .filter_map(|c| chance(&kept(c), floor.rms[c]))
         .fold(1.0, f64::min);
     Alternatives {
         rivals: rivals.collect(),

@@ -9,15 +9,15 @@
 
 use crate::diagnose::bench::Bench;
 use crate::diagnose::refit::Refit;
-use crate::diagnose::rows::Series;
+use crate::diagnose::rows::{Series, deviation};
 use crate::estimate::covariance;
 use crate::recording::split::Split;
 
 /// Of the predictions of held-out rows.
 #[derive(Debug, Clone)]
 pub struct Uncertainty {
-    /// RMS deviation per channel, in the unit of the channel; 0 where nothing is held out.
-    pub deviation: Vec<f64>,
+    /// RMS deviation per channel over the RMS residual of what was fitted, from which it follows.
+    relative: Vec<f64>,
 }
 
 impl Uncertainty {
@@ -28,7 +28,7 @@ impl Uncertainty {
         let problem = refit.problem(&train);
         let Some(covariance) = covariance::of_unknowns(&problem, &refit.solution.x) else {
             return Self {
-                deviation: vec![0.0; channels],
+                relative: vec![0.0; channels],
             };
         };
         let positions = refit.unknowns.positions();
@@ -48,10 +48,15 @@ impl Uncertainty {
                 }
             }
             let rows = series.predicted[c].len().max(1) as f64;
-            (sum.max(0.0) / rows).sqrt()
+            (sum.max(0.0) / rows).sqrt() / deviation(&refit.train[c])
         };
         Self {
-            deviation: (0..channels).map(of).collect(),
+            relative: (0..channels).map(of).collect(),
         }
+    }
+
+    /// The RMS error of predictions where rows that were fitted have `noise` and nothing else.
+    pub fn beside(&self, channel: usize, noise: f64) -> f64 {
+        noise * self.relative[channel].hypot(1.0)
     }
 }
