@@ -252,7 +252,7 @@ pub fn chance(residual: &[f64], noise: f64) -> Option<f64> {
     (lack > UNEXPLAINED).then(|| spread.upper_tail(lack))
 }
 
-/// Channels of which the residual is of weight, more than [`OF_SIGNAL`], and more than [`UNEXPLAINED`] times the variance of
+/// Channels of which the residual is of weight, more than 3 % of the signal, and more than [`UNEXPLAINED`] times the variance of
 /// the noise that is known apart from the misfit: by the scatter of periods, by what no motion reaches in the signal, or by
 /// what successive rows of the residual differ, in which a misfit that follows the motion has no part. Slow noise is not
 /// told from misfit, and what uncertain parameters add to a prediction is added to it. The final model, with smooth

@@ -9,8 +9,8 @@ use crate::diagnose::refit::Refit;
 /// are tried a tenth of the duration apart, and are known to half of that where a search begins.
 const WHOLE: f64 = 0.95;
 
-/// Whether an effect that lasts from one instant to another has both in each recording, but for a share of less than
-/// [`WHOLE`]; true of any other effect.
+/// Whether an effect that lasts from one instant to another is there for less than all of each recording; true of any
+/// other effect.
 pub fn is_shorter(bench: &Bench<'_>, refit: &Refit, hypothesis: &Hypothesis) -> bool {
     let own = |(law, _): &&(&Effect, usize)| law.id == hypothesis.effect.id;
     hypothesis.joints.iter().all(|&joint| {

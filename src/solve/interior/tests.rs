@@ -213,7 +213,7 @@ fn runaway(seed: u64) -> TestProblem {
     const COUNT: usize = 4;
     const ROWS: usize = 200;
     let n = 10 * COUNT;
-    let mut state = seed * 7919 | 1;
+    let mut state = (seed * 7919) | 1;
     let mut uniform = || {
         state = state
             .wrapping_mul(6_364_136_223_846_793_005)
