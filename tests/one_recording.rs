@@ -1,11 +1,17 @@
 //! Effects that belong to one recording: a push in the held-out recording at another time than in the fitted one.
 
+use exid::chain::dataset::{Dataset, Prepared};
 use exid::chain::effect;
-use exid::diagnose::task;
+use exid::diagnose::drift::unrolled;
+use exid::diagnose::rows::rms;
+use exid::diagnose::uncertainty::Uncertainty;
+use exid::diagnose::{passing, task};
+use exid::estimate::covariance::of_unknowns;
 use exid::problem::solution::Control;
 use exid::problem_file::ProblemFile;
+use exid::recording::split::Split;
 use exid::trials::plan::{Plan, Scope};
-use exid::trials::run::{PROBLEM, prepare};
+use exid::trials::run::{Opened, PROBLEM, prepare};
 use std::fs;
 
 /// A trial with a push of half the usual torque from one time (s) to another.
@@ -56,5 +62,67 @@ fn a_push_at_another_time_is_fitted_where_it_is() {
     for joint in &run.diagnosis.outcome.joints {
         let left = joint.lack_of_fit.unwrap();
         assert!((0.5..1.8).contains(&left), "{joint:?}");
+    }
+}
+
+/// A model of a trial with its push from one time to another, as fitted.
+fn is_shorter(from: f64, to: f64) -> bool {
+    let folder = tempfile::tempdir().unwrap();
+    let control = Control::default();
+    let plan = pushed(from, to);
+    prepare(&plan, folder.path(), &control).unwrap();
+    let opened = Opened::read(&folder.path().join(PROBLEM), &control).unwrap();
+    let data = unrolled(&opened.data);
+    let hypothesis = plan.concealed[0].hypothesis.clone();
+    let start = plan.concealed[0].values.clone();
+    let fit = opened
+        .fit(&data, (std::slice::from_ref(&hypothesis), &start), &control)
+        .unwrap();
+    passing::is_shorter(&opened.bench(&data, &control), &fit, &hypothesis)
+}
+
+#[test]
+fn what_is_there_all_the_time_is_no_push() {
+    assert!(is_shorter(4.0, 5.5));
+    assert!(!is_shorter(-10.0, 1000.0));
+}
+
+/// A complete model that was fitted to a second of motion: what its parameters miss is larger than the noise, and known.
+#[test]
+fn errors_of_uncertain_parameters_are_foreseen() {
+    let folder = tempfile::tempdir().unwrap();
+    let control = Control::default();
+    let scope = Scope {
+        robots: vec!["arm3"],
+        ..Scope::periodic(11)
+    };
+    let mut plan = Plan::draw(&scope, (0, 0));
+    plan.concealed.clear();
+    plan.known_links = false;
+    prepare(&plan, folder.path(), &control).unwrap();
+    let opened = Opened::read(&folder.path().join(PROBLEM), &control).unwrap();
+    let short = |r: &Prepared| match r.split {
+        Split::Train => r.part(Split::Train, |row| row < 100),
+        Split::Validation => r.clone(),
+    };
+    let data = Dataset {
+        recordings: opened.data.recordings.iter().map(short).collect(),
+    };
+    let fit = opened.fit(&data, (&[], &Vec::new()), &control).unwrap();
+    let train: Vec<&Prepared> = data.of(Split::Train).collect();
+    let covariance = of_unknowns(&fit.problem(&train), &fit.solution.x);
+    let bench = opened.bench(&data, &control);
+    let predicted = Uncertainty::of(&bench, &fit, covariance.as_ref());
+    for (c, held_out) in fit.validation.iter().enumerate() {
+        let noise = plan.robot.noise[c] / (plan.course.periods as f64).sqrt();
+        let (found, foreseen) = (rms(held_out) / noise, predicted.beside(c, noise) / noise);
+        assert!(
+            foreseen > 1.5,
+            "joint {c}: nothing is foreseen beside the noise"
+        );
+        assert!(
+            found < 3.0 * foreseen,
+            "joint {c}: {found} found, {foreseen} foreseen"
+        );
     }
 }

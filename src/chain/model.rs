@@ -1,7 +1,7 @@
 //! A model of a robot with its drives: every parameter by name, known or free.
 
 use crate::chain::assemble;
-use crate::chain::effect::{Effect, Law, Memory, torque_current_nonlinearity};
+use crate::chain::effect::{Effect, Law, Memory, ParameterInfo, torque_current_nonlinearity};
 use crate::chain::error::ModelError;
 use crate::chain::parameter::{Parameter, Role, State};
 use crate::chain::platform::Platform;
@@ -163,6 +163,15 @@ impl JointModel {
     /// Whether the link lags behind the motor.
     pub fn has_lag(&self) -> bool {
         self.elasticity.is_some() || self.backlash.is_some()
+    }
+
+    /// What is known of the parameters of one of its effects, with their positions in the model's list; none of an effect
+    /// that it does not have.
+    pub fn parameters_of(&self, id: &str) -> impl Iterator<Item = (&'static ParameterInfo, usize)> {
+        let found = self.effects.iter().find(|(effect, _)| effect.id == id);
+        let own =
+            |&(effect, first): &(&'static Effect, usize)| effect.parameters.iter().zip(first..);
+        found.map(own).into_iter().flatten()
     }
 }
 

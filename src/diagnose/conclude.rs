@@ -145,7 +145,9 @@ fn nameless(cut_short: bool) -> &'static str {
 pub fn unnamed(
     smooth: &Smooth,
     refit: &Refit,
-    (floor, tested, cut_short): (&Floor, usize, bool),
+    floor: &Floor,
+    tested: usize,
+    cut_short: bool,
 ) -> Finding {
     let c = smooth.channel;
     let channel = &refit.model.channels()[c];
@@ -182,8 +184,8 @@ pub fn unnamed(
 
 /// Findings of channels without one whose held-out residual is much larger than noise, and larger than chance would
 /// have it, and not mostly explained by what is found elsewhere: not even where the misfit lies says what it is. What
-/// uncertain parameters add to a prediction is as attested as noise. Where a name was withdrawn there is a misfit of weight. Where nothing attests the noise it is at most what is left of the rows
-/// that were fitted.
+/// uncertain parameters add to a prediction is as attested as noise. Where a name was withdrawn there is a misfit of
+/// weight. Where nothing attests the noise it is at most what is left of the rows that were fitted.
 pub fn unexplained(
     bench: &Bench<'_>,
     ([declared, refit], floor, significance): ([&Refit; 2], &Floor, f64),
@@ -211,7 +213,7 @@ pub fn unexplained(
                 false => (rms(&refit.train[c]), "that on those that were"),
             };
             let attested = predicted.beside(c, noise);
-            let under_way = underway::kept(residual, &underway::rows(bench, (refit, joint)));
+            let under_way = underway::residual(bench, refit, c, residual);
             let views: [(&[f64], f64); VIEWS] = [(residual, least), (&under_way, OF_TORQUE)];
             let of_weight = views
                 .into_iter()
@@ -259,7 +261,8 @@ pub fn chance(residual: &[f64], noise: f64) -> Option<f64> {
 /// corrections.
 pub fn unattested(
     bench: &Bench<'_>,
-    (full, smooths): (&Refit, &[&Smooth]),
+    full: &Refit,
+    smooths: &[&Smooth],
     floor: &Floor,
     predicted: &Uncertainty,
 ) -> Vec<Unattested> {
@@ -284,7 +287,7 @@ pub fn unattested(
             unit: channel.unit.to_string(),
             rmse_validation: residual,
             of_signal,
-            sentence: explain::unattested(&channel.name, (residual, channel.unit), of_signal),
+            sentence: explain::unattested(&channel.name, residual, channel.unit, of_signal),
         })
     });
     open.collect()
@@ -298,13 +301,17 @@ pub fn is_needed(smooth: &Smooth, (significance, tried): (f64, usize)) -> bool {
         && smooth.taken >= OF_NOISE
 }
 
+/// Lack of fit of the declared and of the final model, pooled over the joints that findings name.
+#[derive(Debug, Clone, Copy)]
+pub struct LackOfFit {
+    pub before: f64,
+    pub after: f64,
+}
+
 /// The verdict from the lack of fit of the joints that findings name, before and after, from what is left without a name,
 /// and from whether what is left is known to be noise.
-pub fn verdict(
-    findings: &[Finding],
-    (before, after): (f64, f64),
-    unattested: &[Unattested],
-) -> Verdict {
+pub fn verdict(findings: &[Finding], lack: LackOfFit, unattested: &[Unattested]) -> Verdict {
+    let LackOfFit { before, after } = lack;
     let named = findings.iter().filter(|f| f.effect != "unnamed").count();
     if named == 0 {
         return match findings.is_empty() && unattested.is_empty() {

@@ -49,7 +49,7 @@ impl Corrections {
     pub fn findings(&self, floor: &Floor, cut_short: bool) -> Vec<Finding> {
         let confirmed = self.confirmed.iter();
         confirmed
-            .map(|test| conclude::unnamed(test, &self.full, (floor, self.tested, cut_short)))
+            .map(|test| conclude::unnamed(test, &self.full, floor, self.tested, cut_short))
             .collect()
     }
 }

@@ -60,15 +60,15 @@ pub fn encompassing(
     samples: Samples,
 ) -> Evidence {
     match samples {
-        Samples::Filtered => of_residuals((poorer, richer), noise),
+        Samples::Filtered => of_residuals(poorer, richer, noise),
         Samples::Recorded => {
             let white = whitened(poorer, richer, noise);
-            of_residuals((&white.poorer, &white.richer), white.noise.as_deref())
+            of_residuals(&white.poorer, &white.richer, white.noise.as_deref())
         }
     }
 }
 
-fn of_residuals((poorer, richer): (&[Vec<f64>], &[Vec<f64>]), noise: Option<&[f64]>) -> Evidence {
+fn of_residuals(poorer: &[Vec<f64>], richer: &[Vec<f64>], noise: Option<&[f64]>) -> Evidence {
     let scale: Vec<f64> = richer.iter().map(|e| deviation(e)).collect();
     let channels: Vec<usize> = (0..richer.len())
         .filter(|&c| !richer[c].is_empty())

@@ -67,7 +67,7 @@ pub fn improvement(before: f64, after: f64, unit: &str) -> String {
 }
 
 /// What is left of a joint and is not known to be noise.
-pub fn unattested(joint: &str, (residual, unit): (f64, &str), of_signal: f64) -> String {
+pub fn unattested(joint: &str, residual: f64, unit: &str, of_signal: f64) -> String {
     format!(
         "{joint}: the error on recordings that were not fitted is {} {unit}, {:.0} % of the signal, and nothing in them \
          says that this is noise",

@@ -37,11 +37,8 @@ pub fn under_way(
     noise: Option<&[f64]>,
 ) -> Evidence {
     let of = |refit: &Refit| -> Vec<Vec<f64>> {
-        let channels = richer.model.channels().iter().zip(&refit.validation);
-        let kept = channels.map(|(channel, residual)| match channel.joint {
-            Some(joint) => underway::kept(residual, &underway::rows(bench, (richer, joint))),
-            None => residual.clone(),
-        });
+        let channels = refit.validation.iter().enumerate();
+        let kept = channels.map(|(c, residual)| underway::residual(bench, richer, c, residual));
         kept.collect()
     };
     encompassing((&of(poorer), &of(richer)), noise, bench.samples())

@@ -71,13 +71,9 @@ pub fn probabilities(
     let found = &test.refit.validation;
     let against = |rival: &Refit| encompassing((&rival.validation, found), None, rows.samples());
     let rivals = contest.alternatives.iter().map(|a| against(&a.trial.refit));
-    let model = &test.refit.model;
-    let channels = channels_of(model, &test.hypothesis.named_joints());
+    let channels = channels_of(&test.refit.model, &test.hypothesis.named_joints());
     // At reversals every model leaves more than noise.
-    let kept = |c: usize| match model.channels()[c].joint {
-        Some(joint) => underway::kept(&found[c], &underway::rows(rows, (&test.refit, joint))),
-        None => found[c].clone(),
-    };
+    let kept = |c: usize| underway::residual(rows, &test.refit, c, &found[c]);
     let left = channels
         .into_iter()
         .filter(|_| floor.measured)

@@ -20,6 +20,16 @@ pub struct Lead {
     pub anew: Vec<Start>,
 }
 
+/// What the hypotheses that are open beside one model promise.
+#[derive(Debug, Clone, Default)]
+pub struct Screening {
+    pub open: Vec<Hypothesis>,
+    /// All that promise something, by a glance at some of the rows.
+    pub glance: Vec<Lead>,
+    /// The foremost of them by all rows, the most promising first.
+    pub leads: Vec<Lead>,
+}
+
 /// Further starts of a law whose shape has several parameters.
 const OTHERS: usize = 2;
 

@@ -2,7 +2,7 @@
 
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::hypothesis::Hypothesis;
-use crate::diagnose::lead::Lead;
+use crate::diagnose::lead::Screening;
 use crate::diagnose::refit::Refit;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -13,7 +13,7 @@ type Answers<T> = Mutex<Vec<(Vec<Hypothesis>, T)>>;
 #[derive(Debug, Default)]
 pub struct Memory {
     refits: Answers<Refit>,
-    leads: Answers<Vec<Lead>>,
+    screenings: Answers<Screening>,
     /// Hypotheses of models that were fitted from the optimum of a richer one, and the hypotheses of that.
     poorer: Mutex<Vec<(Vec<Hypothesis>, Vec<Hypothesis>)>>,
 }
@@ -29,10 +29,12 @@ impl Memory {
     }
 
     /// The fit of a model with hypotheses that `make` makes from the optimum of a `richer` one, or the known one, of
-    /// both the better: a law of friction that was once tried alone may have ended in a shallow optimum.
+    /// both the better: a law of friction that was once tried alone may have ended in a shallow optimum. What it leads
+    /// to is found anew where it is better by more than `least`.
     pub fn refit_from(
         &self,
         (hypotheses, richer): (&[Hypothesis], &[Hypothesis]),
+        least: f64,
         make: impl FnOnce() -> Result<Refit, DiagnoseError>,
     ) -> Result<Refit, DiagnoseError> {
         let pair = (hypotheses.to_vec(), richer.to_vec());
@@ -45,19 +47,33 @@ impl Memory {
         if better {
             open(&self.refits).retain(|(of, _)| of != hypotheses);
             open(&self.refits).push((hypotheses.to_vec(), made.clone()));
-            open(&self.leads).retain(|(of, _)| of != hypotheses);
+            if known.fitted_score() - made.fitted_score() > least {
+                open(&self.screenings).retain(|(of, _)| of != hypotheses);
+            }
         }
         open(&self.poorer).push(pair);
         Ok(if better { made } else { known })
     }
 
     /// What a model with hypotheses leads to, found by `make` the first time.
-    pub fn leads(
+    pub fn screening(
         &self,
         hypotheses: &[Hypothesis],
-        make: impl FnOnce() -> Result<Vec<Lead>, DiagnoseError>,
-    ) -> Result<Vec<Lead>, DiagnoseError> {
-        recall(&self.leads, hypotheses, make)
+        make: impl FnOnce() -> Result<Screening, DiagnoseError>,
+    ) -> Result<Screening, DiagnoseError> {
+        recall(&self.screenings, hypotheses, make)
+    }
+
+    /// The fit and the screening of a model that has one hypothesis less.
+    pub fn one_less(&self, hypotheses: &[Hypothesis]) -> Option<(Refit, Screening)> {
+        (0..hypotheses.len()).rev().find_map(|k| {
+            let mut poorer = hypotheses.to_vec();
+            poorer.remove(k);
+            Some((
+                known(&self.refits, &poorer)?,
+                known(&self.screenings, &poorer)?,
+            ))
+        })
     }
 }
 
@@ -66,16 +82,18 @@ fn recall<T: Clone>(
     hypotheses: &[Hypothesis],
     make: impl FnOnce() -> Result<T, DiagnoseError>,
 ) -> Result<T, DiagnoseError> {
-    let known = open(answers)
-        .iter()
-        .find(|(of, _)| of == hypotheses)
-        .map(|(_, answer)| answer.clone());
-    if let Some(answer) = known {
+    if let Some(answer) = known(answers, hypotheses) {
         return Ok(answer);
     }
     let answer = make()?;
     open(answers).push((hypotheses.to_vec(), answer.clone()));
     Ok(answer)
+}
+
+fn known<T: Clone>(answers: &Answers<T>, hypotheses: &[Hypothesis]) -> Option<T> {
+    let answers = open(answers);
+    let answer = answers.iter().find(|(of, _)| of == hypotheses);
+    answer.map(|(_, answer)| answer.clone())
 }
 
 /// A list, also where a thread failed while it held it: entries are whole or absent.

@@ -43,6 +43,7 @@ pub mod refit;
 pub mod regime;
 pub mod relief;
 pub mod rest;
+pub mod reuse;
 pub mod rivals;
 pub mod rows;
 pub mod screen;

@@ -1,6 +1,6 @@
 //! Whether what begins and ends does so within the recordings.
 
-use crate::chain::effect::{Effect, Search};
+use crate::chain::effect::Search;
 use crate::diagnose::bench::Bench;
 use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::refit::Refit;
@@ -12,13 +12,8 @@ const WHOLE: f64 = 0.95;
 /// Whether an effect that lasts from one instant to another is there for less than all of each recording; true of any
 /// other effect.
 pub fn is_shorter(bench: &Bench<'_>, refit: &Refit, hypothesis: &Hypothesis) -> bool {
-    let own = |(law, _): &&(&Effect, usize)| law.id == hypothesis.effect.id;
     hypothesis.joints.iter().all(|&joint| {
-        let effects = &refit.model.joints()[joint].effects;
-        let Some((law, first)) = effects.iter().find(own) else {
-            return true;
-        };
-        let parameters = law.parameters.iter().zip(*first..);
+        let parameters = refit.model.joints()[joint].parameters_of(hypothesis.effect.id);
         let instants = parameters.filter(|(info, _)| matches!(info.search, Search::Instant(_)));
         let instants: Vec<usize> = instants.map(|(_, at)| at).collect();
         let [from, to] = instants[..] else {

@@ -13,6 +13,9 @@ use crate::recording::split::Split;
 /// An effect matters where it lowers the held-out RMS error of a joint by this share.
 pub const MATTERS: f64 = 0.01;
 
+/// Half of the share of the squares of a joint whose loss lowers its RMS error by what matters.
+pub const HALF_OF_WHAT_MATTERS: f64 = 0.5 * (1.0 - (1.0 - MATTERS) * (1.0 - MATTERS));
+
 /// An effect that takes less than this share of the RMS signal of every joint is negligible.
 pub const OF_TORQUE: f64 = 0.002;
 

@@ -17,15 +17,16 @@ use crate::diagnose::bench::Bench;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::grid::Grid;
 use crate::diagnose::hypothesis::Hypothesis;
-use crate::diagnose::lead::{Lead, Naming, Point};
+use crate::diagnose::lead::{Lead, Naming, Point, Screening};
 use crate::diagnose::passage::Chain;
 use crate::diagnose::points::{best_first, halved};
 use crate::diagnose::refit::{Refit, Start};
+use crate::diagnose::reuse::Reusable;
 use crate::diagnose::rows::{Series, rms};
 use crate::estimate::reach::Motion;
 use crate::linalg::triangular::Triangular;
 use crate::recording::split::Split;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
@@ -418,20 +419,9 @@ fn weighted_difference(a: &[Vec<f64>], b: &[Vec<f64>], scale: &[f64]) -> Vec<Vec
     a.iter().zip(b).zip(scale).map(of).collect()
 }
 
-/// Sums of so many products are kept apart, which a processor makes at the same time.
-const LANES: usize = 8;
-
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (a_lanes, b_lanes) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let ends = a_lanes.remainder().iter().zip(b_lanes.remainder());
-    let end: f64 = ends.map(|(a, b)| a * b).sum();
-    let mut sums = [0.0; LANES];
-    for (a, b) in a_lanes.zip(b_lanes) {
-        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-            *sum += a * b;
-        }
-    }
-    end + sums.iter().sum::<f64>()
+    let of = |x| DVectorView::from_slice(x, x.len());
+    of(a).dot(&of(b))
 }
 
 fn inner(a: &Column, b: &Column) -> f64 {
@@ -442,24 +432,27 @@ fn inner(a: &Column, b: &Column) -> f64 {
     a.iter().map(of).sum()
 }
 
-/// The leads among hypotheses, the most promising first: by a glance at some rows, and a look of those in front at all.
-pub fn leads(
+/// What hypotheses promise beside a model: by a glance at some rows, and a look of those in front at all.
+pub fn screen(
     bench: &Bench<'_>,
     refit: &Refit,
-    open: &[Hypothesis],
-) -> Result<Vec<Lead>, DiagnoseError> {
+    open: Vec<Hypothesis>,
+) -> Result<Screening, DiagnoseError> {
     let by_gain = |leads: &mut Vec<Lead>| leads.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let is_going_on = || !bench.control.is_interrupted();
     let train = bench.recordings(Split::Train);
     let rows: usize = train.iter().map(|r| r.counting().count()).sum();
     let every = (rows / ENOUGH).max(1);
-    let glance = Linearised::of_every(every, bench, refit);
-    let examined = open
-        .par_iter()
-        .filter(|_| is_going_on())
-        .filter_map(|hypothesis| glance.examine(bench, hypothesis));
-    let mut leads: Vec<Lead> = examined.filter(|lead| lead.gain > 0.0).collect();
-    by_gain(&mut leads);
+    let rough = Linearised::of_every(every, bench, refit);
+    let earlier = Reusable::of(bench, refit);
+    let examined = open.par_iter().filter(|_| is_going_on());
+    let examined = examined.filter_map(|hypothesis| match earlier.stands(hypothesis) {
+        true => rough.confirmed(bench, earlier.lead(hypothesis)?),
+        false => rough.examine(bench, hypothesis),
+    });
+    let mut glance: Vec<Lead> = examined.filter(|lead| lead.gain > 0.0).collect();
+    by_gain(&mut glance);
+    let mut leads = glance.clone();
     if every > 1 {
         let look = Linearised::new(bench, refit);
         leads.truncate(CLOSER);
@@ -469,5 +462,9 @@ pub fn leads(
             .collect();
         by_gain(&mut leads);
     }
-    Ok(leads)
+    Ok(Screening {
+        open,
+        glance,
+        leads,
+    })
 }

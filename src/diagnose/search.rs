@@ -10,9 +10,10 @@ use crate::diagnose::hypothesis::{self, Hypothesis};
 use crate::diagnose::lead::Lead;
 use crate::diagnose::passing;
 use crate::diagnose::refit::{Refit, Start, refit, refit_holding};
-use crate::diagnose::relief::{MATTERS, excess, relief};
+use crate::diagnose::relief::{HALF_OF_WHAT_MATTERS, MATTERS, excess, relief};
+use crate::diagnose::reuse::Reusable;
 use crate::diagnose::rows::rms;
-use crate::diagnose::screen::leads;
+use crate::diagnose::screen::screen;
 use crate::diagnose::speeds;
 use crate::stats::distribution::Distribution;
 use rayon::prelude::*;
@@ -136,7 +137,8 @@ pub fn grow(
         if grown.steps.is_empty() {
             grown.examined = open.len();
         }
-        let mut trials = attempt(bench, &grown.refit, (rules, &open))?;
+        let earlier = grown.steps.last().map_or(&[][..], |step| &step.trials);
+        let mut trials = attempt(bench, &grown.refit, (rules, &open, earlier))?;
         let best = choose(bench, &trials, rules.significance);
         if let Some(best) = best {
             let richer = &trials[best].refit;
@@ -166,25 +168,36 @@ pub fn grow(
     Ok(grown)
 }
 
-/// Fits the leading hypotheses exactly beside what a model has.
+/// Fits the leading hypotheses exactly beside what a model has; those that did not matter beside a poorer one do not
+/// where the residuals of their joints have stayed, and are not fitted again.
 pub fn attempt(
     bench: &Bench<'_>,
     refit: &Refit,
-    (rules, open): (Rules<'_>, &[Hypothesis]),
+    (rules, open, earlier): (Rules<'_>, &[Hypothesis], &[Trial]),
 ) -> Result<Vec<Trial>, DiagnoseError> {
     let least = least_gain(refit);
     let all = || hypothesis::open((&refit.model, &refit.prior), (rules.sought, bench.in_time));
-    let find = || leads(bench, refit, &all());
-    let mut leads = bench.memory.leads(&refit.hypotheses, find)?;
+    let find = || screen(bench, refit, all());
+    let mut leads = bench.memory.screening(&refit.hypotheses, find)?.leads;
     leads.retain(|lead| lead.gain >= least && open.contains(&lead.hypothesis));
     let leads = foremost(leads);
+    let reusable = Reusable::of(bench, refit);
+    let is_refuted = |trial: &Trial| {
+        let (others, stated) = (trial.refit.hypotheses.split_last(), &refit.hypotheses);
+        let is_poorer = others.is_some_and(|(_, others)| others.iter().all(|h| stated.contains(h)));
+        is_poorer && trial.relief < MATTERS && reusable.stands(&trial.hypothesis)
+    };
+    let refuted: Vec<&Trial> = earlier.iter().filter(|trial| is_refuted(trial)).collect();
     let tried = leads.par_iter().filter_map(|lead| {
+        let known = refuted.iter().find(|t| t.hypothesis == lead.hypothesis);
+        if let Some(&known) = known {
+            return Some(known.clone());
+        }
         // A hypothesis that cannot be fitted is no hypothesis.
         let trial = try_one(bench, (refit, open.len()), lead).ok()?;
         is_possible(bench, &trial.refit, lead).then_some(trial)
     });
-    let trials: Vec<Trial> = tried.collect();
-    Ok(trials)
+    Ok(tried.collect())
 }
 
 /// The leads that are fitted: the most promising, of every effect two before a third of any.
@@ -220,7 +233,7 @@ fn is_possible(bench: &Bench<'_>, refit: &Refit, lead: &Lead) -> bool {
 /// promises less on the fitted rows does not matter on others.
 fn least_gain(refit: &Refit) -> f64 {
     let rows = refit.train.iter().map(Vec::len).max().unwrap_or(0) as f64;
-    0.5 * (1.0 - (1.0 - MATTERS).powi(2)) * rows
+    HALF_OF_WHAT_MATTERS * rows
 }
 
 fn try_one(
@@ -440,5 +453,5 @@ pub fn fit_without(bench: &Bench<'_>, full: &Refit, k: usize) -> Result<Refit, D
     hypotheses.remove(k);
     let fit = || refit(bench, &hypotheses, (&full.start(), &full.deviations()));
     let models = (&hypotheses[..], &full.hypotheses[..]);
-    bench.memory.refit_from(models, fit)
+    bench.memory.refit_from(models, least_gain(full), fit)
 }

@@ -1,6 +1,6 @@
 //! Whether the scales of speed of a law lie within the speeds that recordings have.
 
-use crate::chain::effect::{Effect, Memory};
+use crate::chain::effect::Memory;
 use crate::diagnose::bench::Bench;
 use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::refit::Refit;
@@ -16,11 +16,7 @@ pub fn are_reached(bench: &Bench<'_>, refit: &Refit, hypothesis: &Hypothesis) ->
     let train = bench.recordings(Split::Train);
     hypothesis.joints.iter().all(|&joint| {
         let motion = Motion::of(&train, joint);
-        let effects = &refit.model.joints()[joint].effects;
-        let own = |(law, _): &&(&Effect, usize)| law.id == hypothesis.effect.id;
-        effects.iter().find(own).is_none_or(|&(law, first)| {
-            let mut parameters = law.parameters.iter().zip(first..);
-            parameters.all(|(info, at)| motion.shows(info.search, refit.values[at]))
-        })
+        let mut parameters = refit.model.joints()[joint].parameters_of(hypothesis.effect.id);
+        parameters.all(|(info, at)| motion.shows(info.search, refit.values[at]))
     })
 }

@@ -5,7 +5,7 @@ use crate::chain::model::Model;
 use crate::check;
 use crate::diagnose::bench::{Bench, is_in_time};
 use crate::diagnose::benches::{Benches, Halves};
-use crate::diagnose::conclude::{self, Step};
+use crate::diagnose::conclude::{self, LackOfFit, Step};
 use crate::diagnose::corrections::Corrections;
 use crate::diagnose::drift;
 use crate::diagnose::error::DiagnoseError;
@@ -23,9 +23,11 @@ use crate::diagnose::summary::{self, About};
 use crate::diagnose::uncertainty::Uncertainty;
 use crate::diagnose::{next, outweighed, own, shadow};
 use crate::estimate::bandwidth;
+use crate::estimate::covariance::of_unknowns;
 use crate::estimate::figures::{Predictions, noise_rms, predictions};
-use crate::estimate::fit::{Fitted, outcome};
+use crate::estimate::fit::{Fitted, outcome, outcome_with};
 use crate::estimate::task::{notes, preprocessing};
+use crate::outcome::check::Finding as Mistake;
 use crate::outcome::diagnose::{Baseline, Diagnosis, Final, Finding, Unattested, Verdict};
 use crate::outcome::estimate::Estimate;
 use crate::outcome::parameter::Parameter;
@@ -40,6 +42,8 @@ use nalgebra::DVector;
 #[derive(Debug)]
 pub struct DiagnoseRun {
     pub diagnosis: Diagnosis,
+    /// A mismatch that is a mistake in the input, not physics.
+    pub mistakes: Vec<Mistake>,
     pub estimate: Estimate,
     pub model: Model,
     /// Values of the parameters of that model.
@@ -153,24 +157,24 @@ pub fn run(
         }
         None => None,
     };
-    let (mut diagnosis, fitted, [before, after], doubts) = match reported {
+    let mut reported = match reported {
         Some((over_time, unrolled)) => {
             halves = unrolled;
             over_time
         }
         None => report(&benches, (&explanation, rules))?,
     };
-    diagnosis.mistakes = mistakes;
     let note = held_out.then(|| HELD_OUT.to_string());
-    diagnosis.notes.extend(note);
+    reported.diagnosis.notes.extend(note);
     Ok(DiagnoseRun {
-        diagnosis,
-        estimate: fitted.estimate,
-        model: fitted.model,
-        values: fitted.values,
-        baseline: before,
-        finally: after,
-        doubts,
+        diagnosis: reported.diagnosis,
+        mistakes,
+        estimate: reported.fitted.estimate,
+        model: reported.fitted.model,
+        values: reported.fitted.values,
+        baseline: reported.declared,
+        finally: reported.last,
+        doubts: reported.doubts,
         data: halves.whole,
     })
 }
@@ -313,7 +317,16 @@ fn prefixes(bench: &Bench<'_>, full: &Refit) -> Result<Vec<Refit>, DiagnoseError
 const UNMEASURED: &str = "Nothing repeats, so the noise is not known apart from the misfit: shares are of what the \
                           best model found takes away, and what it leaves counts as noise.";
 
-type Reported = (Diagnosis, Fitted, [Predictions; 2], Vec<Doubt>);
+/// What is said of a model that a search has come to.
+struct Reported {
+    diagnosis: Diagnosis,
+    fitted: Fitted,
+    /// Predictions of the declared model.
+    declared: Predictions,
+    /// Predictions of the final model, with its corrections.
+    last: Predictions,
+    doubts: Vec<Doubt>,
+}
 
 fn report(
     benches: &Benches<'_>,
@@ -324,13 +337,19 @@ fn report(
     // The search may have found a better fit of the declared model than its first one.
     let baseline = &baseline(&benches.selection)?.on(bench);
     let recordings = bench.recordings(Split::Train);
-    let fitted = |refit: &Refit| outcome(&refit.problem(&recordings), &refit.solution, bench.data);
-    let (mut before, mut after) = (fitted(baseline), fitted(full));
+    let mut before = outcome(
+        &baseline.problem(&recordings),
+        &baseline.solution,
+        bench.data,
+    );
+    let of_full = full.problem(&recordings);
+    let covariance = of_unknowns(&of_full, &full.solution.x);
+    let predicted = Uncertainty::of(bench, full, covariance.as_ref());
+    let mut after = outcome_with(&of_full, (&full.solution, covariance), bench.data);
     let corrections = Corrections::of(benches, &explanation.full, rules);
     let smooths: Vec<Smooth> = corrections.on(bench, full);
     let smooths: Vec<&Smooth> = smooths.iter().collect();
     let floor = floor::of_rows(bench, full, &smooths);
-    let predicted = Uncertainty::of(bench, full);
     let parameters = after.estimate.parameters.clone();
     let reporting = Reporting {
         benches,
@@ -346,17 +365,15 @@ fn report(
     let findings = reporting.findings(&contests, &parameters);
     let corrected = summary::correct(bench, (full, &mut after), &smooths);
     judged_in_time(bench, &floor, [&mut before, &mut after]);
-    let unattested = conclude::unattested(bench, (full, &smooths), &floor, &predicted);
+    let unattested = conclude::unattested(bench, full, &smooths, &floor, &predicted);
     let verdict = reporting.verdict(&findings, &unattested);
-    let mut notes = notes(&after.model, bench.data);
-    notes.extend((!floor.measured).then(|| UNMEASURED.to_string()));
+    let unmeasured = (!floor.measured).then(|| UNMEASURED.to_string());
     let diagnosis = Diagnosis {
         verdict,
         summary: reporting.summary(verdict, (&findings, &unattested)),
         located: locate(bench, baseline, rules.significance),
         findings,
         unattested,
-        mistakes: Vec::new(),
         spoiled: conclude::spoiled(&before.estimate.parameters, &parameters),
         baseline: Baseline {
             joints: before.estimate.joints,
@@ -367,13 +384,20 @@ fn report(
         },
         next_experiment: next::experiment(bench, full, &contests),
         preprocessing: preprocessing(&after.model, bench.data),
-        notes,
+        notes: notes(&after.model, bench.data)
+            .into_iter()
+            .chain(unmeasured)
+            .collect(),
         fit: Some(after.fit.clone()),
         evidence: conclude::evidence(&explanation.tried),
     };
-    let first = predictions(&baseline.model, &baseline.values, bench.data);
-    let doubts = doubts(full, &contests);
-    Ok((diagnosis, after, [first, corrected], doubts))
+    Ok(Reported {
+        diagnosis,
+        fitted: after,
+        declared: predictions(&baseline.model, &baseline.values, bench.data),
+        last: corrected,
+        doubts: doubts(full, &contests),
+    })
 }
 
 /// Effects of which a search that was interrupted has not fitted every hypothesis beside the model that it had come to.
@@ -444,9 +468,20 @@ impl Reporting<'_, '_> {
 
     /// `None` of a search that was interrupted.
     fn verdict(&self, findings: &[Finding], unattested: &[Unattested]) -> Option<Verdict> {
-        let lacks = lacks(self.floor, findings, (self.baseline, self.full));
-        let verdict = || conclude::verdict(findings, lacks, unattested);
+        let lack = || LackOfFit {
+            before: self.lack_of_fit(self.baseline, findings),
+            after: self.lack_of_fit(self.full, findings),
+        };
+        let verdict = || conclude::verdict(findings, lack(), unattested);
         (!self.is_cut_short()).then(verdict)
+    }
+
+    /// Pooled over the joints that findings name.
+    fn lack_of_fit(&self, refit: &Refit, findings: &[Finding]) -> f64 {
+        let channels = refit.model.channels().iter().enumerate();
+        let named = channels.filter(|(_, c)| findings.iter().any(|f| f.joints.contains(&c.name)));
+        let joints: Vec<usize> = named.map(|(c, _)| c).collect();
+        self.floor.lack_of_fit(&refit.validation, &joints)
     }
 
     fn summary(
@@ -461,13 +496,4 @@ impl Reporting<'_, '_> {
         };
         summary::paragraph(verdict, findings, &about)
     }
-}
-
-/// Lack of fit of two models pooled over the joints that findings name.
-fn lacks(floor: &Floor, findings: &[Finding], (before, after): (&Refit, &Refit)) -> (f64, f64) {
-    let channels = after.model.channels().iter().enumerate();
-    let named = channels.filter(|(_, c)| findings.iter().any(|f| f.joints.contains(&c.name)));
-    let joints: Vec<usize> = named.map(|(c, _)| c).collect();
-    let lack = |refit: &Refit| floor.lack_of_fit(&refit.validation, &joints);
-    (lack(before), lack(after))
 }

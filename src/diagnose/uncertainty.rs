@@ -10,8 +10,8 @@
 use crate::diagnose::bench::Bench;
 use crate::diagnose::refit::Refit;
 use crate::diagnose::rows::{Series, deviation};
-use crate::estimate::covariance;
 use crate::recording::split::Split;
+use nalgebra::DMatrix;
 
 /// Of the predictions of held-out rows.
 #[derive(Debug, Clone)]
@@ -21,16 +21,15 @@ pub struct Uncertainty {
 }
 
 impl Uncertainty {
-    /// Of a fitted model; parameters that its derivatives do not determine add nothing.
-    pub fn of(bench: &Bench<'_>, refit: &Refit) -> Self {
+    /// Of a fitted model with the covariance of its unknowns; those that its derivatives do not determine add nothing.
+    pub fn of(bench: &Bench<'_>, refit: &Refit, covariance: Option<&DMatrix<f64>>) -> Self {
         let channels = refit.model.channels().len();
-        let [train, held_out] = [Split::Train, Split::Validation].map(|s| bench.recordings(s));
-        let problem = refit.problem(&train);
-        let Some(covariance) = covariance::of_unknowns(&problem, &refit.solution.x) else {
+        let Some(covariance) = covariance else {
             return Self {
                 relative: vec![0.0; channels],
             };
         };
+        let held_out = bench.recordings(Split::Validation);
         let positions = refit.unknowns.positions();
         let series = Series::of(&refit.model, &refit.values, &positions, &held_out);
         let of = |c: usize| {

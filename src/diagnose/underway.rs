@@ -52,6 +52,14 @@ fn away(recording: &Prepared, joint: usize) -> Vec<bool> {
     away
 }
 
+/// A residual of a channel of the held-out recordings where its joint is under way; all of it where it has no joint.
+pub fn residual(bench: &Bench<'_>, model: &Refit, channel: usize, residual: &[f64]) -> Vec<f64> {
+    match model.model.channels()[channel].joint {
+        Some(joint) => kept(residual, &rows(bench, (model, joint))),
+        None => residual.to_vec(),
+    }
+}
+
 /// A series at some of its rows.
 pub fn kept(series: &[f64], rows: &[bool]) -> Vec<f64> {
     let kept = series.iter().zip(rows).filter(|(_, kept)| **kept);

@@ -256,7 +256,7 @@ pub fn outcome(problem: &FitProblem<'_>, solution: &Solution, data: &Dataset) ->
 
 /// The same where the covariance is known: `covariance` is that of the unknowns, absent where the
 /// derivatives do not determine them all.
-pub(super) fn outcome_with(
+pub fn outcome_with(
     problem: &FitProblem<'_>,
     (solution, covariance): (&Solution, Option<DMatrix<f64>>),
     data: &Dataset,

@@ -8,6 +8,7 @@
 //! ```
 
 use crate::recording::columns::Recording;
+use crate::recording::differences::fourth;
 use crate::recording::timing::{GAP_STEPS, UNIFORM_STEPS};
 use crate::stats::robust::median;
 
@@ -121,16 +122,12 @@ impl Clock {
             let speed = |k: usize| (q[k + SPEED_SPAN] - q[k - SPEED_SPAN]) / span;
             let made: Vec<f64> = inner.clone().map(|k| speed(k) * self.errors[k]).collect();
             let moved = q.get(inner).unwrap_or_default();
-            bends.0.extend(moved.windows(5).map(bend));
-            bends.1.extend(made.windows(5).map(bend));
+            bends.0.extend(moved.windows(5).map(|x| fourth(x, 1)));
+            bends.1.extend(made.windows(5).map(|x| fourth(x, 1)));
             begin = end;
         }
         bends
     }
-}
-
-fn bend(x: &[f64]) -> f64 {
-    x[0] - 4.0 * x[1] + 6.0 * x[2] - 4.0 * x[3] + x[4]
 }
 
 /// Where parts without a gap end. After a long step the stamps of a part that goes on catch up with its clock; where samples

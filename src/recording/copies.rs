@@ -15,6 +15,7 @@
 use std::collections::HashMap;
 
 use crate::recording::columns::Recording;
+use crate::recording::differences::fourth;
 use crate::recording::written::Written;
 
 /// Natural logarithm of the chance P below which rows are those of one run: 1e-9, in some 1e13 pairs of rows of two long
@@ -256,10 +257,7 @@ fn chance(pair: [&Compared<'_>; 2], (row, shift): (usize, isize), rows: usize) -
         } else {
             (y, unit(b))
         };
-        let bends: Vec<f64> = series
-            .windows(SPAN)
-            .map(|x| x[0] - 4.0 * x[1] + 6.0 * x[2] - 4.0 * x[3] + x[4])
-            .collect();
+        let bends: Vec<f64> = series.windows(SPAN).map(|x| fourth(x, 1)).collect();
         let pairs = bends.len().checked_sub(APART).filter(|n| *n > 0)?;
         // Multiples of the unit, but for the rounding of sums of sixteen numbers.
         let equal = (0.5 * unit).max(16.0 * f64::EPSILON * largest);

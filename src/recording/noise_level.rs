@@ -9,6 +9,7 @@
 //! grouped data: each number stands for all values within half a step. Rounding adds h²/12 to the variance, which is white
 //! where the noise carries the signal over several steps, and follows the motion where it does not.
 
+use crate::recording::differences::fourth;
 use crate::stats::robust::normal_scale;
 
 /// Ratio of the deviations by every and by every second sample up to which noise is white: three deviations of that of a
@@ -56,10 +57,8 @@ fn by_differences(series: &[f64], apart: usize, step: f64) -> Option<f64> {
     if series.len() < LEAST {
         return None;
     }
-    let difference =
-        |x: &[f64]| x[0] - 4.0 * x[apart] + 6.0 * x[2 * apart] - 4.0 * x[3 * apart] + x[4 * apart];
     let windows = series.windows(4 * apart + 1);
-    let mut sizes: Vec<f64> = windows.map(|x| difference(x).abs()).collect();
+    let mut sizes: Vec<f64> = windows.map(|x| fourth(x, apart).abs()).collect();
     sizes.sort_unstable_by(f64::total_cmp);
     let median = grouped_median(&sizes, step);
     Some(normal_scale(median) / 70.0_f64.sqrt())

@@ -32,7 +32,10 @@ pub(crate) fn text(path: &Path) -> Result<String, RobotError> {
     }
     check_size(metadata.len())?;
     let mut text = String::new();
-    // A pipe or device states no size: at most the limit is read of it.
+    // A pipe or device states no size: at most the limit is read of it, into memory that is not moved as it grows.
+    if !metadata.is_file() {
+        text.reserve_exact(SIZE_LIMIT as usize + 1);
+    }
     let file = fs::File::open(path).map_err(unreadable)?;
     let mut bounded = file.take(SIZE_LIMIT + 1);
     bounded.read_to_string(&mut text).map_err(unreadable)?;

@@ -16,6 +16,11 @@ pub fn symmetric(rng: &mut ChaCha8Rng, half_range: f64) -> f64 {
     half_range * (2.0 * rng.random::<f64>() - 1.0)
 }
 
+/// Uniform in [low, high).
+pub fn between(rng: &mut ChaCha8Rng, low: f64, high: f64) -> f64 {
+    low + (high - low) * rng.random::<f64>()
+}
+
 /// A vector with components uniform in [−half_range, half_range].
 pub fn vector(rng: &mut ChaCha8Rng, half_range: f64) -> Vector3<f64> {
     Vector3::from_fn(|_, _| symmetric(rng, half_range))

@@ -8,6 +8,7 @@
 //!
 //! T is the period and H the number of harmonics of the Fourier series that the same problem file would give.
 
+use crate::robot::random::between;
 use crate::setup::limits::JointLimits;
 use crate::simulate::free::{Course, Free, Move, Sweep, Tone};
 use crate::simulate::random_path::{Frame, SHARE};
@@ -28,18 +29,13 @@ pub enum Kind {
 pub(super) const LOOK_RATE: f64 = 200.0;
 
 /// Shares of the greatest speed at which programs of robots run.
-const SPEEDS: [f64; 2] = [0.4, 1.0];
+const SPEEDS: (f64, f64) = (0.4, 1.0);
 
 /// s between two moves: a controller settles and goes on.
-const RESTS: [f64; 2] = [0.1, 0.4];
+const RESTS: (f64, f64) = (0.1, 0.4);
 
 /// Shortest move, s: joints that hardly move wait for nothing, and no command is shorter.
 const SHORTEST: f64 = 0.2;
-
-/// Uniform in [low, high).
-fn between(rng: &mut ChaCha8Rng, [low, high]: [f64; 2]) -> f64 {
-    low + (high - low) * rng.random::<f64>()
-}
 
 /// A motion of the joints of `duration` s that keeps to 80 % of the limits of positions, speeds, accelerations and jerks.
 pub(super) fn draw(frame: &Frame<'_>, (kind, duration): (Kind, f64), rng: &mut ChaCha8Rng) -> Free {
@@ -74,7 +70,7 @@ pub(super) fn draw(frame: &Frame<'_>, (kind, duration): (Kind, f64), rng: &mut C
 /// Amplitudes fall with the frequency, so that all tones move the joint at the same speed.
 fn tones(frame: &Frame<'_>, rng: &mut ChaCha8Rng) -> Course {
     let tone = |h: usize| {
-        let frequency = TAU * (h as f64 + between(rng, [-0.5, 0.5])) / frame.period;
+        let frequency = TAU * (h as f64 + between(rng, -0.5, 0.5)) / frame.period;
         let normal: f64 = StandardNormal.sample(rng);
         Tone {
             amplitude: normal / frequency,
@@ -91,8 +87,8 @@ fn sweep(
     rng: &mut ChaCha8Rng,
 ) -> Course {
     let lowest = TAU / frame.period;
-    let from = lowest * between(rng, [0.5, 1.0]);
-    let to = lowest * frame.harmonics as f64 * between(rng, [0.6, 1.0]);
+    let from = lowest * between(rng, 0.5, 1.0);
+    let to = lowest * frame.harmonics as f64 * between(rng, 0.6, 1.0);
     Course::Sweep(Sweep {
         frequency: from,
         growth: (to - from) / duration,
@@ -105,16 +101,16 @@ fn sweep(
 fn moves(frame: &Frame<'_>, duration: f64, rng: &mut ChaCha8Rng) -> Vec<Course> {
     let pose = |rng: &mut ChaCha8Rng| -> Vec<f64> {
         let joints = frame.limits.iter();
-        joints.map(|_| between(rng, [-1.0, 1.0])).collect()
+        joints.map(|_| between(rng, -1.0, 1.0)).collect()
     };
     let mut courses = vec![Vec::new(); frame.limits.len()];
     let mut from = pose(rng);
-    let mut start = between(rng, RESTS);
+    let mut start = between(rng, RESTS.0, RESTS.1);
     while start < duration {
         let to = pose(rng);
         let moving = (0..from.len()).filter(|&j| !frame.plant.joints()[j].locked);
         let least = moving.map(|j| shortest(&frame.limits[j], (to[j] - from[j]).abs()));
-        let length = least.fold(SHORTEST, f64::max) / between(rng, SPEEDS);
+        let length = least.fold(SHORTEST, f64::max) / between(rng, SPEEDS.0, SPEEDS.1);
         for (course, (from, to)) in courses.iter_mut().zip(from.iter().zip(&to)) {
             course.push(Move {
                 start,
@@ -123,7 +119,7 @@ fn moves(frame: &Frame<'_>, duration: f64, rng: &mut ChaCha8Rng) -> Vec<Course> 
                 to: *to,
             });
         }
-        start += length + between(rng, RESTS);
+        start += length + between(rng, RESTS.0, RESTS.1);
         from = to;
     }
     courses.into_iter().map(Course::Moves).collect()

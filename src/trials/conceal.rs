@@ -5,7 +5,8 @@
 
 use crate::chain::effect::{EFFECTS, Effect, Memory, coulomb_friction, viscous_friction};
 use crate::diagnose::hypothesis::Hypothesis;
-use crate::trials::robot::{RandomRobot, between};
+use crate::robot::random::between;
+use crate::trials::robot::RandomRobot;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{PI, TAU};

@@ -5,7 +5,7 @@
 //! f_c = (1 − ρ) f / 2π                 corner of its spectrum at the rate f
 //! ```
 
-use crate::trials::robot::between;
+use crate::robot::random::between;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 

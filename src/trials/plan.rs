@@ -1,11 +1,11 @@
 //! What is tried in which trial: follows from the seed and the number of the trial.
 
 use crate::chain::effect::{self, rotor_inertia, unmodelled_payload};
-use crate::robot::random::generator;
+use crate::robot::random::{between, generator};
 use crate::trials::conceal::{self, Concealed, Course};
 use crate::trials::motion::{Motion, Noise};
 use crate::trials::outside::Outside;
-use crate::trials::robot::{KINDS, RandomRobot, between};
+use crate::trials::robot::{KINDS, RandomRobot};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 

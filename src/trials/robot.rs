@@ -2,7 +2,7 @@
 
 use crate::robot::batch::{Trajectory, torques};
 use crate::robot::derivative_batch::DerivativeBatch;
-use crate::robot::random::{body_about, symmetric, vector};
+use crate::robot::random::{between, body_about, symmetric, vector};
 use crate::robot::tree::{Joint, JointKind, Limits, Tree};
 use crate::robot::urdf::inertial;
 use nalgebra::{Rotation3, Vector3};
@@ -42,11 +42,6 @@ pub struct RandomRobot {
     pub friction: Vec<[f64; 2]>,
     /// Standard deviation of the current's noise, A.
     pub noise: Vec<f64>,
-}
-
-/// Uniform in [low, high).
-pub fn between(rng: &mut ChaCha8Rng, low: f64, high: f64) -> f64 {
-    low + (high - low) * rng.random::<f64>()
 }
 
 impl RandomRobot {
