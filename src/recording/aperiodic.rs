@@ -223,10 +223,13 @@ mod tests {
             })
     }
 
+    /// Samples of the motion, which repeats after 5000: not twice.
+    const ROWS: usize = 9_900;
+
     fn recording(sd: f64) -> Recording {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
         let mut draw = || -> f64 { StandardNormal.sample(&mut random) };
-        let position: Vec<f64> = (0..10_000)
+        let position: Vec<f64> = (0..ROWS)
             .map(|k| truth(k as f64 / RATE).0 + sd * draw())
             .collect();
         Recording::of_samples("made.csv", vec![position.clone()], vec![position])
@@ -272,7 +275,7 @@ mod tests {
         let experiment =
             crate::recording::experiment::prepare(recording(1e-6), &preparation).unwrap();
         assert_eq!(experiment.edge_s, 0.25);
-        assert_eq!(experiment.rows(), 10_000 - 2 * 125);
+        assert_eq!(experiment.rows(), ROWS - 2 * 125);
         assert_eq!(experiment.t[0], 0.25);
         let pairs = experiment.raw.t.iter().zip(&experiment.t);
         assert!(

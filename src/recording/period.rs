@@ -7,6 +7,7 @@
 use realfft::num_complex::Complex;
 
 use crate::recording::columns::Recording;
+use crate::recording::differences::fourth;
 use crate::recording::experiment::Chosen;
 use crate::recording::spectrum::{coefficients, synthesis};
 use crate::recording::table::LEAST_ROWS;
@@ -62,9 +63,7 @@ fn repeats(changed: f64, noise: f64) -> bool {
 fn noise_share(positions: &[Vec<f64>]) -> f64 {
     let (mut noise, mut variance) = (0.0, 0.0);
     for q in positions {
-        let differences = q
-            .windows(5)
-            .map(|x| x[0] - 4.0 * x[1] + 6.0 * x[2] - 4.0 * x[3] + x[4]);
+        let differences = q.windows(5).map(|x| fourth(x, 1));
         let squares: f64 = differences.map(|d| d * d).sum();
         noise += squares / 70.0 / q.len().saturating_sub(4).max(1) as f64;
         let mean = q.iter().sum::<f64>() / q.len() as f64;
@@ -157,8 +156,9 @@ fn nearby(
     (rate_hz, timing): (f64, &Timing),
     stated: f64,
 ) -> Option<Repetition> {
-    let d = differences(positions)?;
     let lag = stated * rate_hz;
+    let farthest = ((1.0 + NEAR) * lag).ceil() as usize + 1;
+    let d = differences(positions, farthest)?;
     let window = ((1.0 - NEAR) * lag).floor() as usize..=((1.0 + NEAR) * lag).ceil() as usize;
     let inner = |l: &usize| *l > 0 && *l + 1 < d.len();
     let least = window
@@ -244,7 +244,7 @@ pub fn thinned(recording: &Recording, timing: &Timing) -> (Vec<Vec<f64>>, f64) {
 
 /// How the positions `[j][k]` repeat; None if nothing repeats twice.
 pub fn of_positions(positions: &[Vec<f64>], rate_hz: f64) -> Option<Repetition> {
-    let d = differences(positions)?;
+    let d = differences(positions, 0)?;
     let left = d.iter().position(|value| *value > LEFT)?;
     let inner = left.max(1)..d.len().saturating_sub(1);
     let minima: Vec<(f64, f64, f64)> = inner
@@ -297,10 +297,12 @@ fn vertex(d: &[f64], l: usize) -> (f64, f64, f64) {
 /// d below this is rounding of the transform, relative to the variance.
 const ROUNDING: f64 = 1e-12;
 
-/// d(l) for lags up to half the length; None if nothing moves.
-fn differences(positions: &[Vec<f64>]) -> Option<Vec<f64>> {
+/// d(l) for lags up to the one after half the length, or up to a farther one behind which there is anything; None if
+/// nothing moves.
+fn differences(positions: &[Vec<f64>], farthest: usize) -> Option<Vec<f64>> {
     let n = positions.first()?.len();
-    let mut sum = vec![0.0; n / 2 + 1];
+    let lags = farthest.max(n / 2 + 1).min(n.saturating_sub(2));
+    let mut sum = vec![0.0; lags + 1];
     let mut variance = 0.0;
     for recorded in positions {
         let mean = recorded.iter().sum::<f64>() / n as f64;
@@ -354,6 +356,12 @@ mod tests {
         // the two periods that a lag of half the recording spans.
         assert!((found.period - 12.004).abs() < 0.5e-4, "{found:?}");
         assert!(found.is_exact(), "{found:?}");
+    }
+
+    #[test]
+    fn recovers_known_period_of_two_periods_and_no_more() {
+        let found = of_positions(&[motion(2500.0, &[1, 2, 3])], 100.0).unwrap();
+        assert!((found.period - 25.0).abs() < 0.5e-4, "{found:?}");
     }
 
     #[test]
