@@ -15,10 +15,15 @@ fn shipped(problem: &str) -> PathBuf {
 }
 
 fn run(verb: &str, problem: &Path) -> Output {
+    run_with(verb, problem, &[])
+}
+
+fn run_with(verb: &str, problem: &Path, further: &[&str]) -> Output {
     let folder = tempfile::tempdir().unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_exid"));
     command.current_dir(folder.path()).arg(verb).arg(problem);
-    command.args(["--json", "--out", "out"]).output().unwrap()
+    command.args(["--json", "--out", "out"]).args(further);
+    command.output().unwrap()
 }
 
 fn fit(problem: &str) -> Value {
@@ -161,7 +166,12 @@ fn positions_that_the_mechanism_cannot_have_are_refused_with_their_time() {
         rows.push_str(&format!("{t},{q},{q},{q},{q},0,0,0,0\n"));
     }
     fs::write(folder.path().join("bad.csv"), rows).unwrap();
-    let output = run("fit", &folder.path().join("problem.toml"));
+    let problem = folder.path().join("problem.toml");
+    let output = run("fit", &problem);
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{words}");
+    assert!(words.contains("[position-in-degrees]"), "{words}");
+    let output = run_with("fit", &problem, &["--force"]);
     let words = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{words}");
     assert!(

@@ -130,6 +130,7 @@ fn fit_links(data: &Path, folder: &Path) -> Done<()> {
             inputs: Vec::new(),
             wall_s: 0.0,
         },
+        mistakes: Vec::new(),
         estimate: run.fitted.estimate,
         part: Part::Fit(run.fitted.fit),
     };

@@ -10,6 +10,7 @@ mod delay;
 mod drift;
 mod identifiability;
 mod limits;
+mod locked;
 mod motion;
 mod order;
 mod period;
@@ -34,6 +35,7 @@ use crate::fault::{Fault, Place};
 use crate::outcome::check::{Finding, Severity};
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
+use crate::problem_file::choices::Estimator;
 use crate::recording::columns::Recording;
 use crate::recording::split::Split;
 use crate::recording::table::format_of;
@@ -68,19 +70,59 @@ type OfTraining = fn(&Setting<'_>, &Model, &Dataset) -> Vec<Finding>;
 
 const OF_TRAINING: &[OfTraining] = &[motion::check, identifiability::check];
 
+/// How much of a problem is looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extent {
+    /// The robot, the recordings, and what they determine.
+    Everything,
+    /// What costs next to nothing beside a fit, which says itself what the recordings determine.
+    Recordings,
+    /// The robot alone, where no recordings are read.
+    Robot,
+}
+
+/// What was found.
+#[derive(Default)]
+struct Found {
+    /// Of files that cannot be read or do not fit together; whoever reads them meets these.
+    faults: Vec<Finding>,
+    /// Of what the files say.
+    mistakes: Vec<Finding>,
+}
+
 /// Checks everything that a problem file names, and estimates nothing.
 ///
 /// The worst findings come first; faults of files are findings with the code of the fault. An interrupt
 /// returns what was found so far.
 pub fn run(problem: &ProblemFile, control: &Control<'_>) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    match robot::open(problem) {
-        Ok(robot) => with_robot(problem, &robot, control, &mut findings),
+    let Found { faults, mistakes } = look(problem, control, Extent::Everything);
+    worst_first(faults.into_iter().chain(mistakes))
+}
+
+/// Mistakes in what the files of a problem say, the worst first. None where files cannot be read or do not fit together:
+/// that has to be mended first, and whoever reads them says so.
+pub fn mistakes(problem: &ProblemFile, control: &Control<'_>, extent: Extent) -> Vec<Finding> {
+    let Found { faults, mistakes } = look(problem, control, extent);
+    match faults.is_empty() {
+        true => worst_first(mistakes),
+        false => Vec::new(),
+    }
+}
+
+fn look(problem: &ProblemFile, control: &Control<'_>, extent: Extent) -> Found {
+    let mut found = Found::default();
+    match robot::open_any(problem) {
+        Ok(robot) => with_robot((problem, extent), &robot, control, &mut found),
         Err(fault) => {
-            findings.push(from_fault(&fault));
-            findings.extend(unreadable_files(problem));
+            found.faults.push(from_fault(&fault));
+            found.faults.extend(unreadable_files(problem));
         }
     }
+    found
+}
+
+fn worst_first(findings: impl IntoIterator<Item = Finding>) -> Vec<Finding> {
+    let mut findings: Vec<Finding> = findings.into_iter().collect();
     // A stable sort: equal findings keep the order of the files and of the tables.
     findings.sort_by_key(|finding| finding.severity);
     let mut distinct: Vec<Finding> = Vec::with_capacity(findings.len());
@@ -113,7 +155,8 @@ pub fn at_fault(problem: &ProblemFile, findings: &[Finding]) -> AtFault {
     }
 }
 
-fn has_error(findings: &[Finding]) -> bool {
+/// Whether something makes figures meaningless.
+pub fn has_error(findings: &[Finding]) -> bool {
     findings.iter().any(|f| f.severity == Severity::Error)
 }
 
@@ -122,16 +165,24 @@ fn from_fault(fault: &impl Fault) -> Finding {
 }
 
 fn with_robot(
-    problem: &ProblemFile,
+    (problem, extent): (&ProblemFile, Extent),
     robot: &robot::Robot,
     control: &Control<'_>,
-    findings: &mut Vec<Finding>,
+    found: &mut Found,
 ) {
-    findings.extend(robot_file::check(problem, robot));
-    let model = declared_model(problem, robot, findings);
+    found.mistakes.extend(robot_file::check(problem, robot));
+    // Motors at constant speed are fitted one by one, without a model of the robot.
+    let of_motors = problem.fit.estimator.value == Estimator::ConstantVelocity;
+    let model = match of_motors {
+        true => None,
+        false => declared_model(problem, robot, found),
+    };
     let Some(table) = &problem.recordings else {
         return;
     };
+    if extent == Extent::Robot {
+        return;
+    }
     let setting = Setting::new(problem, table, robot);
     let mut dataset = Dataset::default();
     let mut complete = true;
@@ -140,12 +191,14 @@ fn with_robot(
         if control.is_interrupted() {
             return;
         }
-        match read_and_check(&setting, &named, findings) {
+        found.mistakes.extend(locked::check(&setting, &named));
+        match read_and_check(&setting, &named, found) {
             Some(recording) => read.push(RecordingRead { named, recording }),
             None => complete &= named.split != Split::Train,
         }
     }
-    findings.extend(shared_rows(table, &read).iter().map(from_fault));
+    let shared = shared_rows(table, &read);
+    found.faults.extend(shared.iter().map(from_fault));
     for RecordingRead { named, recording } in read {
         if control.is_interrupted() {
             return;
@@ -154,42 +207,42 @@ fn with_robot(
             continue;
         };
         match prepare_one(recording, &named, (table, robot, model)) {
+            // The regressions that look for mixed-up columns know trees alone.
+            Ok(_) if robot.mechanism.is_some() => complete = false,
             Ok(prepared) => {
                 let ready = Ready::new(&setting, model, &prepared);
-                let found: Vec<Finding> = OF_READY.iter().flat_map(|check| check(&ready)).collect();
+                let of_ready = OF_READY.iter().flat_map(|check| check(&ready));
+                let of_ready: Vec<Finding> = of_ready.collect();
                 // What recordings determine cannot be said of columns that are mixed up.
-                complete &= !has_error(&found) || named.split != Split::Train;
-                findings.extend(found);
+                complete &= !has_error(&of_ready) || named.split != Split::Train;
+                found.mistakes.extend(of_ready);
                 dataset.recordings.push(prepared);
             }
             Err(fault) => {
                 complete &= named.split != Split::Train;
-                findings.push(from_fault(&fault));
+                found.faults.push(from_fault(&fault));
             }
         }
     }
-    if let (Some(model), true) = (&model, complete) {
+    if let (Some(model), true, Extent::Everything) = (&model, complete, extent) {
         for check in OF_TRAINING {
-            findings.extend(check(&setting, model, &dataset));
+            found.mistakes.extend(check(&setting, model, &dataset));
         }
     }
 }
 
 /// The declared model; `None` with a finding where there cannot be one.
-fn declared_model(
-    problem: &ProblemFile,
-    robot: &robot::Robot,
-    findings: &mut Vec<Finding>,
-) -> Option<Model> {
+fn declared_model(problem: &ProblemFile, robot: &robot::Robot, found: &mut Found) -> Option<Model> {
     match build_model(problem, robot) {
         Ok(model) => Some(model),
         Err(fault) => {
-            let found = from_fault(&*fault);
+            let of_fault = from_fault(&*fault);
             // The check of the robot file has already named bodies that cannot be.
-            let known = findings
+            let known = found
+                .mistakes
                 .iter()
-                .any(|f| f.code == found.code && f.channel == found.channel);
-            findings.extend((!known).then_some(found));
+                .any(|f| f.code == of_fault.code && f.channel == of_fault.channel);
+            found.faults.extend((!known).then_some(of_fault));
             None
         }
     }
@@ -208,12 +261,12 @@ fn build_model(problem: &ProblemFile, robot: &robot::Robot) -> Result<Model, Box
 fn read_and_check(
     setting: &Setting<'_>,
     named: &Named<'_>,
-    findings: &mut Vec<Finding>,
+    found: &mut Found,
 ) -> Option<Recording> {
     let recording = match read_one(setting.table, setting.robot, named.path) {
         Ok(recording) => recording,
         Err(fault) => {
-            findings.push(from_fault(&fault));
+            found.faults.push(from_fault(&fault));
             return None;
         }
     };
@@ -221,14 +274,16 @@ fn read_and_check(
         Ok(read) => read,
         Err(fault) => {
             // A wrong unit of time explains what the time base itself can only refuse.
-            let unit = timing::wrong_unit(&recording);
-            findings.push(unit.unwrap_or_else(|| from_fault(&fault)));
+            match timing::wrong_unit(&recording) {
+                Some(unit) => found.mistakes.push(unit),
+                None => found.faults.push(from_fault(&fault)),
+            }
             return None;
         }
     };
-    let found: Vec<Finding> = OF_READ.iter().flat_map(|check| check(&read)).collect();
-    let usable = !has_error(&found);
-    findings.extend(found);
+    let of_read: Vec<Finding> = OF_READ.iter().flat_map(|check| check(&read)).collect();
+    let usable = !has_error(&of_read);
+    found.mistakes.extend(of_read);
     usable.then_some(recording)
 }
 

@@ -5,15 +5,29 @@ use crate::fault::Place;
 use crate::outcome::check::{Finding, Severity};
 use crate::problem_file::ProblemFile;
 use crate::problem_file::choices::Inertials;
-use crate::robot::tree::Joint;
+use crate::problem_file::robot::RobotSource;
+use crate::robot::tree::{Joint, JointKind};
 use crate::setup::robot::Robot;
-use nalgebra::SymmetricEigen;
+use nalgebra::{SymmetricEigen, Vector3};
+use std::f64::consts::TAU;
+use std::fs;
+use std::ops::RangeInclusive;
 
 /// Share of the largest eigenvalue that decimal numbers in a robot file may miss zero by.
 const ROUNDING: f64 = 1e-6;
 
 /// A centre of mass lies within this distance of the link's frame, m, or within [`EXTENTS`] of the link.
 const FARTHEST_CENTRE_M: f64 = 1.0;
+
+/// A link that weighs so many times what all others weigh together is a slip of the decimal point.
+const OUTLYING_MASS: f64 = 10.0;
+
+/// No joint turns more than four times to one side, rad: cables.
+const FARTHEST_TURN: f64 = 4.0 * TAU;
+
+/// Acceleration of free fall at the surface of the Earth, m/s² (Hirt et al. 2013: from the summit of Huascarán to the
+/// Arctic Ocean), rounded outwards.
+const GRAVITY_OF_EARTH: RangeInclusive<f64> = 9.76..=9.84;
 
 /// Times the largest distance from the link's frame to that of a link it carries.
 const EXTENTS: f64 = 2.0;
@@ -29,6 +43,10 @@ pub(super) fn check(problem: &ProblemFile, robot: &Robot) -> Vec<Finding> {
         findings.extend(far_centre(robot, link));
     }
     findings.extend(without_limits(robot));
+    findings.extend(outlying_mass(robot));
+    findings.extend(limits_in_degrees(robot));
+    findings.extend(angles_in_degrees(problem));
+    findings.extend(no_gravity_of_earth(problem));
     findings
 }
 
@@ -137,6 +155,99 @@ fn without_limits(robot: &Robot) -> Option<Finding> {
                 "no-limits",
                 format!("no limit of velocity or effort: {}", without.join(", ")),
                 "give limits, so that recordings can be checked and motions designed against them"
+                    .to_string(),
+            ),
+        )
+    })
+}
+
+fn outlying_mass(robot: &Robot) -> Option<Finding> {
+    let joints = robot.tree.joints();
+    let heaviest = joints
+        .iter()
+        .max_by(|a, b| a.inertia.mass().total_cmp(&b.inertia.mass()))?;
+    let mass = heaviest.inertia.mass();
+    let others = joints.iter().map(|j| j.inertia.mass()).sum::<f64>() - mass;
+    (others > 0.0 && mass > OUTLYING_MASS * others).then(|| {
+        finding(
+            Severity::Warning,
+            at(robot, &heaviest.link),
+            (
+                "outlying-mass",
+                format!(
+                    "this link weighs {mass} kg, all other moving links together {others:.4} kg"
+                ),
+                "give masses in kilograms".to_string(),
+            ),
+        )
+    })
+}
+
+fn limits_in_degrees(robot: &Robot) -> Option<Finding> {
+    let turning = |j: &&Joint| j.kind == JointKind::Revolute;
+    let farthest = |j: &Joint| {
+        let ends = [j.limits.lower, j.limits.upper].into_iter().flatten();
+        ends.map(f64::abs).fold(0.0, f64::max)
+    };
+    let joints = robot.tree.joints().iter().filter(turning);
+    let joint = joints
+        .max_by(|a, b| farthest(a).total_cmp(&farthest(b)))
+        .filter(|j| farthest(j) > FARTHEST_TURN)?;
+    Some(finding(
+        Severity::Warning,
+        at(robot, &joint.name),
+        (
+            "limits-in-degrees",
+            format!(
+                "a limit of position of {} rad is {:.0} turns",
+                farthest(joint),
+                farthest(joint) / TAU
+            ),
+            "give limits of turning joints in radians: multiply degrees by pi/180".to_string(),
+        ),
+    ))
+}
+
+/// Roll, pitch and yaw of a URDF that go beyond one turn, which nobody writes in radians.
+fn angles_in_degrees(problem: &ProblemFile) -> Option<Finding> {
+    let RobotSource::Urdf(path) = &problem.robot.source else {
+        return None;
+    };
+    let text = fs::read_to_string(&path.resolved).ok()?;
+    let document = roxmltree::Document::parse(&text).ok()?;
+    let (node, angles) = document.descendants().find_map(|node| {
+        let angles = node.attribute("rpy")?;
+        let mut values = angles
+            .split_whitespace()
+            .filter_map(|x| x.parse::<f64>().ok());
+        values.any(|x| x.abs() > TAU).then_some((node, angles))
+    })?;
+    let line = document.text_pos_at(node.range().start).row as usize;
+    Some(finding(
+        Severity::Warning,
+        Place {
+            line: Some(line),
+            ..Place::file(&path.resolved)
+        },
+        (
+            "angles-in-degrees",
+            format!("rpy=\"{angles}\" goes beyond one turn"),
+            "give roll, pitch and yaw in radians: multiply degrees by pi/180".to_string(),
+        ),
+    ))
+}
+
+fn no_gravity_of_earth(problem: &ProblemFile) -> Option<Finding> {
+    let gravity = &problem.robot.gravity;
+    let size = Vector3::from(gravity.value).norm();
+    (!GRAVITY_OF_EARTH.contains(&size)).then(|| {
+        finding(
+            Severity::Warning,
+            gravity.place.clone(),
+            (
+                "gravity-size",
+                format!("gravity of {size} m/s² is not that of the Earth, 9.76 to 9.84 m/s²"),
+                "give the acceleration of free fall in m/s², in the axes of the base: [0.0, 0.0, -9.81] where z points up"
                     .to_string(),
             ),
         )

@@ -116,7 +116,11 @@ fn factor_of(comparison: &Comparison, ready: &Ready<'_>, channel: usize) -> Opti
 }
 
 fn of_all(ready: &Ready<'_>, factors: &[Factor]) -> Finding {
-    let list: Vec<String> = factors.iter().map(|f| format!("{:.3}", f.value)).collect();
+    let in_words = |f: &Factor| match (1e-3..1e4).contains(&f.value.abs()) {
+        true => format!("{:.3}", f.value),
+        false => format!("{:.2e}", f.value),
+    };
+    let list: Vec<String> = factors.iter().map(in_words).collect();
     let (what, remedy) = match ready.model.signal() {
         Signal::Current => of_current(ready, factors),
         _ => (

@@ -50,6 +50,9 @@ pub struct Run {
     /// Seed of everything random
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
+    /// Go on where mistakes in the inputs make every figure meaningless
+    #[arg(long)]
+    pub force: bool,
     #[command(flatten)]
     pub printing: Printing,
 }

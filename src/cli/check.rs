@@ -31,6 +31,7 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
     let outcome = Outcome {
         name: problem.name.value.clone(),
         run: output::record(run, &problem, &fit::files(&problem), started),
+        mistakes: Vec::new(),
         estimate: Estimate::default(),
         part: Part::Check(Check { findings }),
     };

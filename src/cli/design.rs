@@ -1,5 +1,6 @@
 //! `exid design`: an excitation trajectory.
 
+use crate::check::Extent;
 use crate::cli::args::Run;
 use crate::cli::error::CliError;
 use crate::cli::progress::Progress;
@@ -24,6 +25,7 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
         ..Control::default()
     };
     let progress = Progress::new(run.printing);
+    let mistakes = output::mistakes(run, &problem, (&control, Extent::Robot))?;
     progress.say("designing");
     let mut designed = task::run(&problem, run.seed, &control, |improvement| {
         progress.say(format!(
@@ -37,6 +39,7 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
     let outcome = Outcome {
         name: problem.name.value.clone(),
         run: output::record(run, &problem, &read, started),
+        mistakes,
         estimate: Estimate {
             solver: Some(designed.solver.clone()),
             ..Estimate::default()

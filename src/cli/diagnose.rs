@@ -33,10 +33,10 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
     let outcome = Outcome {
         name: problem.name.value.clone(),
         run: output::record(run, &problem, &files(&problem), started),
+        mistakes: std::mem::take(&mut result.mistakes),
         estimate: result.estimate.clone(),
         part: Part::Diagnose(Box::new(result.diagnosis.clone())),
     };
-    let converged = outcome.estimate.solver.as_ref().is_none_or(|s| s.converged);
     progress.done();
     output::finish(run.printing, &target, &outcome, |folder| {
         let predicted = [
@@ -49,5 +49,8 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
         }
         Ok(())
     })?;
-    Ok(output::exit_code(control.is_interrupted(), converged))
+    Ok(output::exit_code(
+        control.is_interrupted(),
+        &outcome.estimate,
+    ))
 }

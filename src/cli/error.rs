@@ -5,8 +5,10 @@ use crate::diagnose::error::DiagnoseError;
 use crate::estimate::task::FitError;
 use crate::export::error::ExportError;
 use crate::motors::error::MotorsError;
+use crate::outcome::check::Finding;
 use crate::outcome::error::OutcomeError;
 use crate::problem_file::ProblemFileError;
+use crate::report::text;
 use crate::simulate::error::SimulateError;
 use thiserror::Error;
 
@@ -29,6 +31,9 @@ pub enum CliError {
     Outcome(#[from] OutcomeError),
     #[error(transparent)]
     Export(#[from] ExportError),
+    /// Mistakes in the inputs with which every figure would be meaningless.
+    #[error("{}\n--force goes on all the same", in_lines(.0))]
+    Mistakes(Vec<Finding>),
     #[error("{0}")]
     WrongUse(String),
 }
@@ -53,11 +58,20 @@ impl CliError {
             Self::Diagnose(DiagnoseError::Refit(_)) => Self::NO_SOLUTION,
             Self::Simulate(error) if error.is_interrupt() => Self::INTERRUPTED,
             Self::Simulate(error) => of_files(error.concerns_data()),
+            Self::Mistakes(_) => Self::WRONG_DATA,
             Self::Problem(_) | Self::Outcome(_) | Self::Export(_) | Self::WrongUse(_) => {
                 Self::WRONG_USE
             }
         }
     }
+}
+
+/// Mistakes with their remedies; the word that says what they are stands before them.
+fn in_lines(mistakes: &[Finding]) -> String {
+    let lines = mistakes.iter().flat_map(text::finding_lines);
+    let lines: Vec<String> = lines.collect();
+    let text = lines.join("\n");
+    text.strip_prefix("error: ").unwrap_or(&text).to_string()
 }
 
 /// Whether a recording or robot file is at fault, or the problem file.

@@ -1,5 +1,6 @@
 //! `exid fit`: parameters from recordings.
 
+use crate::check::Extent;
 use crate::cli::args::Run;
 use crate::cli::error::CliError;
 use crate::cli::progress::Progress;
@@ -18,24 +19,25 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
     let started = Instant::now();
     let problem = output::open(run)?;
     let target = output::target(run, &problem, "fit")?;
-    if problem.fit.estimator.value == Estimator::ConstantVelocity {
-        return motors::run(run, &problem, &target, started);
-    }
-    let interrupt = interrupt::flag();
     let control = Control {
-        interrupt: Some(interrupt),
+        interrupt: Some(interrupt::flag()),
         ..Control::default()
     };
     let progress = Progress::new(run.printing);
+    progress.say("looking for mistakes in the inputs");
+    let mistakes = output::mistakes(run, &problem, (&control, Extent::Recordings))?;
+    if problem.fit.estimator.value == Estimator::ConstantVelocity {
+        return motors::run(run, &problem, (&target, mistakes), started);
+    }
     let result = task::run(&problem, &control, |step| progress.say(step.words()))?;
     progress.say("writing the results");
     let outcome = Outcome {
         name: problem.name.value.clone(),
         run: output::record(run, &problem, &files(&problem), started),
+        mistakes,
         estimate: result.fitted.estimate.clone(),
         part: Part::Fit(result.fitted.fit.clone()),
     };
-    let converged = outcome.estimate.solver.as_ref().is_none_or(|s| s.converged);
     progress.done();
     // The recordings go before the report reads what was written of them.
     output::finish(run.printing, &target, &outcome, move |folder| {
@@ -43,7 +45,10 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
         let predicted = [(Quantity::Predicted, &fitted.predictions)];
         predictions::write(folder, (&fitted.model, &data), &predicted)
     })?;
-    Ok(output::exit_code(control.is_interrupted(), converged))
+    Ok(output::exit_code(
+        control.is_interrupted(),
+        &outcome.estimate,
+    ))
 }
 
 /// Every file that the problem file names, in its order.

@@ -10,6 +10,7 @@ use crate::cli::fit::files;
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::motors::task::{self, MotorRun};
+use crate::outcome::check::Finding;
 use crate::outcome::predictions::{Block, PredictionsWriter, Quantity};
 use crate::outcome::{Outcome, PREDICTIONS_FILE, Part};
 use crate::problem_file::ProblemFile;
@@ -17,7 +18,7 @@ use crate::problem_file::ProblemFile;
 pub fn run(
     run: &Run,
     problem: &ProblemFile,
-    target: &Path,
+    (target, mistakes): (&Path, Vec<Finding>),
     started: Instant,
 ) -> Result<u8, CliError> {
     let progress = Progress::new(run.printing);
@@ -27,6 +28,7 @@ pub fn run(
     let outcome = Outcome {
         name: problem.name.value.clone(),
         run: output::record(run, problem, &files(problem), started),
+        mistakes,
         estimate: result.estimate.clone(),
         part: Part::Fit(result.fit.clone()),
     };

@@ -1,12 +1,17 @@
 //! What runs share: reading the problem, the results folder, printing.
 
 use crate::chain::effect;
+use crate::check::{self, Extent};
 use crate::cli::args::{Printing, Run};
+use crate::cli::complain;
 use crate::cli::error::CliError;
+use crate::outcome::check::{Finding, Severity};
+use crate::outcome::estimate::Estimate;
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::input::Input;
 use crate::outcome::run::{Run as Record, VERSION};
 use crate::outcome::{Outcome, REPORT_FILE, RESULT_FILE};
+use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::report;
 use std::io::Write;
@@ -30,6 +35,25 @@ pub fn set_threads(threads: Option<u16>) -> Result<(), CliError> {
         .map_err(|e| CliError::WrongUse(format!("--threads {threads}: {e}")))
 }
 
+/// Mistakes in what the inputs say, before any work is done with them.
+///
+/// # Errors
+/// Where they make every figure meaningless, unless the run is forced.
+pub fn mistakes(
+    run: &Run,
+    problem: &ProblemFile,
+    (control, extent): (&Control<'_>, Extent),
+) -> Result<Vec<Finding>, CliError> {
+    let mistakes = check::mistakes(problem, control, extent);
+    if check::has_error(&mistakes) && !run.force {
+        let of_error = |m: &Finding| m.severity == Severity::Error;
+        return Err(CliError::Mistakes(
+            mistakes.into_iter().filter(of_error).collect(),
+        ));
+    }
+    Ok(mistakes)
+}
+
 /// The results folder of a run.
 pub fn folder(run: &Run, problem: &ProblemFile, verb: &str) -> PathBuf {
     match &run.out {
@@ -49,12 +73,19 @@ pub fn writable(target: PathBuf) -> Result<PathBuf, CliError> {
     Ok(target)
 }
 
-/// The exit code of a run whose result is written.
-pub fn exit_code(interrupted: bool, converged: bool) -> u8 {
-    match (interrupted, converged) {
+/// The exit code of a run whose result is written; standard error says why it is none of success.
+pub fn exit_code(interrupted: bool, estimate: &Estimate) -> u8 {
+    let solver = estimate.solver.as_ref().filter(|s| !s.converged);
+    match (interrupted, solver) {
         (true, _) => CliError::INTERRUPTED,
-        (false, true) => 0,
-        (false, false) => CliError::NO_SOLUTION,
+        (false, None) => 0,
+        (false, Some(solver)) => {
+            let sentence = report::text::solver_sentence(solver);
+            complain(&format!(
+                "error: no solution: {sentence}; what was reached is written, and no figure of it can be relied on"
+            ));
+            CliError::NO_SOLUTION
+        }
     }
 }
 

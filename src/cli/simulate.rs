@@ -1,5 +1,6 @@
 //! `exid simulate`: recordings from a model.
 
+use crate::check::Extent;
 use crate::cli::args::Run;
 use crate::cli::error::CliError;
 use crate::cli::progress::Progress;
@@ -21,6 +22,7 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
         ..Control::default()
     };
     let progress = Progress::new(run.printing);
+    let mistakes = output::mistakes(run, &problem, (&control, Extent::Robot))?;
     progress.say("simulating");
     let simulated = simulate::run(&problem, run.seed, &control)?;
     progress.done();
@@ -34,6 +36,7 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
     let outcome = Outcome {
         name: problem.name.value.clone(),
         run: output::record(run, &problem, &robot, started),
+        mistakes,
         estimate: Estimate {
             parameters: simulated.truth.clone(),
             ..Estimate::default()

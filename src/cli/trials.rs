@@ -65,7 +65,10 @@ pub fn run(campaign: &Campaign) -> Result<u8, CliError> {
     progress.done();
     let outcome = outcome(&scope, done, (started, made));
     output::finish(campaign.printing, &target, &outcome, |_| Ok(()))?;
-    Ok(output::exit_code(control.is_interrupted(), true))
+    Ok(output::exit_code(
+        control.is_interrupted(),
+        &Estimate::default(),
+    ))
 }
 
 /// Trials that an earlier run has made, and the numbers of those to make.
@@ -203,6 +206,7 @@ fn outcome(scope: &Scope, trials: Vec<Trial>, (started, made): (Instant, usize))
             inputs: Vec::new(),
             wall_s,
         },
+        mistakes: Vec::new(),
         estimate: Estimate::default(),
         part: Part::Trials(tallied),
     }

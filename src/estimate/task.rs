@@ -15,6 +15,7 @@ use crate::estimate::reactions;
 use crate::fault::Place;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::fit::{Comparison, Fit, Preprocessing};
+use crate::outcome::joint::JointFigures;
 use crate::outcome::machine::Machine;
 use crate::problem::solution::{Control, Stop};
 use crate::problem_file::ProblemFile;
@@ -85,6 +86,7 @@ pub fn run(
     fitted.fit.payload = load::describe(&fitted.estimate);
     fitted.fit.notes.extend(undetermined_load(&fitted.fit));
     fitted.fit.notes.extend(notes(&model, &data));
+    fitted.fit.notes.extend(misfit(&fitted.estimate.joints));
     if matches!(model.signal(), Signal::BaseWrench | Signal::Both) {
         let theta_d = reactions::joint_torque_parameters(&fitted.model, &fitted.fit.posterior);
         fitted.fit.joint_torque_parameters = theta_d;
@@ -100,6 +102,44 @@ pub fn run(
         interrupted(&mut fitted.estimate);
     }
     Ok(FitRun { fitted, data })
+}
+
+/// Mean square of what a model leaves over that of the noise from which on the model misses as much as the noise is.
+const AS_MUCH_AS_NOISE: f64 = 2.0;
+
+/// Share of a signal that a model leaves where it explains nothing of weight: less than a tenth of its squares.
+const NOTHING: f64 = 0.95;
+
+/// What a model leaves beyond the noise, and signals of which it explains nothing: what intervals do not know of.
+fn misfit(joints: &[JointFigures]) -> Vec<String> {
+    let listed = |figure: &dyn Fn(&JointFigures) -> Option<String>| -> Vec<String> {
+        joints.iter().filter_map(figure).collect()
+    };
+    let left = listed(&|joint| {
+        let lack = joint.lack_of_fit.filter(|lack| *lack > AS_MUCH_AS_NOISE)?;
+        Some(format!("{:.1} times at {}", lack.sqrt(), joint.joint))
+    });
+    let unexplained = listed(&|joint| {
+        (joint.relative_train > NOTHING).then(|| {
+            let share = 100.0 * joint.relative_train;
+            format!("{share:.0} % of its RMS are left at {}", joint.joint)
+        })
+    });
+    let mut notes = Vec::new();
+    if !left.is_empty() {
+        notes.push(format!(
+            "The model misses something: its errors are {} what the noise alone would make them, and intervals do not \
+             count that. `exid check` looks for mistakes in the inputs, `exid diagnose` for the physics.",
+            left.join(", ")
+        ));
+    }
+    if !unexplained.is_empty() {
+        notes.push(format!(
+            "The model explains next to nothing of a signal: {}. Is it the right column?",
+            unexplained.join(", ")
+        ));
+    }
+    notes
 }
 
 /// Name of the fit that others are compared with.

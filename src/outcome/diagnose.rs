@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::outcome::check::Finding as Mistake;
 use crate::outcome::fit::{Fit, Preprocessing};
 use crate::outcome::joint::JointFigures;
 use crate::outcome::number;
@@ -23,8 +22,6 @@ pub struct Diagnosis {
     /// What is of weight, and nothing in the recordings says that it is noise.
     #[serde(default)]
     pub unattested: Vec<Unattested>,
-    /// A mismatch that is a mistake in the input, not physics.
-    pub mistakes: Vec<Mistake>,
     #[serde(rename = "final")]
     pub outcome: Final,
     /// The recording that would tell rivals apart.

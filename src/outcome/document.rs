@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::outcome::check::Finding;
 use crate::outcome::error::{Action, OutcomeError, OutcomeErrorKind};
 use crate::outcome::estimate::Estimate;
 use crate::outcome::run::Run;
@@ -50,6 +51,8 @@ struct Written<'a> {
     verb: &'static str,
     #[serde(flatten)]
     run: &'a Run,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mistakes: Option<&'a [Finding]>,
     #[serde(flatten)]
     estimate: &'a Estimate,
     #[serde(flatten)]
@@ -58,10 +61,12 @@ struct Written<'a> {
 
 impl Serialize for Outcome {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let looks_for_mistakes = !matches!(self.part, Part::Check(_) | Part::Trials(_));
         Written {
             name: &self.name,
             verb: self.part.verb(),
             run: &self.run,
+            mistakes: looks_for_mistakes.then_some(&self.mistakes),
             estimate: &self.estimate,
             part: &self.part,
         }
@@ -75,6 +80,8 @@ struct Head {
     verb: String,
     #[serde(flatten)]
     run: Run,
+    #[serde(default)]
+    mistakes: Vec<Finding>,
     #[serde(flatten)]
     estimate: Estimate,
 }
@@ -101,6 +108,7 @@ impl<'de> Deserialize<'de> for Outcome {
         Ok(Self {
             name: head.name,
             run: head.run,
+            mistakes: head.mistakes,
             estimate: head.estimate,
             part: part.map_err(D::Error::custom)?,
         })

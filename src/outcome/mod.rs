@@ -29,7 +29,7 @@ mod document;
 
 use serde::Serialize;
 
-use crate::outcome::check::Check;
+use crate::outcome::check::{Check, Finding};
 use crate::outcome::design::Design;
 use crate::outcome::diagnose::Diagnosis;
 use crate::outcome::estimate::Estimate;
@@ -57,6 +57,8 @@ pub struct Outcome {
     pub name: String,
     /// What was run, on what.
     pub run: Run,
+    /// What the inputs say wrongly, the worst first; `check` has it as its findings.
+    pub mistakes: Vec<Finding>,
     /// What was estimated; empty for verbs that estimate nothing.
     pub estimate: Estimate,
     /// What only this verb gives.

@@ -44,6 +44,7 @@ pub(crate) fn fit_outcome() -> Outcome {
             }],
             wall_s: 1.5,
         },
+        mistakes: Vec::new(),
         estimate: Estimate {
             parameters: vec![
                 Parameter {
@@ -102,7 +103,7 @@ fn writes_the_promised_keys_in_their_order() {
     for (object, promised) in [
         (
             &value,
-            "name verb version seed problem inputs wall_s parameters joints covariance solver \
+            "name verb version seed problem inputs wall_s mistakes parameters joints covariance solver \
              base_parameters joint_torque_parameters rank condition_number feasible min_pseudo_inertia_eigenvalue \
              comparison unknowns posterior realization machine preprocessing notes",
         ),
@@ -158,6 +159,7 @@ fn invariant_every_verb_reads_back_what_was_written() {
         ..fit.clone()
     };
     let simulate = Outcome {
+        mistakes: Vec::new(),
         estimate: Estimate::default(),
         part: Part::Simulate(Simulation {
             files: vec!["train.csv".to_string()],

@@ -146,6 +146,7 @@ fn arm() -> Outcome {
             "drive": {"effects": ["coulomb_friction", "viscous_friction"], "torque_constant": [11.0, 11.2]},
             "recordings": {"train": ["train.csv"], "signal": "current"},
         })),
+        mistakes: Vec::new(),
         estimate: Estimate {
             parameters: parameters(),
             joints: (1..=JOINTS).map(|joint| figures(joint, 1.0)).collect(),
@@ -380,6 +381,7 @@ fn finding(severity: Severity, code: &str) -> Finding {
 #[test]
 fn findings_are_told_the_worst_first() {
     let outcome = Outcome {
+        mistakes: Vec::new(),
         estimate: Estimate::default(),
         part: Part::Check(Check {
             findings: vec![
@@ -403,6 +405,7 @@ fn findings_are_told_the_worst_first() {
 #[test]
 fn a_simulation_names_its_files_and_noise() {
     let outcome = Outcome {
+        mistakes: Vec::new(),
         estimate: Estimate::default(),
         part: Part::Simulate(Simulation {
             files: vec!["train.csv".to_string()],

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use crate::outcome::check::Check;
+use crate::outcome::check::{Check, Finding as Mistake, Severity};
 use crate::outcome::contest::Contest;
 use crate::outcome::design::Design;
 use crate::outcome::diagnose::{Diagnosis, Finding, Verdict};
-use crate::outcome::estimate::Estimate;
+use crate::outcome::estimate::{Estimate, Solver};
 use crate::outcome::fit::Fit;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::load::Load;
@@ -29,11 +29,39 @@ pub fn summary(outcome: &Outcome, report: Option<&Path>) -> String {
         Part::Diagnose(diagnosis) => diagnosis_lines(diagnosis),
         Part::Trials(trials) => trial_lines(trials),
     };
-    lines.insert(0, format!("{}: {}", outcome.name, outcome.part.verb()));
+    let mut head = vec![format!("{}: {}", outcome.name, outcome.part.verb())];
+    head.extend(mistake_lines(&outcome.mistakes));
+    lines.splice(0..0, head);
     if let Some(report) = report {
         lines.push(format!("report: {}", report.display()));
     }
     lines.join("\n") + "\n"
+}
+
+/// How a solver ended.
+pub fn solver_sentence(solver: &Solver) -> String {
+    facts::solver_sentence(solver)
+}
+
+/// What the inputs say wrongly, without notes: those are in the report.
+fn mistake_lines(mistakes: &[Mistake]) -> Vec<String> {
+    let weighty = mistakes.iter().filter(|m| m.severity < Severity::Note);
+    weighty.flat_map(finding_lines).collect()
+}
+
+/// What is wrong with an input, and what to do about it.
+pub fn finding_lines(finding: &Mistake) -> [String; 2] {
+    let place = facts::finding_place(finding);
+    let place = if place.is_empty() {
+        place
+    } else {
+        format!("{place}: ")
+    };
+    let severity = finding.severity.as_str();
+    [
+        format!("{severity}: {place}{} [{}]", finding.message, finding.code),
+        format!("{GAP}{}", finding.remedy),
+    ]
 }
 
 fn fit_lines(estimate: &Estimate, fit: &Fit) -> Vec<String> {
@@ -175,8 +203,6 @@ fn diagnosis_lines(diagnosis: &Diagnosis) -> Vec<String> {
         let left = diagnosis.unattested.iter();
         lines.extend(left.map(|left| format!("{GAP}left: {}", left.sentence)));
     }
-    let mistakes = diagnosis.mistakes.iter();
-    lines.extend(mistakes.map(|m| format!("{}: {} [{}]", m.severity.as_str(), m.message, m.code)));
     let next = diagnosis.next_experiment.as_ref();
     lines.extend(next.map(|next| format!("next: {} [next_experiment.toml]", next.sentence)));
     lines.extend(before_and_after(diagnosis));
@@ -253,21 +279,7 @@ fn before_and_after(diagnosis: &Diagnosis) -> Vec<String> {
 }
 
 fn check_lines(check: &Check) -> Vec<String> {
-    let mut lines = Vec::new();
-    for finding in &check.findings {
-        let place = facts::finding_place(finding);
-        let place = if place.is_empty() {
-            place
-        } else {
-            format!("{place}: ")
-        };
-        let severity = finding.severity.as_str();
-        lines.push(format!(
-            "{severity}: {place}{} [{}]",
-            finding.message, finding.code
-        ));
-        lines.push(format!("{GAP}{}", finding.remedy));
-    }
+    let mut lines: Vec<String> = check.findings.iter().flat_map(finding_lines).collect();
     lines.push(facts::finding_counts(&check.findings));
     lines
 }

@@ -150,8 +150,22 @@ fn keeps_bodies(problem: &ProblemFile) -> bool {
     )
 }
 
+/// A bound on bodies, of which the estimator knows sums alone.
+fn not_kept(name: &str, place: &Place) -> SetupError {
+    SetupError::mismatch(
+        place,
+        Mismatch::NotYet {
+            what: format!("a bound on `{name}` with this estimator, which determines base parameters"),
+            instead: "`estimator = \"feasible\"` and `\"feasible_maximum_likelihood\"` keep bounds on bodies".to_string(),
+        },
+    )
+}
+
 /// Narrows the bounds of parameters to those of the problem file.
 pub(super) fn bound_all(model: &mut Model, problem: &ProblemFile) -> Result<(), SetupError> {
+    if let (Some(total), false) = (&problem.fit.total_mass, keeps_bodies(problem)) {
+        return Err(not_kept("total_mass", &total.place));
+    }
     for entry in &problem.fit.bounds {
         let place = &entry.value.place;
         let reference = resolve(model, &entry.name, place)?;
@@ -159,6 +173,9 @@ pub(super) fn bound_all(model: &mut Model, problem: &ProblemFile) -> Result<(), 
         if keeps_bodies(problem) && matches!(reference, Reference::Body(_, BodyQuantity::Centre(_)))
         {
             continue;
+        }
+        if !keeps_bodies(problem) && matches!(reference, Reference::Body(..)) {
+            return Err(not_kept(&entry.name, place));
         }
         let instead = "bound masses and parameters of effects, and centres of mass with \
                        `estimator = \"feasible\"`";

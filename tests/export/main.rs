@@ -142,6 +142,7 @@ fn outcome(machine: Machine) -> Outcome {
             inputs: Vec::new(),
             wall_s: 0.0,
         },
+        mistakes: Vec::new(),
         estimate: Estimate::default(),
         part: Part::Fit(Fit {
             machine: Some(machine),

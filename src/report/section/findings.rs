@@ -1,4 +1,4 @@
-//! What `check` found, the worst first, each with what to do about it.
+//! What is wrong with the inputs, the worst first, each with what to do about it.
 
 use crate::outcome::Part;
 use crate::outcome::check::Finding;
@@ -10,8 +10,7 @@ use crate::report::table::{Cell, Table};
 pub(super) fn section(source: &Source) -> Option<Section> {
     let (title, found) = match &source.outcome.part {
         Part::Check(check) => ("Findings", &check.findings),
-        Part::Diagnose(diagnosis) => ("Mistakes in the inputs", &diagnosis.mistakes),
-        _ => return None,
+        _ => ("Mistakes in the inputs", &source.outcome.mistakes),
     };
     if found.is_empty() {
         return None;

@@ -1,0 +1,49 @@
+//! Joints that the problem locks and the recording moves.
+
+use crate::check::finding;
+use crate::check::setting::Setting;
+use crate::fault::Place;
+use crate::outcome::check::{Finding, Severity};
+use crate::setup::recordings::{Named, read_one};
+use crate::setup::robot::Robot;
+
+/// A locked joint may be this far from where it is locked, rad or m: what bodies weigh about the other joints then
+/// changes by a hundredth.
+const STILL: f64 = 0.01;
+
+/// Compares positions of locked joints, where the file has them, with those that are stated.
+pub(super) fn check(setting: &Setting<'_>, named: &Named<'_>) -> Vec<Finding> {
+    let locked = &setting.robot.locked;
+    if setting.robot.mechanism.is_some() || locked.iter().all(Option::is_none) {
+        return Vec::new();
+    }
+    let unlocked = Robot {
+        locked: vec![None; locked.len()],
+        ..setting.robot.clone()
+    };
+    // Most files do not have columns of joints that are locked.
+    let Ok(recording) = read_one(setting.table, &unlocked, named.path) else {
+        return Vec::new();
+    };
+    let of_joint = |(k, at): (usize, f64)| {
+        let positions = recording.position[k].iter();
+        let (low, high) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| {
+            (low.min(*q), high.max(*q))
+        });
+        let farthest = (high - at).abs().max((low - at).abs());
+        (farthest > STILL).then(|| {
+            finding(
+                Severity::Error,
+                Place::file(&named.path.resolved).key(&setting.robot.tree.joints()[k].name),
+                (
+                    "locked-joint-moves",
+                    format!("the joint is locked at {at} and goes from {low:.4} to {high:.4} in the recording"),
+                    "take it out of `robot.locked`, or lock it where it stands".to_string(),
+                ),
+            )
+        })
+    };
+    let stated = locked.iter().enumerate();
+    let stated = stated.filter_map(|(k, at)| Some((k, (*at)?)));
+    stated.filter_map(of_joint).collect()
+}
