@@ -16,9 +16,9 @@ fn joints(count: usize) -> Vec<RecordedJoint> {
 /// A map that names time, position and torque.
 fn map([time, position, torque]: [&str; 3]) -> ColumnMap {
     ColumnMap {
-        time: Some(time.to_string()),
-        position: Some(position.to_string()),
-        torque: Some(torque.to_string()),
+        time: Some(time.into()),
+        position: Some(position.into()),
+        torque: Some(torque.into()),
         ..ColumnMap::default()
     }
 }

@@ -1,11 +1,13 @@
 //! `[recordings]`: the files, what they hold, and how positions give velocities and accelerations.
 
 use crate::problem_file::choices::{DifferentiationMethod, PositionSide, Signal};
-use crate::problem_file::document::Node;
-use crate::problem_file::error::{KeyFault, NumberFault, ProblemFileError};
+use crate::problem_file::document::{Node, NodeValue};
+use crate::problem_file::error::{KeyFault, NumberFault, ProblemFileError, ValueFault};
 use crate::problem_file::located::{FilePath, Located, Named};
 use crate::problem_file::reader::Reader;
 use crate::problem_file::{Context, values};
+use crate::recording::columns::{Column, ColumnsAt};
+use crate::recording::units::{self, Quantity};
 
 pub(crate) const KEYS: &[&str] = &[
     "train",
@@ -34,6 +36,7 @@ pub(crate) const COLUMNS_KEYS: &[&str] = &[
     "temperature",
     "mask",
 ];
+pub(crate) const COLUMN_KEYS: &[&str] = &["column", "unit", "per_turn"];
 pub(crate) const DIFFERENTIATION_KEYS: &[&str] = &["method", "cutoff_hz", "parallel_hz"];
 
 /// The table `[recordings]`.
@@ -92,28 +95,28 @@ pub struct PlatformTable {
 }
 
 /// The table `[recordings.columns]`: names of columns or channels, in which `{joint}` stands for
-/// the joint's name and `{n}` for its number from 1. Every key is optional; an absent one leaves
+/// the joint's name and `{n}` for its number from 1, or a table `{ column = …, unit = … }`. Every key is optional; an absent one leaves
 /// the name to the reader of recordings.
 #[derive(Debug, Clone)]
 pub struct ColumnsTable {
     /// s.
-    pub time: Option<Located<String>>,
+    pub time: Option<Located<Column>>,
     /// rad (m), or the motor's turns in rad.
-    pub position: Option<Located<String>>,
+    pub position: Option<Located<Column>>,
     /// rad/s (m/s).
-    pub velocity: Option<Located<String>>,
+    pub velocity: Option<Located<Column>>,
     /// rad/s² (m/s²).
-    pub acceleration: Option<Located<String>>,
+    pub acceleration: Option<Located<Column>>,
     /// A.
-    pub current: Option<Located<String>>,
+    pub current: Option<Located<Column>>,
     /// N·m (N).
-    pub torque: Option<Located<String>>,
+    pub torque: Option<Located<Column>>,
     /// Forces along x, y, z in N, then moments in N·m.
     pub wrench: Option<Located<[String; 6]>>,
     /// °C.
-    pub temperature: Option<Located<String>>,
+    pub temperature: Option<Located<Column>>,
     /// Samples with 0 are left out.
-    pub mask: Option<Located<String>>,
+    pub mask: Option<Located<Column>>,
 }
 
 /// The table `[recordings.differentiation]`.
@@ -251,12 +254,13 @@ impl ColumnsTable {
     fn from_node(node: &Node) -> Result<Self, ProblemFileError> {
         let reader = Reader::open(node, COLUMNS_KEYS)?;
         Ok(Self {
-            time: reader.optional("time", values::text)?,
-            position: reader.optional("position", values::text)?,
-            velocity: reader.optional("velocity", values::text)?,
-            acceleration: reader.optional("acceleration", values::text)?,
-            current: reader.optional("current", values::text)?,
-            torque: reader.optional("torque", values::text)?,
+            time: reader.optional("time", |n| column(n, Some(Quantity::Time)))?,
+            position: reader.optional("position", |n| column(n, Some(Quantity::Position)))?,
+            velocity: reader.optional("velocity", |n| column(n, Some(Quantity::Velocity)))?,
+            acceleration: reader
+                .optional("acceleration", |n| column(n, Some(Quantity::Acceleration)))?,
+            current: reader.optional("current", |n| column(n, Some(Quantity::Current)))?,
+            torque: reader.optional("torque", |n| column(n, Some(Quantity::Torque)))?,
             wrench: reader.optional("wrench", |n| {
                 values::array(
                     n,
@@ -264,9 +268,100 @@ impl ColumnsTable {
                     values::text,
                 )
             })?,
-            temperature: reader.optional("temperature", values::text)?,
-            mask: reader.optional("mask", values::text)?,
+            temperature: reader.optional("temperature", |n| column(n, None))?,
+            mask: reader.optional("mask", |n| column(n, None))?,
         })
+    }
+}
+
+/// A channel by the pattern of its columns, or by a table with columns and unit.
+fn column(node: &Node, quantity: Option<Quantity>) -> Result<Column, ProblemFileError> {
+    if let NodeValue::Text(_) = node.value {
+        return Ok(Column::from(values::text(node)?.as_str()));
+    }
+    let reader = Reader::open(node, COLUMN_KEYS)?;
+    let remedy = "name the column, or give its number from 1";
+    let at = reader.required("column", remedy, columns_at)?.value;
+    let per_turn = reader.optional("per_turn", values::positive)?;
+    let unit = reader.node("unit");
+    let Some(quantity) = quantity else {
+        return match unit {
+            None => Ok(Column {
+                at,
+                factors: Vec::new(),
+            }),
+            Some(unit) => Err(ProblemFileError::new(
+                &unit.place,
+                KeyFault::Conflict {
+                    found: "a unit of what has none".into(),
+                    remedy: "leave the unit out".into(),
+                },
+            )),
+        };
+    };
+    let factor = |node: &Node| factor(node, quantity, per_turn.as_ref());
+    let factors = match unit {
+        None => Vec::new(),
+        Some(node) => match &node.value {
+            NodeValue::List(units) => units.iter().map(factor).collect::<Result<_, _>>()?,
+            _ => vec![factor(node)?],
+        },
+    };
+    Ok(Column { at, factors })
+}
+
+/// A pattern, a number, or a list of either, one for each joint.
+fn columns_at(node: &Node) -> Result<ColumnsAt, ProblemFileError> {
+    let is_text = |node: &Node| matches!(node.value, NodeValue::Text(_));
+    match &node.value {
+        NodeValue::Text(_) => Ok(ColumnsAt::Pattern(values::text(node)?)),
+        NodeValue::List(items) if items.is_empty() => Err(values::wrong_type(
+            node,
+            "a name, a number, or a list of either",
+        )),
+        NodeValue::List(items) if items.iter().all(is_text) => {
+            let names = items.iter().map(values::text);
+            Ok(ColumnsAt::Names(names.collect::<Result<_, _>>()?))
+        }
+        NodeValue::List(items) => {
+            let numbers = items.iter().map(values::count);
+            Ok(ColumnsAt::Numbers(numbers.collect::<Result<_, _>>()?))
+        }
+        _ => Ok(ColumnsAt::Numbers(vec![values::count(node)?])),
+    }
+}
+
+/// What turns a unit into SI.
+fn factor(
+    node: &Node,
+    quantity: Quantity,
+    per_turn: Option<&Located<f64>>,
+) -> Result<f64, ProblemFileError> {
+    let unit = values::text(node)?;
+    match (
+        per_turn,
+        unit == units::COUNT && quantity == Quantity::Position,
+    ) {
+        (Some(per_turn), true) => Ok(units::of_counts(per_turn.value)),
+        (None, true) => Err(ProblemFileError::new(
+            &node.place,
+            KeyFault::Conflict {
+                found: "the unit \"count\" without its size".into(),
+                remedy: "say how many counts make a turn: per_turn = 65536".into(),
+            },
+        )),
+        (_, false) => units::factor(quantity, &unit).ok_or_else(|| {
+            let known = units::names(quantity).into_iter().map(String::from);
+            ProblemFileError::new(
+                &node.place,
+                ValueFault::UnknownWord {
+                    noun: "unit",
+                    code: "unknown-unit",
+                    found: unit.clone(),
+                    known: known.collect(),
+                },
+            )
+        }),
     }
 }
 

@@ -14,18 +14,70 @@ use crate::recording::table::{Table, format_of};
 /// Names of the columns. In a pattern `{joint}` stands for the joint's name and `{n}` for its
 /// number from 1. The empty map follows the conventions listed in this file; in any other map the
 /// optional channels that it does not name are not read.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct ColumnMap {
-    pub time: Option<String>,
-    pub position: Option<String>,
-    pub velocity: Option<String>,
-    pub acceleration: Option<String>,
-    pub current: Option<String>,
-    pub torque: Option<String>,
+    pub time: Option<Column>,
+    pub position: Option<Column>,
+    pub velocity: Option<Column>,
+    pub acceleration: Option<Column>,
+    pub current: Option<Column>,
+    pub torque: Option<Column>,
     /// Force x, y, z and moment x, y, z.
     pub wrench: Option<[String; 6]>,
-    pub temperature: Option<String>,
-    pub mask: Option<String>,
+    pub temperature: Option<Column>,
+    pub mask: Option<Column>,
+}
+
+/// Where a channel stands in a file, and what turns its numbers into SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    pub at: ColumnsAt,
+    /// One for all joints, or one for each of the problem's joints; none where numbers are in SI units.
+    pub factors: Vec<f64>,
+}
+
+/// How the columns of the joints are told.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ColumnsAt {
+    /// `{joint}` stands for the joint's name and `{n}` for its number.
+    Pattern(String),
+    /// Names, one for each of the problem's joints.
+    Names(Vec<String>),
+    /// Positions in the file from 1, one for each of the problem's joints.
+    Numbers(Vec<usize>),
+}
+
+impl From<&str> for Column {
+    fn from(pattern: &str) -> Self {
+        Self {
+            at: ColumnsAt::Pattern(pattern.to_string()),
+            factors: Vec::new(),
+        }
+    }
+}
+
+impl Column {
+    /// The name of the column of a joint with a number from 1; `None` where columns are told by their positions in a file
+    /// that is yet to be written.
+    pub fn label(&self, name: &str, number: usize) -> Option<String> {
+        match &self.at {
+            // The number first: a joint's name may hold braces, a number cannot.
+            ColumnsAt::Pattern(pattern) => Some(
+                pattern
+                    .replace("{n}", &number.to_string())
+                    .replace("{joint}", name),
+            ),
+            ColumnsAt::Names(names) => names.get(number - 1).cloned(),
+            ColumnsAt::Numbers(_) => None,
+        }
+    }
+
+    /// What numbers of a joint with a number from 1 are multiplied by.
+    pub fn factor(&self, number: usize) -> f64 {
+        let of_joint = self.factors.get(number - 1);
+        let first = || self.factors.first().filter(|_| self.factors.len() == 1);
+        of_joint.or_else(first).copied().unwrap_or(1.0)
+    }
 }
 
 /// What the signal of a recording is.
@@ -164,11 +216,7 @@ pub(super) fn read_parts(
         Parts::All => finder.choose(map, kind)?,
         Parts::WithoutPosition => Names {
             signal: finder.signal(map, kind)?,
-            mask: map
-                .mask
-                .as_ref()
-                .map(|m| finder.single(m, "mask"))
-                .transpose()?,
+            mask: finder.one(&map.mask, "mask")?,
             ..Names::empty(finder.time(map)?)
         },
         Parts::Position => Names {
@@ -177,7 +225,45 @@ pub(super) fn read_parts(
         },
     };
     let table = (format.read)(path, &names.all(path)?)?;
-    Ok(names.assemble(path, table))
+    let mut recording = names.assemble(path, table);
+    into_si(&mut recording, map, (joints, kind));
+    Ok(recording)
+}
+
+/// Turns what a file holds into SI units.
+fn into_si(
+    recording: &mut Recording,
+    map: &ColumnMap,
+    (joints, kind): (&[RecordedJoint], SignalKind),
+) {
+    let scale = |series: &mut [Vec<f64>], column: &Option<Column>| {
+        let Some(column) = column else { return };
+        for (series, joint) in series.iter_mut().zip(joints) {
+            let factor = column.factor(joint.number);
+            if factor != 1.0 {
+                series.iter_mut().for_each(|x| *x *= factor);
+            }
+        }
+    };
+    let torque = match kind {
+        SignalKind::Current => &map.current,
+        SignalKind::BaseWrench => &None,
+        _ => &map.torque,
+    };
+    scale(&mut recording.position, &map.position);
+    scale(&mut recording.signal, torque);
+    if let Some(velocity) = &mut recording.velocity {
+        scale(velocity, &map.velocity);
+    }
+    if let Some(acceleration) = &mut recording.acceleration {
+        scale(acceleration, &map.acceleration);
+    }
+    if let (Some(time), Some(column)) = (&mut recording.time, &map.time) {
+        let factor = column.factor(1);
+        if factor != 1.0 {
+            time.iter_mut().for_each(|t| *t *= factor);
+        }
+    }
 }
 
 /// Reads further columns of a recording, in the order of their names.
@@ -273,8 +359,8 @@ struct Finder<'a> {
 
 impl Finder<'_> {
     fn choose(&self, map: &ColumnMap, kind: SignalKind) -> Result<Names, RecordingError> {
-        let optional = |pattern: &Option<String>, usual, what| match pattern {
-            Some(pattern) => self.joints_by_pattern(pattern, what).map(Some),
+        let optional = |column: &Option<Column>, usual, what| match column {
+            Some(column) => self.joints_at(column, what).map(Some),
             None if self.conventional => Ok(self.joints_by_convention(usual)),
             None => Ok(None),
         };
@@ -285,21 +371,65 @@ impl Finder<'_> {
             acceleration: optional(&map.acceleration, ACCELERATION, "acceleration")?,
             signal: self.signal(map, kind)?,
             temperature: optional(&map.temperature, TEMPERATURE, "temperature")?,
-            mask: match &map.mask {
-                Some(name) => Some(self.single(name, "mask")?),
-                None => None,
-            },
+            mask: self.one(&map.mask, "mask")?,
         })
     }
 
     fn time(&self, map: &ColumnMap) -> Result<Option<String>, RecordingError> {
-        match &map.time {
-            Some(name) => self.single(name, "time").map(Some),
+        match self.one(&map.time, "time")? {
+            Some(name) => Ok(Some(name)),
             None => Ok(TIME
                 .iter()
                 .find(|&&name| self.has(name))
                 .map(|&name| name.into())),
         }
+    }
+
+    /// A column of no joint.
+    fn one(&self, column: &Option<Column>, what: &str) -> Result<Option<String>, RecordingError> {
+        let Some(column) = column else {
+            return Ok(None);
+        };
+        match &column.at {
+            ColumnsAt::Pattern(name) => self.single(name, what),
+            ColumnsAt::Names(names) => self.single(&names[0], what),
+            ColumnsAt::Numbers(numbers) => self.numbered(numbers[0], what),
+        }
+        .map(Some)
+    }
+
+    /// The name of a column by its position from 1.
+    fn numbered(&self, number: usize, what: &str) -> Result<String, RecordingError> {
+        match self.present.get(number.wrapping_sub(1)) {
+            Some(name) => Ok(name.clone()),
+            None => Err(self.missing(vec![number.to_string()], what)),
+        }
+    }
+
+    fn joints_at(&self, column: &Column, what: &str) -> Result<Vec<String>, RecordingError> {
+        let given = match &column.at {
+            ColumnsAt::Pattern(pattern) => return self.joints_by_pattern(pattern, what),
+            ColumnsAt::Names(names) => names.len(),
+            ColumnsAt::Numbers(numbers) => numbers.len(),
+        };
+        let of = |joint: &RecordedJoint| {
+            let index = joint.number - 1;
+            let purpose = format!("{what} of joint {}", joint.name);
+            match &column.at {
+                ColumnsAt::Names(names) if index < given => self.single(&names[index], &purpose),
+                ColumnsAt::Numbers(numbers) if index < given => {
+                    self.numbered(numbers[index], &purpose)
+                }
+                _ => Err(RecordingError::new(
+                    Place::file(self.path).key(what),
+                    RecordingErrorKind::TooFewColumns {
+                        given,
+                        joints: self.joints.len(),
+                    },
+                )),
+            }
+        };
+        self.joints.iter().map(of).collect()
     }
 
     fn signal(&self, map: &ColumnMap, kind: SignalKind) -> Result<Vec<String>, RecordingError> {
@@ -327,12 +457,12 @@ impl Finder<'_> {
 
     fn required(
         &self,
-        pattern: &Option<String>,
+        column: &Option<Column>,
         usual: &[&str],
         what: &str,
     ) -> Result<Vec<String>, RecordingError> {
-        if let Some(pattern) = pattern {
-            return self.joints_by_pattern(pattern, what);
+        if let Some(column) = column {
+            return self.joints_at(column, what);
         }
         self.joints_by_convention(usual)
             .ok_or_else(|| self.missing_by_convention(usual, what))
@@ -404,6 +534,13 @@ impl Finder<'_> {
     }
 
     fn missing(&self, accepted: Vec<String>, purpose: &str) -> RecordingError {
+        let numbered = (1..).map(|n: usize| n.to_string());
+        if !self.present.is_empty() && self.present.iter().zip(numbered).all(|(a, b)| *a == b) {
+            return RecordingError::new(
+                Place::file(self.path).line(1),
+                RecordingErrorKind::NoHeader,
+            );
+        }
         let first = accepted.first().cloned().unwrap_or_default();
         let nearest = self
             .present

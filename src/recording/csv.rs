@@ -122,8 +122,11 @@ impl<'p> Lines<'p> {
 }
 
 struct Header {
+    /// Their positions from 1 where the file has no names.
     names: Vec<String>,
     separator: u8,
+    /// The first line where it holds numbers.
+    first_row: Option<String>,
 }
 
 /// Reads the first line: `#` before it (as NumPy writes) and a byte-order mark are passed over.
@@ -144,8 +147,11 @@ fn read_header(lines: &mut Lines) -> Result<Header, RecordingError> {
         return Err(lines.fault(RecordingErrorKind::EmptyFile));
     }
     if names.iter().all(|name| name.parse::<f64>().is_ok()) {
-        let first = excerpt(&names[0]);
-        return Err(lines.fault(RecordingErrorKind::NoHeader { first }));
+        return Ok(Header {
+            first_row: Some(line.to_string()),
+            names: (1..=names.len()).map(|n| n.to_string()).collect(),
+            separator,
+        });
     }
     let mut seen = HashSet::new();
     for (column, name) in names.iter().enumerate() {
@@ -156,7 +162,11 @@ fn read_header(lines: &mut Lines) -> Result<Header, RecordingError> {
             return Err(RecordingError::new(place, kind));
         }
     }
-    Ok(Header { names, separator })
+    Ok(Header {
+        names,
+        separator,
+        first_row: None,
+    })
 }
 
 /// The separator that occurs most often in the header; a comma where none does.
@@ -189,8 +199,23 @@ fn read_rows(mut lines: Lines, wanted: &[String]) -> Result<Table, RecordingErro
         .iter()
         .map(|name| wanted.iter().position(|column| column == name))
         .collect();
-    let first_line = lines.number + 1;
     let mut data: Vec<Vec<f64>> = vec![Vec::new(); wanted.len()];
+    let mut append = |line: &str, number: usize| {
+        append_row(line, header.separator, &target, &mut data).map_err(|fault| {
+            let mut place = Place::file(path).line(number);
+            if let Some(column) = fault.column {
+                place = place.column(column + 1).key(&header.names[column]);
+            }
+            RecordingError::new(place, fault.kind)
+        })
+    };
+    let first_line = match &header.first_row {
+        Some(row) => {
+            append(row, lines.number)?;
+            lines.number
+        }
+        None => lines.number + 1,
+    };
     loop {
         let number = lines.number + 1;
         let Some(line) = lines.next()? else { break };
@@ -198,13 +223,7 @@ fn read_rows(mut lines: Lines, wanted: &[String]) -> Result<Table, RecordingErro
             require_end(&mut lines, header.names.len())?;
             break;
         }
-        append_row(line, header.separator, &target, &mut data).map_err(|fault| {
-            let mut place = Place::file(path).line(number);
-            if let Some(column) = fault.column {
-                place = place.column(column + 1).key(&header.names[column]);
-            }
-            RecordingError::new(place, fault.kind)
-        })?;
+        append(line, number)?;
     }
     require_rows(path, data.first().map_or(0, Vec::len))?;
     data.iter_mut().for_each(Vec::shrink_to_fit);

@@ -53,9 +53,7 @@ pub enum RecordingErrorKind {
         topics: Vec<String>,
     },
     EmptyFile,
-    NoHeader {
-        first: String,
-    },
+    NoHeader,
     NotUtf8,
     NulByte,
     LineTooLong {
@@ -84,6 +82,10 @@ pub enum RecordingErrorKind {
     },
     PatternNotPerJoint {
         pattern: String,
+        joints: usize,
+    },
+    TooFewColumns {
+        given: usize,
         joints: usize,
     },
     UnknownPlaceholder {
@@ -134,6 +136,7 @@ impl RecordingErrorKind {
             self,
             Self::ColumnUsedTwice { .. }
                 | Self::PatternNotPerJoint { .. }
+                | Self::TooFewColumns { .. }
                 | Self::TwoTopics { .. }
                 | Self::UnknownPlaceholder { .. }
                 | Self::InvalidSetting { .. }
@@ -311,10 +314,11 @@ fn describe_table(kind: &RecordingErrorKind) -> Option<Description> {
             "the file is empty",
             "give a header line with column names and at least 20 rows",
         ),
-        Kind::NoHeader { first } => Description::new(
+        Kind::NoHeader => Description::new(
             "no-header",
-            format!("the first line holds numbers ({first}), not column names"),
-            "put a line with the name of every column first, such as t,q1,q2,i1,i2",
+            "the first line holds numbers, not column names",
+            "put a line with the name of every column first, such as t,q1,q2,i1,i2, or say where columns stand: \
+             recordings.columns.position = { column = [2, 3] }",
         ),
         Kind::NotUtf8 => Description::new(
             "not-utf8",
@@ -419,6 +423,11 @@ fn describe_use(kind: &RecordingErrorKind) -> Description {
             "pattern-not-per-joint",
             format!("the pattern {pattern:?} names one column for {joints} joints"),
             "put {joint} (the joint's name) or {n} (its number from 1) into it",
+        ),
+        Kind::TooFewColumns { given, joints } => Description::new(
+            "too-few-columns",
+            format!("the list has {given} of the columns of {joints} joints"),
+            "list one column for each joint, in the order of the problem's joints",
         ),
         Kind::ColumnUsedTwice { name } => Description::new(
             "column-used-twice",

@@ -34,6 +34,7 @@ pub mod split;
 pub mod table;
 pub mod timing;
 mod unfold;
+pub mod units;
 pub mod unrolled;
 mod written;
 pub mod zero_phase;

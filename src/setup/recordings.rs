@@ -13,7 +13,7 @@ use crate::problem_file::choices::{DifferentiationMethod, PositionSide, Signal};
 use crate::problem_file::{FilePath, Located, ProblemFile, RecordingsTable};
 use crate::recording::apart::read_apart;
 use crate::recording::clock::evened;
-use crate::recording::columns::{ColumnMap, RecordedJoint, Recording, read};
+use crate::recording::columns::{Column, ColumnMap, RecordedJoint, Recording, read};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::experiment::{Bandwidth, Experiment, Noise, prepare};
 use crate::recording::held::thinned;
@@ -228,18 +228,18 @@ fn place_of_request(table: &RecordingsTable, key: Option<&str>) -> Place {
 }
 
 fn column_map(table: &RecordingsTable) -> ColumnMap {
-    let text = |entry: &Option<Located<String>>| entry.as_ref().map(|e| e.value.clone());
+    let given = |entry: &Option<Located<Column>>| entry.as_ref().map(|e| e.value.clone());
     let columns = &table.columns;
     ColumnMap {
-        time: text(&columns.time),
-        position: text(&columns.position),
-        velocity: text(&columns.velocity),
-        acceleration: text(&columns.acceleration),
-        current: text(&columns.current),
-        torque: text(&columns.torque),
+        time: given(&columns.time),
+        position: given(&columns.position),
+        velocity: given(&columns.velocity),
+        acceleration: given(&columns.acceleration),
+        current: given(&columns.current),
+        torque: given(&columns.torque),
         wrench: columns.wrench.as_ref().map(|e| e.value.clone()),
-        temperature: text(&columns.temperature),
-        mask: text(&columns.mask),
+        temperature: given(&columns.temperature),
+        mask: given(&columns.mask),
     }
 }
 

@@ -13,6 +13,7 @@ use crate::chain::model::Model;
 use crate::problem_file::choices::{PositionSide, Signal};
 use crate::problem_file::recordings::ColumnsTable;
 use crate::problem_file::{Located, PerJoint, ProblemFile};
+use crate::recording::columns::{Column, ColumnsAt};
 use crate::robot::tree::JointKind;
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::robot::Robot;
@@ -53,6 +54,8 @@ pub struct Channel {
     pub index: usize,
     scale: f64,
     noise: f64,
+    /// What the numbers in the file are multiplied by to be in SI units.
+    factor: f64,
 }
 
 /// The sensors of a problem file.
@@ -100,6 +103,9 @@ impl Sensors {
             JointKind::Revolute => TAU / counts,
             JointKind::Prismatic => 1.0 / counts,
         };
+        if let Some(table) = table {
+            require_names(&table.columns, &joints)?;
+        }
         let mut sensors = Self {
             channels: Vec::new(),
             joints,
@@ -124,9 +130,9 @@ impl Sensors {
         let at_motor = table.is_some_and(|t| t.signal.value == Signal::MotorTorque);
         let noise = Noise::read(problem, robot, model)?;
         let columns = self.columns.as_ref();
-        let pattern = match is_current {
-            true => pattern(columns.and_then(|c| c.current.as_ref()), "i{n}"),
-            false => pattern(columns.and_then(|c| c.torque.as_ref()), "tau{n}"),
+        let column = match is_current {
+            true => given(columns.and_then(|c| c.current.as_ref()), "i{n}"),
+            false => given(columns.and_then(|c| c.torque.as_ref()), "tau{n}"),
         };
         let all = model.channels();
         let mut channels = Vec::new();
@@ -135,7 +141,8 @@ impl Sensors {
                 continue;
             };
             channels.push(Channel {
-                column: expand(&pattern, joint),
+                column: label(&column, joint),
+                factor: column.factor(joint.number),
                 unit: all[channel].unit.to_string(),
                 index: channel,
                 scale: if at_motor {
@@ -154,6 +161,7 @@ impl Sensors {
                 unit: channel.unit.to_string(),
                 index,
                 scale: 1.0,
+                factor: 1.0,
                 noise: noise.wrench[component],
             });
         }
@@ -173,12 +181,14 @@ impl Sensors {
         let rows = motion[0].first().map_or(0, Vec::len);
         let columns = self.columns.as_ref();
         let mut table = Table::default();
-        let time = pattern(columns.and_then(|c| c.time.as_ref()), "t");
-        table.push(time, (0..rows).map(|k| k as f64 / rate).collect());
-        let named = |of: fn(&ColumnsTable) -> &Option<Located<String>>| {
+        let named = |of: fn(&ColumnsTable) -> &Option<Located<Column>>| {
             columns.and_then(|c| of(c).as_ref())
         };
-        let position = pattern(named(|c| &c.position), "q{n}");
+        let time = given(named(|c| &c.time), "t");
+        let unit = time.factor(1);
+        let times = (0..rows).map(|k| k as f64 / rate / unit);
+        table.push(time.label("", 1).unwrap_or_default(), times.collect());
+        let position = given(named(|c| &c.position), "q{n}");
         self.push_motion(&mut table, &position, self.position(model, &motion[0]));
         let rates = [named(|c| &c.velocity), named(|c| &c.acceleration)];
         for (asked, series) in rates.into_iter().zip(&motion[1..]) {
@@ -191,7 +201,7 @@ impl Sensors {
             let mut errors = normal(noise(number), channel.noise, rows);
             correlate(&mut errors, self.correlation);
             let pairs = series.iter_mut().zip(&errors);
-            pairs.for_each(|(x, e)| *x = channel.scale * *x + e);
+            pairs.for_each(|(x, e)| *x = (channel.scale * *x + e) / channel.factor);
             table.push(channel.column.clone(), series);
             added.push(errors);
         }
@@ -200,15 +210,20 @@ impl Sensors {
             self.push_motion(&mut table, &column.value, warm);
         }
         if let Some(column) = named(|c| &c.mask) {
-            table.push(column.value.clone(), vec![1.0; rows]);
+            let name = column.value.label("", 1).unwrap_or_default();
+            table.push(name, vec![1.0; rows]);
         }
         (table, added)
     }
 
-    fn push_motion(&self, table: &mut Table, pattern: &str, mut series: Vec<Vec<f64>>) {
+    fn push_motion(&self, table: &mut Table, column: &Column, mut series: Vec<Vec<f64>>) {
         for joint in &self.joints {
-            let column = std::mem::take(&mut series[joint.index]);
-            table.push(expand(pattern, joint), column);
+            let mut numbers = std::mem::take(&mut series[joint.index]);
+            let factor = column.factor(joint.number);
+            if factor != 1.0 {
+                numbers.iter_mut().for_each(|x| *x /= factor);
+            }
+            table.push(label(column, joint), numbers);
         }
     }
 
@@ -316,14 +331,44 @@ impl Noise {
     }
 }
 
-fn pattern(given: Option<&Located<String>>, usual: &str) -> String {
-    given.map_or_else(|| usual.to_string(), |name| name.value.clone())
+/// The columns that the problem file names, or the usual ones.
+fn given(given: Option<&Located<Column>>, usual: &str) -> Column {
+    given.map_or_else(|| Column::from(usual), |column| column.value.clone())
 }
 
-fn expand(pattern: &str, joint: &Recorded) -> String {
-    pattern
-        .replace("{n}", &joint.number.to_string())
-        .replace("{joint}", &joint.name)
+/// The name of a joint's column; [`Sensors::new`] has refused columns without one.
+fn label(column: &Column, joint: &Recorded) -> String {
+    column.label(&joint.name, joint.number).unwrap_or_default()
+}
+
+/// Columns that a file is to be written with have names, one for each joint.
+fn require_names(columns: &ColumnsTable, joints: &[Recorded]) -> Result<(), SetupError> {
+    let channels = [
+        &columns.time,
+        &columns.position,
+        &columns.velocity,
+        &columns.acceleration,
+        &columns.current,
+        &columns.torque,
+        &columns.temperature,
+        &columns.mask,
+    ];
+    let most = joints.iter().map(|joint| joint.number).max().unwrap_or(0);
+    let is_nameless = |column: &&Located<Column>| match &column.value.at {
+        ColumnsAt::Pattern(_) => false,
+        ColumnsAt::Names(names) => names.len() > 1 && names.len() < most,
+        ColumnsAt::Numbers(_) => true,
+    };
+    match channels.into_iter().flatten().find(is_nameless) {
+        None => Ok(()),
+        Some(column) => Err(SetupError::mismatch(
+            &column.place,
+            Mismatch::NotYet {
+                what: "writing a file whose columns have no names".to_string(),
+                instead: "name the columns of every joint: { column = \"q{n}\" }".to_string(),
+            },
+        )),
+    }
 }
 
 fn normal(mut rng: ChaCha8Rng, std_dev: f64, count: usize) -> Vec<f64> {

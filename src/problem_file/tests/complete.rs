@@ -14,6 +14,7 @@ use crate::problem_file::fit::{Interval, PriorValue, Strength};
 use crate::problem_file::robot::{PayloadPlace, RobotSource};
 use crate::problem_file::simulate::Trajectory;
 use crate::problem_file::{FilePath, Located, Named, PerJoint, ProblemFile};
+use crate::recording::columns::Column;
 
 fn full() -> ProblemFile {
     parse(FULL, &[]).unwrap()
@@ -114,18 +115,18 @@ fn recordings_of_the_complete_file() {
     assert_eq!(*given(&recordings.rate), 200.0);
     assert_eq!(*given(&recordings.period), 12.0);
     let columns = &recordings.columns;
-    assert_eq!(given(&columns.time), "t");
-    assert_eq!(given(&columns.position), "q{n}");
-    assert_eq!(given(&columns.velocity), "dq{n}");
-    assert_eq!(given(&columns.acceleration), "ddq_{joint}");
-    assert_eq!(given(&columns.current), "i{n}");
-    assert_eq!(given(&columns.torque), "tau{n}");
+    assert_eq!(*given(&columns.time), Column::from("t"));
+    assert_eq!(*given(&columns.position), Column::from("q{n}"));
+    assert_eq!(*given(&columns.velocity), Column::from("dq{n}"));
+    assert_eq!(*given(&columns.acceleration), Column::from("ddq_{joint}"));
+    assert_eq!(*given(&columns.current), Column::from("i{n}"));
+    assert_eq!(*given(&columns.torque), Column::from("tau{n}"));
     assert_eq!(
         *given(&columns.wrench),
         ["fx", "fy", "fz", "mx", "my", "mz"].map(str::to_owned)
     );
-    assert_eq!(given(&columns.temperature), "temp{n}");
-    assert_eq!(given(&columns.mask), "valid");
+    assert_eq!(*given(&columns.temperature), Column::from("temp{n}"));
+    assert_eq!(*given(&columns.mask), Column::from("valid"));
     let differentiation = &recordings.differentiation;
     assert_eq!(
         *given(&differentiation.method),
