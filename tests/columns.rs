@@ -110,6 +110,23 @@ fn units_and_numbers_that_are_said_give_the_same_answer() {
     }
 }
 
+/// As a spreadsheet of another country saves it: semicolons, decimal commas, a row of units, and letters in Latin-1.
+#[test]
+fn spreadsheets_of_other_countries_give_the_same_answer() {
+    let expected = answer(&Arm::new(4));
+    let arm = Arm::new(4);
+    let text = fs::read_to_string(arm.path("train.csv")).unwrap();
+    let (_, rows) = text.split_once('\n').unwrap();
+    let head = "Zeit;Größe_1;Größe_2;i1;i2\ns;rad;rad;A;A\n";
+    let table = head.to_string() + &rows.replace(',', ";").replace('.', ",");
+    // Every letter of it is one byte in Latin-1.
+    let bytes: Vec<u8> = table.chars().map(|c| c as u8).collect();
+    arm.write("train.csv", bytes);
+    let columns = "[recordings.columns]\ntime = \"Zeit\"\nposition = \"Größe_{n}\"\ncurrent = \"i{n}\"\n\n[fit]";
+    arm.edit("problem.toml", "[fit]", columns);
+    assert_eq!(answer(&arm), expected);
+}
+
 #[test]
 fn what_cannot_be_meant_is_refused_with_the_remedy() {
     let cases = [

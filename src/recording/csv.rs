@@ -101,10 +101,13 @@ impl<'p> Lines<'p> {
         if self.buffer.len() > LINE_LIMIT {
             return Err(self.fault(RecordingErrorKind::LineTooLong { limit: LINE_LIMIT }));
         }
-        match std::str::from_utf8(&self.buffer) {
-            Ok(line) => Ok(Some(line.trim_end_matches(['\n', '\r']))),
-            Err(_) => Err(self.fault(RecordingErrorKind::NotUtf8)),
+        if std::str::from_utf8(&self.buffer).is_err() {
+            // Latin-1, in which every byte is the character of its number: no other text is written so.
+            let text: String = self.buffer.iter().map(|&byte| char::from(byte)).collect();
+            self.buffer = text.into_bytes();
         }
+        let line = std::str::from_utf8(&self.buffer).unwrap_or_default();
+        Ok(Some(line.trim_end_matches(['\n', '\r'])))
     }
 
     /// A plain file fails by its medium, a compressed one mostly by its content.
@@ -209,16 +212,18 @@ fn read_rows(mut lines: Lines, wanted: &[String]) -> Result<Table, RecordingErro
             RecordingError::new(place, fault.kind)
         })
     };
-    let first_line = match &header.first_row {
-        Some(row) => {
-            append(row, lines.number)?;
-            lines.number
-        }
-        None => lines.number + 1,
-    };
+    let mut first_line = lines.number + 1;
+    if let Some(row) = &header.first_row {
+        append(row, lines.number)?;
+        first_line = lines.number;
+    }
     loop {
         let number = lines.number + 1;
         let Some(line) = lines.next()? else { break };
+        if number == first_line && is_units(line, header.separator) {
+            first_line += 1;
+            continue;
+        }
         if line.trim_ascii().is_empty() {
             require_end(&mut lines, header.names.len())?;
             break;
@@ -232,6 +237,13 @@ fn read_rows(mut lines: Lines, wanted: &[String]) -> Result<Table, RecordingErro
         data,
         first_line,
     })
+}
+
+/// Whether a row holds words and no numbers, as of units under the names.
+fn is_units(line: &str, separator: u8) -> bool {
+    let mut fields = line.split(separator as char).map(bare);
+    let is_word = |field: &str| number(field, separator).is_err() && field.parse::<f64>().is_err();
+    !line.trim_ascii().is_empty() && fields.all(is_word)
 }
 
 /// Blank lines are fine at the end of a file; before further rows they are torn rows.
@@ -262,7 +274,7 @@ fn append_row(
     let mut found = 0;
     for field in line.split(separator as char) {
         if let Some(&Some(slot)) = target.get(found) {
-            let value = number(field).map_err(|kind| RowFault {
+            let value = number(field, separator).map_err(|kind| RowFault {
                 column: Some(found),
                 kind,
             })?;
@@ -282,14 +294,19 @@ fn append_row(
     })
 }
 
-fn number(field: &str) -> Result<f64, RecordingErrorKind> {
+/// A number, with a decimal comma where commas do not separate fields.
+fn number(field: &str, separator: u8) -> Result<f64, RecordingErrorKind> {
     let field = bare(field);
-    match field.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        Ok(_) => Err(RecordingErrorKind::NotFinite {
+    let with_comma = || match separator == b',' || field.contains('.') {
+        true => None,
+        false => field.replacen(',', ".", 1).parse().ok(),
+    };
+    match field.parse::<f64>().ok().or_else(with_comma) {
+        Some(value) if value.is_finite() => Ok(value),
+        Some(_) => Err(RecordingErrorKind::NotFinite {
             found: excerpt(field),
         }),
-        Err(_) => Err(RecordingErrorKind::NotANumber {
+        None => Err(RecordingErrorKind::NotANumber {
             found: excerpt(field),
         }),
     }

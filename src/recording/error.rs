@@ -54,7 +54,6 @@ pub enum RecordingErrorKind {
     },
     EmptyFile,
     NoHeader,
-    NotUtf8,
     NulByte,
     LineTooLong {
         limit: usize,
@@ -319,11 +318,6 @@ fn describe_table(kind: &RecordingErrorKind) -> Option<Description> {
             "the first line holds numbers, not column names",
             "put a line with the name of every column first, such as t,q1,q2,i1,i2, or say where columns stand: \
              recordings.columns.position = { column = [2, 3] }",
-        ),
-        Kind::NotUtf8 => Description::new(
-            "not-utf8",
-            "the line is not UTF-8 text",
-            "save the file as UTF-8 or plain ASCII text",
         ),
         Kind::NulByte => Description::new(
             "nul-byte",

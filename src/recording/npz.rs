@@ -117,13 +117,19 @@ fn load(path: &Path, archive: &mut Archive, array: &Array) -> Result<Vec<f64>, R
         return Err(fault("its dimensions overflow".into()));
     };
     let mut bytes = Vec::new();
-    // Room grows with what is really there, whatever the header claims.
-    let mut bounded = file.take(expected as u64);
+    // Room grows with what is really there, whatever the header claims; one byte more meets the end of the entry, where
+    // its checksum is compared.
+    let mut bounded = file.take((expected as u64).saturating_add(1));
     let read = bounded.read_to_end(&mut bytes);
     read.map_err(|error| fault(error.to_string()))?;
     if bytes.len() < expected {
         let found = bytes.len();
         return Err(fault(format!("it has {found} of {expected} bytes")));
+    }
+    if bytes.len() > expected {
+        return Err(fault(format!(
+            "it has more than the {expected} bytes of its shape"
+        )));
     }
     Ok(number.decode(&bytes, order))
 }

@@ -115,6 +115,23 @@ fn header(shape: &str) -> String {
     format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}")
 }
 
+/// The last bit of a number changes the result by next to nothing, and still the file is not what was written.
+#[test]
+fn a_changed_bit_of_a_number_is_found_by_the_checksum() {
+    let data: Vec<u8> = (0..60).flat_map(|k| f64::from(k).to_le_bytes()).collect();
+    let matrix = header("(30, 2)");
+    let whole = archive(&[("q.npy", &matrix, &data), ("i.npy", &matrix, &data)]);
+    assert!(fault("a.npz", &whole).is_none());
+    let at = whole.windows(480).position(|bytes| bytes == data).unwrap();
+    for number in [0, 13, 59] {
+        let mut changed = whole.clone();
+        changed[at + 8 * number] ^= 1;
+        let fault = fault("a.npz", &changed).unwrap();
+        assert_eq!(fault.describe().code, "corrupt-file", "{fault}");
+        assert!(fault.place().to_string().ends_with("a.npz: q"), "{fault}");
+    }
+}
+
 #[test]
 fn faults_of_arrays_have_their_codes_and_places() {
     let column = |value: f64, rows: usize| -> Vec<u8> {

@@ -58,10 +58,10 @@ fn file_faults() -> Vec<FileFault> {
             "a.csv:7",
         ),
         (
-            "not-utf8",
+            "not-a-number",
             "a.csv",
             [good.as_bytes(), b"\xff\n"].concat(),
-            "a.csv:32",
+            "a.csv:32:1: t",
         ),
     ]
 }
