@@ -131,3 +131,23 @@ fn a_run_killed_at_any_moment_leaves_one_whole_result() {
         .collect();
     assert!(hidden.is_empty(), "left behind: {hidden:?}");
 }
+
+#[test]
+fn an_output_that_cannot_be_written_is_said_and_a_reader_that_went_away_is_not() {
+    let print = |to: fs::File| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_exid"));
+        command.arg("effects").stdout(to).output().unwrap()
+    };
+    if Path::new("/dev/full").exists() {
+        let full = fs::File::options().write(true).open("/dev/full").unwrap();
+        let output = print(full);
+        let words = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{words}");
+        assert!(words.contains("standard output"), "{words}");
+    }
+    let mut command = Command::new(env!("CARGO_BIN_EXE_exid"));
+    let pipe = std::process::Stdio::piped();
+    let mut child = command.arg("effects").stdout(pipe).spawn().unwrap();
+    drop(child.stdout.take());
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+}

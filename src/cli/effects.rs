@@ -14,14 +14,14 @@ pub fn run(query: &Query) -> Result<u8, CliError> {
     };
     if query.json {
         let all: Vec<Value> = effects.iter().map(|e| as_json(e)).collect();
-        print(&format!("{:#}", Value::Array(all)));
+        print(&format!("{:#}", Value::Array(all)))?;
     } else {
         let long = query.id.is_some();
         let texts: Vec<String> = effects
             .iter()
             .map(|e| if long { in_full(e) } else { in_short(e) })
             .collect();
-        print(&texts.join("\n"));
+        print(&texts.join("\n"))?;
     }
     Ok(0)
 }

@@ -34,11 +34,15 @@ pub enum CliError {
     /// Mistakes in the inputs with which every figure would be meaningless.
     #[error("{}\n--force goes on all the same", in_lines(.0))]
     Mistakes(Vec<Finding>),
+    #[error("standard output cannot be written: {0}; the results are in their folder")]
+    Output(std::io::Error),
     #[error("{0}")]
     WrongUse(String),
 }
 
 impl CliError {
+    /// What was done could not be printed.
+    pub const NOT_PRINTED: u8 = 1;
     /// The command line or the problem file is wrong, or the results folder cannot be written.
     pub const WRONG_USE: u8 = 2;
     /// A recording or robot file is wrong.
@@ -59,6 +63,7 @@ impl CliError {
             Self::Simulate(error) if error.is_interrupt() => Self::INTERRUPTED,
             Self::Simulate(error) => of_files(error.concerns_data()),
             Self::Mistakes(_) => Self::WRONG_DATA,
+            Self::Output(_) => Self::NOT_PRINTED,
             Self::Problem(_) | Self::Outcome(_) | Self::Export(_) | Self::WrongUse(_) => {
                 Self::WRONG_USE
             }

@@ -18,9 +18,9 @@ pub fn run(query: &Conversion) -> Result<u8, CliError> {
         write(&folder, file)?;
     }
     if query.json {
-        print(&as_json(&folder, &export));
+        print(&as_json(&folder, &export))?;
     } else if !query.quiet {
-        print(&as_text(&folder, &export));
+        print(&as_text(&folder, &export))?;
     }
     Ok(0)
 }

@@ -14,7 +14,7 @@ use crate::outcome::{Outcome, REPORT_FILE, RESULT_FILE};
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::report;
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -110,12 +110,12 @@ pub fn finish(
 ) -> Result<(), CliError> {
     let json = write(target, outcome, fill)?;
     if printing.json {
-        print(&json);
+        print(&json)?;
     } else if !printing.quiet {
         print(&report::text::summary(
             outcome,
             Some(&target.join(REPORT_FILE)),
-        ));
+        ))?;
     }
     Ok(())
 }
@@ -137,11 +137,17 @@ pub fn write(
 }
 
 /// Prints to standard output; a reader that went away is no error.
-pub fn print(text: &str) {
+pub fn print(text: &str) -> Result<(), CliError> {
     let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes());
-    if !text.ends_with('\n') {
-        let _ = out.write_all(b"\n");
+    let mut write = || {
+        out.write_all(text.as_bytes())?;
+        if !text.ends_with('\n') {
+            out.write_all(b"\n")?;
+        }
+        out.flush()
+    };
+    match write() {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(CliError::Output(error)),
+        _ => Ok(()),
     }
-    let _ = out.flush();
 }

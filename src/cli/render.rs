@@ -21,7 +21,7 @@ pub fn run(query: &Rendering) -> Result<u8, CliError> {
         ))
     })?;
     if !query.quiet {
-        print(&format!("{}", path.display()));
+        print(&format!("{}", path.display()))?;
     }
     Ok(0)
 }

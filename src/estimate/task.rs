@@ -169,6 +169,11 @@ fn compare(
         });
         others.push(result.predictions);
     }
+    if control.is_interrupted() {
+        let note = "The comparison was interrupted: no model is called better than another.";
+        fitted.fit.notes.push(note.to_string());
+        return Ok(());
+    }
     let this = Entrant {
         name: THIS_FIT,
         predictions: &fitted.predictions,

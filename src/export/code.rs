@@ -57,6 +57,13 @@ fn identifier(name: &str) -> String {
     }
 }
 
+/// A name as it may stand in a comment, which it can neither end nor open, on one line.
+fn in_comment(name: &str) -> String {
+    let plain = |c: char| if c.is_control() { ' ' } else { c };
+    let line: String = name.chars().map(plain).collect();
+    line.replace("*/", "* /").replace("/*", "/ *")
+}
+
 struct Writer<'a> {
     machine: &'a Machine,
     language: Language,
@@ -94,10 +101,11 @@ impl Writer<'_> {
     }
 
     fn title(&self, name: &str) -> String {
+        let name = in_comment(name);
         format!(
             "Inverse dynamics of {name}, written by exid {VERSION}: arrays have one entry per joint, rad, N·m\n\
              (m, N for sliding joints), in the order {}.",
-            self.joint_names().join(", ")
+            in_comment(&self.joint_names().join(", "))
         )
     }
 

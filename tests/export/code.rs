@@ -148,3 +148,39 @@ fn invariant_c_code_gives_the_signal() {
         run(folder, "cc", &arguments)
     });
 }
+
+#[test]
+fn names_cannot_leave_a_comment_or_a_text() {
+    for (format, compiler, arguments) in [
+        (Format::C, "cc", ["-std=c99", "-pedantic", "-c", "robot.c"]),
+        (
+            Format::Rust,
+            "rustc",
+            ["--crate-type", "lib", "-Adead_code", "robot.rs"],
+        ),
+    ] {
+        let [mut case, ..] = cases();
+        let Part::Fit(fit) = &mut case.outcome.part else {
+            panic!("a fit")
+        };
+        let machine = fit.machine.as_mut().unwrap();
+        machine.joints[0].name = "*/ #error \"\n#error\\".to_string();
+        case.outcome.name = "*/\n#error \"".to_string();
+        let (_, first) = case.export(format);
+        let arguments = arguments.map(|a| match a.split_once('.') {
+            Some(("robot", ending)) => first.with_extension(ending).display().to_string(),
+            _ => a.to_string(),
+        });
+        let compiled = Command::new(compiler)
+            .current_dir(case.folder.path())
+            .args(arguments)
+            .output();
+        match compiled {
+            Err(_) => common::skip(&format!("no {compiler} on this machine")),
+            Ok(output) => {
+                let words = String::from_utf8_lossy(&output.stderr);
+                assert!(output.status.success() && words.is_empty(), "{words}");
+            }
+        }
+    }
+}
