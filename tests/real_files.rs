@@ -4,7 +4,8 @@
 mod common;
 
 use exid::fault::Fault;
-use exid::recording::columns::{ColumnMap, RecordedJoint, Recording, SignalKind, read};
+use exid::recording::column_map::ColumnMap;
+use exid::recording::columns::{RecordedJoint, Recording, SignalKind, read};
 use std::path::Path;
 
 /// Joints that are told apart by their numbers.

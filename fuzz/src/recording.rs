@@ -1,7 +1,9 @@
 //! What has to hold of a recording that is accepted: channels of one length, finite numbers, rows that
 //! every sample can be located in.
 
-use exid::recording::columns::{ColumnMap, RecordedJoint, SignalKind, read};
+use exid::recording::column_map::ColumnMap;
+
+use exid::recording::columns::{RecordedJoint, SignalKind, read};
 use exid::recording::error::RecordingError;
 use exid::recording::experiment::{Experiment, prepare};
 use exid::recording::settings::{Differentiation, Preparation};

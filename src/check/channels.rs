@@ -1,7 +1,7 @@
 //! Single channels: cut off at a limit, standing still while the joint moves, too coarse.
 
 use crate::check::finding;
-use crate::check::setting::Read;
+use crate::check::setting::{Read, extent};
 use crate::check::velocity::quantum;
 use crate::outcome::check::{Finding, Severity};
 
@@ -160,7 +160,6 @@ fn coarse(read: &Read<'_>, joint: usize) -> Option<Finding> {
 }
 
 fn range(series: &[f64]) -> f64 {
-    let ends = |(low, high): (f64, f64), x: &f64| (low.min(*x), high.max(*x));
-    let (low, high) = series.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+    let (low, high) = extent(series.iter().copied());
     high - low
 }

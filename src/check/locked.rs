@@ -1,7 +1,7 @@
 //! Joints that the problem locks and the recording moves.
 
 use crate::check::finding;
-use crate::check::setting::Setting;
+use crate::check::setting::{Setting, extent};
 use crate::fault::Place;
 use crate::outcome::check::{Finding, Severity};
 use crate::setup::recordings::{Named, read_one};
@@ -25,11 +25,8 @@ pub(super) fn check(setting: &Setting<'_>, named: &Named<'_>) -> Vec<Finding> {
     let Ok(recording) = read_one(setting.table, &unlocked, named.path) else {
         return Vec::new();
     };
-    let of_joint = |(k, at): (usize, f64)| {
-        let positions = recording.position[k].iter();
-        let (low, high) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| {
-            (low.min(*q), high.max(*q))
-        });
+    let of_joint = |k: usize, at: f64| {
+        let (low, high) = extent(recording.position[k].iter().copied());
         let farthest = (high - at).abs().max((low - at).abs());
         (farthest > STILL).then(|| {
             finding(
@@ -44,6 +41,5 @@ pub(super) fn check(setting: &Setting<'_>, named: &Named<'_>) -> Vec<Finding> {
         })
     };
     let stated = locked.iter().enumerate();
-    let stated = stated.filter_map(|(k, at)| Some((k, (*at)?)));
-    stated.filter_map(of_joint).collect()
+    stated.filter_map(|(k, at)| of_joint(k, (*at)?)).collect()
 }

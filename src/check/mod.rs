@@ -112,7 +112,7 @@ pub fn mistakes(problem: &ProblemFile, control: &Control<'_>, extent: Extent) ->
 fn look(problem: &ProblemFile, control: &Control<'_>, extent: Extent) -> Found {
     let mut found = Found::default();
     match robot::open_any(problem) {
-        Ok(robot) => with_robot((problem, extent), &robot, control, &mut found),
+        Ok(robot) => with_robot(problem, &robot, extent, control, &mut found),
         Err(fault) => {
             found.faults.push(from_fault(&fault));
             found.faults.extend(unreadable_files(problem));
@@ -165,8 +165,9 @@ fn from_fault(fault: &impl Fault) -> Finding {
 }
 
 fn with_robot(
-    (problem, extent): (&ProblemFile, Extent),
+    problem: &ProblemFile,
     robot: &robot::Robot,
+    extent: Extent,
     control: &Control<'_>,
     found: &mut Found,
 ) {

@@ -4,7 +4,7 @@ use crate::chain::dataset::Dataset;
 use crate::chain::model::{JointModel, Model};
 use crate::check::finding;
 use crate::check::regression::still;
-use crate::check::setting::Setting;
+use crate::check::setting::{Setting, extent};
 use crate::fault::Place;
 use crate::outcome::check::{Finding, Severity};
 use crate::recording::split::Split;
@@ -38,9 +38,7 @@ fn of_joint(
 ) -> Option<Finding> {
     let description = &model.joints()[joint];
     let motion = || data.of(Split::Train).map(|r| &r.experiment.motion);
-    let positions = motion().flat_map(|m| m.position[joint].iter());
-    let ends = |(low, high): (f64, f64), q: &f64| (low.min(*q), high.max(*q));
-    let (low, high) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+    let (low, high) = extent(motion().flat_map(|m| m.position[joint].iter().copied()));
     let velocities = motion().flat_map(|m| m.velocity[joint].iter().copied());
     let words = if high - low < still(description.kind) {
         Some((

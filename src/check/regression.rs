@@ -7,6 +7,7 @@ use crate::chain::dataset::Prepared;
 use crate::chain::effect::{self, Effect};
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
 use crate::chain::model::{Channel, Inertials, Model, ModelSettings, Signal};
+use crate::check::setting::extent;
 use crate::linalg::triangular::Triangular;
 use crate::robot::batch::Trajectory;
 use crate::robot::tree::{JointKind, Tree};
@@ -198,9 +199,7 @@ impl Comparison {
 
     /// Whether a joint moves enough to be judged: see [`still`].
     pub fn moves(&self, joint: usize) -> bool {
-        let ends = |(low, high): (f64, f64), q: &f64| (low.min(*q), high.max(*q));
-        let positions = self.sampled.position[joint].iter();
-        let (low, high) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+        let (low, high) = extent(self.sampled.position[joint].iter().copied());
         high - low > still(self.model.joints()[joint].kind)
     }
 

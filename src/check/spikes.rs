@@ -76,14 +76,11 @@ fn of(read: &Read<'_>, series: &[f64]) -> Option<Spikes> {
     // Most samples of a smooth channel are their own median: the scale is that of the others.
     let others: Vec<f64> = deviations.iter().copied().filter(|d| *d != 0.0).collect();
     let scale = mad_scale(&others)?;
-    let ends = |(low, high): (f64, f64), x: &f64| (low.min(*x), high.max(*x));
     let mut sorted: Vec<f64> = series.to_vec();
     let (cut, last) = (series.len() / 200, series.len() - 1);
     sorted.sort_by(f64::total_cmp);
     // The range without its ends: spikes must not raise their own threshold.
-    let (low, high) = sorted[cut..=last - cut]
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+    let (low, high) = (sorted[cut], sorted[last - cut]);
     let threshold = (SPIKE_SIGMA * scale)
         .max(SPIKE_SHARE * (high - low))
         .max(SPIKE_QUANTA * quantum(series));

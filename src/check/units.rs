@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::check::finding;
-use crate::check::setting::Read;
+use crate::check::setting::{self, Read};
 use crate::outcome::check::{Finding, Severity};
 
 /// Degrees per radian.
@@ -66,13 +66,8 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
 fn extent(read: &Read<'_>, index: usize, unit: f64) -> (f64, f64) {
     let factor = unit * read.setting.position_factor(index);
     let offset = read.setting.position_offset(index);
-    let ends = |(low, high): (f64, f64), q: &f64| {
-        let joint = factor * q + offset;
-        (low.min(joint), high.max(joint))
-    };
-    read.recording.position[index]
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), ends)
+    let recorded = read.recording.position[index].iter();
+    setting::extent(recorded.map(|q| factor * q + offset))
 }
 
 /// How far a joint goes beyond its limits, in shares of their range; without limits one turn each way is

@@ -25,7 +25,7 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
         ..Control::default()
     };
     let progress = Progress::new(run.printing);
-    let mistakes = output::mistakes(run, &problem, (&control, Extent::Robot))?;
+    let mistakes = output::mistakes(run, &problem, &control, Extent::Robot)?;
     progress.say("designing");
     let mut designed = task::run(&problem, run.seed, &control, |improvement| {
         progress.say(format!(

@@ -51,6 +51,6 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
     })?;
     Ok(output::exit_code(
         control.is_interrupted(),
-        &outcome.estimate,
+        outcome.estimate.solver.as_ref(),
     ))
 }

@@ -25,9 +25,9 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
     };
     let progress = Progress::new(run.printing);
     progress.say("looking for mistakes in the inputs");
-    let mistakes = output::mistakes(run, &problem, (&control, Extent::Recordings))?;
+    let mistakes = output::mistakes(run, &problem, &control, Extent::Recordings)?;
     if problem.fit.estimator.value == Estimator::ConstantVelocity {
-        return motors::run(run, &problem, (&target, mistakes), started);
+        return motors::run(run, &problem, &target, mistakes, started);
     }
     let result = task::run(&problem, &control, |step| progress.say(step.words()))?;
     progress.say("writing the results");
@@ -47,7 +47,7 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
     })?;
     Ok(output::exit_code(
         control.is_interrupted(),
-        &outcome.estimate,
+        outcome.estimate.solver.as_ref(),
     ))
 }
 

@@ -18,7 +18,8 @@ use crate::problem_file::ProblemFile;
 pub fn run(
     run: &Run,
     problem: &ProblemFile,
-    (target, mistakes): (&Path, Vec<Finding>),
+    target: &Path,
+    mistakes: Vec<Finding>,
     started: Instant,
 ) -> Result<u8, CliError> {
     let progress = Progress::new(run.printing);

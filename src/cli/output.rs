@@ -6,7 +6,7 @@ use crate::cli::args::{Printing, Run};
 use crate::cli::complain;
 use crate::cli::error::CliError;
 use crate::outcome::check::{Finding, Severity};
-use crate::outcome::estimate::Estimate;
+use crate::outcome::estimate::Solver;
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::input::Input;
 use crate::outcome::run::{Run as Record, VERSION};
@@ -42,7 +42,8 @@ pub fn set_threads(threads: Option<u16>) -> Result<(), CliError> {
 pub fn mistakes(
     run: &Run,
     problem: &ProblemFile,
-    (control, extent): (&Control<'_>, Extent),
+    control: &Control<'_>,
+    extent: Extent,
 ) -> Result<Vec<Finding>, CliError> {
     let mistakes = check::mistakes(problem, control, extent);
     if check::has_error(&mistakes) && !run.force {
@@ -74,9 +75,8 @@ pub fn writable(target: PathBuf) -> Result<PathBuf, CliError> {
 }
 
 /// The exit code of a run whose result is written; standard error says why it is none of success.
-pub fn exit_code(interrupted: bool, estimate: &Estimate) -> u8 {
-    let solver = estimate.solver.as_ref().filter(|s| !s.converged);
-    match (interrupted, solver) {
+pub fn exit_code(interrupted: bool, solver: Option<&Solver>) -> u8 {
+    match (interrupted, solver.filter(|s| !s.converged)) {
         (true, _) => CliError::INTERRUPTED,
         (false, None) => 0,
         (false, Some(solver)) => {

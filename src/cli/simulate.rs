@@ -22,7 +22,7 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
         ..Control::default()
     };
     let progress = Progress::new(run.printing);
-    let mistakes = output::mistakes(run, &problem, (&control, Extent::Robot))?;
+    let mistakes = output::mistakes(run, &problem, &control, Extent::Robot)?;
     progress.say("simulating");
     let simulated = simulate::run(&problem, run.seed, &control)?;
     progress.done();

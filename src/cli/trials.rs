@@ -65,10 +65,7 @@ pub fn run(campaign: &Campaign) -> Result<u8, CliError> {
     progress.done();
     let outcome = outcome(&scope, done, (started, made));
     output::finish(campaign.printing, &target, &outcome, |_| Ok(()))?;
-    Ok(output::exit_code(
-        control.is_interrupted(),
-        &Estimate::default(),
-    ))
+    Ok(output::exit_code(control.is_interrupted(), None))
 }
 
 /// Trials that an earlier run has made, and the numbers of those to make.

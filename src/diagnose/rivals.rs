@@ -130,7 +130,7 @@ pub fn contest(
     .into_iter()
     .filter(|h| h != own && !h.overlaps(own))
     .collect();
-    let trials = attempt(bench, &without, (rules, &open, &[]))?;
+    let trials = attempt(bench, &without, rules, &open, &[])?;
     let alternatives = trials
         .into_iter()
         .map(|trial| {

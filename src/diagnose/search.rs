@@ -138,7 +138,7 @@ pub fn grow(
             grown.examined = open.len();
         }
         let earlier = grown.steps.last().map_or(&[][..], |step| &step.trials);
-        let mut trials = attempt(bench, &grown.refit, (rules, &open, earlier))?;
+        let mut trials = attempt(bench, &grown.refit, rules, &open, earlier)?;
         let best = choose(bench, &trials, rules.significance);
         if let Some(best) = best {
             let richer = &trials[best].refit;
@@ -173,7 +173,9 @@ pub fn grow(
 pub fn attempt(
     bench: &Bench<'_>,
     refit: &Refit,
-    (rules, open, earlier): (Rules<'_>, &[Hypothesis], &[Trial]),
+    rules: Rules<'_>,
+    open: &[Hypothesis],
+    earlier: &[Trial],
 ) -> Result<Vec<Trial>, DiagnoseError> {
     let least = least_gain(refit);
     let all = || hypothesis::open((&refit.model, &refit.prior), (rules.sought, bench.in_time));

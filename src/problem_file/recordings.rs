@@ -6,7 +6,7 @@ use crate::problem_file::error::{KeyFault, NumberFault, ProblemFileError, ValueF
 use crate::problem_file::located::{FilePath, Located, Named};
 use crate::problem_file::reader::Reader;
 use crate::problem_file::{Context, values};
-use crate::recording::columns::{Column, ColumnsAt};
+use crate::recording::column_map::{Column, ColumnsAt};
 use crate::recording::units::{self, Quantity};
 
 pub(crate) const KEYS: &[&str] = &[
@@ -95,7 +95,8 @@ pub struct PlatformTable {
 }
 
 /// The table `[recordings.columns]`: names of columns or channels, in which `{joint}` stands for
-/// the joint's name and `{n}` for its number from 1, or a table `{ column = …, unit = … }`. Every key is optional; an absent one leaves
+/// the joint's name and `{n}` for its number from 1, or tables `{ column = …, unit = … }`. Every key
+/// is optional; an absent one leaves
 /// the name to the reader of recordings.
 #[derive(Debug, Clone)]
 pub struct ColumnsTable {

@@ -6,9 +6,9 @@
 
 use std::path::Path;
 
-use crate::recording::columns::{
-    ColumnMap, Parts, RecordedJoint, Recording, SignalKind, read_parts,
-};
+use crate::recording::column_map::ColumnMap;
+
+use crate::recording::columns::{Parts, RecordedJoint, Recording, SignalKind, read_parts};
 use crate::recording::error::RecordingError;
 use crate::recording::table::require_rows;
 use crate::recording::timing::{examine, stamps};

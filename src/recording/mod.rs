@@ -5,6 +5,7 @@ pub mod aperiodic;
 mod arrays;
 pub mod bag;
 pub mod clock;
+pub mod column_map;
 mod column_names;
 pub mod columns;
 pub mod copies;

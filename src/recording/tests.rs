@@ -9,7 +9,8 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::fault::Fault;
-use crate::recording::columns::{ColumnMap, RecordedJoint, Recording, SignalKind, read};
+use crate::recording::column_map::ColumnMap;
+use crate::recording::columns::{RecordedJoint, Recording, SignalKind, read};
 use crate::recording::error::RecordingError;
 use crate::recording::experiment::{Experiment, prepare};
 use crate::recording::settings::{Method, Preparation};

@@ -13,7 +13,7 @@ use crate::chain::model::Model;
 use crate::problem_file::choices::{PositionSide, Signal};
 use crate::problem_file::recordings::ColumnsTable;
 use crate::problem_file::{Located, PerJoint, ProblemFile};
-use crate::recording::columns::{Column, ColumnsAt};
+use crate::recording::column_map::{Column, ColumnsAt};
 use crate::robot::tree::JointKind;
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::robot::Robot;

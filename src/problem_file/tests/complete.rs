@@ -14,7 +14,7 @@ use crate::problem_file::fit::{Interval, PriorValue, Strength};
 use crate::problem_file::robot::{PayloadPlace, RobotSource};
 use crate::problem_file::simulate::Trajectory;
 use crate::problem_file::{FilePath, Located, Named, PerJoint, ProblemFile};
-use crate::recording::columns::Column;
+use crate::recording::column_map::Column;
 
 fn full() -> ProblemFile {
     parse(FULL, &[]).unwrap()

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use super::{numbered, published};
 use crate::fault::Fault;
-use crate::recording::columns::{ColumnMap, RecordedJoint, Recording, SignalKind, read};
+use crate::recording::column_map::ColumnMap;
+use crate::recording::columns::{RecordedJoint, Recording, SignalKind, read};
 use crate::recording::error::RecordingError;
 use crate::recording::table::format_of;
 

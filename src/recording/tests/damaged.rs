@@ -4,7 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use crate::fault::Fault;
-use crate::recording::columns::{ColumnMap, RecordedJoint, SignalKind, read};
+use crate::recording::column_map::ColumnMap;
+use crate::recording::columns::{RecordedJoint, SignalKind, read};
 use crate::recording::error::RecordingError;
 
 const FILES: [&str; 12] = [

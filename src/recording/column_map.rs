@@ -1,0 +1,73 @@
+//! Where the channels of a robot stand in a file, and in which units.
+
+/// Names of the columns. In a pattern `{joint}` stands for the joint's name and `{n}` for its
+/// number from 1. The empty map follows the conventions of [`super::column_names`]; in any other map the
+/// optional channels that it does not name are not read.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ColumnMap {
+    pub time: Option<Column>,
+    pub position: Option<Column>,
+    pub velocity: Option<Column>,
+    pub acceleration: Option<Column>,
+    pub current: Option<Column>,
+    pub torque: Option<Column>,
+    /// Force x, y, z and moment x, y, z.
+    pub wrench: Option<[String; 6]>,
+    pub temperature: Option<Column>,
+    pub mask: Option<Column>,
+}
+
+/// Where a channel stands in a file, and what turns its numbers into SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    pub at: ColumnsAt,
+    /// One for all joints, or one for each of the problem's joints; none where numbers are in SI units.
+    pub factors: Vec<f64>,
+}
+
+/// How the columns of the joints are told.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ColumnsAt {
+    /// `{joint}` stands for the joint's name and `{n}` for its number.
+    Pattern(String),
+    /// Names, one for each of the problem's joints.
+    Names(Vec<String>),
+    /// Positions in the file from 1, one for each of the problem's joints.
+    Numbers(Vec<usize>),
+}
+
+impl From<&str> for Column {
+    fn from(pattern: &str) -> Self {
+        Self {
+            at: ColumnsAt::Pattern(pattern.to_string()),
+            factors: Vec::new(),
+        }
+    }
+}
+
+impl Column {
+    /// The name of the column of a joint with a number from 1; `None` where columns are told by their positions in a file
+    /// that is yet to be written.
+    pub fn label(&self, name: &str, number: usize) -> Option<String> {
+        match &self.at {
+            ColumnsAt::Pattern(pattern) => Some(expand(pattern, name, number)),
+            ColumnsAt::Names(names) => names.get(number - 1).cloned(),
+            ColumnsAt::Numbers(_) => None,
+        }
+    }
+
+    /// What numbers of a joint with a number from 1 are multiplied by.
+    pub fn factor(&self, number: usize) -> f64 {
+        let of_joint = self.factors.get(number - 1);
+        let first = || self.factors.first().filter(|_| self.factors.len() == 1);
+        of_joint.or_else(first).copied().unwrap_or(1.0)
+    }
+}
+
+/// The name that a pattern stands for.
+pub(super) fn expand(pattern: &str, name: &str, number: usize) -> String {
+    // The number first: a joint's name may hold braces, a number cannot.
+    pattern
+        .replace("{n}", &number.to_string())
+        .replace("{joint}", name)
+}
