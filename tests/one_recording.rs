@@ -2,14 +2,15 @@
 
 use exid::chain::dataset::{Dataset, Prepared};
 use exid::chain::effect;
-use exid::diagnose::drift::unrolled;
-use exid::diagnose::rows::rms;
-use exid::diagnose::uncertainty::Uncertainty;
-use exid::diagnose::{passing, task};
+use exid::diagnose::residuals::prediction_error::PredictionError;
+use exid::diagnose::selection::between_periods::unrolled;
+use exid::diagnose::selection::time_window;
+use exid::diagnose::task;
 use exid::estimate::covariance::of_unknowns;
 use exid::problem::solution::Control;
 use exid::problem_file::ProblemFile;
 use exid::recording::split::Split;
+use exid::stats::deviation::rms;
 use exid::trials::plan::{Plan, Scope};
 use exid::trials::run::{Opened, PROBLEM, prepare};
 use std::fs;
@@ -76,9 +77,9 @@ fn is_shorter(from: f64, to: f64) -> bool {
     let hypothesis = plan.concealed[0].hypothesis.clone();
     let start = plan.concealed[0].values.clone();
     let fit = opened
-        .fit(&data, (std::slice::from_ref(&hypothesis), &start), &control)
+        .fit(&data, std::slice::from_ref(&hypothesis), &start, &control)
         .unwrap();
-    passing::is_shorter(&opened.bench(&data, &control), &fit, &hypothesis)
+    time_window::is_shorter(&opened.context(&data, &control), &fit, &hypothesis)
 }
 
 #[test]
@@ -108,11 +109,11 @@ fn errors_of_uncertain_parameters_are_foreseen() {
     let data = Dataset {
         recordings: opened.data.recordings.iter().map(short).collect(),
     };
-    let fit = opened.fit(&data, (&[], &Vec::new()), &control).unwrap();
+    let fit = opened.fit(&data, &[], &Vec::new(), &control).unwrap();
     let train: Vec<&Prepared> = data.of(Split::Train).collect();
     let covariance = of_unknowns(&fit.problem(&train), &fit.solution.x);
-    let bench = opened.bench(&data, &control);
-    let predicted = Uncertainty::of(&bench, &fit, covariance.as_ref());
+    let context = opened.context(&data, &control);
+    let predicted = PredictionError::of(&context, &fit, covariance.as_ref());
     for (c, held_out) in fit.validation.iter().enumerate() {
         let noise = plan.robot.noise[c] / (plan.course.periods as f64).sqrt();
         let (found, foreseen) = (rms(held_out) / noise, predicted.beside(c, noise) / noise);

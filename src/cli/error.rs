@@ -59,7 +59,7 @@ impl CliError {
             Self::Fit(FitError::Estimate { .. }) => Self::NO_SOLUTION,
             Self::Motors(error) => of_files(error.concerns_data()),
             Self::Diagnose(DiagnoseError::Setup(error)) => of_files(error.concerns_data()),
-            Self::Diagnose(DiagnoseError::Refit(_)) => Self::NO_SOLUTION,
+            Self::Diagnose(DiagnoseError::Fit(_)) => Self::NO_SOLUTION,
             Self::Simulate(error) if error.is_interrupt() => Self::INTERRUPTED,
             Self::Simulate(error) => of_files(error.concerns_data()),
             Self::Mistakes(_) => Self::WRONG_DATA,

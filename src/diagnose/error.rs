@@ -10,11 +10,11 @@ pub enum DiagnoseError {
     #[error(transparent)]
     Setup(#[from] SetupError),
     #[error(transparent)]
-    Refit(Box<EstimateError>),
+    Fit(Box<EstimateError>),
 }
 
 impl From<EstimateError> for DiagnoseError {
     fn from(error: EstimateError) -> Self {
-        Self::Refit(Box::new(error))
+        Self::Fit(Box::new(error))
     }
 }

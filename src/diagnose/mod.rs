@@ -10,48 +10,14 @@
 //! take (Frisch and Waugh 1933, Lovell 1963), the leading ones are fitted exactly, the best that passes the
 //! test of forecast encompassing (Chong and Hendry 1986; Harvey, Leybourne and Newbold 1998) joins the
 //! model, and so on until none does; then each is dropped on trial, and a name that explains less than it
-//! leaves, or that is the shadow of another joint, is withdrawn. All this chooses by one half of the rows that were not
+//! leaves, or only resembles what another joint does, is withdrawn. All this chooses by one half of the rows that were not
 //! fitted; what it has chosen is tested by the other half.
 
-pub mod bench;
-pub mod benches;
-pub mod clear;
-pub mod conclude;
-pub mod corrections;
-pub mod drift;
+pub mod candidates;
 pub mod error;
-pub mod evidence;
-pub mod explain;
-pub mod floor;
-pub mod forecast;
-pub mod grid;
-pub mod holdout;
-pub mod hypothesis;
-pub mod judge;
-pub mod lead;
-pub mod locate;
-pub mod memory;
-pub mod next;
-pub mod outweighed;
-pub mod own;
-pub mod passage;
-pub mod passing;
-pub mod periods;
-pub mod points;
-pub mod probability;
-pub mod refit;
-pub mod regime;
-pub mod relief;
-pub mod rest;
-pub mod reuse;
-pub mod rivals;
-pub mod rows;
-pub mod screen;
-pub mod search;
-pub mod shadow;
-pub mod smooth;
-pub mod speeds;
-pub mod summary;
+pub mod findings;
+pub mod fit;
+pub mod residuals;
+pub mod selection;
+pub mod stage;
 pub mod task;
-pub mod uncertainty;
-pub mod underway;

@@ -4,7 +4,7 @@
 //! range; what the declared model cannot absorb of them is measured, not assumed.
 
 use crate::chain::effect::{EFFECTS, Effect, Memory, coulomb_friction, viscous_friction};
-use crate::diagnose::hypothesis::Hypothesis;
+use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::robot::random::between;
 use crate::trials::robot::RandomRobot;
 use rand::RngExt;

@@ -2,11 +2,11 @@
 
 use crate::chain::dataset::Dataset;
 use crate::chain::effect::Memory;
-use crate::diagnose::conclude::joint_names;
-use crate::diagnose::drift::unrolled;
-use crate::diagnose::floor;
-use crate::diagnose::refit::Refit;
-use crate::diagnose::rivals::{Doubt, Stated, separation};
+use crate::diagnose::fit::hypothesis::joint_names;
+use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
+use crate::diagnose::residuals::noise_level;
+use crate::diagnose::selection::between_periods::unrolled;
+use crate::diagnose::selection::rival_models::{Ambiguity, StatedModel, separation};
 use crate::outcome::trials::{Found, LONGER};
 use crate::problem::solution::Control;
 use crate::trials::error::TrialError;
@@ -19,10 +19,12 @@ use std::path::Path;
 /// folder.
 pub fn judge(
     plan: &Plan,
-    (doubts, found): (&[Doubt], &mut [Found]),
-    (folder, control): (&Path, &Control<'_>),
+    ambiguities: &[Ambiguity],
+    found: &mut [Found],
+    folder: &Path,
+    control: &Control<'_>,
 ) -> Result<(), TrialError> {
-    if doubts.is_empty() {
+    if ambiguities.is_empty() {
         return Ok(());
     }
     fs::create_dir(folder)?;
@@ -30,22 +32,25 @@ pub fn judge(
     longer.course.periods *= LONGER;
     prepare(&longer, folder, control)?;
     let opened = Opened::read(&folder.join(PROBLEM), control)?;
-    for doubt in doubts {
-        let named = doubt.found.hypotheses.get(doubt.finding);
-        let (Some(named), Some(finding)) = (named, found.get_mut(doubt.finding)) else {
+    for ambiguity in ambiguities {
+        let named = ambiguity.found.hypotheses.get(ambiguity.finding);
+        let (Some(named), Some(finding)) = (named, found.get_mut(ambiguity.finding)) else {
             continue;
         };
         let joints = named.named_joints();
-        let data = rows(&opened.data, doubt);
-        let fit = |stated: &Stated| opened.fit(&data, (&stated.hypotheses, &stated.start), control);
-        let full = fit(&doubt.found)?;
-        let bench = opened.bench(&data, control);
-        let noise = floor::of_rows(&bench, &full, &[]);
-        for rival in &doubt.rivals {
+        let data = rows(&opened.data, ambiguity);
+        let fit =
+            |stated: &StatedModel| opened.fit(&data, &stated.hypotheses, &stated.start, control);
+        let full = fit(&ambiguity.found)?;
+        let context = opened.context(&data, control);
+        let noise = noise_level::of_rows(&context, &full, &[]);
+        for rival in &ambiguity.rivals {
             let other = fit(rival)?;
-            let apart =
-                |pair: (&Refit, &Refit)| separation(&bench, &noise, pair, &joints).separable;
-            let told_apart = apart((&other, &full)) || apart((&full, &other));
+            let apart = |poorer: &ModelFit, richer: &ModelFit| {
+                let pair = FitPair { poorer, richer };
+                separation(&context, &noise, pair, &joints).separable
+            };
+            let told_apart = apart(&other, &full) || apart(&full, &other);
             let Some(own) = other.hypotheses.last() else {
                 continue;
             };
@@ -59,8 +64,8 @@ pub fn judge(
 }
 
 /// The rows that the diagnosis looked at: in the order of time where something changes from period to period.
-fn rows(data: &Dataset, doubt: &Doubt) -> Dataset {
-    let models = std::iter::once(&doubt.found).chain(&doubt.rivals);
+fn rows(data: &Dataset, ambiguity: &Ambiguity) -> Dataset {
+    let models = std::iter::once(&ambiguity.found).chain(&ambiguity.rivals);
     let mut hypotheses = models.flat_map(|stated| &stated.hypotheses);
     match hypotheses.any(|h| h.effect.needs.memory == Memory::Time) {
         true => unrolled(data),

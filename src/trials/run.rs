@@ -2,12 +2,13 @@
 
 use crate::chain::dataset::Dataset;
 use crate::chain::effect;
-use crate::diagnose::bench::Bench;
-use crate::diagnose::drift::unrolled;
-use crate::diagnose::hypothesis::Hypothesis;
-use crate::diagnose::refit::{Refit, Start, refit};
-use crate::diagnose::rest;
-use crate::diagnose::rows::rms;
+use crate::diagnose::fit::context::Context;
+use crate::diagnose::fit::fitting::fit_model;
+use crate::diagnose::fit::hypothesis::Hypothesis;
+use crate::diagnose::fit::model_fit::ModelFit;
+use crate::diagnose::fit::start::{Start, WarmStart};
+use crate::diagnose::residuals::standstill;
+use crate::diagnose::selection::between_periods::unrolled;
 use crate::diagnose::task::{self, DiagnoseRun};
 use crate::estimate::bandwidth;
 use crate::outcome::trials::Trial;
@@ -17,6 +18,7 @@ use crate::problem_file::ProblemFile;
 use crate::recording::split::Split;
 use crate::setup;
 use crate::simulate::{self, Simulated, write_csv};
+use crate::stats::deviation::rms;
 use crate::trials::conceal::Concealed;
 use crate::trials::error::TrialError;
 use crate::trials::outside::Added;
@@ -96,8 +98,14 @@ fn one(plan: &Plan, folder: &Path, control: &Control<'_>) -> Result<Trial, Trial
     let sizes = sizes(plan, &folder.join(CLEAN).join(PROBLEM), control)?;
     let informed = informed(plan, &problem, control)?;
     let mut trial = score::judge(plan, (&diagnosed, informed.as_ref()), &sizes);
-    let claims = (&diagnosed.doubts[..], &mut trial.found[..]);
-    longer::judge(plan, claims, (&folder.join(LONGER_FOLDER), control))?;
+    let longer = folder.join(LONGER_FOLDER);
+    longer::judge(
+        plan,
+        &diagnosed.ambiguities,
+        &mut trial.found,
+        &longer,
+        control,
+    )?;
     Ok(trial)
 }
 
@@ -215,7 +223,7 @@ pub struct Sizes {
 fn sizes(plan: &Plan, problem: &Path, control: &Control<'_>) -> Result<Sizes, TrialError> {
     let opened = Opened::read(problem, control)?;
     let of = |data: &Dataset, periods: f64| -> Result<Vec<f64>, TrialError> {
-        let left = opened.fit(data, (&[], &Vec::new()), control)?.validation;
+        let left = opened.fit(data, &[], &Start::new(), control)?.validation;
         let pairs = left.iter().zip(&plan.robot.noise);
         Ok(pairs
             .map(|(e, noise)| rms(e) * periods.sqrt() / noise)
@@ -236,8 +244,8 @@ fn sizes(plan: &Plan, problem: &Path, control: &Control<'_>) -> Result<Sizes, Tr
 
 /// Fits of a declared model with the truth in it: what a diagnosis could reach.
 pub struct Informed {
-    pub declared: Refit,
-    pub known: Refit,
+    pub declared: ModelFit,
+    pub known: ModelFit,
 }
 
 fn informed(
@@ -261,8 +269,8 @@ fn informed(
     let truth = plan.concealed.iter().map(|c| c.hypothesis.clone());
     let hypotheses: Vec<Hypothesis> = truth.collect();
     Ok(Some(Informed {
-        declared: opened.fit(&data, (&[], &Vec::new()), control)?,
-        known: opened.fit(&data, (&hypotheses, &start), control)?,
+        declared: opened.fit(&data, &[], &Start::new(), control)?,
+        known: opened.fit(&data, &hypotheses, &start, control)?,
     }))
 }
 
@@ -280,7 +288,7 @@ impl Opened {
         let mut model = setup::model::build(&problem, &robot)?;
         let prior = setup::prior::build(&problem, &mut model)?;
         let prepared = bandwidth::prepared(&problem, &robot, &model, &prior, control)?;
-        let data = rest::left_out(&model, prepared);
+        let data = standstill::left_out(&model, prepared);
         Ok(Self {
             problem,
             robot,
@@ -288,19 +296,23 @@ impl Opened {
         })
     }
 
-    pub fn bench<'b>(&'b self, data: &'b Dataset, control: &'b Control<'b>) -> Bench<'b> {
-        Bench::new((&self.problem, &self.robot), data, control)
+    pub fn context<'b>(&'b self, data: &'b Dataset, control: &'b Control<'b>) -> Context<'b> {
+        Context::new(&self.problem, &self.robot, data, control)
     }
 
     pub fn fit(
         &self,
         data: &Dataset,
-        (hypotheses, start): (&[Hypothesis], &Start),
+        hypotheses: &[Hypothesis],
+        start: &Start,
         control: &Control<'_>,
-    ) -> Result<Refit, TrialError> {
-        let bench = self.bench(data, control);
-        let first = bench.signal_rms(Split::Train);
-        Ok(refit(&bench, hypotheses, (start, &first))?)
+    ) -> Result<ModelFit, TrialError> {
+        let context = self.context(data, control);
+        let from = WarmStart {
+            values: start.clone(),
+            deviations: context.signal_rms(Split::Train),
+        };
+        Ok(fit_model(&context, hypotheses, &from)?)
     }
 }
 

@@ -1,7 +1,7 @@
 //! What a trial came to: whether the findings are what was concealed.
 
 use crate::chain::model::Model;
-use crate::diagnose::refit::Refit;
+use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::task::DiagnoseRun;
 use crate::outcome::diagnose::{Finding, Verdict};
 use crate::outcome::trials::{Found, Hidden, Inseparable, Trial};
@@ -156,7 +156,7 @@ fn friction_error(plan: &Plan, run: &DiagnoseRun, informed: &Informed) -> Option
         let squares: Option<Vec<f64>> = squares.collect();
         squares.map(|s| (s.iter().sum::<f64>() / s.len() as f64).sqrt())
     };
-    let of_fit = |fit: &Refit| {
+    let of_fit = |fit: &ModelFit| {
         let value = |name: &str| fit.model.find(name).ok().map(|k| fit.values[k]);
         error(&value)
     };
@@ -174,7 +174,7 @@ fn friction_error(plan: &Plan, run: &DiagnoseRun, informed: &Informed) -> Option
 /// Error of what the bodies ask for: declared model, model found, model that knew the truth.
 fn body_error(plan: &Plan, run: &DiagnoseRun, informed: &Informed) -> Option<[f64; 3]> {
     let of = |model: &Model, values: &DVector<f64>| bodies::error(plan, (model, values), &run.data);
-    let of_fit = |fit: &Refit| of(&fit.model, &fit.values);
+    let of_fit = |fit: &ModelFit| of(&fit.model, &fit.values);
     let found = of(&run.model, &run.values)?;
     Some([of_fit(&informed.declared)?, found, of_fit(&informed.known)?])
 }

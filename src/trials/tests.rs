@@ -1,8 +1,8 @@
 //! Trials follow from their seed, robots are possible, and rates count what they say.
 
 use crate::chain::effect;
-use crate::diagnose::hypothesis::Hypothesis;
-use crate::diagnose::rivals::{Doubt, Stated};
+use crate::diagnose::fit::hypothesis::Hypothesis;
+use crate::diagnose::selection::rival_models::{Ambiguity, StatedModel};
 use crate::outcome::trials::{Found, Hidden, Inseparable, Trial, is_outside};
 use crate::problem::solution::Control;
 use crate::trials::motion::{Motion, Noise};
@@ -253,7 +253,7 @@ fn longer_recordings_judge_what_is_said_to_be_inseparable() {
     let plan = Plan::draw(&scope, (1, 0));
     let truth = plan.concealed[0].hypothesis.clone();
     let joint = truth.joints[0];
-    let other = |id: &str| Stated {
+    let other = |id: &str| StatedModel {
         hypotheses: vec![Hypothesis {
             effect: effect::find(id).unwrap(),
             ..truth.clone()
@@ -273,7 +273,7 @@ fn longer_recordings_judge_what_is_said_to_be_inseparable() {
         inseparable: rivals.map(claim).to_vec(),
         ..Found::default()
     }];
-    let doubt = Doubt {
+    let ambiguity = Ambiguity {
         finding: 0,
         found: other("torque_offset"),
         rivals: rivals.map(other).to_vec(),
@@ -281,7 +281,7 @@ fn longer_recordings_judge_what_is_said_to_be_inseparable() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().join("longer");
     let control = Control::default();
-    longer::judge(&plan, (&[doubt], &mut found), (&place, &control)).unwrap();
+    longer::judge(&plan, &[ambiguity], &mut found, &place, &control).unwrap();
     let told: Vec<Option<bool>> = found[0].inseparable.iter().map(|c| c.told_apart).collect();
     // An offset is half the difference of Coulomb levels in both directions; an inertia is something else.
     assert_eq!(told, [Some(false), Some(true)]);

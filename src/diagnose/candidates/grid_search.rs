@@ -1,0 +1,58 @@
+//! Points of a grid in the order of what they gain.
+
+use crate::diagnose::fit::candidate::Point;
+use rayon::prelude::*;
+
+/// Rising values that are tried at the same time, some of them perhaps beyond the first that is far too large.
+const AT_ONCE: usize = 4;
+
+/// Times that the steps of rising values are halved about the best: impacts move by a row within them, and a search
+/// does not see past that.
+const HALVINGS: usize = 2;
+
+/// Points by what they gain, the most first; of rising values those before the first that is `hopeless`.
+pub fn best_first(
+    points: Vec<Vec<f64>>,
+    hopeless: Option<f64>,
+    gain: &(dyn Fn(Vec<f64>) -> Point + Sync),
+) -> Vec<Point> {
+    let mut seen: Vec<Point> = match hopeless {
+        Some(hopeless) => {
+            let at_once = points.chunks(AT_ONCE);
+            let seen = at_once
+                .flat_map(|some| -> Vec<Point> { some.par_iter().cloned().map(gain).collect() });
+            seen.take_while(|point| point.gain > hopeless).collect()
+        }
+        None => points.into_par_iter().map(gain).collect(),
+    };
+    seen.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    seen
+}
+
+/// Points with steps about the best halved again and again.
+pub fn halved(
+    mut points: Vec<Point>,
+    best_first: &dyn Fn(Vec<Vec<f64>>) -> Vec<Point>,
+) -> Vec<Point> {
+    for _ in 0..HALVINGS {
+        points.extend(best_first(beside_best(&points)));
+        points.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    }
+    points
+}
+
+/// Half the way from the best of some points, which come first, to those next to it.
+fn beside_best(points: &[Point]) -> Vec<Vec<f64>> {
+    let Some(best) = points.first() else {
+        return Vec::new();
+    };
+    let of = |point: &Point| point.at[0] - best.at[0];
+    let below = points.iter().filter(|p| of(p) < 0.0);
+    let above = points.iter().filter(|p| of(p) > 0.0);
+    let nearest = [
+        below.max_by(|a, b| of(a).total_cmp(&of(b))),
+        above.min_by(|a, b| of(a).total_cmp(&of(b))),
+    ];
+    let halfway = |point: &Point| best.at.iter().map(|x| x + 0.5 * of(point)).collect();
+    nearest.into_iter().flatten().map(halfway).collect()
+}

@@ -1,0 +1,465 @@
+//! What each hypothesis could take from the residual beyond what all other parameters can take.
+//!
+//! ```text
+//! gain = ‖r‖² − min_{δ, γ} ‖r_g + J δ + C γ‖²
+//! ```
+//!
+//! with the weighted residual r and derivatives J of the model as it stands (r is orthogonal to J), the
+//! residual r_g of the model with the hypothesis at a point g of its nonlinear parameters, and the
+//! derivatives C with respect to its own parameters there. By the theorem of Frisch, Waugh and Lovell this
+//! is the gain of one Gauss-Newton step of all parameters, for the price of projecting a few columns.
+
+use crate::chain::dataset::Prepared;
+use crate::chain::effect::Linearity;
+use crate::chain::evaluate::Evaluator;
+use crate::chain::model::Model;
+use crate::diagnose::candidates::grid_search::{best_first, halved};
+use crate::diagnose::candidates::screening_reuse::Reusable;
+use crate::diagnose::candidates::signal_path::SignalPath;
+use crate::diagnose::error::DiagnoseError;
+use crate::diagnose::fit::candidate::{Candidate, Naming, Point, Screening};
+use crate::diagnose::fit::channel_series::ChannelSeries;
+use crate::diagnose::fit::context::Context;
+use crate::diagnose::fit::hypothesis::Hypothesis;
+use crate::diagnose::fit::model_fit::ModelFit;
+use crate::diagnose::fit::start::Start;
+use crate::diagnose::fit::start_grid::Grid;
+use crate::estimate::reach::Motion;
+use crate::linalg::normal_equations::{INDEPENDENT, NormalSolution};
+use crate::linalg::triangular::Triangular;
+use crate::recording::split::Split;
+use crate::stats::deviation::rms;
+use nalgebra::{DMatrix, DVector, DVectorView};
+use rayon::prelude::*;
+use std::sync::OnceLock;
+
+/// The model as it stands, linearised over the fitted recordings.
+pub struct Linearised<'a> {
+    fit: &'a ModelFit,
+    recordings: Vec<Prepared>,
+    /// The same with what the bodies do, which laws of drives leave as it is; made when first needed.
+    known: OnceLock<Vec<Prepared>>,
+    path: SignalPath,
+    scale: Vec<f64>,
+    predicted: Vec<Vec<f64>>,
+    /// Weighted: `[channel][column]`.
+    columns: Vec<Vec<Option<Vec<f64>>>>,
+    residual: Vec<Vec<f64>>,
+    /// R⁻ᵀ of the factor of J.
+    inverse: DMatrix<f64>,
+}
+
+/// A column of the weighted derivatives: the channels that it enters.
+type Column = Vec<(usize, Vec<f64>)>;
+
+/// Dry friction whose transition is narrower than this leaves it as it is.
+const MOSTLY_REACHED: f64 = 0.8;
+
+/// A value that makes the squared residual so many times larger is far too large.
+const HOPELESS: f64 = 10.0;
+
+/// A model with a hypothesis more, and the recordings along which it is evaluated.
+struct Enlarged<'a> {
+    model: Model,
+    /// Positions of the free parameters that it has beyond the fitted model.
+    own: Vec<usize>,
+    recordings: Vec<&'a Prepared>,
+}
+
+/// Values from which a hypothesis is examined, and those of them that are not the fitted ones, by name.
+#[derive(Clone)]
+struct Base {
+    values: DVector<f64>,
+    changed: Start,
+}
+
+/// Rows that tell which hypotheses are worth a closer look: what takes 1 % of the squares of so many rows, the least that
+/// matters, gains 25 where noise gives each parameter 1 (Wilks 1938).
+const ENOUGH: usize = 2500;
+
+/// Hypotheses that get a closer look, several times as many as are fitted.
+const CLOSER: usize = 40;
+
+impl<'a> Linearised<'a> {
+    pub fn new(context: &Context<'_>, fit: &'a ModelFit) -> Self {
+        Self::of_every(1, context, fit)
+    }
+
+    fn of_every(every: usize, context: &Context<'_>, fit: &'a ModelFit) -> Self {
+        let recordings = context.recordings(Split::Train).into_iter();
+        let recordings: Vec<Prepared> = recordings.map(|r| r.thinned(every)).collect();
+        let scale = fit.deviations();
+        let positions = fit.unknowns.positions();
+        let of: Vec<&Prepared> = recordings.iter().collect();
+        let series = ChannelSeries::of(&fit.model, &fit.values, &positions, &of);
+        let mut columns = series.columns;
+        for (c, of_channel) in columns.iter_mut().enumerate() {
+            for column in of_channel.iter_mut().flatten() {
+                column.iter_mut().for_each(|x| *x /= scale[c]);
+            }
+        }
+        let residual = weighted_difference(&series.predicted, &series.recorded, &scale);
+        let known = fit.prior.rows().select_columns(&positions);
+        let inverse = inverse_factor(&columns, &known);
+        Self {
+            fit,
+            recordings,
+            known: OnceLock::new(),
+            path: SignalPath::of(&fit.model),
+            scale,
+            predicted: series.predicted,
+            columns,
+            residual,
+            inverse,
+        }
+    }
+
+    /// The best point of a hypothesis; `None` where it cannot be in the model or takes nothing.
+    pub fn examine(&self, context: &Context<'_>, hypothesis: &Hypothesis) -> Option<Candidate> {
+        let enlarged = self.enlarged(context, hypothesis)?;
+        let Enlarged { model, own, .. } = &enlarged;
+        let bases = self.bases(model, hypothesis);
+        let motion = Motion::of(&context.recordings(Split::Train), hypothesis.joints[0]);
+        let grid = Grid::new(model, own, hypothesis.effect, &motion);
+        let gain = |point: Vec<f64>| {
+            let from = |(b, base): (usize, &Base)| {
+                let mut values = base.values.clone();
+                own.iter().zip(&point).for_each(|(&p, x)| values[p] = *x);
+                (self.gain(&enlarged, &values), b)
+            };
+            let all = bases.iter().enumerate().map(from);
+            let best = all.max_by(|a, b| a.0.total_cmp(&b.0));
+            let (gain, base) = best.unwrap_or((f64::NEG_INFINITY, 0));
+            Point {
+                gain,
+                base,
+                at: point,
+            }
+        };
+        let hopeless = -HOPELESS * self.residual.iter().map(|r| dot(r, r)).sum::<f64>();
+        let rising = grid.is_rising().then_some(hopeless);
+        let best_first = |points: Vec<Vec<f64>>| best_first(points, rising, &gain);
+        let scanned = best_first(grid.scan());
+        let scanned = scanned.first();
+        let mut points = best_first(grid.all(scanned.map(|point| point.at.as_slice())));
+        if grid.is_rising() {
+            points = halved(points, &best_first);
+        }
+        let naming = Naming {
+            own: own
+                .iter()
+                .map(|&p| model.parameters()[p].name.clone())
+                .collect(),
+            bases: bases.iter().map(|base| &base.changed).collect(),
+            grid: &grid,
+        };
+        let mut candidate = naming.candidate(hypothesis, &points)?;
+        candidate.gain = scanned.map_or(0.0, |point| point.gain).max(candidate.gain);
+        Some(candidate)
+    }
+
+    /// The same candidate with what it gains at its start over these rows.
+    fn confirmed(&self, context: &Context<'_>, candidate: Candidate) -> Option<Candidate> {
+        let enlarged = self.enlarged(context, &candidate.hypothesis)?;
+        let mut values = self.transfer(&enlarged.model);
+        for (name, value) in &candidate.start {
+            values[enlarged.model.find(name).ok()?] = *value;
+        }
+        let gain = self.gain(&enlarged, &values);
+        Some(Candidate { gain, ..candidate })
+    }
+
+    /// The model with a hypothesis more; `None` where it cannot be in it.
+    fn enlarged(&self, context: &Context<'_>, hypothesis: &Hypothesis) -> Option<Enlarged<'_>> {
+        let mut all = self.fit.hypotheses.clone();
+        all.push(hypothesis.clone());
+        let (mut model, _) = context.model(&all).ok()?;
+        if hypothesis.joints.len() == 1 && self.path.leaves_others(&self.fit.model, hypothesis) {
+            model.predict_only(hypothesis.joints[0]);
+        }
+        let recordings = match self.path.knows_bodies(&self.fit.model, hypothesis) {
+            true => self.known().iter().collect(),
+            false => self.recordings.iter().collect(),
+        };
+        Some(Enlarged {
+            own: self.own_parameters(&model),
+            model,
+            recordings,
+        })
+    }
+
+    /// What further columns of a channel would take.
+    pub fn gain_of(&self, channel: usize, columns: &[Vec<f64>]) -> f64 {
+        let weighted = |column: &Vec<f64>| -> Column {
+            let over = column.iter().map(|x| x / self.scale[channel]);
+            vec![(channel, over.collect())]
+        };
+        let columns: Vec<Column> = columns.iter().map(weighted).collect();
+        self.one_step(&Column::new(), &columns, &|_, _| true)
+    }
+
+    fn known(&self) -> &[Prepared] {
+        let with_bodies = |r: &Prepared| self.with_bodies(r);
+        let make = || self.recordings.iter().map(with_bodies).collect();
+        self.known.get_or_init(make)
+    }
+
+    /// A recording with what the bodies of the fitted model do along it.
+    fn with_bodies(&self, recording: &Prepared) -> Prepared {
+        let rows = recording.experiment.rows();
+        let mut evaluator = Evaluator::along(&self.fit.model, &self.fit.values, &[], rows);
+        let bodies = match self.path {
+            SignalPath::Lagging => evaluator.settled_bodies(recording.whole()),
+            SignalPath::Simple | SignalPath::Other => evaluator.known_bodies(recording.whole()),
+        };
+        recording.clone().with_bodies(bodies)
+    }
+
+    /// Positions of the free parameters that a larger model has beyond the fitted one.
+    fn own_parameters(&self, model: &Model) -> Vec<usize> {
+        let is_own = |p: &usize| {
+            let parameter = &model.parameters()[*p];
+            parameter.is_free() && self.fit.model.find(&parameter.name).is_err()
+        };
+        (0..model.parameters().len()).filter(is_own).collect()
+    }
+
+    /// Values from which a hypothesis is examined: those of the fit, and where it takes a law's place and borrows its
+    /// parameters, also those raised by what the fit leaves of the signal, as the poorer law may have found nothing,
+    /// and those lowered to what the law came to at the speeds of the joint where its transition is wide.
+    fn bases(&self, model: &Model, hypothesis: &Hypothesis) -> Vec<Base> {
+        let fitted = Base {
+            values: self.transfer(model),
+            changed: Start::new(),
+        };
+        let borrows = hypothesis.effect.needs.borrows;
+        if borrows.is_empty() {
+            return vec![fitted];
+        }
+        let joint = &model.joints()[hypothesis.joints[0]].name;
+        let reached = self.reached(hypothesis.joints[0]);
+        let mut raised = fitted.clone();
+        let mut lowered = raised.clone();
+        for (effect, parameter) in borrows {
+            let name = format!("{joint}.{effect}.{parameter}");
+            let (Ok(from), Ok(to)) = (self.fit.model.find(&name), model.find(&name)) else {
+                continue;
+            };
+            let unknown = self
+                .fit
+                .unknowns
+                .positions()
+                .iter()
+                .position(|&p| p == from);
+            let columns = self.columns.iter().filter_map(|of| of[unknown?].as_ref());
+            let largest = columns.map(|column| rms(column)).fold(0.0, f64::max);
+            if largest > 0.0 {
+                // Residuals are weighted to an RMS of one.
+                raised.values[to] += 1.0 / largest;
+                raised.changed.push((name.clone(), raised.values[to]));
+            }
+            if reached < MOSTLY_REACHED {
+                lowered.values[to] *= reached;
+                lowered.changed.push((name, lowered.values[to]));
+            }
+        }
+        let mut bases = vec![fitted];
+        let others = [raised, lowered].into_iter();
+        bases.extend(others.filter(|base| !base.changed.is_empty()));
+        bases
+    }
+
+    /// RMS of `v/(|v| + w)` of a joint: the share of its dry friction that it comes to.
+    fn reached(&self, joint: usize) -> f64 {
+        let width = self.fit.model.joints()[joint].width;
+        let width = width.map_or(0.0, |index| self.fit.values[index]);
+        let of = |r: &Prepared| {
+            let speeds = r.segment().motors.dq[joint].iter();
+            let share = |v: &f64| v / (v.abs() + width).max(f64::MIN_POSITIVE);
+            speeds.map(share).collect::<Vec<f64>>()
+        };
+        rms(&self.recordings.iter().flat_map(of).collect::<Vec<f64>>())
+    }
+
+    /// The fitted values in a larger model.
+    fn transfer(&self, model: &Model) -> DVector<f64> {
+        let mut values = model.values();
+        for (k, parameter) in model.parameters().iter().enumerate() {
+            if let Ok(index) = self.fit.model.find(&parameter.name) {
+                values[k] = self.fit.values[index];
+            }
+        }
+        values
+    }
+
+    fn gain(&self, enlarged: &Enlarged<'_>, values: &DVector<f64>) -> f64 {
+        let Enlarged { model, own, .. } = enlarged;
+        let series = ChannelSeries::of(model, values, own, &enlarged.recordings);
+        let mut change: Column = Vec::new();
+        let mut columns: Vec<Column> = vec![Vec::new(); own.len()];
+        for (c, predicted) in series.predicted.iter().enumerate() {
+            let pairs = predicted.iter().zip(&self.predicted[c]);
+            let moved: Vec<f64> = pairs.map(|(a, b)| (a - b) / self.scale[c]).collect();
+            if moved.iter().any(|x| *x != 0.0) {
+                change.push((c, moved));
+            }
+            for (column, of_channel) in columns.iter_mut().zip(&series.columns[c]) {
+                if let Some(column_series) = of_channel {
+                    let scaled = column_series.iter().map(|x| x / self.scale[c]).collect();
+                    column.push((c, scaled));
+                }
+            }
+        }
+        let stays_possible = |k: usize, step: f64| {
+            let parameter = &model.parameters()[own[k]];
+            let value = values[own[k]] + step;
+            parameter.linearity == Linearity::Nonlinear
+                || (parameter.lower..=parameter.upper).contains(&value)
+        };
+        self.one_step(&change, &columns, &stays_possible)
+    }
+
+    /// The gain of one step from a residual that is changed, along further columns; those along which the step would
+    /// leave what is possible stay out.
+    fn one_step(
+        &self,
+        change: &Column,
+        columns: &[Column],
+        stays_possible: &dyn Fn(usize, f64) -> bool,
+    ) -> f64 {
+        let whitened: Vec<DVector<f64>> = columns.iter().map(|c| self.project(c)).collect();
+        let shift = self.project(change);
+        // r is orthogonal to J, so the changed residual loses only what J takes of the change.
+        let before: f64 =
+            -2.0 * self.against_residual(change) - inner(change, change) + shift.norm_squared();
+        let k = columns.len();
+        let mut normal = DMatrix::zeros(k, k);
+        let mut right = DVector::zeros(k);
+        let mut kept = Vec::new();
+        for i in 0..k {
+            let norm = inner(&columns[i], &columns[i]);
+            let left = norm - whitened[i].norm_squared();
+            if norm > 0.0 && left > INDEPENDENT * norm {
+                kept.push(i);
+            }
+            right[i] = self.against_residual(&columns[i]) + inner(&columns[i], change)
+                - whitened[i].dot(&shift);
+            for j in 0..=i {
+                normal[(i, j)] = inner(&columns[i], &columns[j]) - whitened[i].dot(&whitened[j]);
+                normal[(j, i)] = normal[(i, j)];
+            }
+        }
+        loop {
+            let solution = NormalSolution::of(
+                &normal.select_rows(&kept).select_columns(&kept),
+                &right.select_rows(&kept),
+            );
+            let possible: Vec<usize> = kept
+                .iter()
+                .zip(solution.x.iter())
+                .filter(|(k, step)| stays_possible(**k, -**step))
+                .map(|(k, _)| *k)
+                .collect();
+            if possible.len() == kept.len() {
+                return before + solution.gain;
+            }
+            kept = possible;
+        }
+    }
+
+    /// R⁻ᵀ Jᵀ c.
+    fn project(&self, column: &Column) -> DVector<f64> {
+        let count = self.inverse.nrows();
+        let mut product = DVector::zeros(count);
+        for (c, series) in column {
+            for (k, own) in self.columns[*c].iter().enumerate() {
+                if let Some(own) = own {
+                    product[k] += dot(own, series);
+                }
+            }
+        }
+        self.inverse.tr_mul(&product)
+    }
+
+    fn against_residual(&self, column: &Column) -> f64 {
+        let of = |(c, series): &(usize, Vec<f64>)| dot(&self.residual[*c], series);
+        column.iter().map(of).sum()
+    }
+}
+
+/// R⁻¹ of the weighted derivatives and the rows of what is known beforehand.
+fn inverse_factor(columns: &[Vec<Option<Vec<f64>>>], known: &DMatrix<f64>) -> DMatrix<f64> {
+    let count = known.ncols();
+    let mut factor = Triangular::new(count);
+    factor.absorb(known.as_slice());
+    for of_channel in columns {
+        let rows = of_channel.iter().flatten().map(Vec::len).max().unwrap_or(0);
+        let zero = vec![0.0; rows];
+        let slices: Vec<&[f64]> = of_channel
+            .iter()
+            .map(|column| column.as_deref().unwrap_or(&zero))
+            .collect();
+        factor.absorb_columns(&slices);
+    }
+    factor
+        .inverse()
+        .unwrap_or_else(|| DMatrix::zeros(count, count))
+}
+
+fn weighted_difference(a: &[Vec<f64>], b: &[Vec<f64>], scale: &[f64]) -> Vec<Vec<f64>> {
+    let of = |((a, b), scale): ((&Vec<f64>, &Vec<f64>), &f64)| {
+        a.iter().zip(b).map(|(a, b)| (a - b) / scale).collect()
+    };
+    a.iter().zip(b).zip(scale).map(of).collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let of = |x| DVectorView::from_slice(x, x.len());
+    of(a).dot(&of(b))
+}
+
+fn inner(a: &Column, b: &Column) -> f64 {
+    let of = |(c, x): &(usize, Vec<f64>)| {
+        let other = b.iter().find(|(d, _)| d == c);
+        other.map_or(0.0, |(_, y)| dot(x, y))
+    };
+    a.iter().map(of).sum()
+}
+
+/// What hypotheses promise beside a model: by a glance at some rows, and a look of those in front at all.
+pub fn screen(
+    context: &Context<'_>,
+    fit: &ModelFit,
+    open: Vec<Hypothesis>,
+) -> Result<Screening, DiagnoseError> {
+    let by_gain =
+        |candidates: &mut Vec<Candidate>| candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let is_going_on = || !context.control.is_interrupted();
+    let train = context.recordings(Split::Train);
+    let rows: usize = train.iter().map(|r| r.counting().count()).sum();
+    let every = (rows / ENOUGH).max(1);
+    let rough = Linearised::of_every(every, context, fit);
+    let earlier = Reusable::of(context, fit);
+    let examined = open.par_iter().filter(|_| is_going_on());
+    let examined = examined.filter_map(|hypothesis| match earlier.stands(hypothesis) {
+        true => rough.confirmed(context, earlier.candidate(hypothesis)?),
+        false => rough.examine(context, hypothesis),
+    });
+    let mut glance: Vec<Candidate> = examined.filter(|candidate| candidate.gain > 0.0).collect();
+    by_gain(&mut glance);
+    let mut candidates = glance.clone();
+    if every > 1 {
+        let look = Linearised::new(context, fit);
+        candidates.truncate(CLOSER);
+        let closer = candidates.into_par_iter().filter(|_| is_going_on());
+        candidates = closer
+            .filter_map(|candidate| look.confirmed(context, candidate))
+            .collect();
+        by_gain(&mut candidates);
+    }
+    Ok(Screening {
+        open,
+        glance,
+        candidates,
+    })
+}

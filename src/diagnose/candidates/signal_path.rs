@@ -1,0 +1,50 @@
+//! How the torque of a joint becomes the signal of a channel, and what a hypothesis leaves as it is on the way.
+
+use crate::chain::effect::Law;
+use crate::chain::model::{Channel, JointModel, Model};
+use crate::diagnose::fit::hypothesis::Hypothesis;
+
+/// What lies between the motors and the channels of a model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SignalPath {
+    /// Every channel is the torque of one motor that its joint follows at once.
+    Simple,
+    /// The same, but that links lag their motors.
+    Lagging,
+    /// Motors are coupled, signals late, or joints driven together.
+    Other,
+}
+
+impl SignalPath {
+    pub fn of(model: &Model) -> Self {
+        let own = |(c, channel): (usize, &Channel)| channel.joint == Some(c);
+        let is_plain = model.is_uncoupled()
+            && model.mechanism().is_none()
+            && model.channels().iter().enumerate().all(own)
+            && model.joints().iter().all(|joint| joint.delay.is_none());
+        match (is_plain, model.joints().iter().any(JointModel::has_lag)) {
+            (true, false) => Self::Simple,
+            (true, true) => Self::Lagging,
+            (false, _) => Self::Other,
+        }
+    }
+
+    /// Whether a hypothesis acts on the channels of its own joints alone, and leaves motion and bodies as they are.
+    pub fn leaves_others(self, model: &Model, hypothesis: &Hypothesis) -> bool {
+        let joints = hypothesis.joints.iter();
+        let lags = joints.clone().any(|&j| model.joints()[j].has_lag());
+        let is_of_drive = match hypothesis.effect.law {
+            Law::Motor(_) | Law::Transmission(_) | Law::Gain | Law::Current => true,
+            // A torque at a joint moves a link that lags.
+            Law::Joint(_) => !lags,
+            _ => false,
+        };
+        self != Self::Other && is_of_drive
+    }
+
+    /// Whether what the bodies do is known for a hypothesis.
+    pub fn knows_bodies(self, model: &Model, hypothesis: &Hypothesis) -> bool {
+        let lags = matches!(hypothesis.effect.law, Law::Spring | Law::Play);
+        self == Self::Simple && lags || self.leaves_others(model, hypothesis)
+    }
+}

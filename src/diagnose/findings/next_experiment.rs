@@ -1,0 +1,144 @@
+//! The recording that would tell a finding from its rivals: a problem file for `exid design` with the criterion
+//! that sets their predictions apart (Atkinson and Fedorov 1975), within the limits of the same robot.
+
+use crate::diagnose::fit::context::Context;
+use crate::diagnose::fit::model_fit::ModelFit;
+use crate::diagnose::selection::rival_models::RivalComparison;
+use crate::outcome::diagnose::NextExperiment;
+use crate::problem_file::located::FilePath;
+use crate::problem_file::robot::RobotSource;
+use serde_json::{Map, Value, json};
+
+/// Starts of the search where the problem file states none.
+const STARTS: usize = 8;
+
+/// The experiment for the first finding with rivals that the recordings cannot set aside; `None` where there is no
+/// such finding, or where a rival cannot be stated as a list of effects.
+pub fn experiment(
+    context: &Context<'_>,
+    full: &ModelFit,
+    comparisons: &[RivalComparison],
+) -> Option<NextExperiment> {
+    let (k, open) = comparisons.iter().enumerate().find_map(|(k, comparison)| {
+        let open = comparison
+            .alternatives
+            .iter()
+            .filter(|a| !a.separation.separable);
+        let fits: Vec<&ModelFit> = open.map(|a| &a.test.fit).collect();
+        (!fits.is_empty()).then_some((k, fits))
+    })?;
+    let finding = &full.hypotheses[k];
+    let all: Vec<&ModelFit> = std::iter::once(full).chain(open.iter().copied()).collect();
+    let stated = |fit: &&ModelFit| fit.hypotheses.iter().all(|h| h.other.is_none());
+    if !all.iter().all(stated) {
+        return None;
+    }
+    let word = |fit: &ModelFit| fit.hypotheses.last().map_or("", |h| h.effect.id);
+    let mut names = vec![finding.effect.id.to_string()];
+    for fit in &open {
+        let name = word(fit).to_string();
+        names.push(match names.contains(&name) {
+            true => format!("{name} {}", names.len()),
+            false => name,
+        });
+    }
+    let rivals: Vec<Value> = all
+        .iter()
+        .zip(&names)
+        .map(|(r, name)| rival(r, name))
+        .collect();
+    let mut problem = declared(context)?;
+    let design = problem.entry("design").or_insert_with(|| json!({}));
+    let design = design.as_object_mut()?;
+    design.insert("criterion".to_string(), json!("discriminate"));
+    design.insert("rival".to_string(), Value::Array(rivals));
+    if let Some(noise) = &context.noise {
+        design.insert("noise".to_string(), json!(noise));
+    }
+    // With the same period the new recording fits the problem file of the old.
+    if let Some(period) = context
+        .problem
+        .recordings
+        .as_ref()
+        .and_then(|r| r.period.as_ref())
+    {
+        design.entry("period").or_insert(json!(period.value));
+    }
+    if !design.contains_key("budget_s") && !design.contains_key("starts") {
+        design.insert("starts".to_string(), json!(STARTS));
+    }
+    Some(NextExperiment {
+        sentence: format!(
+            "These recordings cannot tell {} apart; the motion that `exid design` finds for this problem sets \
+             their predictions as far apart as the robot's limits allow.",
+            names.join(" and ")
+        ),
+        problem: toml::to_string(&Value::Object(problem)).ok()?,
+    })
+}
+
+/// The problem file with paths that hold wherever it is written to.
+fn declared(context: &Context<'_>) -> Option<Map<String, Value>> {
+    let mut problem = without_nulls(&context.problem.json);
+    let table = problem.as_object_mut()?;
+    let name = format!("{}_next", context.problem.name.value);
+    table.insert("name".to_string(), json!(name));
+    table.retain(|key, _| !matches!(key.as_str(), "diagnose" | "fit" | "simulate"));
+    let path = |path: &FilePath| {
+        let whole = std::path::absolute(&path.resolved).unwrap_or_else(|_| path.resolved.clone());
+        json!(whole.to_string_lossy())
+    };
+    let robot = table.get_mut("robot")?.as_object_mut()?;
+    match &context.problem.robot.source {
+        RobotSource::Urdf(file) => robot.insert("urdf".to_string(), path(file)),
+        RobotSource::Mdh(file) => robot.insert("mdh".to_string(), path(file)),
+        RobotSource::Mechanism { .. } => return None,
+    };
+    if let Some(file) = &context.problem.robot.parameters {
+        robot.insert("parameters".to_string(), path(file));
+    }
+    let recordings = context.problem.recordings.as_ref()?;
+    let written = table.get_mut("recordings")?.as_object_mut()?;
+    for (key, files) in [
+        ("train", &recordings.train),
+        ("loaded", &recordings.loaded),
+        ("validation", &recordings.validation),
+    ] {
+        if written.contains_key(key) {
+            let files: Vec<Value> = files.iter().map(|f| path(f)).collect();
+            written.insert(key.to_string(), Value::Array(files));
+        }
+    }
+    Some(table.clone())
+}
+
+/// A model as `[[design.rival]]` has it: effects by joint, and the values to which it was fitted.
+fn rival(fit: &ModelFit, name: &str) -> Value {
+    let effects: Map<String, Value> = fit
+        .model
+        .joints()
+        .iter()
+        .filter(|joint| !joint.locked)
+        .map(|joint| {
+            let ids: Vec<&str> = joint.effects.iter().map(|(e, _)| e.id).collect();
+            (joint.name.clone(), json!(ids))
+        })
+        .collect();
+    let free = fit.model.parameters().iter().enumerate();
+    let values: Map<String, Value> = free
+        .filter(|(_, p)| p.is_free())
+        .map(|(k, p)| (p.name.clone(), json!(fit.values[k])))
+        .collect();
+    json!({ "name": name, "effects_of": effects, "values": values })
+}
+
+fn without_nulls(value: &Value) -> Value {
+    match value {
+        Value::Object(table) => {
+            let kept = table.iter().filter(|(_, v)| !v.is_null());
+            Value::Object(kept.map(|(k, v)| (k.clone(), without_nulls(v))).collect())
+        }
+        Value::Array(items) => Value::Array(items.iter().map(without_nulls).collect()),
+        other => other.clone(),
+    }
+}

@@ -1,0 +1,186 @@
+//! The report of a search: findings, verdict, figures of the declared and of the final model.
+
+use crate::diagnose::error::DiagnoseError;
+use crate::diagnose::findings::compared::Compared;
+use crate::diagnose::findings::corrections::Corrections;
+use crate::diagnose::findings::finding::{self, ConfirmedStep};
+use crate::diagnose::findings::next_experiment;
+use crate::diagnose::findings::summary::{self, About};
+use crate::diagnose::findings::unexplained::SearchState;
+use crate::diagnose::findings::verdict;
+use crate::diagnose::fit::context::Context;
+use crate::diagnose::fit::contexts::Contexts;
+use crate::diagnose::fit::fitting::fit_declared;
+use crate::diagnose::fit::hypothesis::Hypothesis;
+use crate::diagnose::residuals::additive_model::AdditiveModel;
+use crate::diagnose::residuals::location;
+use crate::diagnose::residuals::noise_level::{self, NoiseLevel};
+use crate::diagnose::residuals::prediction_error::PredictionError;
+use crate::diagnose::selection::explanation::Explanation;
+use crate::diagnose::selection::rival_models::{Ambiguity, RivalComparison, ambiguities};
+use crate::diagnose::selection::stepwise::Rules;
+use crate::estimate::covariance::of_unknowns;
+use crate::estimate::figures::{Predictions, predictions};
+use crate::estimate::fit::{Fitted, outcome, outcome_with};
+use crate::estimate::task::{notes, preprocessing};
+use crate::outcome::diagnose::{Baseline, Diagnosis, Final, Finding, Unattested, Verdict};
+use crate::outcome::parameter::Parameter;
+use crate::recording::split::Split;
+
+const UNMEASURED: &str = "Nothing repeats, so the noise is not known apart from the misfit: shares are of what the \
+                          best model found takes away, and what it leaves counts as noise.";
+
+/// What is said of a model that a search has come to.
+pub struct Reported {
+    pub diagnosis: Diagnosis,
+    pub fitted: Fitted,
+    /// Predictions of the declared model.
+    pub declared: Predictions,
+    /// Predictions of the final model, with its corrections.
+    pub last: Predictions,
+    pub ambiguities: Vec<Ambiguity>,
+}
+
+/// What a report is made of.
+pub struct Reporting<'a> {
+    pub contexts: &'a Contexts<'a>,
+    pub explanation: &'a Explanation,
+    pub rules: Rules<'a>,
+}
+
+impl Reporting<'_> {
+    pub fn report(&self) -> Result<Reported, DiagnoseError> {
+        let (context, explanation) = (&self.contexts.whole, self.explanation);
+        let full = &explanation.full.on(context);
+        // The search may have found a better fit of the declared model than its first one.
+        let declared = &fit_declared(&self.contexts.selection)?.on(context);
+        let recordings = context.recordings(Split::Train);
+        let of_declared = declared.problem(&recordings);
+        let mut before = outcome(&of_declared, &declared.solution, context.data);
+        let of_full = full.problem(&recordings);
+        let covariance = of_unknowns(&of_full, &full.solution.x);
+        let predicted = PredictionError::of(context, full, covariance.as_ref());
+        let mut after = outcome_with(&of_full, (&full.solution, covariance), context.data);
+        let confirmed = Corrections::of(self.contexts, &explanation.full, self.rules);
+        let corrections: Vec<AdditiveModel> = confirmed.on(context, full);
+        let corrections: Vec<&AdditiveModel> = corrections.iter().collect();
+        let noise_level = noise_level::of_rows(context, full, &corrections);
+        let parameters = after.estimate.parameters.clone();
+        let compared = Compared {
+            context,
+            declared,
+            full,
+            noise_level: &noise_level,
+            predicted: &predicted,
+        };
+        let comparisons = self.comparisons(&compared);
+        let findings = self.findings(&compared, &comparisons, &confirmed, &parameters);
+        let last = summary::correct(context, full, &mut after, &corrections);
+        judged_in_time(context, &noise_level, [&mut before, &mut after]);
+        let unattested = compared.unattested(&corrections);
+        let verdict = (!self.is_cut_short())
+            .then(|| verdict::verdict(&findings, compared.lack_of_fit(&findings), &unattested));
+        let unmeasured = (!noise_level.measured).then(|| UNMEASURED.to_string());
+        let diagnosis = Diagnosis {
+            verdict,
+            summary: self.summary(verdict, &findings, &unattested),
+            located: location::locate(context, declared, self.rules.significance),
+            findings,
+            unattested,
+            spoiled: verdict::biased(&before.estimate.parameters, &parameters),
+            baseline: Baseline {
+                joints: before.estimate.joints,
+            },
+            outcome: Final {
+                joints: after.estimate.joints.clone(),
+                parameters,
+            },
+            next_experiment: next_experiment::experiment(context, full, &comparisons),
+            preprocessing: preprocessing(&after.model, context.data),
+            notes: notes(&after.model, context.data)
+                .into_iter()
+                .chain(unmeasured)
+                .collect(),
+            fit: Some(after.fit.clone()),
+            evidence: finding::tried_hypotheses(&explanation.tried),
+        };
+        Ok(Reported {
+            diagnosis,
+            fitted: after,
+            declared: predictions(&declared.model, &declared.values, context.data),
+            last,
+            ambiguities: ambiguities(full, &comparisons),
+        })
+    }
+
+    fn is_cut_short(&self) -> bool {
+        self.contexts.whole.control.is_interrupted()
+    }
+
+    /// Rivals of the findings as the rows show them that test these.
+    fn comparisons(&self, compared: &Compared<'_>) -> Vec<RivalComparison> {
+        let (full, noise_level) = (compared.full, compared.noise_level);
+        let comparisons = self.explanation.comparisons.iter();
+        let seen = comparisons.zip(&full.hypotheses);
+        seen.map(|(comparison, own)| comparison.on(self.contexts, noise_level, full, own))
+            .collect()
+    }
+
+    /// What has a name, what a smooth correction takes the place of, and what is left.
+    fn findings(
+        &self,
+        compared: &Compared<'_>,
+        comparisons: &[RivalComparison],
+        corrections: &Corrections,
+        parameters: &[Parameter],
+    ) -> Vec<Finding> {
+        let noise_level = compared.noise_level;
+        let state = SearchState {
+            significance: self.rules.significance,
+            withdrawn: &self.explanation.withdrawn,
+            is_cut_short: self.is_cut_short(),
+        };
+        let steps = ConfirmedStep::all(self.explanation, self.contexts, comparisons, noise_level);
+        let mut findings = finding::findings(&steps, noise_level, parameters);
+        findings.extend(corrections.findings(noise_level, state));
+        findings.extend(compared.unexplained(&findings, state));
+        findings
+    }
+
+    fn summary(
+        &self,
+        verdict: Option<Verdict>,
+        findings: &[Finding],
+        unattested: &[Unattested],
+    ) -> String {
+        let about = About {
+            examined: self.explanation.examined,
+            unattested,
+            untried: self.untried(),
+        };
+        summary::paragraph(verdict, findings, &about)
+    }
+
+    /// Effects of which a search that was interrupted has not fitted every hypothesis beside the model that it had come
+    /// to.
+    fn untried(&self) -> Vec<String> {
+        let (context, explanation) = (&self.contexts.selection, self.explanation);
+        let last = explanation.tried.last().filter(|step| step.is_complete);
+        let fitted =
+            |h: &Hypothesis| last.is_some_and(|s| s.tests.iter().any(|t| t.hypothesis == *h));
+        let open = self.rules.open(context, &explanation.full);
+        let left = open.iter().filter(|h| !fitted(h)).map(|h| h.effect.id);
+        let mut left: Vec<String> = left.map(str::to_string).collect();
+        left.dedup();
+        left
+    }
+}
+
+/// Between periods there is also what the findings say changes from one to the next.
+fn judged_in_time(context: &Context<'_>, noise_level: &NoiseLevel, fitted: [&mut Fitted; 2]) {
+    if context.in_time && noise_level.measured {
+        for fitted in fitted {
+            noise_level.judge(&fitted.model, &mut fitted.estimate.joints);
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! The final model's predictions with smooth corrections, and the paragraph that says what was found.
+
+use crate::diagnose::fit::context::Context;
+use crate::diagnose::fit::model_fit::ModelFit;
+use crate::diagnose::residuals::additive_model::AdditiveModel;
+use crate::estimate::figures::{Predictions, figures_by_recording, predictions_by_recording};
+use crate::estimate::fit::Fitted;
+use crate::outcome::diagnose::{Finding, Unattested, Verdict};
+use crate::recording::split::Split;
+
+/// Takes smooth corrections from the predictions of the final model and makes its figures again.
+pub fn correct(
+    context: &Context<'_>,
+    fit: &ModelFit,
+    fitted: &mut Fitted,
+    corrections: &[&AdditiveModel],
+) -> Predictions {
+    let values = |k: usize| fit.values_in(context.data, k);
+    let mut predictions = match fit.own.is_empty() {
+        true => fitted.predictions.clone(),
+        false => predictions_by_recording(&fit.model, &values, context.data),
+    };
+    for correction in corrections {
+        let (mut train, mut held_out) = (correction.train.iter(), correction.validation.iter());
+        for (recording, of_channels) in context.data.recordings.iter().zip(&mut predictions) {
+            let series = match recording.split {
+                Split::Train => &mut train,
+                Split::Validation => &mut held_out,
+            };
+            let counting = recording.counting();
+            for (row, by) in counting.zip(series) {
+                of_channels[correction.channel][row] -= by;
+            }
+        }
+    }
+    if !corrections.is_empty() || !fit.own.is_empty() {
+        let of = (context.data, &predictions);
+        fitted.estimate.joints = figures_by_recording(&fit.model, (&fit.values, &values), of);
+    }
+    predictions
+}
+
+/// What a paragraph says beside the findings.
+pub struct About<'a> {
+    /// Number of hypotheses.
+    pub examined: usize,
+    /// What is left, is of weight, and is not known to be noise.
+    pub unattested: &'a [Unattested],
+    /// Effects that an interrupted search has not tried.
+    pub untried: Vec<String>,
+}
+
+/// What was found, in plain words; `None` is the verdict of a search that was interrupted.
+pub fn paragraph(verdict: Option<Verdict>, findings: &[Finding], about: &About<'_>) -> String {
+    let mut text: Vec<String> = findings.iter().map(told).collect();
+    text.push(match verdict {
+        None => return interrupted(text, about),
+        Some(Verdict::NothingMissing) => format!(
+            "Nothing is missing that matters: {} hypotheses were tried, and none lowers the error on recordings that \
+             were not fitted by as much as 1 %.",
+            about.examined
+        ),
+        Some(Verdict::Explained) => "With that the model explains the recordings.".to_string(),
+        Some(Verdict::PartlyExplained) => {
+            "That explains part of the misfit; some is left.".to_string()
+        }
+        Some(Verdict::Unexplained) if findings.is_empty() => format!(
+            "What is left is not explained: {} hypotheses were tried, and none of them is it.",
+            about.examined
+        ),
+        Some(Verdict::Unexplained) => "Most of the misfit is left without a name.".to_string(),
+    });
+    let left = about.unattested.iter().map(|left| &left.sentence);
+    text.extend(left.map(|sentence| format!("{sentence}.")));
+    text.join(" ")
+}
+
+fn interrupted(mut text: Vec<String>, about: &About<'_>) -> String {
+    text.push(
+        match text.is_empty() {
+            true => {
+                "The search was interrupted before it found anything; that does not mean that nothing is missing."
+            }
+            false => "The search was interrupted: not every effect has been tried.",
+        }
+        .to_string(),
+    );
+    if !about.untried.is_empty() {
+        text.push(format!("Not tried yet: {}.", about.untried.join(", ")));
+    }
+    text.join(" ")
+}
+
+fn told(finding: &Finding) -> String {
+    let open = finding.rivals.iter().filter(|r| !r.separable);
+    let alike: Vec<&str> = open.map(|r| r.effect.as_str()).collect();
+    match alike.is_empty() {
+        true => finding.sentence.clone(),
+        false => format!(
+            "{} These recordings cannot tell {} from {}.",
+            finding.sentence,
+            finding.effect,
+            alike.join(" or ")
+        ),
+    }
+}

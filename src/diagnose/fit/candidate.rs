@@ -1,0 +1,94 @@
+//! A hypothesis that promises something, and from where it is to be fitted.
+
+use crate::chain::effect::Memory;
+use crate::diagnose::fit::hypothesis::Hypothesis;
+use crate::diagnose::fit::start::Start;
+use crate::diagnose::fit::start_grid::Grid;
+
+/// A hypothesis with the points from which it promises most.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    pub hypothesis: Hypothesis,
+    /// Weighted sum of squares that one step of all parameters takes away.
+    pub gain: f64,
+    /// Values of the hypothesis' own parameters.
+    pub start: Start,
+    /// Further ones, of a law whose shape has several parameters and may have several optima.
+    pub others: Vec<Start>,
+    /// Of a law with memory, values of what a search for it may lose: scales of speed that have run against a limit
+    /// take what belongs to them out of the model.
+    pub anew: Vec<Start>,
+}
+
+/// What the hypotheses that are open beside one model promise.
+#[derive(Debug, Clone, Default)]
+pub struct Screening {
+    pub open: Vec<Hypothesis>,
+    /// All that promise something, by a glance at some of the rows.
+    pub glance: Vec<Candidate>,
+    /// The foremost of them by all rows, the most promising first.
+    pub candidates: Vec<Candidate>,
+}
+
+/// Further starts of a law whose shape has several parameters.
+const OTHERS: usize = 2;
+
+/// A point of a grid, from one of the values of all other parameters.
+#[derive(Debug, Clone)]
+pub struct Point {
+    pub gain: f64,
+    /// Number of the other values.
+    pub base: usize,
+    /// Of the own parameters.
+    pub at: Vec<f64>,
+}
+
+/// How points become starts.
+#[derive(Debug)]
+pub struct Naming<'a> {
+    /// Names of the own parameters.
+    pub own: Vec<String>,
+    /// What each base has otherwise than the fit.
+    pub bases: Vec<&'a Start>,
+    pub grid: &'a Grid,
+}
+
+impl Naming<'_> {
+    /// The candidate of a hypothesis from its points, the most promising first; `None` without any.
+    pub fn candidate(&self, hypothesis: &Hypothesis, best_first: &[Point]) -> Option<Candidate> {
+        let best = best_first.first()?;
+        let mut apart = vec![best];
+        if let Some(main) = self.grid.main_shape() {
+            for point in best_first {
+                let is_new = apart.iter().all(|known| known.at[main] != point.at[main]);
+                if apart.len() <= OTHERS && is_new {
+                    apart.push(point);
+                }
+            }
+        }
+        let remembers = hypothesis.effect.needs.memory == Memory::Course;
+        let anew = if remembers {
+            self.grid.anew()
+        } else {
+            Vec::new()
+        };
+        Some(Candidate {
+            hypothesis: hypothesis.clone(),
+            gain: best.gain,
+            start: self.start(best),
+            others: apart[1..].iter().map(|point| self.start(point)).collect(),
+            anew: anew.into_iter().map(|values| self.named(values)).collect(),
+        })
+    }
+
+    fn start(&self, point: &Point) -> Start {
+        let mut start = self.named(point.at.iter().copied().enumerate().collect());
+        start.extend(self.bases[point.base].iter().cloned());
+        start
+    }
+
+    fn named(&self, values: Vec<(usize, f64)>) -> Start {
+        let name = |(k, x): (usize, f64)| (self.own[k].clone(), x);
+        values.into_iter().map(name).collect()
+    }
+}

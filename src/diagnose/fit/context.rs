@@ -1,0 +1,93 @@
+//! What all fits of a diagnosis share: the problem, the recordings, the way to a model with further physics.
+
+use crate::chain::dataset::{Dataset, Prepared};
+use crate::chain::model::Model;
+use crate::chain::prior::Prior;
+use crate::diagnose::fit::fit_cache::FitCache;
+use crate::diagnose::fit::hypothesis::{Hypothesis, addition};
+use crate::problem::solution::Control;
+use crate::problem_file::ProblemFile;
+use crate::recording::split::Split;
+use crate::setup::error::SetupError;
+use crate::setup::robot::Robot;
+use crate::setup::{model, prior};
+use crate::stats::deviation::rms;
+use crate::stats::encompassing::ResidualRows;
+
+/// The problem with its recordings.
+pub struct Context<'a> {
+    pub problem: &'a ProblemFile,
+    pub robot: &'a Robot,
+    pub data: &'a Dataset,
+    pub control: &'a Control<'a>,
+    /// Rows are samples in the order of time, not averages over periods.
+    pub in_time: bool,
+    /// RMS noise of one row per channel, averages over periods where there are any; `None` where nothing repeats.
+    pub noise: Option<Vec<f64>>,
+    /// Rows of the recordings that are held out to which parameters of one recording are fitted; none where rows are
+    /// averages over periods.
+    pub between: Vec<Prepared>,
+    pub cache: FitCache,
+}
+
+/// Whether the rows of recordings are in the order of time, not averages over periods.
+pub fn is_in_time(data: &Dataset) -> bool {
+    let averaged = |r: &Prepared| r.experiment.periods.is_some();
+    !data.recordings.iter().any(averaged)
+}
+
+impl<'a> Context<'a> {
+    /// Of recordings whose noise is not known yet.
+    pub fn new(
+        problem: &'a ProblemFile,
+        robot: &'a Robot,
+        data: &'a Dataset,
+        control: &'a Control<'a>,
+    ) -> Self {
+        Self {
+            problem,
+            robot,
+            data,
+            control,
+            in_time: is_in_time(data),
+            noise: None,
+            between: Vec::new(),
+            cache: FitCache::default(),
+        }
+    }
+
+    /// RMS of the signal of each channel over the rows that count; not zero.
+    pub fn signal_rms(&self, split: Split) -> Vec<f64> {
+        let channels = self.data.recordings.first();
+        let channels = channels.map_or(0, |r| r.experiment.signal.len());
+        let of = |c: usize| {
+            let counting = self.data.of(split).flat_map(|r| {
+                let rows = r.counting();
+                rows.map(move |row| r.signal(c)[row])
+            });
+            rms(&counting.collect::<Vec<f64>>()).max(f64::MIN_POSITIVE)
+        };
+        (0..channels).map(of).collect()
+    }
+
+    /// The declared model with the physics of hypotheses.
+    pub fn model(&self, hypotheses: &[Hypothesis]) -> Result<(Model, Prior), SetupError> {
+        let mut model =
+            model::build_with_addition(self.problem, self.robot, &addition(hypotheses))?;
+        let prior = prior::build(self.problem, &mut model)?;
+        Ok((model, prior))
+    }
+
+    /// What the rows of its residuals are.
+    pub fn residual_rows(&self) -> ResidualRows {
+        let mut recordings = self.data.recordings.iter();
+        match recordings.any(|r| r.experiment.parallel.is_some()) {
+            true => ResidualRows::Filtered,
+            false => ResidualRows::Recorded,
+        }
+    }
+
+    pub fn recordings(&self, split: Split) -> Vec<&Prepared> {
+        self.data.of(split).collect()
+    }
+}

@@ -1,0 +1,75 @@
+//! One problem over the held-out rows that choose a model, over those that test what was chosen, and over both.
+
+use crate::chain::dataset::{Dataset, Prepared};
+use crate::chain::effect::Lasts;
+use crate::diagnose::fit::context::Context;
+use crate::diagnose::fit::held_out::{Purpose, half};
+use crate::diagnose::fit::hypothesis::Hypothesis;
+use crate::problem::solution::Control;
+use crate::problem_file::ProblemFile;
+use crate::setup::robot::Robot;
+
+/// Recordings whose held-out rows are in two halves.
+pub struct HeldOutHalves {
+    pub whole: Dataset,
+    selection: Dataset,
+    test: Dataset,
+    /// Rows of the recordings that are held out to which parameters of one recording are fitted.
+    between: Vec<Prepared>,
+}
+
+impl HeldOutHalves {
+    pub fn of(whole: Dataset, between: Vec<Prepared>) -> Self {
+        Self {
+            selection: half(&whole, Purpose::Selection),
+            test: half(&whole, Purpose::Test),
+            whole,
+            between,
+        }
+    }
+
+    pub fn contexts<'a>(
+        &'a self,
+        problem: &'a ProblemFile,
+        robot: &'a Robot,
+        control: &'a Control<'a>,
+    ) -> Contexts<'a> {
+        let of = |data| Context::new(problem, robot, data, control);
+        Contexts {
+            selection: Context {
+                between: self.between.clone(),
+                ..of(&self.selection)
+            },
+            test: of(&self.test),
+            whole: of(&self.whole),
+        }
+    }
+}
+
+/// The same fits, judged by different held-out rows.
+pub struct Contexts<'a> {
+    /// Rows by which models are chosen; all models are fitted here.
+    pub selection: Context<'a>,
+    /// Rows that no choice has seen.
+    pub test: Context<'a>,
+    /// All rows, of which the figures of the declared and of the final model are.
+    pub whole: Context<'a>,
+}
+
+impl<'a> Contexts<'a> {
+    /// The rows that test a hypothesis: what belongs to one recording may lie in either half, and its evidence knows that
+    /// it was sought everywhere.
+    pub fn testing(&self, hypothesis: &Hypothesis) -> &Context<'a> {
+        match hypothesis.effect.needs.lasts {
+            Lasts::OneRecording => &self.whole,
+            _ => &self.test,
+        }
+    }
+
+    /// The RMS noise of one row per channel.
+    pub fn set_noise(&mut self, noise: Option<Vec<f64>>) {
+        for context in [&mut self.selection, &mut self.test, &mut self.whole] {
+            context.noise.clone_from(&noise);
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! Where a fit begins.
+
+/// Parameter values by name.
+pub type Start = Vec<(String, f64)>;
+
+/// Values from which a fit begins, and the deviations of the residuals of each channel that weight it until its own are
+/// known.
+#[derive(Debug, Clone)]
+pub struct WarmStart {
+    pub values: Start,
+    pub deviations: Vec<f64>,
+}
+
+impl WarmStart {
+    /// The same with other values for some parameters, or values of further ones.
+    pub fn with(&self, values: &[(String, f64)]) -> Self {
+        let mut all = self.clone();
+        all.values.extend_from_slice(values);
+        all
+    }
+}

@@ -1,0 +1,180 @@
+//! Covariates: the variables over which a residual may be spread: speed, position, load, acceleration, time, distance since
+//! the last reversal, the motion and the load of other joints.
+
+use crate::chain::dataset::Prepared;
+use crate::chain::model::{JointModel, Model};
+use crate::robot::tree::JointKind;
+
+/// One variable of one joint over the rows that count, recording after recording.
+#[derive(Debug, Clone)]
+pub struct Covariate {
+    pub name: String,
+    pub unit: &'static str,
+    pub values: Vec<f64>,
+    /// Whether the residual is looked at by direction of motion too.
+    pub by_direction: bool,
+    /// Whether it is of another joint.
+    pub of_another: bool,
+}
+
+/// The variables of one joint, and the direction of its motion.
+#[derive(Debug, Clone)]
+pub struct Covariates {
+    pub variables: Vec<Covariate>,
+    /// +1 or −1.
+    pub direction: Vec<f64>,
+}
+
+impl Covariates {
+    /// Variables of `joint`; `loads` are what the model predicts, per channel, over the same rows.
+    pub fn of(model: &Model, joint: usize, loads: &[Vec<f64>], recordings: &[&Prepared]) -> Self {
+        let rows = Rows {
+            model,
+            loads,
+            recordings,
+        };
+        let velocity = rows.speed(joint);
+        let mut variables = rows.of_joint(joint);
+        for (k, other) in others(model, joint) {
+            variables.extend(rows.of_another(k, other, &velocity));
+        }
+        Self {
+            variables,
+            direction: velocity.iter().map(|v| 1.0_f64.copysign(*v)).collect(),
+        }
+    }
+
+    /// Some of the variables, by number.
+    pub fn of_some(&self, variables: &[usize]) -> Self {
+        let some = variables.iter().map(|&v| self.variables[v].clone());
+        Self {
+            variables: some.collect(),
+            direction: self.direction.clone(),
+        }
+    }
+}
+
+/// The rows that count.
+struct Rows<'a> {
+    model: &'a Model,
+    loads: &'a [Vec<f64>],
+    recordings: &'a [&'a Prepared],
+}
+
+impl Rows<'_> {
+    fn series(&self, pick: &dyn Fn(&Prepared) -> Vec<f64>) -> Vec<f64> {
+        let of = |r: &&Prepared| {
+            let all = pick(r);
+            let counting = r.counting();
+            counting.map(|row| all[row]).collect::<Vec<f64>>()
+        };
+        self.recordings.iter().flat_map(of).collect()
+    }
+
+    fn position(&self, joint: usize) -> Vec<f64> {
+        self.series(&|r| r.segment().motors.q[joint].to_vec())
+    }
+
+    fn speed(&self, joint: usize) -> Vec<f64> {
+        self.series(&|r| r.segment().motors.dq[joint].to_vec())
+    }
+
+    /// What the model predicts for a joint.
+    fn load(&self, joint: usize, name: &str) -> Option<Covariate> {
+        let mut channels = self.model.channels().iter().zip(self.loads);
+        let own = channels.find(|(channel, _)| channel.joint == Some(joint) && channel.active)?;
+        Some(named(name, own.0.unit, own.1.clone()))
+    }
+
+    fn of_joint(&self, joint: usize) -> Vec<Covariate> {
+        let unit = units(&self.model.joints()[joint]);
+        let acceleration = self.series(&|r| r.segment().motors.ddq[joint].to_vec());
+        let reversal = self.series(&|r| since_reversal(r, joint));
+        let load = self.load(joint, "load");
+        vec![
+            named("speed", unit[1], self.speed(joint)),
+            named("position", unit[0], self.position(joint)).by_direction(),
+            load.unwrap_or_else(|| named("load", "", Vec::new()))
+                .by_direction(),
+            named("acceleration", unit[2], acceleration),
+            named("time", "s", self.series(&times)),
+            named("reversal", unit[0], reversal).by_direction(),
+        ]
+    }
+
+    fn of_another(&self, k: usize, other: &JointModel, velocity: &[f64]) -> Vec<Covariate> {
+        let unit = units(other);
+        let name = |of: &str| format!("{of} {}", other.name);
+        let speed = self.speed(k);
+        let product = speed.iter().zip(velocity).map(|(a, b)| a * b).collect();
+        let motion = [
+            named(&name("speed of"), unit[1], speed),
+            named(&name("position of"), unit[0], self.position(k)).by_direction(),
+            named(&name("speed times that of"), "1/s²", product),
+        ];
+        let load = self.load(k, &name("load of"));
+        let all = motion.into_iter().chain(load);
+        all.map(|variable| Covariate {
+            of_another: true,
+            ..variable
+        })
+        .collect()
+    }
+}
+
+fn named(name: &str, unit: &'static str, values: Vec<f64>) -> Covariate {
+    Covariate {
+        name: name.to_string(),
+        unit,
+        values,
+        by_direction: false,
+        of_another: false,
+    }
+}
+
+impl Covariate {
+    fn by_direction(self) -> Self {
+        Self {
+            by_direction: true,
+            ..self
+        }
+    }
+}
+
+/// Units of position, speed and acceleration.
+fn units(joint: &JointModel) -> [&'static str; 3] {
+    match joint.kind {
+        JointKind::Revolute => ["rad", "rad/s", "rad/s²"],
+        JointKind::Prismatic => ["m", "m/s", "m/s²"],
+    }
+}
+
+/// The other joints that move.
+fn others(model: &Model, joint: usize) -> impl Iterator<Item = (usize, &JointModel)> {
+    let joints = model.joints().iter().enumerate();
+    joints.filter(move |(k, other)| *k != joint && !other.locked)
+}
+
+fn times(recording: &Prepared) -> Vec<f64> {
+    (0..recording.rows()).map(|k| recording.time(k)).collect()
+}
+
+/// Whether a speed changes sign between the row before and this one.
+pub fn turns(speed: &[f64], row: usize) -> bool {
+    row > 0 && (speed[row] < 0.0) != (speed[row - 1] < 0.0)
+}
+
+/// Way of a joint since its speed changed sign last, at every row; from the first row on until it does.
+fn since_reversal(recording: &Prepared, joint: usize) -> Vec<f64> {
+    let motors = recording.segment().motors;
+    let (q, v) = (&motors.q[joint], &motors.dq[joint]);
+    let mut turned = q.first().copied().unwrap_or(0.0);
+    let mut out = Vec::with_capacity(q.len());
+    for k in 0..q.len() {
+        if turns(v, k) {
+            turned = q[k];
+        }
+        out.push((q[k] - turned).abs());
+    }
+    out
+}

@@ -1,0 +1,90 @@
+//! Whether a finding matters: how much of what a model leaves on held-out rows it takes away.
+
+use crate::chain::dataset::Prepared;
+use crate::chain::effect::Law;
+use crate::diagnose::fit::context::Context;
+use crate::diagnose::fit::hypothesis::Hypothesis;
+use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
+use crate::diagnose::residuals::clear_band;
+use crate::diagnose::residuals::reversal_mask;
+use crate::recording::split::Split;
+use crate::stats::deviation::rms;
+
+/// An effect matters where it lowers the held-out RMS error of a joint by this share.
+pub const MATTERS: f64 = 0.01;
+
+/// Half of the share of the squares of a joint whose loss lowers its RMS error by what matters.
+pub const HALF_OF_WHAT_MATTERS: f64 = 0.5 * (1.0 - (1.0 - MATTERS) * (1.0 - MATTERS));
+
+/// An effect that takes less than this share of the RMS signal of every joint is negligible.
+pub const OF_TORQUE: f64 = 0.002;
+
+/// An effect that takes less than this many times the RMS noise of a row is negligible: what the errors of
+/// differentiation leave at reversals reaches a quarter of the variance of the noise, to which bandwidths are chosen.
+pub const OF_NOISE: f64 = 0.5;
+
+/// A delay of less than this share of the interval between samples is none: stamps of samples are not better.
+const OF_INTERVAL: f64 = 0.05;
+
+/// Largest share by which the held-out RMS error of a joint falls where the effect is worth the name: what it
+/// takes away has to be [`OF_TORQUE`] of the signal itself and [`OF_NOISE`] of the noise. Where it filters the motion
+/// only what it takes from frequencies at which that stands clear of its noise counts, and where it shifts the motion
+/// in time only what it takes while the joint is under way.
+pub fn error_reduction(context: &Context<'_>, hypothesis: &Hypothesis, pair: FitPair<'_>) -> f64 {
+    let FitPair {
+        poorer: before,
+        richer: after,
+    } = pair;
+    let held_out = context.recordings(Split::Validation);
+    let filters = matches!(hypothesis.effect.law, Law::Spring);
+    let band = filters.then(|| clear_band::band(context, hypothesis));
+    let shifts = matches!(hypothesis.effect.law, Law::Delay);
+    if shifts && longest_delay(after, hypothesis) < OF_INTERVAL * shortest_interval(&held_out) {
+        return 0.0;
+    }
+    let of = |c: usize| {
+        let joint = after.model.channels()[c].joint.filter(|_| shifts);
+        let under_way = joint.map(|joint| reversal_mask::rows(context, after, joint));
+        let left = |residual: &[f64]| match (band, &under_way) {
+            (Some(band), _) => clear_band::rms(residual, band),
+            (_, Some(rows)) => rms(&reversal_mask::kept(residual, rows)),
+            _ => rms(residual),
+        };
+        let (old, new) = (left(&before.validation[c]), left(&after.validation[c]));
+        let taken = (old * old - new * new).max(0.0).sqrt();
+        let signals = held_out.iter().flat_map(|r| r.signal(c)).copied();
+        let signal = rms(&signals.collect::<Vec<f64>>());
+        // Where nothing tells the noise, it is at most what is left.
+        let noise = context.noise.as_ref().map_or(new, |noise| noise[c]);
+        (taken >= (OF_TORQUE * signal).max(OF_NOISE * noise)).then_some(1.0 - new / old)
+    };
+    let named = hypothesis.named_joints();
+    let own = |joint: Option<usize>| joint.is_none_or(|joint| named.contains(&joint));
+    let channels = (0..before.validation.len()).filter(|&c| {
+        !before.validation[c].is_empty() && (!shifts || own(after.model.channels()[c].joint))
+    });
+    channels.filter_map(of).fold(0.0, f64::max)
+}
+
+/// Share by which a model's held-out RMS error exceeds another's, the largest over the joints.
+pub fn error_excess(pair: FitPair<'_>, joints: &[usize]) -> f64 {
+    let held_out = pair.held_out();
+    let of = |&j: &usize| match (held_out.poorer.get(j), held_out.richer.get(j)) {
+        (Some(poorer), Some(richer)) if !richer.is_empty() => rms(poorer) / rms(richer) - 1.0,
+        _ => 0.0,
+    };
+    joints.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// s, of the joints of a hypothesis.
+fn longest_delay(fit: &ModelFit, hypothesis: &Hypothesis) -> f64 {
+    let joints = hypothesis.joints.iter();
+    let delays = joints.filter_map(|&j| fit.model.joints()[j].delay);
+    delays.map(|k| fit.values[k].abs()).fold(0.0, f64::max)
+}
+
+/// s between samples of recordings.
+fn shortest_interval(recordings: &[&Prepared]) -> f64 {
+    let rates = recordings.iter().map(|r| r.experiment.rate_hz);
+    rates.map(f64::recip).fold(f64::INFINITY, f64::min)
+}

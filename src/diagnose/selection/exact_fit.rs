@@ -1,0 +1,168 @@
+//! Exact fits: a candidate beside what a model has, all parameters searched from every start that may lead to the best
+//! optimum, and a model without one of its hypotheses.
+
+use crate::chain::effect::{Law, Linearity};
+use crate::chain::parameter::Role;
+use crate::diagnose::error::DiagnoseError;
+use crate::diagnose::fit::candidate::Candidate;
+use crate::diagnose::fit::context::Context;
+use crate::diagnose::fit::fitting::{fit_model, fit_model_holding};
+use crate::diagnose::fit::hypothesis::Hypothesis;
+use crate::diagnose::fit::model_fit::ModelFit;
+use crate::diagnose::fit::start::{Start, WarmStart};
+use crate::diagnose::residuals::effect_size::HALF_OF_WHAT_MATTERS;
+use crate::diagnose::selection::speed_range;
+use crate::diagnose::selection::time_window;
+use crate::stats::deviation::rms;
+use std::cmp::Ordering;
+
+/// A search that reaches less than this share of what one step of all parameters promised is made from other starts too.
+const PROMISED: f64 = 0.5;
+
+/// A parameter that is nearer to a limit than this share of it is at the limit.
+const AT_LIMIT: f64 = 1e-3;
+
+/// Weighted sum of squares of one joint whose loss lowers its RMS error by half of what matters: what
+/// promises less on the fitted rows does not matter on others.
+pub fn least_gain(fit: &ModelFit) -> f64 {
+    let rows = fit.train.iter().map(Vec::len).max().unwrap_or(0) as f64;
+    HALF_OF_WHAT_MATTERS * rows
+}
+
+/// A model without its k-th hypothesis, fitted again.
+pub fn fit_without(
+    context: &Context<'_>,
+    full: &ModelFit,
+    k: usize,
+) -> Result<ModelFit, DiagnoseError> {
+    let mut hypotheses = full.hypotheses.clone();
+    hypotheses.remove(k);
+    let make = || fit_model(context, &hypotheses, &full.warm_start());
+    context
+        .cache
+        .fit_from(&hypotheses, &full.hypotheses, least_gain(full), make)
+}
+
+/// A candidate to be fitted beside what a model has.
+pub struct ExactFit<'a> {
+    pub context: &'a Context<'a>,
+    pub before: &'a ModelFit,
+    pub candidate: &'a Candidate,
+}
+
+impl ExactFit<'_> {
+    /// The model with the candidate at the best optimum that its starts lead to.
+    pub fn run(&self) -> Result<ModelFit, DiagnoseError> {
+        let mut hypotheses = self.before.hypotheses.clone();
+        hypotheses.push(self.candidate.hypothesis.clone());
+        let search = || self.search(&hypotheses);
+        self.context.cache.fit_model(&hypotheses, search)
+    }
+
+    fn search(&self, hypotheses: &[Hypothesis]) -> Result<ModelFit, DiagnoseError> {
+        let (before, candidate) = (self.before, self.candidate);
+        let from = |start: &WarmStart| fit_model(self.context, hypotheses, start);
+        let fitted = before.warm_start();
+        let start = fitted.with(&candidate.start);
+        let mut best = from(&start)?;
+        let falls_short = self.taken_by(&best) < PROMISED * candidate.gain;
+        let wanting = falls_short || !self.is_possible(&best);
+        let others = candidate.others.iter().filter(|_| wanting);
+        let others: Vec<WarmStart> = others.map(|own| fitted.with(own)).collect();
+        let all = std::iter::once(&start).chain(&others);
+        let bent = all.filter_map(|start| self.without_shapes(start));
+        for other in others.iter().cloned().chain(bent) {
+            best = self.better(best, from(&other)?);
+        }
+        for own in &candidate.anew {
+            if is_at_a_limit(&best, own) {
+                let again = WarmStart {
+                    values: best.start(),
+                    ..start.clone()
+                };
+                best = self.better(best, from(&again.with(own))?);
+            }
+        }
+        // A richer model that fits worse was not searched well: everything else first, at the candidate's own values.
+        if best.fitted_score() > before.fitted_score() {
+            let settled = fit_model_holding(self.context, hypotheses, &start, &candidate.start)?;
+            let again = WarmStart {
+                values: settled.start(),
+                ..start
+            };
+            best = self.better(best, from(&again)?);
+        }
+        Ok(best)
+    }
+
+    /// Sum of squares that a fit takes from the fitted rows, in units of what the model before leaves in a row.
+    fn taken_by(&self, after: &ModelFit) -> f64 {
+        let of = |(old, new): (&Vec<f64>, &Vec<f64>)| match rms(old) {
+            left if left > 0.0 => old.len() as f64 * (1.0 - (rms(new) / left).powi(2)),
+            _ => 0.0,
+        };
+        self.before.train.iter().zip(&after.train).map(of).sum()
+    }
+
+    /// Whether the parameters of the hypothesis came out where its physics has them: friction that drives is no friction,
+    /// whatever it explains, a law of speed changes within the speeds of its joint, and what begins and ends does.
+    pub fn is_possible(&self, fit: &ModelFit) -> bool {
+        let (model, hypothesis) = (&fit.model, &self.candidate.hypothesis);
+        let mut own = self.candidate.start.iter();
+        let within_limits = own.all(|(name, _)| {
+            model.find(name).is_ok_and(|index| {
+                let parameter = &model.parameters()[index];
+                (parameter.lower..=parameter.upper).contains(&fit.values[index])
+            })
+        });
+        within_limits
+            && speed_range::are_reached(self.context, fit, hypothesis)
+            && time_window::is_shorter(self.context, fit, hypothesis)
+    }
+
+    /// The one that fits better, or that alone is possible.
+    fn better(&self, a: ModelFit, b: ModelFit) -> ModelFit {
+        let impossible = |fit: &ModelFit| !self.is_possible(fit);
+        let by_score = || b.fitted_score().total_cmp(&a.fitted_score());
+        match impossible(&b).cmp(&impossible(&a)).then_with(by_score) {
+            Ordering::Less => b,
+            _ => a,
+        }
+    }
+
+    /// The start with the nonlinear parameters of a law at the motor left where the model has them to begin with: those
+    /// of the poorer model may have bent to take the place of what it lacks. `None` where there are none.
+    fn without_shapes(&self, start: &WarmStart) -> Option<WarmStart> {
+        let hypothesis = &self.candidate.hypothesis;
+        let [joint] = hypothesis.joints[..] else {
+            return None;
+        };
+        if !matches!(hypothesis.effect.law, Law::Motor(_)) {
+            return None;
+        }
+        let model = &self.before.model;
+        let bent = |name: &String| {
+            model.find(name).is_ok_and(|index| {
+                let parameter = &model.parameters()[index];
+                let own = matches!(parameter.role, Role::Effect { joint: j, .. } if j == joint);
+                own && parameter.is_free() && parameter.linearity == Linearity::Nonlinear
+            })
+        };
+        let mut kept = start.clone();
+        kept.values.retain(|(name, _)| !bent(name));
+        (kept.values.len() < start.values.len()).then_some(kept)
+    }
+}
+
+/// Whether one of some parameters ended at a limit of what it may be.
+fn is_at_a_limit(fit: &ModelFit, own: &Start) -> bool {
+    own.iter().any(|(name, _)| {
+        fit.model.find(name).is_ok_and(|index| {
+            let parameter = &fit.model.parameters()[index];
+            let near = |limit: f64| {
+                limit.is_finite() && (fit.values[index] - limit).abs() <= AT_LIMIT * limit.abs()
+            };
+            near(parameter.lower) || near(parameter.upper)
+        })
+    })
+}

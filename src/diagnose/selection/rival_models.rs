@@ -1,0 +1,217 @@
+//! Rival models: other hypotheses that explain the same misfit, and whether the held-out recordings tell them apart.
+
+use crate::diagnose::error::DiagnoseError;
+use crate::diagnose::fit::context::Context;
+use crate::diagnose::fit::contexts::Contexts;
+use crate::diagnose::fit::fitting::fit_model;
+use crate::diagnose::fit::hypothesis::{Hypothesis, channels_of};
+use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
+use crate::diagnose::fit::start::Start;
+use crate::diagnose::residuals::effect_size::{MATTERS, error_excess};
+use crate::diagnose::residuals::noise_level::NoiseLevel;
+use crate::diagnose::selection::exact_fit::fit_without;
+use crate::diagnose::selection::forecast::forecast;
+use crate::diagnose::selection::hypothesis_test::{CONFIDENCE, HypothesisTest, fits_better};
+use crate::diagnose::selection::stepwise::Stepwise;
+use crate::stats::distribution::Distribution;
+use crate::stats::encompassing::ResidualPair;
+
+/// A rival is told apart only if it leaves at least half as much again as the finding does, above the noise.
+const IN_DOUBT: f64 = 0.5;
+
+/// A hypothesis in the place of a finding.
+#[derive(Debug, Clone)]
+pub struct Alternative {
+    pub test: HypothesisTest,
+    pub separation: Separation,
+    /// The alternative forecasts what the finding leaves, and where it has more parameters that matters and it fits
+    /// better too.
+    pub better: bool,
+}
+
+/// How far recordings tell a rival from a finding.
+#[derive(Debug, Clone, Copy)]
+pub struct Separation {
+    /// The finding forecasts what the rival leaves, or the rival's error is larger by what matters, and the difference
+    /// is not small beside what neither explains.
+    pub separable: bool,
+    /// Recordings of fewer than so many times the length tell the two apart in one case of twenty at most, by
+    /// chance: the ratio of the test grows with the root of the length. `None` where the two are the same torque.
+    pub times_longer: Option<f64>,
+}
+
+/// A finding with the model that lacks it and what could stand in its place.
+#[derive(Debug, Clone)]
+pub struct RivalComparison {
+    pub without: ModelFit,
+    pub alternatives: Vec<Alternative>,
+}
+
+impl RivalComparison {
+    /// The same as the rows show it that test the finding; whether a rival can be set aside, as all rows do. `full` is the
+    /// model with the finding over all rows.
+    pub fn on(
+        &self,
+        contexts: &Contexts<'_>,
+        noise_level: &NoiseLevel,
+        full: &ModelFit,
+        finding: &Hypothesis,
+    ) -> Self {
+        let (rows, joints) = (contexts.testing(finding), finding.named_joints());
+        let seen = |alternative: &Alternative| {
+            let (test, whole) = (&alternative.test, &contexts.whole);
+            let pair = FitPair {
+                poorer: &test.fit.on(whole),
+                richer: full,
+            };
+            Alternative {
+                separation: separation(whole, noise_level, pair, &joints),
+                better: alternative.better,
+                test: HypothesisTest {
+                    fit: test.fit.on(rows),
+                    ..test.clone()
+                },
+            }
+        };
+        Self {
+            without: self.without.on(rows),
+            alternatives: self.alternatives.iter().map(seen).collect(),
+        }
+    }
+}
+
+/// A finding in whose place there could stand what the recordings cannot set aside.
+#[derive(Debug, Clone)]
+pub struct Ambiguity {
+    /// Number of the finding.
+    pub finding: usize,
+    pub found: StatedModel,
+    pub rivals: Vec<StatedModel>,
+}
+
+/// A fitted model without what it was fitted to.
+#[derive(Debug, Clone)]
+pub struct StatedModel {
+    pub hypotheses: Vec<Hypothesis>,
+    pub start: Start,
+}
+
+impl StatedModel {
+    fn of(fit: &ModelFit) -> Self {
+        Self {
+            hypotheses: fit.hypotheses.clone(),
+            start: fit.start(),
+        }
+    }
+}
+
+/// The findings of a model that have rivals which cannot be set aside.
+pub fn ambiguities(full: &ModelFit, comparisons: &[RivalComparison]) -> Vec<Ambiguity> {
+    let of = |(finding, comparison): (usize, &RivalComparison)| {
+        let open = comparison
+            .alternatives
+            .iter()
+            .filter(|a| !a.separation.separable);
+        let rivals: Vec<StatedModel> = open.map(|a| StatedModel::of(&a.test.fit)).collect();
+        (!rivals.is_empty()).then(|| Ambiguity {
+            finding,
+            found: StatedModel::of(full),
+            rivals,
+        })
+    };
+    comparisons.iter().enumerate().filter_map(of).collect()
+}
+
+impl Stepwise<'_> {
+    /// Tries the foremost hypotheses in the place of the k-th of a model.
+    pub fn rivals(
+        &self,
+        full: &ModelFit,
+        k: usize,
+        noise_level: &NoiseLevel,
+    ) -> Result<RivalComparison, DiagnoseError> {
+        let without = fit_without(self.context, full, k)?;
+        let own = &full.hypotheses[k];
+        let mut open = self.rules.open(self.context, &without);
+        open.retain(|h| h != own && !h.overlaps(own));
+        let tests = self.tests(&without, &open, &[])?;
+        let alternative = |test: HypothesisTest| {
+            let to_finding = FitPair {
+                poorer: full,
+                richer: &test.fit,
+            };
+            let from_finding = FitPair {
+                poorer: &test.fit,
+                richer: full,
+            };
+            let forecasts = forecast(self.context, to_finding);
+            let its_joints = test.hypothesis.named_joints();
+            let is_no_richer = test.fit.freedom() <= full.freedom();
+            let joints = own.named_joints();
+            Alternative {
+                separation: separation(self.context, noise_level, from_finding, &joints),
+                better: forecasts.p_value * (open.len() as f64) < self.rules.significance
+                    && test.fit.held_out_score() < full.held_out_score()
+                    && (is_no_richer
+                        || error_excess(to_finding, &its_joints) > MATTERS
+                            && fits_better(to_finding)),
+                test,
+            }
+        };
+        Ok(RivalComparison {
+            alternatives: tests.into_iter().map(alternative).collect(),
+            without,
+        })
+    }
+
+    /// The model with the best alternative in the place of the k-th hypothesis, if one is better.
+    pub fn exchanged(
+        &self,
+        comparison: &RivalComparison,
+        k: usize,
+    ) -> Result<Option<ModelFit>, DiagnoseError> {
+        let better = comparison.alternatives.iter().filter(|a| a.better);
+        let score = |a: &&Alternative| a.test.fit.held_out_score();
+        let Some(best) = better.min_by(|a, b| score(a).total_cmp(&score(b))) else {
+            return Ok(None);
+        };
+        let found = &best.test.fit;
+        let mut hypotheses = found.hypotheses.clone();
+        if let Some(last) = hypotheses.pop() {
+            hypotheses.insert(k.min(hypotheses.len()), last);
+        }
+        fit_model(self.context, &hypotheses, &found.warm_start()).map(Some)
+    }
+}
+
+/// How far held-out rows tell a rival, which stands as the poorer model, from one whose finding acts on some joints.
+pub fn separation(
+    context: &Context<'_>,
+    noise_level: &NoiseLevel,
+    pair: FitPair<'_>,
+    joints: &[usize],
+) -> Separation {
+    let held_out = pair.held_out();
+    let forecast = held_out.encompassing(None, context.residual_rows());
+    let differs = forecast.p_value < 1.0 - CONFIDENCE || error_excess(pair, joints) > MATTERS;
+    let missed = Distribution::Normal.quantile(CONFIDENCE) - Distribution::Normal.quantile(0.95);
+    let times = (missed / forecast.distance).powi(2);
+    let channels = channels_of(&pair.richer.model, joints);
+    // Taken as it is where the noise is not measured.
+    let is_clear = !noise_level.measured || leaves_more(noise_level, held_out, &channels);
+    Separation {
+        separable: differs && is_clear,
+        times_longer: times.is_finite().then_some(times),
+    }
+}
+
+/// Whether a poorer model leaves more above the noise than a richer one in one of some channels, by half of that at least:
+/// what neither explains tilts the comparison of the two as much as their physics.
+pub fn leaves_more(noise_level: &NoiseLevel, pair: ResidualPair<'_>, channels: &[usize]) -> bool {
+    let of = |c: &usize| {
+        let lack = |residuals: &[Vec<f64>]| noise_level.lack_of_fit(residuals, &[*c]);
+        let least = lack(pair.richer);
+        lack(pair.poorer) - least > IN_DOUBT * (least - 1.0).max(0.0)
+    };
+    channels.iter().any(of)
+}

@@ -1,0 +1,259 @@
+//! Stepwise selection: the model grows by one hypothesis at a time, then each is dropped on trial.
+
+use crate::diagnose::candidates::score_test::screen;
+use crate::diagnose::candidates::screening_reuse::Reusable;
+use crate::diagnose::error::DiagnoseError;
+use crate::diagnose::fit::candidate::Candidate;
+use crate::diagnose::fit::context::Context;
+use crate::diagnose::fit::hypothesis::{self, Hypothesis};
+use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
+use crate::diagnose::residuals::effect_size::{self, MATTERS, error_excess};
+use crate::diagnose::selection::exact_fit::{ExactFit, fit_without, least_gain};
+use crate::diagnose::selection::forecast::forecast;
+use crate::diagnose::selection::hypothesis_test::{CONFIDENCE, HypothesisTest, fits_better};
+use crate::diagnose::selection::speed_range;
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// What a search looks for and how sure it has to be.
+#[derive(Debug, Clone, Copy)]
+pub struct Rules<'a> {
+    /// Effects to look for; all if `None`.
+    pub sought: Option<&'a [String]>,
+    /// Probability of a false finding after correction.
+    pub significance: f64,
+}
+
+impl Rules<'_> {
+    /// The same for hypotheses that rows which no choice has seen are yet to test.
+    pub fn of_choice(self) -> Self {
+        Self {
+            significance: self.significance.max(CHOICE),
+            ..self
+        }
+    }
+
+    /// Every hypothesis that a model leaves open.
+    pub fn open(&self, context: &Context<'_>, fit: &ModelFit) -> Vec<Hypothesis> {
+        hypothesis::open(&fit.model, &fit.prior, self.sought, context.in_time)
+    }
+}
+
+/// A model grown and what was tried on the way.
+#[derive(Debug, Clone)]
+pub struct Selection {
+    pub fit: ModelFit,
+    /// Tests of every step; the accepted one first, in all but the last.
+    pub steps: Vec<SelectionStep>,
+    /// Number of hypotheses of the first step.
+    pub examined: usize,
+}
+
+/// What was tried beside a model.
+#[derive(Debug, Clone)]
+pub struct SelectionStep {
+    pub tests: Vec<HypothesisTest>,
+    /// Held-out score of the model as it was.
+    pub score: f64,
+    pub accepted: bool,
+    /// Nothing interrupted it.
+    pub is_complete: bool,
+}
+
+/// Hypotheses fitted exactly in one step.
+const FITTED: usize = 8;
+
+/// Hypotheses of one effect among them, where others promise something too.
+const OF_ONE_EFFECT: usize = 2;
+
+/// Effects that a model can be given; more at once were never told apart.
+const MOST_FINDINGS: usize = 8;
+
+/// Times that a search begins a step again because the richer model led to a better fit of the poorer.
+const SEARCHES_AGAIN: usize = 3;
+
+/// Significance at which a search accepts a hypothesis, corrected for the number of those that are open, where other rows
+/// test it afterwards: half of the rows and one test then find what all rows and hundreds of tests would.
+const CHOICE: f64 = 0.05;
+
+/// Stepwise selection over the rows of a context.
+pub struct Stepwise<'a> {
+    pub context: &'a Context<'a>,
+    pub rules: Rules<'a>,
+    /// Hears of every step the number of those before it.
+    pub progress: &'a (dyn Fn(usize) + Sync),
+}
+
+impl Stepwise<'_> {
+    /// Grows a model until no hypothesis is significant and matters.
+    pub fn forward(&self, declared: ModelFit) -> Result<Selection, DiagnoseError> {
+        let context = self.context;
+        let mut selection = Selection {
+            fit: declared,
+            steps: Vec::new(),
+            examined: 0,
+        };
+        let mut searched_again = 0;
+        while selection.steps.len() < MOST_FINDINGS && !context.control.is_interrupted() {
+            (self.progress)(selection.steps.len());
+            // A law that later ones have left with a bend alone is theirs.
+            let bent = |h: &Hypothesis| !speed_range::are_reached(context, &selection.fit, h);
+            if let Some(k) = selection.fit.hypotheses.iter().position(bent) {
+                selection.fit = fit_without(context, &selection.fit, k)?;
+            }
+            let open = self.rules.open(context, &selection.fit);
+            if selection.steps.is_empty() {
+                selection.examined = open.len();
+            }
+            let earlier = selection.steps.last().map_or(&[][..], |step| &step.tests);
+            let mut tests = self.tests(&selection.fit, &open, earlier)?;
+            let best = self.choose(&tests);
+            if let Some(best) = best {
+                let richer = &tests[best].fit;
+                let poorer = fit_without(context, richer, richer.hypotheses.len() - 1)?;
+                let gained = selection.fit.fitted_score() - poorer.fitted_score();
+                if gained > least_gain(&selection.fit) && searched_again < SEARCHES_AGAIN {
+                    selection.fit = poorer;
+                    searched_again += 1;
+                    continue;
+                }
+            }
+            let score = selection.fit.held_out_score();
+            if let Some(best) = best {
+                tests.swap(0, best);
+                selection.fit = tests[0].fit.clone();
+            }
+            selection.steps.push(SelectionStep {
+                tests,
+                score,
+                accepted: best.is_some(),
+                is_complete: !context.control.is_interrupted(),
+            });
+            if best.is_none() {
+                break;
+            }
+        }
+        Ok(selection)
+    }
+
+    /// Fits the foremost candidates among some open hypotheses exactly beside what a model has; those that did not
+    /// matter beside a poorer one do not where the residuals of their joints have stayed, and are not fitted again.
+    pub fn tests(
+        &self,
+        fit: &ModelFit,
+        open: &[Hypothesis],
+        earlier: &[HypothesisTest],
+    ) -> Result<Vec<HypothesisTest>, DiagnoseError> {
+        let context = self.context;
+        let least = least_gain(fit);
+        let find = || screen(context, fit, self.rules.open(context, fit));
+        let mut candidates = context.cache.screening(&fit.hypotheses, find)?.candidates;
+        candidates.retain(|one| one.gain >= least && open.contains(&one.hypothesis));
+        let candidates = foremost(candidates);
+        let reusable = Reusable::of(context, fit);
+        let is_refuted = |test: &HypothesisTest| {
+            let (others, stated) = (test.fit.hypotheses.split_last(), &fit.hypotheses);
+            let is_poorer =
+                others.is_some_and(|(_, others)| others.iter().all(|h| stated.contains(h)));
+            is_poorer && test.error_reduction < MATTERS && reusable.stands(&test.hypothesis)
+        };
+        let refuted: Vec<&HypothesisTest> = earlier.iter().filter(|t| is_refuted(t)).collect();
+        let tried = candidates.par_iter().filter_map(|candidate| {
+            let known = refuted
+                .iter()
+                .find(|t| t.hypothesis == candidate.hypothesis);
+            if let Some(&known) = known {
+                return Some(known.clone());
+            }
+            let exact = ExactFit {
+                context,
+                before: fit,
+                candidate,
+            };
+            // A hypothesis that cannot be fitted is no hypothesis.
+            let richer = exact.run().ok()?;
+            exact.is_possible(&richer).then(|| {
+                let hypothesis = candidate.hypothesis.clone();
+                HypothesisTest::of(context, fit, richer, hypothesis).corrected_for(open.len())
+            })
+        });
+        Ok(tried.collect())
+    }
+
+    /// The test to accept: of those that are significant and matter the one with the least held-out error, or
+    /// one with fewer parameters that is not significantly worse, or not by what matters, or fits as well.
+    fn choose(&self, tests: &[HypothesisTest]) -> Option<usize> {
+        let accepted: Vec<usize> = (0..tests.len())
+            .filter(|&k| tests[k].is_needed(self.rules.significance))
+            .collect();
+        let score = |k: usize| tests[k].fit.held_out_score();
+        let best = *accepted
+            .iter()
+            .min_by(|&&a, &&b| score(a).total_cmp(&score(b)))?;
+        let as_good = accepted.iter().copied().filter(|&k| {
+            k == best || {
+                let pair = FitPair {
+                    poorer: &tests[k].fit,
+                    richer: &tests[best].fit,
+                };
+                let against = forecast(self.context, pair);
+                let richest = &tests[best].hypothesis;
+                let is_poorer = pair.poorer.freedom() < pair.richer.freedom();
+                let reduction = || effect_size::error_reduction(self.context, richest, pair);
+                against.p_value > 1.0 - CONFIDENCE
+                    || is_poorer && error_excess(pair, &richest.named_joints()) <= MATTERS
+                    || is_poorer && !fits_better(pair)
+                    || tests[k].hypothesis.is_part_of(richest) && reduction() < MATTERS
+            }
+        });
+        as_good.min_by(|&a, &b| {
+            let size = |k: usize| (tests[k].fit.freedom(), tests[k].hypothesis.joints.len());
+            size(a).cmp(&size(b)).then(score(a).total_cmp(&score(b)))
+        })
+    }
+
+    /// Drops hypotheses that the others make superfluous, the weakest first; p-values are corrected for `tests`.
+    pub fn prune(&self, mut fit: ModelFit, tests: usize) -> Result<ModelFit, DiagnoseError> {
+        loop {
+            let dropped: Vec<HypothesisTest> = (0..fit.hypotheses.len())
+                .into_par_iter()
+                .map(|k| Ok(self.without(&fit, k)?.corrected_for(tests)))
+                .collect::<Result<_, DiagnoseError>>()?;
+            let needed = |t: &HypothesisTest| t.is_needed(self.rules.significance);
+            let ratio = |k: usize| dropped[k].evidence.ratio;
+            let weakest = (0..dropped.len())
+                .filter(|&k| !needed(&dropped[k]))
+                .min_by(|&a, &b| ratio(a).total_cmp(&ratio(b)));
+            match weakest {
+                Some(k) => fit = fit_without(self.context, &fit, k)?,
+                None => return Ok(fit),
+            }
+        }
+    }
+
+    /// The test of the k-th hypothesis of a model: the model against itself without it.
+    fn without(&self, fit: &ModelFit, k: usize) -> Result<HypothesisTest, DiagnoseError> {
+        let poorer = fit_without(self.context, fit, k)?;
+        let hypothesis = fit.hypotheses[k].clone();
+        Ok(HypothesisTest::of(
+            self.context,
+            &poorer,
+            fit.clone(),
+            hypothesis,
+        ))
+    }
+}
+
+/// The candidates that are fitted: the most promising, of every effect two before a third of any.
+fn foremost(candidates: Vec<Candidate>) -> Vec<Candidate> {
+    let mut taken: HashMap<&str, usize> = HashMap::new();
+    let (mut first, later): (Vec<Candidate>, Vec<Candidate>) =
+        candidates.into_iter().partition(|candidate| {
+            let of_effect = taken.entry(candidate.hypothesis.effect.id).or_default();
+            *of_effect += 1;
+            *of_effect <= OF_ONE_EFFECT
+        });
+    first.extend(later);
+    first.truncate(FITTED);
+    first
+}

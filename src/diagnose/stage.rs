@@ -1,0 +1,27 @@
+//! Steps of a diagnosis, as progress shows them.
+
+/// A step of a diagnosis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    Reading,
+    Checking,
+    Fitting,
+    Searching { found: usize },
+    Comparing,
+    Drift,
+}
+
+impl Stage {
+    pub fn words(self) -> String {
+        match self {
+            Self::Reading => "reading and differentiating the recordings".to_string(),
+            Self::Checking => "looking for mistakes in the inputs".to_string(),
+            Self::Fitting => "fitting the declared model".to_string(),
+            Self::Searching { found } => {
+                format!("trying what may be missing ({found} found so far)")
+            }
+            Self::Drift => "looking at what changes from period to period".to_string(),
+            Self::Comparing => "comparing what was found with its rivals".to_string(),
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! Root mean squares of series and of several channels.
+
+/// Root mean square; 0 of none.
+pub fn rms(series: &[f64]) -> f64 {
+    let squares: f64 = series.iter().map(|x| x * x).sum();
+    (squares / series.len().max(1) as f64).sqrt()
+}
+
+/// Root mean square; 1 where there is nothing.
+pub fn deviation(series: &[f64]) -> f64 {
+    match rms(series) {
+        deviation if deviation > 0.0 => deviation,
+        _ => 1.0,
+    }
+}
+
+/// Deviations of the residuals of each channel.
+pub fn deviations(residuals: &[Vec<f64>]) -> Vec<f64> {
+    residuals.iter().map(|e| deviation(e)).collect()
+}
