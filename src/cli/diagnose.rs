@@ -7,13 +7,10 @@ use crate::cli::progress::Progress;
 use crate::cli::{interrupt, output, predictions};
 use crate::diagnose::task;
 use crate::outcome::predictions::Quantity;
-use crate::outcome::{Outcome, Part};
+use crate::outcome::{NEXT_FILE, Outcome, Part};
 use crate::problem::solution::Control;
 use std::io::Write;
 use std::time::Instant;
-
-/// Name of the problem file for the recording that would tell rivals apart.
-const NEXT_FILE: &str = "next_experiment.toml";
 
 pub fn run(run: &Run) -> Result<u8, CliError> {
     let started = Instant::now();

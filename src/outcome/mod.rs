@@ -47,6 +47,9 @@ pub const PREDICTIONS_FILE: &str = "predictions.csv";
 /// Name of the rendered report in the results folder.
 pub const REPORT_FILE: &str = "report.html";
 
+/// Name of the problem file for the recording that would tell rivals apart.
+pub const NEXT_FILE: &str = "next_experiment.toml";
+
 /// The result of one run: the common head and the part of the verb.
 ///
 /// In JSON all parts lie flat beside each other: `name`, `verb`, the keys of [`Run`], of

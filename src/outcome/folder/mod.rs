@@ -1,10 +1,12 @@
 //! The results folder: written beside its place, then put there in one step.
 //!
 //! Everything goes into a partial folder next to the target, reaches the disk, and is exchanged
-//! with the target in one rename, so that an earlier result is replaced whole or not at all. What
+//! with the target in one rename, so that an earlier result is replaced whole or not at all; what
+//! users have added to it stays. What
 //! a killed run leaves behind is removed by the next run to the same target: a partial folder is
 //! locked by its run, and the lock goes with the process.
 
+mod keep;
 mod leftovers;
 mod swap;
 mod target;
@@ -80,13 +82,14 @@ impl ResultFolder {
         })
     }
 
-    /// Puts the folder in its place in one step and removes the result that was there.
+    /// Puts the folder in its place in one step and removes the result that was there, but for what users have added.
     ///
     /// # Errors
     /// As [`prepare`](Self::prepare); the earlier result then stands as it was.
     pub fn commit(mut self) -> Result<(), OutcomeError> {
         self.target.inspect()?;
-        let replaced = sync_folder(&self.partial)
+        let replaced = keep::carry_over(&self.target.path, &self.partial)
+            .and_then(|()| sync_folder(&self.partial))
             .and_then(|()| swap::put_in_place(&self.partial, &self.target))
             .and_then(|()| sync_folder(&self.target.parent));
         replaced

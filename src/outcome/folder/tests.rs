@@ -59,6 +59,26 @@ fn replaces_an_earlier_result_whole() {
 }
 
 #[test]
+fn what_users_have_added_survives_the_next_runs() {
+    let root = tempfile::tempdir().unwrap();
+    let target = root.path().join("fit");
+    write_result(&target, "first", "next_experiment.toml");
+    fs::write(target.join("notes.txt"), "mine").unwrap();
+    fs::create_dir(target.join("export")).unwrap();
+    fs::write(target.join("export/robot.urdf"), "<robot/>").unwrap();
+    write_result(&target, "second", "predictions.csv");
+    write_result(&target, "third", "notes.txt");
+    let read = |name: &str| fs::read_to_string(target.join(name)).unwrap();
+    assert_eq!(
+        names(&target),
+        ["export", "notes.txt", "notes.txt.kept", "result.json"]
+    );
+    assert_eq!(read("export/robot.urdf"), "<robot/>");
+    assert_eq!(read("notes.txt.kept"), "mine");
+    assert!(read("result.json").contains("\"third\""));
+}
+
+#[test]
 fn replaces_an_empty_folder_and_the_folder_behind_a_link() {
     let root = tempfile::tempdir().unwrap();
     let real = root.path().join("real");
