@@ -394,7 +394,7 @@ const MISTAKES: &[Case] = &[
     case("current of joint 2 with the wrong sign", "signal-sign", |x| x.each(8..9, |i| -i)),
     case("current of joint 6 with the wrong sign", "signal-sign", |x| x.each(12..13, |i| -i)),
     case("all currents with the wrong sign", "signal-sign", |x| x.each(SIGNALS, |i| -i)),
-    case("currents without their sign", "signal-sign", |x| x.each(SIGNALS, f64::abs)),
+    case("currents without their sign", "effort-magnitude", |x| x.each(SIGNALS, f64::abs)),
     case("one current without its sign", "signal-sign", |x| x.each(9..10, f64::abs)),
     case("torque constants negative", "signal-sign", |x| x.problem(TORQUE_CONSTANTS, "[-13.1, -13.0, -12.8, -9.2, -9.1, -9.3]")),
     case("torque constants negative at joint 2", "signal-sign", |x| x.problem(TORQUE_CONSTANTS, "[13.1, -13.0, 12.8, 9.2, 9.1, 9.3]")),

@@ -11,6 +11,7 @@ mod drift;
 mod identifiability;
 mod limits;
 mod locked;
+mod magnitude;
 mod motion;
 mod order;
 mod period;
@@ -50,6 +51,7 @@ const OF_READ: &[fn(&Read<'_>) -> Vec<Finding>] = &[
     units::check,
     velocity::check,
     channels::check,
+    magnitude::check,
     spikes::check,
     period::check,
 ];

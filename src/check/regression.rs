@@ -249,6 +249,7 @@ pub(super) fn with_tree(declared: &Model, tree: Tree) -> Model {
         },
         inertials: Inertials::Estimate,
         torque_constant: None,
+        torque_constant_std: None,
         current_polynomial: None,
         rotor_inertia: None,
         coupling: Some(declared.coupling(&declared.values())),
