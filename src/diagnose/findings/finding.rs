@@ -130,7 +130,7 @@ fn finding(
         p_value: step.test.p_value,
         sentence: format!(
             "{}; {}.",
-            sentences::sentence(hypothesis, &names, &own),
+            sentences::sentence(hypothesis, model, &own),
             sentences::improvement(before, after, unit)
         ),
         parameters: own,
