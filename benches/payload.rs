@@ -74,6 +74,7 @@ fn model(file: &Path, further: &[&str]) -> Option<Model> {
         signal: Signal::Torque,
         inertials: Inertials::Known,
         torque_constant: None,
+        torque_constant_std: None,
         current_polynomial: None,
         rotor_inertia: Some(rotor),
         coupling: to_motors().try_inverse(),

@@ -55,6 +55,10 @@ pub(super) fn joint_model(
         name: joint.name.clone(),
         kind: joint.kind,
         torque_constant: torque_constant(settings, j),
+        torque_constant_std: settings
+            .torque_constant_std
+            .as_ref()
+            .map_or(0.0, |std| std[j]),
         locked: settings.locked[j],
         effects: Vec::new(),
         borrowed: Vec::new(),

@@ -97,6 +97,8 @@ pub struct ModelSettings {
     pub inertials: Inertials,
     /// N·m/A at joint scale; `None` where the signal is a torque.
     pub torque_constant: Option<Vec<f64>>,
+    /// Relative standard deviations of the torque constants.
+    pub torque_constant_std: Option<Vec<f64>>,
     /// c0 to c3 of the torque in powers of the current, instead of the torque constant.
     pub current_polynomial: Option<Vec<[f64; torque_current_nonlinearity::COEFFICIENTS]>>,
     /// Known rotor inertias, kg·m² at joint scale.
@@ -119,6 +121,7 @@ impl ModelSettings {
             signal,
             inertials: Inertials::Estimate,
             torque_constant: None,
+            torque_constant_std: None,
             current_polynomial: None,
             rotor_inertia: None,
             coupling: None,
@@ -136,6 +139,8 @@ pub struct JointModel {
     pub name: String,
     pub kind: JointKind,
     pub torque_constant: f64,
+    /// Relative; 0 where the constant is certain.
+    pub torque_constant_std: f64,
     pub locked: bool,
     /// Effects and the position of their first parameter in the model's list.
     pub effects: Vec<(&'static Effect, usize)>,

@@ -20,6 +20,7 @@ fn settings(tree: Tree, (effects, signal): (&[&'static Effect], Signal)) -> Mode
         signal,
         inertials: Inertials::Estimate,
         torque_constant: (signal == Signal::Current).then(|| vec![11.0; n]),
+        torque_constant_std: None,
         current_polynomial: None,
         rotor_inertia: None,
         coupling: Some(DMatrix::from_fn(n, n, |i, j| {

@@ -40,6 +40,7 @@ fn model(effects: &[&str]) -> Model {
         signal: Signal::Current,
         inertials: Inertials::Estimate,
         torque_constant: Some(vec![11.0, 7.0, 5.0]),
+        torque_constant_std: None,
         current_polynomial: None,
         rotor_inertia: None,
         coupling: Some(coupling),

@@ -34,13 +34,8 @@ const BANDS: f64 = 128.0;
 /// there, such as the shape of a law whose size has gone to zero.
 pub fn of_unknowns(problem: &FitProblem<'_>, x: &DVector<f64>) -> Option<DMatrix<f64>> {
     let count = x.len();
-    let whole = problem.factor(x).matrix();
-    let triangular = whole.view((0, 0), (count, count)).into_owned();
-    let is_open = |j: usize| {
-        let own = triangular[(j, j)].abs();
-        own.is_nan() || own <= DEPENDENT * triangular.column(j).norm()
-    };
-    let (open, kept): (Vec<usize>, Vec<usize>) = (0..count).partition(|&j| is_open(j));
+    let triangular = triangular(problem, x);
+    let (open, kept) = open_and_kept(&triangular);
     let inverse = inverse_over(&triangular, &kept)?;
     let bread = &inverse * inverse.transpose();
     let residuals = problem.counted_residuals(x);
@@ -79,6 +74,31 @@ pub fn of_unknowns(problem: &FitProblem<'_>, x: &DVector<f64>) -> Option<DMatrix
         covariance[(j, j)] = f64::INFINITY;
     }
     Some(covariance)
+}
+
+/// R with `XᵀX + PᵀP = RᵀR` at x.
+fn triangular(problem: &FitProblem<'_>, x: &DVector<f64>) -> DMatrix<f64> {
+    let whole = problem.factor(x).matrix();
+    whole.view((0, 0), (x.len(), x.len())).into_owned()
+}
+
+/// Unknowns that the derivatives do not determine, and the others.
+fn open_and_kept(triangular: &DMatrix<f64>) -> (Vec<usize>, Vec<usize>) {
+    let is_open = |j: usize| {
+        let own = triangular[(j, j)].abs();
+        own.is_nan() || own <= DEPENDENT * triangular.column(j).norm()
+    };
+    (0..triangular.ncols()).partition(|&j| is_open(j))
+}
+
+/// R⁻¹ at x over the unknowns that the derivatives determine there, so that `R⁻¹ R⁻ᵀ` is the inverse of `XᵀX + PᵀP`.
+pub(super) fn inverse_over_determined(
+    problem: &FitProblem<'_>,
+    x: &DVector<f64>,
+) -> Option<DMatrix<f64>> {
+    let triangular = triangular(problem, x);
+    let (_, kept) = open_and_kept(&triangular);
+    inverse_over(&triangular, &kept)
 }
 
 /// R⁻¹ over some columns, with rows of zeros for the others.

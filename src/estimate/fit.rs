@@ -12,7 +12,7 @@
 
 use crate::chain::base_parameters::scan_order;
 use crate::chain::dataset::{Dataset, Prepared};
-use crate::chain::model::{Channel, Model};
+use crate::chain::model::{Channel, JointModel, Model};
 use crate::chain::parameter::Role;
 use crate::chain::prior::Prior;
 use crate::estimate::coarse;
@@ -26,6 +26,7 @@ use crate::estimate::realization;
 use crate::estimate::reweight::{by_periods, reweighted, robust};
 use crate::estimate::rounded::{accumulate, search};
 use crate::estimate::start;
+use crate::estimate::torque_constants;
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::Weights;
 use crate::linalg::triangular::{ColumnScaling, Triangular};
@@ -266,6 +267,16 @@ pub fn outcome_with(
     let count = solution.x.len();
     let covariance =
         covariance.unwrap_or_else(|| DMatrix::from_diagonal_element(count, count, f64::INFINITY));
+    let stated: Vec<f64> = model
+        .joints()
+        .iter()
+        .map(|j| j.torque_constant_std)
+        .collect();
+    let of_constants = torque_constants::covariance(problem, &solution.x, &stated);
+    let total = match &of_constants {
+        Some(of_constants) => &covariance + of_constants,
+        None => covariance.clone(),
+    };
     let from_prior = determined_by_prior(problem, data);
     let at_bound: Vec<usize> = (0..count)
         .filter(|&k| bounds::side_of(&problem.form().variables[k], solution.x[k]).is_some())
@@ -274,7 +285,8 @@ pub fn outcome_with(
         model,
         unknowns,
         values: &values,
-        covariance: &covariance,
+        covariance: &total,
+        statistical: of_constants.as_ref().map(|_| &covariance),
         from_prior: &from_prior,
         at_bound: &at_bound,
     };
@@ -282,15 +294,18 @@ pub fn outcome_with(
     let predicted = predictions(model, &values, data);
     let member = realization::find(model, unknowns, &values);
     let fit = Fit {
-        base_parameters: base_parameters(problem, &solution.x, &covariance),
+        base_parameters: base_parameters(problem, &solution.x, &total),
         rank: count,
         unknowns: unknown_count(model),
-        notes: noise_note(problem),
+        notes: noise_note(problem)
+            .into_iter()
+            .chain(load_from_currents(problem, &solution.x, &estimated))
+            .collect(),
         condition_number: condition_number(problem, &solution.x),
         feasible: member.as_ref().map(|m| m.feasible),
         min_pseudo_inertia_eigenvalue: member.as_ref().map(|m| m.smallest_eigenvalue),
         realization: member.map_or_else(Vec::new, |m| named(model, &m.values)),
-        posterior: posterior(problem, &solution.x, &covariance),
+        posterior: posterior(problem, &solution.x, &total),
         ..Fit::default()
     };
     let estimate = Estimate {
@@ -345,6 +360,35 @@ fn noise_note(problem: &FitProblem<'_>) -> Vec<String> {
                 .to_string(),
         ],
     }
+}
+
+/// Says how uncertain the mass of a load is by the torque constants, where nothing is stated of these.
+fn load_from_currents(
+    problem: &FitProblem<'_>,
+    x: &DVector<f64>,
+    estimated: &Estimated<'_>,
+) -> Option<String> {
+    let model = problem.model;
+    model.payload()?;
+    let is_stated = |j: &JointModel| j.torque_constant_std > 0.0;
+    if model.joints().iter().any(is_stated) {
+        return None;
+    }
+    let assumed = vec![torque_constants::OF_DATA_SHEETS; model.joints().len()];
+    let of_constants = torque_constants::covariance(problem, x, &assumed)?;
+    let (parameters, _) = report(&Estimated {
+        covariance: &(estimated.covariance + of_constants),
+        ..*estimated
+    });
+    let mass = parameters.iter().find(|p| p.name == "payload.mass")?;
+    let (value, std_dev, [low, high]) = (mass.value?, mass.std_dev?, mass.ci95?);
+    Some(format!(
+        "A load from currents is as uncertain as the torque constants, and its intervals leave that out. With constants \
+         known to {:.0} %, as data sheets give them (95 % within ±10 %), its mass is {value:.3} kg ± {std_dev:.3} (95 %: \
+         {low:.3} to {high:.3}); `drive.torque_constant_std` states how well they are known, and is then part of every \
+         interval.",
+        100.0 * torque_constants::OF_DATA_SHEETS
+    ))
 }
 
 fn solver_name(problem: &FitProblem<'_>) -> &'static str {

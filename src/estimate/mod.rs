@@ -29,5 +29,6 @@ pub mod spectrum;
 pub mod standstill;
 mod start;
 pub mod task;
+pub mod torque_constants;
 pub mod unknowns;
 pub mod weights;

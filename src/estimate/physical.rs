@@ -25,6 +25,8 @@ pub struct Estimated<'a> {
     pub values: &'a DVector<f64>,
     /// Covariance of the unknowns in their order.
     pub covariance: &'a DMatrix<f64>,
+    /// The part of it that noise makes, where there is another.
+    pub statistical: Option<&'a DMatrix<f64>>,
     /// Unknowns that only a prior determines.
     pub from_prior: &'a [usize],
     /// Unknowns that lie at a bound, as variables of the estimate.
@@ -113,12 +115,16 @@ fn one(
         let none = Reported::undetermined(&quantity.name, &quantity.unit);
         return (none.described(&quantity.description), false);
     }
-    let variance = (row * finite(estimated.covariance) * row.transpose())[(0, 0)];
-    let std_dev = variance.max(0.0).sqrt();
+    let deviation = |covariance: &DMatrix<f64>| {
+        let variance = (row * finite(covariance) * row.transpose())[(0, 0)];
+        variance.max(0.0).sqrt()
+    };
+    let std_dev = deviation(estimated.covariance);
     let half = Distribution::Normal.two_sided(COVERAGE) * std_dev;
     let prior = from.iter().any(|k| estimated.from_prior.contains(k));
     let parameter = Reported {
         std_dev: Some(std_dev),
+        std_dev_statistical: estimated.statistical.map(deviation),
         ci95: Some([value - half, value + half]),
         source: if prior { Source::Prior } else { Source::Data },
         ..known

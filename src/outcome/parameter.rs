@@ -45,6 +45,13 @@ pub struct Parameter {
     /// Standard deviation of the estimate; absent where undetermined or known.
     #[serde(with = "number::optional")]
     pub std_dev: Option<f64>,
+    /// The part of the standard deviation that noise makes, where uncertain torque constants make another.
+    #[serde(
+        with = "number::optional",
+        default,
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub std_dev_statistical: Option<f64>,
     /// 95 % confidence interval, lower and upper end.
     #[serde(with = "number::interval")]
     pub ci95: Option<[f64; 2]>,
@@ -62,6 +69,7 @@ impl Parameter {
             unit: unit.into(),
             value: None,
             std_dev: None,
+            std_dev_statistical: None,
             ci95: None,
             source: Source::Undetermined,
             description: String::new(),

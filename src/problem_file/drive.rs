@@ -8,6 +8,7 @@ use crate::problem_file::{Context, values};
 
 pub(crate) const KEYS: &[&str] = &[
     "torque_constant",
+    "torque_constant_std",
     "current_polynomial",
     "rotor_inertia",
     "ratio",
@@ -30,6 +31,9 @@ pub type CurrentPolynomial = [f64; 4];
 pub struct DriveTable {
     /// How current gives torque. Default: none, as for signals that are torques.
     pub current_law: Option<CurrentLaw>,
+    /// Relative standard deviations of the torque constants, or of the torques that the polynomials give, not negative.
+    /// Default: none, they are certain.
+    pub torque_constant_std: Option<Located<PerJoint>>,
     /// Reflected inertia of rotor and gear at the joint side, kg·m² (kg), not negative.
     /// Default: none; estimated if `rotor_inertia` is among the effects.
     pub rotor_inertia: Option<Located<PerJoint>>,
@@ -76,6 +80,8 @@ impl DriveTable {
         let effects = |n: &Node| values::effects(n, context);
         Ok(Self {
             current_law: current_law(&reader)?,
+            torque_constant_std: reader
+                .optional("torque_constant_std", values::per_joint_non_negative)?,
             rotor_inertia: reader.optional("rotor_inertia", values::per_joint_non_negative)?,
             ratio: reader.optional("ratio", values::per_joint_nonzero)?,
             offset: reader.optional("offset", values::per_joint_finite)?,

@@ -12,6 +12,8 @@ mod number;
 mod plots;
 mod section;
 mod table;
+mod terminal;
+mod terminal_parameters;
 
 use std::path::Path;
 

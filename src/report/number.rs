@@ -33,6 +33,26 @@ pub(super) fn optional(value: Option<f64>) -> String {
     value.map_or_else(|| ABSENT.to_string(), significant)
 }
 
+/// A value with its standard deviation, which has two significant digits: `5.012 ± 0.012`, `1.235e-7 ± 2.1e-9`.
+pub(super) fn with_deviation(value: f64, std_dev: f64) -> String {
+    let exponent = std_dev.abs().log10().floor();
+    if !(value.is_finite() && exponent.is_finite()) {
+        return significant(value);
+    }
+    let decimals = (1 - exponent as i32).max(0);
+    let plain = |x: f64| x == 0.0 || PLAIN_EXPONENTS.contains(&(x.abs().log10().floor() as i32));
+    match plain(value) && decimals <= MOST_DECIMALS {
+        true => {
+            let decimals = decimals as usize;
+            format!("{value:.decimals$} ± {std_dev:.decimals$}")
+        }
+        false => format!("{} ± {std_dev:.1e}", significant(value)),
+    }
+}
+
+/// Decimals that are written out.
+const MOST_DECIMALS: i32 = 7;
+
 /// Ticks this much smaller than the range of their axis are zero up to rounding.
 const ZERO_OF_RANGE: f64 = 1e-9;
 
@@ -74,6 +94,20 @@ pub(super) fn percent(share: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_value_has_the_decimals_of_its_deviation() {
+        for (value, std_dev, text) in [
+            (5.01234, 0.0123, "5.012 ± 0.012"),
+            (310.0, 2.5, "310.0 ± 2.5"),
+            (310.4, 25.0, "310 ± 25"),
+            (1.2345e-7, 2.1e-9, "1.235e-7 ± 2.1e-9"),
+            (0.0, 0.03, "0.000 ± 0.030"),
+            (12345.6, 321.0, "12346 ± 321"),
+        ] {
+            assert_eq!(with_deviation(value, std_dev), text);
+        }
+    }
 
     #[test]
     fn keeps_four_significant_digits_at_every_scale() {

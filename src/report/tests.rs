@@ -359,6 +359,31 @@ six_joint_arm: fit
   joint2  A         0.1050         –  0.08925          4.00 %    4.80 %
 rank 36 of 78, condition number 87.30, physically feasible
 parameters: 32 from data, 1 from the prior, 1 on a bound, 6 known, 8 undetermined
+  joint        Fc [N·m]         w [rad/s]  Fv [N·m·s/rad]         Jm [kg·m²]
+  joint1    9.30 ± 0.28  0.004000 (known)    14.10 ± 0.42  3.700e-5 ± 1.1e-6
+  joint2    4.65 ± 0.14  0.004000 (known)     7.05 ± 0.21  1.850e-5 ± 5.5e-7
+  joint3  3.100 ± 0.093  0.004000 (known)     4.70 ± 0.14  1.233e-5 ± 3.7e-7
+  joint4  2.325 ± 0.070  0.004000 (known)     3.52 ± 0.11  9.250e-6 ± 2.8e-7
+  joint5  1.860 ± 0.056  0.004000 (known)   2.820 ± 0.085  7.400e-6 ± 2.2e-7
+  joint6  1.550 ± 0.046  0.004000 (known)   2.350 ± 0.070  6.167e-6 ± 1.8e-7
+  of                mass [kg]       com_x [m]  inertia_zz [kg·m²]         com_y [m]
+  link1          -4.80 ± 0.14  -0.480 ± 0.014  -0.00480 ± 0.00014
+  link2  -8.00 ± 0.24 (bound)                  -0.00800 ± 0.00024  -0.0800 ± 0.0024
+  link3                        -2.400 ± 0.072                      -0.2400 ± 0.0072
+  link4  24.00 ± 0.72 (prior)   2.400 ± 0.072   0.02400 ± 0.00072
+  link5           8.00 ± 0.24                   0.00800 ± 0.00024   0.0800 ± 0.0024
+  link6                         0.480 ± 0.014                       0.0480 ± 0.0014
+20 base parameters:
+  link1.inertia_xx + 0.1000*link2.i…  2.500 ± 0.020 kg·m²  link1.inertia_xx + 0.1000*link2.i…  0.227 ± 0.020 kg·m²
+  link1.inertia_xx + 0.1000*link2.i…  1.250 ± 0.020 kg·m²  link1.inertia_xx + 0.1000*link2.i…  0.208 ± 0.020 kg·m²
+  link1.inertia_xx + 0.1000*link2.i…  0.833 ± 0.020 kg·m²  link1.inertia_xx + 0.1000*link2.i…  0.192 ± 0.020 kg·m²
+  link1.inertia_xx + 0.1000*link2.i…  0.625 ± 0.020 kg·m²  link1.inertia_xx + 0.1000*link2.i…  0.179 ± 0.020 kg·m²
+  link1.inertia_xx + 0.1000*link2.i…  0.500 ± 0.020 kg·m²  link1.inertia_xx + 0.1000*link2.i…  0.167 ± 0.020 kg·m²
+  link1.inertia_xx + 0.1000*link2.i…  0.417 ± 0.020 kg·m²  link1.inertia_xx + 0.1000*link2.i…  0.156 ± 0.020 kg·m²
+  link1.inertia_xx + 0.1000*link2.i…  0.357 ± 0.020 kg·m²  link1.inertia_xx + 0.1000*link2.i…  0.147 ± 0.020 kg·m²
+  link1.inertia_xx + 0.1000*link2.i…  0.312 ± 0.020 kg·m²  link1.inertia_xx + 0.1000*link2.i…  0.139 ± 0.020 kg·m²
+  link1.inertia_xx + 0.1000*link2.i…  0.278 ± 0.020 kg·m²  link1.inertia_xx + 0.1000*link2.i…  0.132 ± 0.020 kg·m²
+  link1.inertia_xx + 0.1000*link2.i…  0.250 ± 0.020 kg·m²  link1.inertia_xx + 0.1000*link2.i…  0.125 ± 0.020 kg·m²
 maximum_likelihood converged (cost tolerance) after 7 iterations
 note: 6 periods averaged; the last 0.31 s left out.
 report: results/arm/fit/report.html

@@ -10,14 +10,14 @@ use crate::outcome::estimate::{Estimate, Solver};
 use crate::outcome::fit::Fit;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::load::Load;
+use crate::outcome::parameter::Parameter;
 use crate::outcome::simulation::Simulation;
 use crate::outcome::trials::Trials;
 use crate::outcome::{Outcome, Part};
 use crate::report::facts;
 use crate::report::number::{optional, percent, significant};
-
-/// Space between two columns.
-const GAP: &str = "  ";
+use crate::report::terminal::{GAP, align};
+use crate::report::terminal_parameters;
 
 /// The summary of an outcome whose report is at `report`; ends with a newline.
 pub fn summary(outcome: &Outcome, report: Option<&Path>) -> String {
@@ -80,6 +80,10 @@ fn fit_lines(estimate: &Estimate, fit: &Fit) -> Vec<String> {
         "parameters: {}",
         facts::parameter_counts(&estimate.parameters)
     ));
+    lines.extend(terminal_parameters::lines(
+        &estimate.parameters,
+        &fit.base_parameters,
+    ));
     if let Some(load) = &fit.payload {
         lines.extend(load_lines(estimate, load));
     }
@@ -89,26 +93,34 @@ fn fit_lines(estimate: &Estimate, fit: &Fit) -> Vec<String> {
     lines
 }
 
+/// Prefix of the names of the parameters of a load.
+const LOAD: &str = "payload.";
+
 /// The load as controllers ask for it, with its intervals.
 fn load_lines(estimate: &Estimate, load: &Load) -> Vec<String> {
-    let headers = ["load", "unit", "value", "std. dev.", "95 % from", "to"];
-    let mut rows = vec![headers.map(str::to_string)];
-    let cells = |name: &str, unit: &str, value, (std_dev, ci95): (_, Option<[f64; 2]>)| {
-        let [lower, upper] = [0, 1].map(|k| optional(ci95.map(|ci| ci[k])));
-        let [name, unit] = [name, unit].map(str::to_string);
-        [name, unit, optional(value), optional(std_dev), lower, upper]
-    };
-    for p in estimate.parameters.iter() {
-        if let Some(name) = p.name.strip_prefix("payload.") {
-            rows.push(cells(name, &p.unit, p.value, (p.std_dev, p.ci95)));
-        }
+    let own = estimate.parameters.iter();
+    let own: Vec<&Parameter> = own.filter(|p| p.name.starts_with(LOAD)).collect();
+    let apart = own.iter().any(|p| p.std_dev_statistical.is_some());
+    let mut headers = vec!["load", "unit", "value", "std. dev.", "95 % from", "to"];
+    headers.extend(apart.then_some("of noise"));
+    let mut rows: Vec<Vec<String>> = vec![headers.into_iter().map(str::to_string).collect()];
+    let ends = |ci95: Option<[f64; 2]>| [0, 1].map(|k| optional(ci95.map(|ci| ci[k])));
+    for p in own {
+        let name = p.name.trim_start_matches(LOAD).to_string();
+        let [lower, upper] = ends(p.ci95);
+        let (value, std_dev) = (optional(p.value), optional(p.std_dev));
+        let mut row = vec![name, p.unit.clone(), value, std_dev, lower, upper];
+        row.extend(apart.then(|| optional(p.std_dev_statistical)));
+        rows.push(row);
     }
     for (k, moment) in load.principal.iter().enumerate() {
         let name = format!("principal {}", k + 1);
-        let value = Some(moment.value);
-        rows.push(cells(&name, "kg·m²", value, (moment.std_dev, moment.ci95)));
+        let [lower, upper] = ends(moment.ci95);
+        let (value, std_dev) = (significant(moment.value), optional(moment.std_dev));
+        let unit = "kg·m²".to_string();
+        rows.push(vec![name, unit, value, std_dev, lower, upper]);
     }
-    let mut lines = align(&rows);
+    let mut lines = align(&rows, 2);
     if load.possible == Some(false) {
         lines.push("no body has these ten values; `estimator = \"feasible_maximum_likelihood\"` keeps to those that have".into());
     }
@@ -137,7 +149,7 @@ fn joint_lines(joints: &[JointFigures]) -> Vec<String> {
             percent(joint.relative_validation.unwrap_or(f64::NAN)),
         ]
     }));
-    align(&rows)
+    align(&rows, 2)
 }
 
 /// Root mean square errors of the models that are compared, and which is best.
@@ -161,26 +173,6 @@ fn contest_lines(contests: &[Contest]) -> Vec<String> {
         ));
     }
     lines
-}
-
-/// Rows of equal columns: the first two to the left, numbers to the right.
-fn align<const N: usize>(rows: &[[String; N]]) -> Vec<String> {
-    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max();
-    let widths: Vec<usize> = (0..N).map(|column| width(column).unwrap_or(0)).collect();
-    rows.iter()
-        .map(|row| {
-            let cells: Vec<String> = row
-                .iter()
-                .zip(&widths)
-                .enumerate()
-                .map(|(column, (cell, &width))| match column {
-                    0 | 1 => format!("{cell:<width$}"),
-                    _ => format!("{cell:>width$}"),
-                })
-                .collect();
-            format!("{GAP}{}", cells.join(GAP).trim_end())
-        })
-        .collect()
 }
 
 fn diagnosis_lines(diagnosis: &Diagnosis) -> Vec<String> {
@@ -225,18 +217,18 @@ fn trial_lines(trials: &Trials) -> Vec<String> {
         });
     let mut table = vec![["", "are", "of", "share"].map(str::to_string)];
     table.extend(rows);
-    lines.extend(align(&table));
+    lines.extend(align(&table, 2));
     for groups in [&trials.by_motion, &trials.by_noise] {
         let mut table = vec![facts::GROUP_HEADERS.map(str::to_string)];
         table.extend(groups.iter().map(facts::group_row));
         if !groups.is_empty() {
-            lines.extend(align(&table));
+            lines.extend(align(&table, 2));
         }
     }
     let mut table = vec![facts::CALIBRATION_HEADERS.map(str::to_string)];
     table.extend(trials.calibration.iter().map(facts::calibration_row));
     if table.len() > 1 {
-        lines.extend(align(&table));
+        lines.extend(align(&table, 2));
     }
     lines.extend(trials.notes.iter().map(|note| format!("note: {note}")));
     lines
@@ -275,7 +267,7 @@ fn before_and_after(diagnosis: &Diagnosis) -> Vec<String> {
             optional(after.lack_of_fit),
         ]
     }));
-    align(&rows)
+    align(&rows, 2)
 }
 
 fn check_lines(check: &Check) -> Vec<String> {

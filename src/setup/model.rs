@@ -83,6 +83,7 @@ fn build_with(
             model::Inertials::Estimate
         },
         torque_constant: torque_constant(problem, robot)?,
+        torque_constant_std: robot.per_joint(&problem.drive.torque_constant_std)?,
         current_polynomial: current_polynomial(problem, robot)?,
         rotor_inertia: robot.per_joint(&problem.drive.rotor_inertia)?,
         coupling: with_entries(declared.clone(), freed, robot.tree.len()),

@@ -47,6 +47,7 @@ pub(super) fn report(found: &Found<'_>, data: &Dataset, control: &Control<'_>) -
         unknowns: &unknowns,
         values: &values,
         covariance: &covariance,
+        statistical: None,
         from_prior: &from_prior,
         at_bound: &at_bound,
     };

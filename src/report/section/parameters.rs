@@ -30,28 +30,24 @@ pub(super) fn section(source: &Source) -> Option<Section> {
 }
 
 fn table(parameters: &[Parameter]) -> Table {
-    let mut table = Table::new(&[
-        "Parameter",
-        "Value",
-        "Unit",
-        "Std. dev.",
-        "Relative",
-        "95 % from",
-        "to",
-        "Source",
-    ]);
+    let apart = parameters.iter().any(|p| p.std_dev_statistical.is_some());
+    let mut headers = vec!["Parameter", "Value", "Unit", "Std. dev."];
+    headers.extend(apart.then_some("of noise"));
+    headers.extend(["Relative", "95 % from", "to", "Source"]);
+    let mut table = Table::new(&headers);
     let mut owner = "";
     for parameter in parameters {
         if owner_of(parameter) != owner {
             owner = owner_of(parameter);
             table.begin_group();
         }
-        table.row(row(parameter));
+        table.row(row(parameter, apart));
     }
     table
 }
 
-fn row(parameter: &Parameter) -> Vec<Cell> {
+/// `apart`: with the part of the deviation that noise makes.
+fn row(parameter: &Parameter, apart: bool) -> Vec<Cell> {
     let mut cells = vec![Cell::Name {
         name: parameter.name.clone(),
         remark: parameter.description.clone(),
@@ -60,13 +56,15 @@ fn row(parameter: &Parameter) -> Vec<Cell> {
         let text = "undetermined".to_string();
         cells.push(Cell::Span { columns: 1, text });
         cells.push(Cell::text(&parameter.unit));
-        cells.extend((0..4).map(|_| Cell::Number(ABSENT.to_string())));
+        let absent = 4 + usize::from(apart);
+        cells.extend((0..absent).map(|_| Cell::Number(ABSENT.to_string())));
     } else {
         cells.push(Cell::Number(optional(parameter.value)));
         cells.push(Cell::text(&parameter.unit));
         let ends = parameter.ci95;
+        cells.push(Cell::Number(optional(parameter.std_dev)));
+        cells.extend(apart.then(|| Cell::Number(optional(parameter.std_dev_statistical))));
         cells.extend([
-            Cell::Number(optional(parameter.std_dev)),
             Cell::Number(relative(parameter)),
             Cell::Number(optional(ends.map(|ends| ends[0]))),
             Cell::Number(optional(ends.map(|ends| ends[1]))),
