@@ -13,9 +13,12 @@ const LINE: usize = 100;
 /// Characters of the expression of a base parameter; the report has all of it.
 const EXPRESSION: usize = 34;
 
+/// Prefix of the parameters of a load, which have a table of their own.
+pub(super) const LOAD: &str = "payload.";
+
 /// Every estimated parameter that has a value and is not of a load, and the known ones of joints.
 pub(super) fn lines(parameters: &[Parameter], base: &[BaseParameter]) -> Vec<String> {
-    let has_value = |p: &&Parameter| p.value.is_some() && !p.name.starts_with("payload.");
+    let has_value = |p: &&Parameter| p.value.is_some() && !p.name.starts_with(LOAD);
     let of_joint = |p: &&Parameter| p.name.matches('.').count() > 1;
     let valued = || parameters.iter().filter(has_value);
     let of_joints: Vec<&Parameter> = valued().filter(of_joint).collect();
@@ -24,7 +27,11 @@ pub(super) fn lines(parameters: &[Parameter], base: &[BaseParameter]) -> Vec<Str
     let mut lines = table("joint", &of_joints);
     lines.extend(table("of", &others));
     let single: BTreeSet<&str> = valued().map(|p| p.name.as_str()).collect();
-    let combined = base.iter().filter(|b| !single.contains(&b.expression[..]));
+    let is_told = |b: &&BaseParameter| {
+        let expression = b.expression.as_str();
+        single.contains(expression) || expression.starts_with(LOAD)
+    };
+    let combined = base.iter().filter(|b| !is_told(b));
     lines.extend(base_lines(&combined.collect::<Vec<_>>()));
     lines
 }

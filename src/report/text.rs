@@ -17,7 +17,7 @@ use crate::outcome::{Outcome, Part};
 use crate::report::facts;
 use crate::report::number::{optional, percent, significant};
 use crate::report::terminal::{GAP, align};
-use crate::report::terminal_parameters;
+use crate::report::terminal_parameters::{self, LOAD};
 
 /// The summary of an outcome whose report is at `report`; ends with a newline.
 pub fn summary(outcome: &Outcome, report: Option<&Path>) -> String {
@@ -92,9 +92,6 @@ fn fit_lines(estimate: &Estimate, fit: &Fit) -> Vec<String> {
     lines.extend(fit.notes.iter().map(|note| format!("note: {note}")));
     lines
 }
-
-/// Prefix of the names of the parameters of a load.
-const LOAD: &str = "payload.";
 
 /// The load as controllers ask for it, with its intervals.
 fn load_lines(estimate: &Estimate, load: &Load) -> Vec<String> {
