@@ -6,6 +6,7 @@ use crate::outcome::check::{Finding, Severity};
 use crate::problem_file::ProblemFile;
 use crate::problem_file::choices::Inertials;
 use crate::problem_file::robot::RobotSource;
+use crate::robot::description::{Note, Weight};
 use crate::robot::tree::{Joint, JointKind};
 use crate::setup::robot::Robot;
 use nalgebra::{SymmetricEigen, Vector3};
@@ -47,7 +48,23 @@ pub(super) fn check(problem: &ProblemFile, robot: &Robot) -> Vec<Finding> {
     findings.extend(limits_in_degrees(robot));
     findings.extend(angles_in_degrees(problem));
     findings.extend(no_gravity_of_earth(problem));
+    findings.extend(robot.description.notes.iter().map(of_note));
     findings
+}
+
+/// What the reader of the robot file made of its elements.
+fn of_note(note: &Note) -> Finding {
+    let severity = match note.weight {
+        Weight::Remark => Severity::Note,
+        Weight::LeftOut => Severity::Warning,
+    };
+    let words = &note.words;
+    let text = (
+        words.code,
+        words.message.clone(),
+        words.remedy.clone(),
+    );
+    finding(severity, note.place.clone(), text)
 }
 
 fn matters(known: bool) -> Severity {

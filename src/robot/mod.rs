@@ -2,8 +2,10 @@
 
 mod assemble;
 pub mod batch;
+mod dependents;
 pub mod derivative_batch;
 pub mod derivatives;
+pub mod description;
 pub mod error;
 mod file;
 pub mod forward_dynamics;

@@ -92,6 +92,7 @@ fn build_with(
         effects,
     };
     let mut model = Model::new(settings).map_err(|e| at(&problem_place(problem), e))?;
+    model.follow(&robot.dependents);
     crate::setup::platform::apply(problem, robot, &mut model)?;
     let side = problem
         .recordings
@@ -99,7 +100,8 @@ fn build_with(
         .map(|table| table.position_side.value);
     if side.is_some_and(|side| side != PositionSide::Motor) {
         let n = robot.tree.len();
-        model.record_joints(declared.unwrap_or_else(|| DMatrix::identity(n, n)));
+        let reference = declared.unwrap_or_else(|| DMatrix::identity(n, n));
+        model.record_joints(model.with_followers(reference));
     }
     if let Some(mechanism) = &robot.mechanism {
         model.close(mechanism.clone());
@@ -160,8 +162,11 @@ fn to_effects(listed: &[Located<String>]) -> Vec<&'static Effect> {
 /// The listed effects for every joint that has a motor.
 fn effects_of_motors(robot: &Robot, listed: &[Located<String>]) -> Vec<Vec<&'static Effect>> {
     let mut effects = vec![to_effects(listed); robot.tree.len()];
-    let passive = robot.mechanism.iter().flat_map(|m| m.passive());
-    passive.for_each(|&k| effects[k].clear());
+    let passive = robot.mechanism.iter().flat_map(|m| m.passive()).copied();
+    let following = robot.dependents.iter().map(|d| d.joint);
+    passive
+        .chain(following)
+        .for_each(|k| effects[k].clear());
     effects
 }
 
@@ -241,16 +246,16 @@ fn coupling(problem: &ProblemFile, robot: &Robot) -> Result<Option<DMatrix<f64>>
         return Ok(None);
     };
     let n = robot.tree.len();
-    if coupling.value.len() != n {
+    if coupling.value.len() != robot.order.len() {
         return Err(SetupError::mismatch(
             &coupling.place,
             Mismatch::CouplingSize {
                 found: coupling.value.len(),
-                expected: n,
+                expected: robot.order.len(),
             },
         ));
     }
-    let mut matrix = DMatrix::zeros(n, n);
+    let mut matrix = DMatrix::identity(n, n);
     for (i, row) in coupling.value.iter().enumerate() {
         for (j, value) in row.iter().enumerate() {
             matrix[(robot.position[i], robot.position[j])] = *value;
