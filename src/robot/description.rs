@@ -3,6 +3,7 @@
 
 use crate::fault::{Description as Words, Place};
 use crate::robot::tree::Tree;
+use std::fmt;
 use std::path::PathBuf;
 
 /// A robot file, read.
@@ -102,4 +103,11 @@ pub enum Weight {
     Remark,
     /// Physics of the file is not in the model.
     LeftOut,
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let words = &self.words;
+        write!(f, "{}: {}; {}", self.place, words.message, words.remedy)
+    }
 }

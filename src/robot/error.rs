@@ -1,6 +1,7 @@
 //! What can be wrong with a robot file.
 
 use crate::fault::{Description, Fault, Place, write_fault};
+use crate::robot::mjcf::MjcfFault;
 use std::fmt;
 
 /// A fault of a robot description, with its place.
@@ -121,6 +122,8 @@ pub enum RobotErrorKind {
     NotMdh {
         reason: String,
     },
+    /// A fault that only MJCF files have.
+    Mjcf(MjcfFault),
 }
 
 impl Fault for RobotError {
@@ -130,6 +133,7 @@ impl Fault for RobotError {
 
     fn describe(&self) -> Description {
         match &*self.kind {
+            RobotErrorKind::Mjcf(fault) => fault.describe(),
             kind @ (RobotErrorKind::NotFound
             | RobotErrorKind::IsDirectory
             | RobotErrorKind::NotReadable { .. }
@@ -288,7 +292,10 @@ fn of_joint(kind: &RobotErrorKind) -> Description {
         K::UnknownJointType { found, nearest } => Description::new(
             "urdf-unknown-joint-type",
             format!("the joint's type is `{found}`"),
-            suggestion(nearest, "write revolute, continuous, prismatic, fixed, floating or planar"),
+            suggestion(
+                nearest,
+                "write revolute, continuous, prismatic, fixed, floating or planar",
+            ),
         ),
         K::UnknownLeader { found, nearest } => Description::new(
             "robot-unknown-leader",
@@ -302,7 +309,10 @@ fn of_joint(kind: &RobotErrorKind) -> Description {
         ),
         K::LeadersInCircle { joints } => Description::new(
             "robot-leaders-in-circle",
-            format!("the joints {} follow each other in a circle", joints.join(", ")),
+            format!(
+                "the joints {} follow each other in a circle",
+                joints.join(", ")
+            ),
             "let one of them follow none",
         ),
         other => of_structure(other),

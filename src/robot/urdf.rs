@@ -102,7 +102,10 @@ fn is_macro(node: Node<'_, '_>) -> bool {
         .tag_name()
         .namespace()
         .is_some_and(|uri| uri.contains(MACRO));
-    prefixed || node.attributes().any(|a| a.value().contains("${") || a.value().contains("$("))
+    prefixed
+        || node
+            .attributes()
+            .any(|a| a.value().contains("${") || a.value().contains("$("))
 }
 
 /// Line and column behind the last character, from 1.

@@ -64,11 +64,6 @@ pub enum Mismatch {
     LockedCoupled {
         joint: String,
     },
-    /// A joint that follows one that moves.
-    LockedFollower {
-        joint: String,
-        leader: String,
-    },
     /// As many polynomials as joints are needed.
     PolynomialCount {
         found: usize,
@@ -167,7 +162,6 @@ impl Mismatch {
             Self::SingularCoupling => "singular-coupling",
             Self::CouplingSize { .. } => "coupling-size",
             Self::LockedCoupled { .. } => "locked-joint-coupled",
-            Self::LockedFollower { .. } => "locked-follower",
             Self::PolynomialCount { .. } => "polynomial-count",
             Self::FallingPolynomial { .. } => "falling-polynomial",
             Self::NeedsEffect { .. } => "effect-needs-effect",
@@ -209,9 +203,6 @@ impl Mismatch {
                 "no body has the inertial parameters of link `{link}`: its pseudo-inertia has the \
                  eigenvalue {eigenvalue:.3e}"
             ),
-            Self::LockedFollower { joint, leader } => {
-                format!("joint `{joint}` is locked, but follows `{leader}`, which moves")
-            }
             Self::Unreachable { what } | Self::Mechanism { what } => what.clone(),
             drive => drive.message_of_drive(),
         }
@@ -263,9 +254,6 @@ impl Mismatch {
                 nearest: Some(name),
                 ..
             } => return format!("did you mean `{name}`?"),
-            Self::LockedFollower { leader, .. } => {
-                return format!("lock `{leader}`, or none of the two");
-            }
             Self::CouplingSize { expected, .. } => {
                 return format!("give {expected} rows of {expected} numbers");
             }

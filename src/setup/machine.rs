@@ -2,8 +2,8 @@
 
 use crate::chain::model::{Model, Signal};
 use crate::outcome::machine::{
-    Machine, MachineEffect, MachineFrame, MachineJoint, MachineLeader, MachineLoad, MachineValue, Pose,
-    RobotDescription,
+    Machine, MachineEffect, MachineFrame, MachineJoint, MachineLeader, MachineLoad, MachineValue,
+    Pose, RobotDescription,
 };
 use crate::problem_file::ProblemFile;
 use crate::problem_file::robot::PayloadPlace;

@@ -10,6 +10,7 @@ use crate::problem_file::choices::{Inertials, PositionSide, Signal};
 use crate::problem_file::drive::CurrentLaw;
 use crate::problem_file::robot::PayloadPlace;
 use crate::problem_file::{Located, PerJoint, ProblemFile};
+use crate::setup::declared;
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::known::{bound_all, fix_all, zero_parameters};
 use crate::setup::robot::{Robot, unknown};
@@ -107,6 +108,7 @@ fn build_with(
         model.close(mechanism.clone());
     }
     keep_declared_entries(&mut model, problem, (robot, freed))?;
+    declared::apply(problem, robot, &mut model);
     zero_parameters(&mut model, problem)?;
     fix_all(&mut model, &problem.drive.values)?;
     bound_all(&mut model, problem)?;
@@ -164,9 +166,7 @@ fn effects_of_motors(robot: &Robot, listed: &[Located<String>]) -> Vec<Vec<&'sta
     let mut effects = vec![to_effects(listed); robot.tree.len()];
     let passive = robot.mechanism.iter().flat_map(|m| m.passive()).copied();
     let following = robot.dependents.iter().map(|d| d.joint);
-    passive
-        .chain(following)
-        .for_each(|k| effects[k].clear());
+    passive.chain(following).for_each(|k| effects[k].clear());
     effects
 }
 
@@ -182,10 +182,27 @@ fn effects_of_joints(
         };
         effects[k] = to_effects(&entry.value);
     }
+    for k in 0..effects.len() {
+        let name = &robot.tree.joints()[k].name;
+        // A list for one joint says all of it.
+        if problem
+            .drive
+            .effects_of
+            .iter()
+            .any(|entry| entry.name == *name)
+        {
+            continue;
+        }
+        for effect in declared::effects(problem, robot, k) {
+            if effects[k].iter().all(|listed| listed.id != effect.id) {
+                effects[k].push(effect);
+            }
+        }
+    }
     Ok(effects)
 }
 
-fn signal(problem: &ProblemFile) -> Result<model::Signal, SetupError> {
+pub(super) fn signal(problem: &ProblemFile) -> Result<model::Signal, SetupError> {
     let Some(recordings) = &problem.recordings else {
         return Ok(match problem.drive.current_law {
             Some(_) => model::Signal::Current,

@@ -7,7 +7,7 @@ use crate::problem_file::robot::{RobotSource, RobotTable};
 use crate::problem_file::{Located, Named, PerJoint, ProblemFile};
 use crate::robot::description::{Dependent, Description};
 use crate::robot::tree::Tree;
-use crate::robot::{mdh, urdf};
+use crate::robot::{mdh, mjcf, urdf};
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::loops;
 use std::path::{Path, PathBuf};
@@ -61,7 +61,10 @@ pub fn open_any(problem: &ProblemFile) -> Result<Robot, SetupError> {
         description,
         mechanism: known,
     } = source(problem)?;
-    let tree = description.tree.clone().with_gravity(table.gravity.value);
+    let mut tree = description.tree.clone();
+    if let Some(gravity) = &table.gravity {
+        tree = tree.with_gravity(gravity.value);
+    }
     let all: Vec<String> = tree.joints().iter().map(|j| j.name.clone()).collect();
     let mechanism = match known {
         None => loops::of_tree(table, &tree, &all)?,
@@ -69,7 +72,11 @@ pub fn open_any(problem: &ProblemFile) -> Result<Robot, SetupError> {
     };
     let passive = mechanism.as_ref().map_or(&[][..], |m| m.passive());
     let mut locked = locked(table, &all, passive)?;
-    let dependents = follow(table, &description, &mut locked)?;
+    let dependents = follow(table, &description, &mut locked);
+    if let (true, Some(entry)) = (locked.iter().all(Option::is_some), table.locked.first()) {
+        let place = &entry.value.place;
+        return Err(SetupError::mismatch(place, Mismatch::AllLocked));
+    }
     let follows = |k: &usize| dependents.iter().any(|d| d.joint == *k);
     let names: Vec<String> = (0..all.len())
         .filter(|k| !passive.contains(k) && !follows(k))
@@ -121,6 +128,7 @@ fn source(problem: &ProblemFile) -> Result<Source, SetupError> {
     };
     Ok(match &problem.robot.source {
         RobotSource::Urdf(path) => alone(urdf::describe(&path.resolved)?),
+        RobotSource::Mjcf(path) => alone(mjcf::read(&path.resolved)?),
         RobotSource::Mdh(path) => {
             let tree = mdh::read(&path.resolved)?;
             alone(Description::of_tree(tree, path.resolved.clone()))
@@ -137,40 +145,41 @@ fn source(problem: &ProblemFile) -> Result<Source, SetupError> {
     })
 }
 
-/// The joints that follow others which move; those whose leaders are locked, and those that the file holds, become locked
-/// themselves unless the problem file says where they stand.
+/// The joints that follow others which move. A locked joint holds what follows it and what it follows, unless the problem
+/// file says where they stand; so does the robot file where it holds a joint.
 fn follow(
     table: &RobotTable,
     description: &Description,
     locked: &mut [Option<f64>],
-) -> Result<Vec<Dependent>, SetupError> {
-    let names = description.tree.joints();
-    let mut dependents = Vec::new();
-    for dependent in &description.dependents {
-        let (joint, leader) = (dependent.joint, dependent.leader);
-        let stated = table.locked.iter().find(|l| l.name == names[joint].name);
-        match (locked[leader], stated) {
-            (None, Some(stated)) => {
-                let kind = Mismatch::LockedFollower {
-                    joint: names[joint].name.clone(),
-                    leader: names[leader].name.clone(),
-                };
-                return Err(SetupError::mismatch(&stated.value.place, kind));
-            }
-            (Some(_), Some(_)) => {}
-            (Some(at), None) => {
-                locked[joint] = Some(dependent.multiplier * at + dependent.offset);
-            }
-            (None, None) => {
-                locked[joint] = Some(dependent.offset);
-                dependents.push(*dependent);
-            }
-        }
-    }
+) -> Vec<Dependent> {
+    let joints = description.tree.joints();
+    let stated = |joint: usize| {
+        let mut entries = table.locked.iter();
+        entries.any(|entry| entry.name == joints[joint].name)
+    };
     for held in &description.held {
         locked[held.joint].get_or_insert(held.position);
     }
-    Ok(dependents)
+    for dependent in &description.dependents {
+        if let Some(position) = locked[dependent.joint] {
+            let leader = (position - dependent.offset) / dependent.multiplier;
+            locked[dependent.leader].get_or_insert(leader);
+        }
+    }
+    let mut moving = Vec::new();
+    for dependent in &description.dependents {
+        match locked[dependent.leader] {
+            Some(_) if stated(dependent.joint) => {}
+            Some(at) => {
+                locked[dependent.joint] = Some(dependent.multiplier * at + dependent.offset);
+            }
+            None => {
+                locked[dependent.joint] = Some(dependent.offset);
+                moving.push(*dependent);
+            }
+        }
+    }
+    moving
 }
 
 /// Where joints stand still; those without a motor count as locked.
@@ -188,13 +197,7 @@ fn locked(
         };
         locked[k] = Some(entry.value.value);
     }
-    match (locked.iter().all(Option::is_some), table.locked.first()) {
-        (true, Some(entry)) => {
-            let place = &entry.value.place;
-            Err(SetupError::mismatch(place, Mismatch::AllLocked))
-        }
-        _ => Ok(locked),
-    }
+    Ok(locked)
 }
 
 pub(crate) fn unknown(place: &crate::fault::Place, found: &str, known: &[String]) -> SetupError {

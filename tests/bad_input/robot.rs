@@ -64,10 +64,6 @@ pub const CASES: &[Case] = &[
     case("macros that are not expanded", 3, ["arm.urdf:17:3", "xacro macros", "`xacro robot.urdf.xacro > robot.urdf`"], |b| b.robot("joint name=\"shoulder\"", "joint name=\"${side}_shoulder\"")),
     case("a joint that follows none", 3, ["arm.urdf:30:3: elbow", "`sholder`", "mean `shoulder`?"], |b| b.robot("effort=\"50\"/>\n", "effort=\"50\"/>\n<!-- -->\n  <mimic joint=\"sholder\"/>")),
     case("joints that follow each other", 3, ["arm.urdf:30:3: elbow", "elbow", "let one of them"], |b| b.robot("effort=\"50\"/>\n", "effort=\"50\"/>\n<!-- -->\n  <mimic joint=\"elbow\"/>")),
-    case("a locked joint that follows a moving one", 2, ["problem.toml:", "follows `shoulder`", "lock `shoulder`"], |b| {
-        b.robot("effort=\"50\"/>\n", "effort=\"50\"/>\n<!-- -->\n  <mimic joint=\"shoulder\"/>");
-        b.problem("urdf = \"arm.urdf\"", "urdf = \"arm.urdf\"\nlocked = { elbow = 0.5 }");
-    }),
     case("an axis without length", 3, ["arm.urdf:17:3: shoulder", "no length", "xyz=\"0 0 1\""], |b| b.robot("0 1 0", "0 0 0")),
     case("limits the wrong way round", 3, ["arm.urdf:17:3: shoulder", "lower limit 3 is above the upper limit -3", "exchange"], |b| b.robot("lower=\"-3.0\" upper=\"3.0\"", "lower=\"3.0\" upper=\"-3.0\"")),
     case("a table that is none", 3, ["arm.mdh.toml:1:", "cannot be read", "README"], |b| { b.write("arm.mdh.toml", "joint = 3\n"); b.problem("urdf = \"arm.urdf\"", "mdh = \"arm.mdh.toml\""); }),
