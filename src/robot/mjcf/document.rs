@@ -1,6 +1,6 @@
 //! An MJCF file with all that it includes: elements with their attributes, children and places.
 
-use crate::fault::Place;
+use crate::fault::{Fault, Place};
 use crate::robot::error::{RobotError, RobotErrorKind};
 use crate::robot::file;
 use crate::robot::mjcf::fail;
@@ -142,7 +142,6 @@ impl Document {
         let text = match file::text(&path) {
             Ok(text) => text,
             Err(error) => {
-                use crate::fault::Fault;
                 let reason = error.describe().message;
                 return fail(place.clone(), MjcfFault::NotIncluded { file, reason });
             }

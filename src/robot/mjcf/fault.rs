@@ -313,7 +313,7 @@ impl MjcfFault {
             Self::MeshNotConvex { mesh } => Description::new(
                 "mjcf-mesh-not-convex",
                 format!(
-                    "the mesh `{mesh}` is not convex, and its inertia is to be that of its hull"
+                    "the mesh `{mesh}` is not convex, or too large to tell, and its inertia is to be that of its hull"
                 ),
                 "use inertia=\"exact\", or give the body its <inertial>",
             ),

@@ -22,6 +22,9 @@ const SIZE_LIMIT: u64 = 256 << 20;
 /// Share of the extent of a mesh by which a vertex may stand out of a convex one.
 const CONVEX: f64 = 1e-6;
 
+/// Most faces of a mesh that is looked at for convexity, which takes their square.
+const MOST_CONVEX: usize = 20_000;
+
 /// The meshes of a model by name.
 #[derive(Debug)]
 pub struct Meshes {
@@ -142,16 +145,22 @@ fn path(compiler: &Compiler, file: &str) -> PathBuf {
 
 /// The faces of a file, by the end of its name.
 fn read(path: &Path) -> Result<Faces, String> {
-    let bytes = std::fs::metadata(path).map_err(|e| e.to_string())?.len();
-    if bytes > SIZE_LIMIT {
-        return Err(format!("it has {bytes} bytes, more than {SIZE_LIMIT}"));
+    let end = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+    let end = end.to_ascii_lowercase();
+    if !["obj", "stl"].contains(&end.as_str()) {
+        return Err(format!("`{end}` is neither obj nor stl"));
+    }
+    let metadata = std::fs::metadata(path).map_err(|e| e.to_string())?;
+    let bytes = metadata.len();
+    if !metadata.is_file() || bytes > SIZE_LIMIT {
+        return Err(format!(
+            "it is no file of at most {SIZE_LIMIT} bytes, but has {bytes}"
+        ));
     }
     let content = std::fs::read(path).map_err(|e| e.to_string())?;
-    let end = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-    match end.to_ascii_lowercase().as_str() {
+    match end.as_str() {
         "obj" => obj(&String::from_utf8_lossy(&content)),
-        "stl" => stl(&content),
-        other => Err(format!("`{other}` is neither obj nor stl")),
+        _ => stl(&content),
     }
 }
 
@@ -314,8 +323,11 @@ fn tetrahedron(face: &[Vector3<f64>; 3], from: &Vector3<f64>, filling: Filling) 
     }
 }
 
-/// Whether no vertex stands before the plane of a face.
+/// Whether no vertex stands before the plane of a face. Of more faces than [`MOST_CONVEX`] it is not told.
 fn is_convex(faces: &Faces) -> bool {
+    if faces.len() > MOST_CONVEX {
+        return false;
+    }
     let from = middle(faces);
     let points = || faces.iter().flatten();
     let extent = points().map(|p| (p - from).norm()).fold(0.0, f64::max);

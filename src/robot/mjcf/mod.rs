@@ -12,9 +12,9 @@
 //! link with its frame at the anchor stands before a body whose anchor is not its origin. Contacts, sensors, cameras and
 //! looks are passed over; physics that the tree has no place for is in the notes.
 //!
-//! Order of the files: [`document`] puts includes together, [`settings`] finds attributes through classes, [`compiler`]
-//! has what holds for the whole model, [`pose`], [`geom`], [`mesh`] and [`inertia`] make bodies, [`joint`] joints,
-//! [`body`] walks the tree, [`actuator`] and [`equality`] read what acts on it.
+//! Order of the files: `document` puts includes together, `settings` finds attributes through classes, `compiler`
+//! has what holds for the whole model, `pose`, `geom`, `mesh` and `inertia` make bodies, `joint` joints,
+//! `body` walks the tree, `actuator` and `equality` read what acts on it.
 
 mod actuator;
 mod body;
