@@ -6,6 +6,7 @@ use crate::chain::error::ModelError;
 use crate::chain::parameter::{Parameter, Role, State};
 use crate::chain::platform::Platform;
 use crate::mechanism::loops::Mechanism;
+use crate::robot::description::Dependent;
 use crate::robot::inertia::{Inertia, PER_LINK, QUANTITIES, UNITS};
 use crate::robot::regressor::Rows;
 use crate::robot::tree::{JointKind, Tree};
@@ -197,6 +198,7 @@ pub struct Model {
     /// V by which recorded positions of joints became those of motors.
     reference: Option<DMatrix<f64>>,
     mechanism: Option<Mechanism>,
+    dependents: Vec<Dependent>,
     parameters: Vec<Parameter>,
 }
 
@@ -237,6 +239,7 @@ impl Model {
             tare: None,
             reference: None,
             mechanism: None,
+            dependents: Vec::new(),
             parameters,
             tree: settings.tree,
         })
@@ -374,6 +377,25 @@ impl Model {
         self.mechanism = Some(mechanism);
     }
 
+    /// Lets joints without a motor of their own follow others: their rows of V are those of their leaders times the
+    /// multiplier, so that `Vᵀ` brings their torques to the motors of the leaders.
+    pub fn follow(&mut self, dependents: &[Dependent]) {
+        self.dependents = dependents.to_vec();
+        follow_leaders(&mut self.coupling, dependents);
+    }
+
+    /// A V of joints with motors, with the rows of those that follow others.
+    pub fn with_followers(&self, mut coupling: DMatrix<f64>) -> DMatrix<f64> {
+        follow_leaders(&mut coupling, &self.dependents);
+        coupling
+    }
+
+    /// The joints that move with one, itself first, each with its speed per speed of that one.
+    pub fn moved_with(&self, joint: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let behind = self.dependents.iter().filter(move |d| d.leader == joint);
+        std::iter::once((joint, 1.0)).chain(behind.map(|d| (d.joint, d.multiplier)))
+    }
+
     pub fn offset(&self) -> &DVector<f64> {
         &self.offset
     }
@@ -466,7 +488,7 @@ impl Model {
                 coupling[(row, column)] = *value;
             }
         }
-        coupling
+        self.with_followers(coupling)
     }
 
     /// True where V is the identity whatever the parameters are.
@@ -477,5 +499,14 @@ impl Model {
                 .parameters
                 .iter()
                 .any(|p| matches!(p.role, Role::Coupling { .. }))
+    }
+}
+
+/// Rows of V of joints that follow others; their own motors stand still.
+fn follow_leaders(coupling: &mut DMatrix<f64>, dependents: &[Dependent]) {
+    for dependent in dependents {
+        let row = coupling.row(dependent.leader) * dependent.multiplier;
+        coupling.set_row(dependent.joint, &row);
+        coupling[(dependent.joint, dependent.joint)] = 1.0;
     }
 }

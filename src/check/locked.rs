@@ -25,8 +25,12 @@ pub(super) fn check(setting: &Setting<'_>, named: &Named<'_>) -> Vec<Finding> {
     let Ok(recording) = read_one(setting.table, &unlocked, named.path) else {
         return Vec::new();
     };
+    let mut recorded = setting.robot.position.clone();
+    recorded.sort_unstable();
     let of_joint = |k: usize, at: f64| {
-        let (low, high) = extent(recording.position[k].iter().copied());
+        // Joints that follow others have no channel.
+        let channel = recorded.binary_search(&k).ok()?;
+        let (low, high) = extent(recording.position[channel].iter().copied());
         let farthest = (high - at).abs().max((low - at).abs());
         (farthest > STILL).then(|| {
             finding(

@@ -6,9 +6,10 @@ use crate::outcome::check::{Finding, Severity};
 use crate::problem_file::ProblemFile;
 use crate::problem_file::choices::Inertials;
 use crate::problem_file::robot::RobotSource;
+use crate::robot::description::{Note, Weight};
 use crate::robot::tree::{Joint, JointKind};
 use crate::setup::robot::Robot;
-use nalgebra::{SymmetricEigen, Vector3};
+use nalgebra::SymmetricEigen;
 use std::f64::consts::TAU;
 use std::fs;
 use std::ops::RangeInclusive;
@@ -46,8 +47,20 @@ pub(super) fn check(problem: &ProblemFile, robot: &Robot) -> Vec<Finding> {
     findings.extend(outlying_mass(robot));
     findings.extend(limits_in_degrees(robot));
     findings.extend(angles_in_degrees(problem));
-    findings.extend(no_gravity_of_earth(problem));
+    findings.extend(no_gravity_of_earth(problem, robot));
+    findings.extend(robot.description.notes.iter().map(of_note));
     findings
+}
+
+/// What the reader of the robot file made of its elements.
+fn of_note(note: &Note) -> Finding {
+    let severity = match note.weight {
+        Weight::Remark => Severity::Note,
+        Weight::LeftOut => Severity::Warning,
+    };
+    let words = &note.words;
+    let text = (words.code, words.message.clone(), words.remedy.clone());
+    finding(severity, note.place.clone(), text)
 }
 
 fn matters(known: bool) -> Severity {
@@ -237,13 +250,16 @@ fn angles_in_degrees(problem: &ProblemFile) -> Option<Finding> {
     ))
 }
 
-fn no_gravity_of_earth(problem: &ProblemFile) -> Option<Finding> {
-    let gravity = &problem.robot.gravity;
-    let size = Vector3::from(gravity.value).norm();
+fn no_gravity_of_earth(problem: &ProblemFile, robot: &Robot) -> Option<Finding> {
+    let size = robot.tree.gravity().norm();
+    let place = match &problem.robot.gravity {
+        Some(stated) => stated.place.clone(),
+        None => at(robot, "gravity"),
+    };
     (!GRAVITY_OF_EARTH.contains(&size)).then(|| {
         finding(
             Severity::Warning,
-            gravity.place.clone(),
+            place,
             (
                 "gravity-size",
                 format!("gravity of {size} m/s² is not that of the Earth, 9.76 to 9.84 m/s²"),

@@ -12,6 +12,7 @@ use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::problem_file::choices::Estimator;
 use crate::problem_file::robot::RobotSource;
+use crate::robot::mjcf;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -55,6 +56,9 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
 pub fn files(problem: &ProblemFile) -> Vec<PathBuf> {
     let mut files = match &problem.robot.source {
         RobotSource::Urdf(path) | RobotSource::Mdh(path) => vec![path.resolved.clone()],
+        // With the files that it includes, as far as it reads.
+        RobotSource::Mjcf(path) => mjcf::read(&path.resolved)
+            .map_or_else(|_| vec![path.resolved.clone()], |robot| robot.files),
         RobotSource::Mechanism { .. } => Vec::new(),
     };
     files.extend(problem.robot.parameters.iter().map(|p| p.resolved.clone()));

@@ -23,6 +23,22 @@ use crate::setup::names::{self, Reference};
 use crate::setup::robot::Robot;
 use nalgebra::{Point3, Vector3};
 
+/// Designs move joints one by one: those that others follow have to stand still.
+fn refuse_leaders(problem: &ProblemFile, robot: &Robot) -> Result<(), SetupError> {
+    let Some(dependent) = robot.dependents.first() else {
+        return Ok(());
+    };
+    let name = |k: usize| &robot.tree.joints()[k].name;
+    let (joint, leader) = (name(dependent.joint), name(dependent.leader));
+    Err(SetupError::mismatch(
+        &Place::file(&problem.path).key("robot"),
+        Mismatch::NotYet {
+            what: format!("a design that moves `{leader}`, which `{joint}` follows,"),
+            instead: format!("lock it for the motion: robot.locked = {{ {leader} = 0.0 }}"),
+        },
+    ))
+}
+
 /// Everything that does not depend on the motion.
 #[derive(Debug)]
 pub struct Prepared {
@@ -48,6 +64,7 @@ impl Prepared {
     /// estimate.
     pub fn read(problem: &ProblemFile) -> Result<Self, DesignError> {
         let robot = setup::robot::open(problem)?;
+        refuse_leaders(problem, &robot)?;
         // What a plan of constant velocities is for is not known before.
         let mut model = match problem.design.kind.value {
             DesignKind::ConstantVelocity => {

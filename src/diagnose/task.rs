@@ -102,6 +102,9 @@ pub fn run(
     };
     let note = held_out.then(|| HELD_OUT.to_string());
     reported.diagnosis.notes.extend(note);
+    let estimated = &reported.diagnosis.outcome.parameters;
+    let differences = setup::declared::differences(problem, &robot, &model, estimated);
+    reported.diagnosis.notes.extend(differences);
     Ok(DiagnoseRun {
         diagnosis: reported.diagnosis,
         mistakes,

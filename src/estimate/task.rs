@@ -87,6 +87,9 @@ pub fn run(
     fitted.fit.notes.extend(undetermined_load(&fitted.fit));
     fitted.fit.notes.extend(notes(&model, &data));
     fitted.fit.notes.extend(misfit(&fitted.estimate.joints));
+    let estimated = &fitted.estimate.parameters;
+    let differences = setup::declared::differences(problem, &robot, &model, estimated);
+    fitted.fit.notes.extend(differences);
     if matches!(model.signal(), Signal::BaseWrench | Signal::Both) {
         let theta_d = reactions::joint_torque_parameters(&fitted.model, &fitted.fit.posterior);
         fitted.fit.joint_torque_parameters = theta_d;

@@ -25,13 +25,35 @@ pub fn write(machine: &Machine, name: &str) -> Export {
     );
     sites(machine, None, "    ", &mut text);
     bodies(machine, None, "    ", &mut text);
-    text.push_str("  </worldbody>\n</mujoco>\n");
+    text.push_str("  </worldbody>\n");
+    couplings(machine, &mut text);
+    text.push_str("</mujoco>\n");
     Export {
         files: vec![File {
             name: format!("{name}.xml"),
             text,
         }],
         notes: lost(machine),
+    }
+}
+
+/// Joints that follow others.
+fn couplings(machine: &Machine, text: &mut String) {
+    let following = machine.joints.iter();
+    let following = following.filter_map(|joint| Some((joint, joint.follows.as_ref()?)));
+    let lines: Vec<String> = following
+        .map(|(joint, leader)| {
+            format!(
+                "    <joint joint1=\"{}\" joint2=\"{}\" polycoef=\"{:?} {:?} 0 0 0\"/>\n",
+                escaped(&joint.name),
+                escaped(&machine.joints[leader.joint].name),
+                leader.offset,
+                leader.multiplier
+            )
+        })
+        .collect();
+    if !lines.is_empty() {
+        text.push_str(&format!("  <equality>\n{}  </equality>\n", lines.concat()));
     }
 }
 

@@ -86,6 +86,12 @@ fn caveats(machine: &Machine) -> Vec<String> {
                 joint.name
             ));
         }
+        if let Some(leader) = &joint.follows {
+            notes.push(format!(
+                "{} has no motor and follows {}: q = {}·q_leader + {}; where there is a value for its own motor, it is zero",
+                joint.name, machine.joints[leader.joint].name, leader.multiplier, leader.offset
+            ));
+        }
     }
     match machine.signal.as_str() {
         "base_wrench" => notes.push(

@@ -29,7 +29,7 @@ struct Robot<'a> {
 struct Drive<'a> {
     torque_constant: Option<Vec<f64>>,
     offset: Option<Vec<f64>>,
-    coupling: Option<&'a Vec<Vec<f64>>>,
+    coupling: Option<Vec<Vec<f64>>>,
     effects_of: BTreeMap<&'a str, Vec<&'a str>>,
     values: BTreeMap<String, f64>,
 }
@@ -44,8 +44,22 @@ pub fn write(machine: &Machine, (name, urdf): (&str, &str)) -> Result<File, Expo
     let locked = joints
         .iter()
         .filter_map(|j| Some((j.name.as_str(), j.locked?)));
-    let shifted = joints.iter().any(|j| j.locked.is_none() && j.offset != 0.0);
-    let effects = joints.iter().map(|joint| {
+    // Joints that follow others have no place in the arrays: the robot file says how they move.
+    let motors: Vec<usize> = (0..joints.len())
+        .filter(|&k| joints[k].follows.is_none())
+        .collect();
+    let with_motors = || motors.iter().map(|&k| &joints[k]);
+    let shifted = with_motors().any(|j| j.locked.is_none() && j.offset != 0.0);
+    let coupling = machine.coupling.as_ref().map(|rows| {
+        let row = |&k: &usize| motors.iter().map(|&c| rows[k][c]).collect::<Vec<f64>>();
+        motors.iter().map(row).collect::<Vec<_>>()
+    });
+    let is_identity = |rows: &Vec<Vec<f64>>| {
+        let entries = rows.iter().enumerate();
+        let mut entries = entries.flat_map(|(i, row)| row.iter().enumerate().map(move |e| (i, e)));
+        entries.all(|(i, (j, v))| *v == f64::from(u8::from(i == j)))
+    };
+    let effects = with_motors().map(|joint| {
         let ids = joint.effects.iter().map(|e| e.id.as_str());
         (joint.name.as_str(), ids.collect())
     });
@@ -59,9 +73,9 @@ pub fn write(machine: &Machine, (name, urdf): (&str, &str)) -> Result<File, Expo
             locked: locked.collect(),
         },
         drive: Drive {
-            torque_constant: joints.iter().map(|j| j.torque_constant).collect(),
-            offset: shifted.then(|| joints.iter().map(|j| j.offset).collect()),
-            coupling: machine.coupling.as_ref(),
+            torque_constant: with_motors().map(|j| j.torque_constant).collect(),
+            offset: shifted.then(|| with_motors().map(|j| j.offset).collect()),
+            coupling: coupling.filter(|rows| !is_identity(rows)),
             effects_of: effects.collect(),
             values: values(machine),
         },

@@ -116,6 +116,14 @@ fn moving(machine: &Machine, joint: &MachineJoint) -> String {
     if !limit.is_empty() {
         limit = format!("    <limit{limit}/>\n");
     }
+    if let Some(leader) = &joint.follows {
+        let name = escaped(&machine.joints[leader.joint].name);
+        let (multiplier, offset) = (leader.multiplier, leader.offset);
+        let _ = writeln!(
+            limit,
+            "    <mimic joint=\"{name}\" multiplier=\"{multiplier:?}\" offset=\"{offset:?}\"/>"
+        );
+    }
     format!(
         "  <joint name=\"{}\" type=\"{kind}\">\n    {}\n    <parent link=\"{}\"/>\n    \
          <child link=\"{}\"/>\n    <axis xyz=\"{}\"/>\n{limit}    {}\n  </joint>\n",

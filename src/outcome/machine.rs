@@ -73,11 +73,24 @@ pub struct MachineJoint {
     pub body: [f64; PER_LINK],
     /// Position at which the joint stood still in every recording.
     pub locked: Option<f64>,
+    /// The joint that moves this one, which has no motor of its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub follows: Option<MachineLeader>,
     /// N·m/A (N/A) at joint scale; absent where the signal is a torque.
     pub torque_constant: Option<f64>,
     /// Constant of `q = V m + offset`, rad (m).
     pub offset: f64,
     pub effects: Vec<MachineEffect>,
+}
+
+/// The law `q = multiplier · q_leader + offset` of a joint that follows another.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MachineLeader {
+    /// Position of the leader among the joints.
+    pub joint: usize,
+    pub multiplier: f64,
+    /// rad (m)
+    pub offset: f64,
 }
 
 /// An effect of a joint's drive and the values of its parameters, in SI units.

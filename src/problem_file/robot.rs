@@ -10,6 +10,7 @@ use crate::problem_file::{Context, values};
 pub(crate) const KEYS: &[&str] = &[
     "urdf",
     "mdh",
+    "mjcf",
     "mechanism",
     "gravity",
     "joints",
@@ -24,16 +25,13 @@ pub(crate) const KEYS: &[&str] = &[
 ];
 pub(crate) const CLOSED_KEYS: &[&str] = &["frames", "joint", "axis", "length"];
 
-/// Gravity on the ground with the z axis of the base frame upwards, m/s².
-pub const DEFAULT_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
-
 /// The table `[robot]`.
 #[derive(Debug, Clone)]
 pub struct RobotTable {
     /// Where the kinematics comes from. Required.
     pub source: RobotSource,
-    /// Gravity in the base frame, m/s². Default: [`DEFAULT_GRAVITY`].
-    pub gravity: Located<[f64; 3]>,
+    /// Gravity in the base frame, m/s². Default: that of the robot file, else (0, 0, −9.81).
+    pub gravity: Option<Located<[f64; 3]>>,
     /// Order of all per-joint arrays. Default: the order of the robot file's chain.
     pub joints: Option<Located<Vec<Located<String>>>>,
     /// Joints that do not move and their positions, rad (m). Default: none.
@@ -72,6 +70,8 @@ pub enum RobotSource {
     Urdf(Located<FilePath>),
     /// Modified Denavit-Hartenberg parameters, a TOML file.
     Mdh(Located<FilePath>),
+    /// The format of MuJoCo.
+    Mjcf(Located<FilePath>),
     /// A mechanism the tool knows, with its own table `[robot.<mechanism>]` (empty where absent).
     Mechanism {
         mechanism: Located<Mechanism>,
@@ -93,7 +93,7 @@ impl RobotTable {
         let reader = Reader::open(node, KEYS)?;
         let table = Self {
             source: source(&reader, context)?,
-            gravity: reader.or("gravity", DEFAULT_GRAVITY, values::vector3)?,
+            gravity: reader.optional("gravity", values::vector3)?,
             joints: reader.optional("joints", |n| {
                 values::not_empty(
                     values::names(n, "a list of joints such as [\"joint1\", \"joint2\"]")?,
@@ -155,19 +155,22 @@ impl ClosedTable {
     }
 }
 
-/// Exactly one of `urdf`, `mdh`, `mechanism`.
+/// Exactly one of `urdf`, `mjcf`, `mdh`, `mechanism`.
 fn source(reader: &Reader, context: &Context) -> Result<RobotSource, ProblemFileError> {
     let path = |n: &Node| values::file_path(n, context);
-    reader.at_most_one(&["urdf", "mdh", "mechanism"])?;
-    reader.at_most_one(&["urdf", "mdh", "h4"])?;
+    reader.at_most_one(&["urdf", "mdh", "mjcf", "mechanism"])?;
+    reader.at_most_one(&["urdf", "mdh", "mjcf", "h4"])?;
     if let Some(file) = reader.optional("urdf", path)? {
         return Ok(RobotSource::Urdf(file));
     }
     if let Some(file) = reader.optional("mdh", path)? {
         return Ok(RobotSource::Mdh(file));
     }
+    if let Some(file) = reader.optional("mjcf", path)? {
+        return Ok(RobotSource::Mjcf(file));
+    }
     let Some(mechanism) = reader.optional("mechanism", values::choice::<Mechanism>)? else {
-        let remedy = "name the robot's file with urdf or mdh, or a mechanism such as \"h4\"";
+        let remedy = "name the robot's file with urdf, mjcf or mdh, or a mechanism such as \"h4\"";
         return Err(reader.missing("urdf", remedy));
     };
     let empty = toml::Value::Table(toml::Table::new());

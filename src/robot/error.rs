@@ -1,6 +1,7 @@
 //! What can be wrong with a robot file.
 
 use crate::fault::{Description, Fault, Place, write_fault};
+use crate::robot::mjcf::MjcfFault;
 use std::fmt;
 
 /// A fault of a robot description, with its place.
@@ -70,11 +71,18 @@ pub enum RobotErrorKind {
         found: String,
         nearest: Option<String>,
     },
-    UnsupportedJoint {
+    /// A file with macros that are not expanded.
+    Xacro,
+    /// A joint follows one that does not exist.
+    UnknownLeader {
         found: String,
+        nearest: Option<String>,
     },
-    Mimic {
-        of: String,
+    TwoLeaders {
+        leaders: [String; 2],
+    },
+    LeadersInCircle {
+        joints: Vec<String>,
     },
     DuplicateJoint {
         first_line: Option<usize>,
@@ -114,6 +122,8 @@ pub enum RobotErrorKind {
     NotMdh {
         reason: String,
     },
+    /// A fault that only MJCF files have.
+    Mjcf(MjcfFault),
 }
 
 impl Fault for RobotError {
@@ -123,6 +133,7 @@ impl Fault for RobotError {
 
     fn describe(&self) -> Description {
         match &*self.kind {
+            RobotErrorKind::Mjcf(fault) => fault.describe(),
             kind @ (RobotErrorKind::NotFound
             | RobotErrorKind::IsDirectory
             | RobotErrorKind::NotReadable { .. }
@@ -131,6 +142,7 @@ impl Fault for RobotError {
             | RobotErrorKind::Empty
             | RobotErrorKind::NotXml { .. }
             | RobotErrorKind::NotRobot { .. }
+            | RobotErrorKind::Xacro
             | RobotErrorKind::NotMdh { .. }) => of_file(kind),
             kind @ (RobotErrorKind::MissingAttribute { .. }
             | RobotErrorKind::MissingElement { .. }
@@ -203,10 +215,20 @@ fn of_file(kind: &RobotErrorKind) -> Description {
             format!("the table of Denavit-Hartenberg parameters cannot be read: {reason}"),
             "see the README for its keys",
         ),
+        K::Xacro => Description::new(
+            "urdf-xacro",
+            "the file has xacro macros, which are no URDF before they are expanded",
+            "expand it with `xacro robot.urdf.xacro > robot.urdf` and name the file that this writes",
+        ),
+        K::NotRobot { root } if root == "mujoco" => Description::new(
+            "urdf-not-robot",
+            "the root element is <mujoco>, not <robot>: the file is MJCF",
+            "name it as robot.mjcf instead of robot.urdf",
+        ),
         K::NotRobot { root } => Description::new(
             "urdf-not-robot",
             format!("the root element is <{root}>, not <robot>"),
-            "give a URDF file; SDF and MJCF are other formats",
+            "give a URDF file, or an MJCF file as robot.mjcf; SDF is another format",
         ),
         other => of_joint(other),
     }
@@ -270,17 +292,28 @@ fn of_joint(kind: &RobotErrorKind) -> Description {
         K::UnknownJointType { found, nearest } => Description::new(
             "urdf-unknown-joint-type",
             format!("the joint's type is `{found}`"),
-            suggestion(nearest, "write revolute, continuous, prismatic or fixed"),
+            suggestion(
+                nearest,
+                "write revolute, continuous, prismatic, fixed, floating or planar",
+            ),
         ),
-        K::UnsupportedJoint { found } => Description::new(
-            "urdf-unsupported-joint",
-            format!("the joint's type is `{found}`, which has more than one degree of freedom"),
-            "split it into revolute and prismatic joints",
+        K::UnknownLeader { found, nearest } => Description::new(
+            "robot-unknown-leader",
+            format!("the joint follows `{found}`, and there is no such joint"),
+            suggestion(nearest, "name a joint of the robot"),
         ),
-        K::Mimic { of } => Description::new(
-            "urdf-mimic",
-            format!("the joint mimics `{of}`; a mimicking joint has no motor of its own"),
-            "make it fixed, or leave it out with what hangs on it",
+        K::TwoLeaders { leaders } => Description::new(
+            "robot-two-leaders",
+            format!("the joint follows {} at once", leaders.join(" and ")),
+            "keep one of them",
+        ),
+        K::LeadersInCircle { joints } => Description::new(
+            "robot-leaders-in-circle",
+            format!(
+                "the joints {} follow each other in a circle",
+                joints.join(", ")
+            ),
+            "let one of them follow none",
         ),
         other => of_structure(other),
     }

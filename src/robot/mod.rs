@@ -2,8 +2,10 @@
 
 mod assemble;
 pub mod batch;
+mod dependents;
 pub mod derivative_batch;
 pub mod derivatives;
+pub mod description;
 pub mod error;
 mod file;
 pub mod forward_dynamics;
@@ -12,6 +14,7 @@ pub mod instructions;
 // Visible to the library alone: the lanes of an instruction set are sound only where it was detected.
 pub(crate) mod lanes;
 pub mod mdh;
+pub mod mjcf;
 mod motion;
 pub mod newton_euler;
 pub mod random;

@@ -2,8 +2,10 @@
 //!
 //! The parsing library gives every element its position, so that each fault names line and column.
 
-use crate::fault::Place;
+use crate::fault::{Description as Words, Place};
 use crate::robot::assemble::{RawJoint, RawLink, RawRobot, assemble};
+use crate::robot::dependents::{self, RawDependent};
+use crate::robot::description::{Description, Note, Weight};
 use crate::robot::error::{LARGEST_NUMBER, RobotError, RobotErrorKind};
 use crate::robot::file;
 use crate::robot::inertia::{CentralInertia, Inertia};
@@ -12,25 +14,28 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vect
 use roxmltree::{Document, Node};
 use std::path::Path;
 
+/// Prefix of the elements of macros that a URDF is made with.
+const MACRO: &str = "xacro";
+
 /// Reads a URDF file into a tree; fixed joints are merged, their frames kept by name.
 pub fn read(path: &Path) -> Result<Tree, RobotError> {
-    parse(&file::text(path)?, path)
+    Ok(describe(path)?.tree)
 }
 
 /// Reads the text of a URDF file; `path` is named in errors.
 pub fn parse(text: &str, path: &Path) -> Result<Tree, RobotError> {
-    let document = Document::parse(text).map_err(|e| {
-        let (line, column) = match e {
-            // The library places an early end at the beginning.
-            roxmltree::Error::UnexpectedEndOfStream | roxmltree::Error::UnclosedRootNode => {
-                end_of(text)
-            }
-            _ => (e.pos().row as usize, e.pos().col as usize),
-        };
-        let place = Place::file(path).line(line).column(column);
-        let reason = e.to_string();
-        RobotError::new(place, RobotErrorKind::NotXml { reason })
-    })?;
+    Ok(describe_text(text, path)?.tree)
+}
+
+/// Reads a URDF file with what it says beside the tree: joints that mimic others, and joints with several degrees of
+/// freedom, which the tree has as fixed.
+pub fn describe(path: &Path) -> Result<Description, RobotError> {
+    describe_text(&file::text(path)?, path)
+}
+
+/// Reads the text of a URDF file with what it says beside the tree; `path` is named in errors.
+pub fn describe_text(text: &str, path: &Path) -> Result<Description, RobotError> {
+    let document = Document::parse(text).map_err(|e| not_xml(text, path, &e))?;
     let reader = Reader { path };
     let root = document.root_element();
     if root.tag_name().name() != "robot" {
@@ -40,6 +45,10 @@ pub fn parse(text: &str, path: &Path) -> Result<Tree, RobotError> {
                 root: root.tag_name().name().to_string(),
             },
         ));
+    }
+    if let Some(node) = root.descendants().find(|node| is_macro(*node)) {
+        let place = reader.locate(&document, node.range().start);
+        return Err(RobotError::new(place, RobotErrorKind::Xacro));
     }
     let elements = |name: &'static str| root.children().filter(move |node| node.has_tag_name(name));
     let robot = RawRobot {
@@ -52,7 +61,51 @@ pub fn parse(text: &str, path: &Path) -> Result<Tree, RobotError> {
             .map(|node| reader.joint(node))
             .collect::<Result<_, _>>()?,
     };
-    assemble(&robot, |at| reader.locate(&document, at))
+    let tree = assemble(&robot, |at| reader.locate(&document, at))?;
+    let mimics = elements("joint")
+        .filter_map(|node| reader.mimic(node).transpose())
+        .collect::<Result<Vec<_>, _>>()?;
+    let fixed = robot.joints.iter().filter(|joint| joint.kind.is_none());
+    let still: Vec<String> = fixed.map(|joint| joint.name.clone()).collect();
+    let resolved = dependents::resolve(&tree, &still, &mimics)?;
+    Ok(Description {
+        dependents: resolved.dependents,
+        held: resolved.held,
+        notes: elements("joint")
+            .filter_map(|node| reader.held_still(node))
+            .collect(),
+        ..Description::of_tree(tree, path.to_path_buf())
+    })
+}
+
+fn not_xml(text: &str, path: &Path, error: &roxmltree::Error) -> RobotError {
+    let (line, column) = match error {
+        // The library places an early end at the beginning.
+        roxmltree::Error::UnexpectedEndOfStream | roxmltree::Error::UnclosedRootNode => {
+            end_of(text)
+        }
+        _ => (error.pos().row as usize, error.pos().col as usize),
+    };
+    let place = Place::file(path).line(line).column(column);
+    let kind = match error {
+        roxmltree::Error::UnknownNamespace(prefix, _) if prefix == MACRO => RobotErrorKind::Xacro,
+        _ => RobotErrorKind::NotXml {
+            reason: error.to_string(),
+        },
+    };
+    RobotError::new(place, kind)
+}
+
+/// Whether an element is a macro, or has an attribute that is one. Expanded files may still declare the prefix.
+fn is_macro(node: Node<'_, '_>) -> bool {
+    let prefixed = node
+        .tag_name()
+        .namespace()
+        .is_some_and(|uri| uri.contains(MACRO));
+    prefixed
+        || node
+            .attributes()
+            .any(|a| a.value().contains("${") || a.value().contains("$("))
 }
 
 /// Line and column behind the last character, from 1.
@@ -238,17 +291,9 @@ impl Reader<'_> {
         let kind = match self.attribute(node, "type")? {
             "revolute" | "continuous" => Some(JointKind::Revolute),
             "prismatic" => Some(JointKind::Prismatic),
-            "fixed" => None,
-            found @ ("floating" | "planar") => {
-                let found = found.to_string();
-                return Err(self.fault(node, RobotErrorKind::UnsupportedJoint { found }));
-            }
+            "fixed" | "floating" | "planar" => None,
             found => return Err(self.unknown_type(node, found)),
         };
-        if let Some(mimic) = find(node, "mimic") {
-            let of = mimic.attribute("joint").unwrap_or("?").to_string();
-            return Err(self.fault(mimic, RobotErrorKind::Mimic { of }));
-        }
         let axis = match find(node, "axis") {
             Some(axis) => self.triple(axis, self.attribute(axis, "xyz")?)?,
             None => Vector3::x(),
@@ -269,8 +314,50 @@ impl Reader<'_> {
         })
     }
 
+    /// `<mimic joint="..." multiplier="1" offset="0"/>` of a joint that can move.
+    fn mimic(&self, node: Node<'_, '_>) -> Result<Option<RawDependent>, RobotError> {
+        let moves = ["revolute", "continuous", "prismatic"].map(Some);
+        let Some(mimic) = find(node, "mimic").filter(|_| moves.contains(&node.attribute("type")))
+        else {
+            return Ok(None);
+        };
+        let number = |attribute, otherwise| {
+            mimic
+                .attribute(attribute)
+                .map_or(Ok(otherwise), |text| self.bounded(mimic, text))
+        };
+        Ok(Some(RawDependent {
+            joint: self.attribute(node, "name")?.to_string(),
+            leader: self.attribute(mimic, "joint")?.to_string(),
+            multiplier: number("multiplier", 1.0)?,
+            offset: number("offset", 0.0)?,
+            place: self.place(mimic),
+        }))
+    }
+
+    /// What is said of a joint with several degrees of freedom, which the tree has as fixed.
+    fn held_still(&self, node: Node<'_, '_>) -> Option<Note> {
+        let kind = node.attribute("type")?;
+        ["floating", "planar"].contains(&kind).then(|| Note {
+            place: self.place(node),
+            words: Words::new(
+                "joint-held-still",
+                format!("the joint is {kind}; it is taken as fixed at its origin"),
+                "record with it at rest there, or split it into revolute and prismatic joints",
+            ),
+            weight: Weight::Remark,
+        })
+    }
+
     fn unknown_type(&self, node: Node<'_, '_>, found: &str) -> RobotError {
-        let known = ["revolute", "continuous", "prismatic", "fixed"];
+        let known = [
+            "revolute",
+            "continuous",
+            "prismatic",
+            "fixed",
+            "floating",
+            "planar",
+        ];
         self.fault(
             node,
             RobotErrorKind::UnknownJointType {

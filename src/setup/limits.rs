@@ -104,5 +104,15 @@ pub fn of_joints(problem: &ProblemFile, robot: &Robot) -> Result<Vec<JointLimits
             torque: of(&torque, k).or(positive(stated.effort)),
         });
     }
+    for dependent in &robot.dependents {
+        let (behind, leader) = (limits[dependent.joint], &mut limits[dependent.leader]);
+        let ends =
+            [behind.lower, behind.upper].map(|q| (q - dependent.offset) / dependent.multiplier);
+        let stated = robot.tree.joints()[dependent.joint].limits;
+        if stated.lower.is_some() && stated.upper.is_some() {
+            leader.lower = leader.lower.max(ends[0].min(ends[1]));
+            leader.upper = leader.upper.min(ends[0].max(ends[1]));
+        }
+    }
     Ok(limits)
 }

@@ -2,8 +2,8 @@
 
 use crate::chain::model::{Model, Signal};
 use crate::outcome::machine::{
-    Machine, MachineEffect, MachineFrame, MachineJoint, MachineLoad, MachineValue, Pose,
-    RobotDescription,
+    Machine, MachineEffect, MachineFrame, MachineJoint, MachineLeader, MachineLoad, MachineValue,
+    Pose, RobotDescription,
 };
 use crate::problem_file::ProblemFile;
 use crate::problem_file::robot::PayloadPlace;
@@ -68,6 +68,12 @@ fn joint(robot: &Robot, model: &Model, values: &DVector<f64>, j: usize) -> Machi
             .collect(),
     });
     let first = PER_LINK * j;
+    let behind = robot.dependents.iter().find(|d| d.joint == j);
+    let follows = behind.map(|d| MachineLeader {
+        joint: d.leader,
+        multiplier: d.multiplier,
+        offset: d.offset,
+    });
     MachineJoint {
         name: joint.name.clone(),
         link: joint.link.clone(),
@@ -80,7 +86,8 @@ fn joint(robot: &Robot, model: &Model, values: &DVector<f64>, j: usize) -> Machi
         velocity: joint.limits.velocity,
         effort: joint.limits.effort,
         body: std::array::from_fn(|k| values[first + k]),
-        locked: robot.locked[j],
+        locked: robot.locked[j].filter(|_| follows.is_none()),
+        follows,
         torque_constant: (model.signal() == Signal::Current).then_some(drive.torque_constant),
         offset: model.offset()[j],
         effects: effects.collect(),

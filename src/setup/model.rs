@@ -10,6 +10,7 @@ use crate::problem_file::choices::{Inertials, PositionSide, Signal};
 use crate::problem_file::drive::CurrentLaw;
 use crate::problem_file::robot::PayloadPlace;
 use crate::problem_file::{Located, PerJoint, ProblemFile};
+use crate::setup::declared;
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::known::{bound_all, fix_all, zero_parameters};
 use crate::setup::robot::{Robot, unknown};
@@ -93,6 +94,7 @@ fn build_with(
         effects,
     };
     let mut model = Model::new(settings).map_err(|e| at(&problem_place(problem), e))?;
+    model.follow(&robot.dependents);
     crate::setup::platform::apply(problem, robot, &mut model)?;
     let side = problem
         .recordings
@@ -100,12 +102,14 @@ fn build_with(
         .map(|table| table.position_side.value);
     if side.is_some_and(|side| side != PositionSide::Motor) {
         let n = robot.tree.len();
-        model.record_joints(declared.unwrap_or_else(|| DMatrix::identity(n, n)));
+        let reference = declared.unwrap_or_else(|| DMatrix::identity(n, n));
+        model.record_joints(model.with_followers(reference));
     }
     if let Some(mechanism) = &robot.mechanism {
         model.close(mechanism.clone());
     }
     keep_declared_entries(&mut model, problem, (robot, freed))?;
+    declared::apply(problem, robot, &mut model);
     zero_parameters(&mut model, problem)?;
     fix_all(&mut model, &problem.drive.values)?;
     bound_all(&mut model, problem)?;
@@ -161,8 +165,9 @@ fn to_effects(listed: &[Located<String>]) -> Vec<&'static Effect> {
 /// The listed effects for every joint that has a motor.
 fn effects_of_motors(robot: &Robot, listed: &[Located<String>]) -> Vec<Vec<&'static Effect>> {
     let mut effects = vec![to_effects(listed); robot.tree.len()];
-    let passive = robot.mechanism.iter().flat_map(|m| m.passive());
-    passive.for_each(|&k| effects[k].clear());
+    let passive = robot.mechanism.iter().flat_map(|m| m.passive()).copied();
+    let following = robot.dependents.iter().map(|d| d.joint);
+    passive.chain(following).for_each(|k| effects[k].clear());
     effects
 }
 
@@ -178,10 +183,27 @@ fn effects_of_joints(
         };
         effects[k] = to_effects(&entry.value);
     }
+    for k in 0..effects.len() {
+        let name = &robot.tree.joints()[k].name;
+        // A list for one joint says all of it.
+        if problem
+            .drive
+            .effects_of
+            .iter()
+            .any(|entry| entry.name == *name)
+        {
+            continue;
+        }
+        for effect in declared::effects(problem, robot, k) {
+            if effects[k].iter().all(|listed| listed.id != effect.id) {
+                effects[k].push(effect);
+            }
+        }
+    }
     Ok(effects)
 }
 
-fn signal(problem: &ProblemFile) -> Result<model::Signal, SetupError> {
+pub(super) fn signal(problem: &ProblemFile) -> Result<model::Signal, SetupError> {
     let Some(recordings) = &problem.recordings else {
         return Ok(match problem.drive.current_law {
             Some(_) => model::Signal::Current,
@@ -242,16 +264,16 @@ fn coupling(problem: &ProblemFile, robot: &Robot) -> Result<Option<DMatrix<f64>>
         return Ok(None);
     };
     let n = robot.tree.len();
-    if coupling.value.len() != n {
+    if coupling.value.len() != robot.order.len() {
         return Err(SetupError::mismatch(
             &coupling.place,
             Mismatch::CouplingSize {
                 found: coupling.value.len(),
-                expected: n,
+                expected: robot.order.len(),
             },
         ));
     }
-    let mut matrix = DMatrix::zeros(n, n);
+    let mut matrix = DMatrix::identity(n, n);
     for (i, row) in coupling.value.iter().enumerate() {
         for (j, value) in row.iter().enumerate() {
             matrix[(robot.position[i], robot.position[j])] = *value;

@@ -472,7 +472,10 @@ fn from_joints(experiment: &mut Experiment, model: &Model) {
             });
             let motors = &inverse * joints;
             for j in 0..n {
-                series[j][row] = motors[j];
+                series[j][row] = match model.joints()[j].locked {
+                    true => 0.0,
+                    false => motors[j],
+                };
             }
         }
     }

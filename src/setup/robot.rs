@@ -1,11 +1,13 @@
 //! The robot of a problem file: its tree, the order of per-joint arrays, the joints that stand still.
 
+use crate::fault::Place;
 use crate::mechanism::loops::Mechanism;
 use crate::problem_file::choices::Mechanism as Known;
 use crate::problem_file::robot::{RobotSource, RobotTable};
-use crate::problem_file::{Located, PerJoint, ProblemFile};
+use crate::problem_file::{Located, Named, PerJoint, ProblemFile};
+use crate::robot::description::{Dependent, Description};
 use crate::robot::tree::Tree;
-use crate::robot::{mdh, urdf};
+use crate::robot::{mdh, mjcf, urdf};
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::loops;
 use std::path::{Path, PathBuf};
@@ -15,6 +17,8 @@ use std::path::{Path, PathBuf};
 pub struct Robot {
     pub tree: Tree,
     pub file: PathBuf,
+    /// What the robot's file says beside the tree.
+    pub description: Description,
     /// Joint names in the order of the problem file's arrays.
     pub order: Vec<String>,
     /// Position in the tree of each joint of `order`.
@@ -25,6 +29,8 @@ pub struct Robot {
     pub ratio: Option<Vec<f64>>,
     /// The loops of a mechanism; joints without a motor are none of `order`, and locked but for its motion.
     pub mechanism: Option<Mechanism>,
+    /// Joints that follow others which move: none of `order`, and locked but for their leaders' motion.
+    pub dependents: Vec<Dependent>,
 }
 
 /// Reads the robot of a problem file, a tree without loops.
@@ -51,30 +57,53 @@ pub fn open(problem: &ProblemFile) -> Result<Robot, SetupError> {
 /// Reads the robot of a problem file, which may have loops.
 pub fn open_any(problem: &ProblemFile) -> Result<Robot, SetupError> {
     let table = &problem.robot;
-    let (tree, file, known) = source(problem)?;
-    let tree = tree.with_gravity(table.gravity.value);
+    let Source {
+        description,
+        mechanism: known,
+    } = source(problem)?;
+    let mut tree = description.tree.clone();
+    if let Some(gravity) = &table.gravity {
+        tree = tree.with_gravity(gravity.value);
+    }
     let all: Vec<String> = tree.joints().iter().map(|j| j.name.clone()).collect();
     let mechanism = match known {
         None => loops::of_tree(table, &tree, &all)?,
         known => known,
     };
     let passive = mechanism.as_ref().map_or(&[][..], |m| m.passive());
+    let mut locked = locked(table, &all, passive)?;
+    let dependents = follow(table, &description, &mut locked);
+    if let (true, Some(entry)) = (locked.iter().all(Option::is_some), table.locked.first()) {
+        let place = &entry.value.place;
+        return Err(SetupError::mismatch(place, Mismatch::AllLocked));
+    }
+    let follows = |k: &usize| dependents.iter().any(|d| d.joint == *k);
     let names: Vec<String> = (0..all.len())
-        .filter(|k| !passive.contains(k))
+        .filter(|k| !passive.contains(k) && !follows(k))
         .map(|k| all[k].clone())
         .collect();
     let order = match &table.joints {
         None => names.clone(),
-        Some(listed) => checked_order(listed, &names)?,
+        Some(listed) => checked_order(listed, &names, &table.locked)?,
     };
     let position = order
         .iter()
         .filter_map(|name| all.iter().position(|n| n == name))
         .collect();
-    let locked = locked(table, &all, passive)?;
+    if let (Some(_), Some(first)) = (&mechanism, dependents.first()) {
+        let what = format!(
+            "`{}` follows another joint, and closed loops want every joint with or without a motor of its own; \
+             lock it with its leader, or leave both out",
+            all[first.joint]
+        );
+        let place = Place::file(&description.files[0]);
+        return Err(SetupError::mismatch(&place, Mismatch::Mechanism { what }));
+    }
     let mut robot = Robot {
         tree,
-        file,
+        file: description.files[0].clone(),
+        description,
+        dependents,
         order,
         position,
         locked,
@@ -85,18 +114,72 @@ pub fn open_any(problem: &ProblemFile) -> Result<Robot, SetupError> {
     Ok(robot)
 }
 
-/// The tree of the robot's file, and the mechanism where the tool knows it.
-fn source(problem: &ProblemFile) -> Result<(Tree, PathBuf, Option<Mechanism>), SetupError> {
+/// Where the kinematics comes from, read.
+struct Source {
+    description: Description,
+    /// The mechanism where the tool knows it.
+    mechanism: Option<Mechanism>,
+}
+
+fn source(problem: &ProblemFile) -> Result<Source, SetupError> {
+    let alone = |description| Source {
+        description,
+        mechanism: None,
+    };
     Ok(match &problem.robot.source {
-        RobotSource::Urdf(path) => (urdf::read(&path.resolved)?, path.resolved.clone(), None),
-        RobotSource::Mdh(path) => (mdh::read(&path.resolved)?, path.resolved.clone(), None),
+        RobotSource::Urdf(path) => alone(urdf::describe(&path.resolved)?),
+        RobotSource::Mjcf(path) => alone(mjcf::read(&path.resolved)?),
+        RobotSource::Mdh(path) => {
+            let tree = mdh::read(&path.resolved)?;
+            alone(Description::of_tree(tree, path.resolved.clone()))
+        }
         RobotSource::Mechanism { mechanism, table } => {
             let known = match mechanism.value {
                 Known::H4 => loops::h4(table)?,
             };
-            (known.tree().clone(), problem.path.clone(), Some(known))
+            Source {
+                description: Description::of_tree(known.tree().clone(), problem.path.clone()),
+                mechanism: Some(known),
+            }
         }
     })
+}
+
+/// The joints that follow others which move. A locked joint holds what follows it and what it follows, unless the problem
+/// file says where they stand; so does the robot file where it holds a joint.
+fn follow(
+    table: &RobotTable,
+    description: &Description,
+    locked: &mut [Option<f64>],
+) -> Vec<Dependent> {
+    let joints = description.tree.joints();
+    let stated = |joint: usize| {
+        let mut entries = table.locked.iter();
+        entries.any(|entry| entry.name == joints[joint].name)
+    };
+    for held in &description.held {
+        locked[held.joint].get_or_insert(held.position);
+    }
+    for dependent in &description.dependents {
+        if let Some(position) = locked[dependent.joint] {
+            let leader = (position - dependent.offset) / dependent.multiplier;
+            locked[dependent.leader].get_or_insert(leader);
+        }
+    }
+    let mut moving = Vec::new();
+    for dependent in &description.dependents {
+        match locked[dependent.leader] {
+            Some(_) if stated(dependent.joint) => {}
+            Some(at) => {
+                locked[dependent.joint] = Some(dependent.multiplier * at + dependent.offset);
+            }
+            None => {
+                locked[dependent.joint] = Some(dependent.offset);
+                moving.push(*dependent);
+            }
+        }
+    }
+    moving
 }
 
 /// Where joints stand still; those without a motor count as locked.
@@ -114,13 +197,7 @@ fn locked(
         };
         locked[k] = Some(entry.value.value);
     }
-    match (locked.iter().all(Option::is_some), table.locked.first()) {
-        (true, Some(entry)) => {
-            let place = &entry.value.place;
-            Err(SetupError::mismatch(place, Mismatch::AllLocked))
-        }
-        _ => Ok(locked),
-    }
+    Ok(locked)
 }
 
 pub(crate) fn unknown(place: &crate::fault::Place, found: &str, known: &[String]) -> SetupError {
@@ -136,6 +213,7 @@ pub(crate) fn unknown(place: &crate::fault::Place, found: &str, known: &[String]
 fn checked_order(
     listed: &Located<Vec<Located<String>>>,
     names: &[String],
+    locked: &[Named<f64>],
 ) -> Result<Vec<String>, SetupError> {
     let mut order: Vec<String> = Vec::new();
     for name in &listed.value {
@@ -154,7 +232,7 @@ fn checked_order(
     }
     let missing: Vec<String> = names
         .iter()
-        .filter(|n| !order.contains(n))
+        .filter(|n| !order.contains(n) && locked.iter().all(|entry| entry.name != **n))
         .cloned()
         .collect();
     if missing.is_empty() {

@@ -250,7 +250,11 @@ pub(super) fn from_joints(model: &Model) -> (DMatrix<f64>, DVector<f64>) {
     let n = model.tree().len();
     let coupling = model.coupling(&model.values());
     // The setup refuses a coupling that cannot be inverted.
-    let inverse = coupling.try_inverse().unwrap_or(DMatrix::identity(n, n));
+    let mut inverse = coupling.try_inverse().unwrap_or(DMatrix::identity(n, n));
+    // Motors of joints that are held or follow others stand at zero.
+    for (j, _) in model.joints().iter().enumerate().filter(|(_, j)| j.locked) {
+        inverse.row_mut(j).fill(0.0);
+    }
     let shift = -(&inverse * model.offset());
     (inverse, shift)
 }

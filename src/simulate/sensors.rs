@@ -317,7 +317,7 @@ impl Noise {
         };
         let values = given.expand(&names)?;
         if model.signal() != Kind::BaseWrench {
-            noise.joints = robot.to_tree(&values[..n]);
+            noise.joints = robot.to_tree(&values[..robot.order.len()]);
         }
         let rest = values[values.len() - 6.min(values.len())..].iter();
         if matches!(model.signal(), Kind::BaseWrench | Kind::Both) {

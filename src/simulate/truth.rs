@@ -13,6 +13,7 @@ use crate::problem_file::choices::{Inertials, Signal};
 use crate::problem_file::{Located, Named, ProblemFile};
 use crate::robot::inertia::{Inertia, PER_LINK};
 use crate::robot::tree::Tree;
+use crate::setup::declared;
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::known::resolve;
 use crate::setup::model;
@@ -49,10 +50,13 @@ pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateErro
     let earlier = Earlier::read(problem)?;
     let mut robot = robot.clone();
     robot.tree = earlier.with_links(&robot.tree);
-    let declared = all_known(problem);
+    let declared = declared::listed(&all_known(problem), &robot);
     let acting = concealed::add(&declared, &robot)?;
     let mut plant = model::build(&commanded(&acting.problem), &robot)?;
     let mut assigned = initially_assigned(&plant, &acting.problem);
+    for declared in declared::values(&acting.problem, &robot, &plant) {
+        assigned[declared.parameter] = true;
+    }
     earlier.assign(&mut plant, &mut assigned);
     let given: Vec<Named<f64>> = zeros(problem)
         .chain(problem.drive.values.iter().cloned())

@@ -20,16 +20,20 @@ impl Evaluator<'_> {
             let part = start..range.len().min(start + BLOCK);
             derivatives.evaluate(&self.tree, &bodies, (self.trajectory(), part.clone()));
             for &(column, i, j) in &entries {
-                for row in 0..self.rigid.values.len() {
-                    let [by_q, by_dq, by_ddq] = self.by_motion(&derivatives, (row, i));
-                    let spring = self.stiffness.get(i);
-                    let spring = spring.filter(|_| row == i && row < self.torque_rows());
-                    let series = self.rigid.series(row, column);
-                    for (at, k) in part.clone().enumerate() {
-                        let sample = range.start + k;
-                        let m = [motors.q, motors.dq, motors.ddq].map(|series| series[j][sample]);
-                        let own = spring.map_or(0.0, |stiffness| stiffness[k] * m[0]);
-                        series[k] += by_q[at] * m[0] + by_dq[at] * m[1] + by_ddq[at] * m[2] + own;
+                for (i, multiplier) in self.model.moved_with(i) {
+                    for row in 0..self.rigid.values.len() {
+                        let [by_q, by_dq, by_ddq] = self.by_motion(&derivatives, (row, i));
+                        let spring = self.stiffness.get(i);
+                        let spring = spring.filter(|_| row == i && row < self.torque_rows());
+                        let series = self.rigid.series(row, column);
+                        for (at, k) in part.clone().enumerate() {
+                            let sample = range.start + k;
+                            let m = [motors.q, motors.dq, motors.ddq]
+                                .map(|series| multiplier * series[j][sample]);
+                            let own = spring.map_or(0.0, |stiffness| stiffness[k] * m[0]);
+                            series[k] +=
+                                by_q[at] * m[0] + by_dq[at] * m[1] + by_ddq[at] * m[2] + own;
+                        }
                     }
                 }
             }
@@ -44,8 +48,10 @@ impl Evaluator<'_> {
         }
         for (column, i, j) in self.coupling_entries() {
             let series = self.block.series(j, column);
-            for (to, torque) in series[..samples].iter_mut().zip(&self.rigid.values[i]) {
-                *to += torque;
+            for (i, multiplier) in self.model.moved_with(i) {
+                for (to, torque) in series[..samples].iter_mut().zip(&self.rigid.values[i]) {
+                    *to += multiplier * torque;
+                }
             }
         }
     }

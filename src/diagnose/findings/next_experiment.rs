@@ -91,6 +91,7 @@ fn declared(context: &Context<'_>) -> Option<Map<String, Value>> {
     let robot = table.get_mut("robot")?.as_object_mut()?;
     match &context.problem.robot.source {
         RobotSource::Urdf(file) => robot.insert("urdf".to_string(), path(file)),
+        RobotSource::Mjcf(file) => robot.insert("mjcf".to_string(), path(file)),
         RobotSource::Mdh(file) => robot.insert("mdh".to_string(), path(file)),
         RobotSource::Mechanism { .. } => return None,
     };

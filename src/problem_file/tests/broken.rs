@@ -31,6 +31,8 @@ const WHOLE_FILES: &[Case] = &[
     ("[robot]\nurdf = 3", "wrong-type", (2, 8), "robot.urdf", "the number 3"),
     ("[robot]\nurdf = \" \"", "empty-text", (2, 8), "robot.urdf", "empty"),
     ("[robot]\nurdf = \"r\"\nmdh = \"m\"", "conflict", (3, 1), "robot.mdh", "urdf"),
+    ("[robot]\nurdf = \"r\"\nmjcf = \"m\"", "conflict", (3, 1), "robot.mjcf", "urdf"),
+    ("[robot]\nmjfc = \"r\"", "unknown-key", (2, 1), "robot.mjfc", "mean \"mjcf\"?"),
     ("[robot]\nmechanism = \"h5\"", "unknown-mechanism", (2, 13), "robot.mechanism", "h4"),
     ("[robot]\nurdf = \"r\"\n[robot.h4]\na = 1", "conflict", (3, 8), "robot.h4", "keep one"),
 ];

@@ -48,7 +48,7 @@ fn robot_of_the_complete_file() {
     };
     assert_eq!(urdf.written, "kr150.urdf");
     assert_eq!(urdf.resolved, Path::new("folder/kr150.urdf"));
-    assert_eq!(robot.gravity.value, [0.0, 0.5, -9.81]);
+    assert_eq!(*given(&robot.gravity), [0.0, 0.5, -9.81]);
     assert_eq!(texts(robot.joints.as_ref().unwrap()), ["a1", "a2", "a3"]);
     assert_eq!(named(&robot.locked), [("a4", 0.25)]);
     assert_eq!(robot.inertials.value, Inertials::Known);
@@ -232,7 +232,7 @@ fn simulate_and_diagnose_of_the_complete_file() {
 fn a_file_with_a_robot_alone_has_the_documented_defaults() {
     let file = parse("robot.urdf = \"r.urdf\"", &[]).unwrap();
     assert_eq!(file.name.value, "p");
-    assert_eq!(file.robot.gravity.value, [0.0, 0.0, -9.81]);
+    assert!(file.robot.gravity.is_none());
     assert_eq!(file.robot.inertials.value, Inertials::Estimate);
     assert!(file.robot.joints.is_none() && file.robot.payload.is_none());
     assert!(file.drive.current_law.is_none() && file.drive.effects.is_empty());

@@ -129,15 +129,26 @@ fn broken_trees() -> Vec<Broken> {
             joint("name=\"j\" type=\"revolut\"", ""),
         ),
         (
-            "urdf-unsupported-joint",
-            Some(4),
-            joint("name=\"j\" type=\"planar\"", ""),
-        ),
-        (
-            "urdf-mimic",
+            "robot-unknown-leader",
             Some(4),
             joint(revolute, "<mimic joint=\"k\"/>"),
         ),
+        (
+            "robot-leaders-in-circle",
+            Some(4),
+            joint(revolute, "<mimic joint=\"j\"/>"),
+        ),
+        (
+            "urdf-missing-attribute",
+            Some(4),
+            joint(revolute, "<mimic multiplier=\"2\"/>"),
+        ),
+        (
+            "urdf-xacro",
+            Some(4),
+            joint(revolute, "<limit effort=\"${effort}\"/>"),
+        ),
+        ("urdf-xacro", Some(4), robot("<xacro:arm prefix=\"left\"/>")),
         (
             "robot-duplicate-joint",
             Some(4),

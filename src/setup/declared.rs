@@ -1,0 +1,196 @@
+//! What the robot file says of drives, as effects and values of the model.
+//!
+//! Rotor inertias are known unless they are listed as an effect. Friction and springs are effects of the model whose
+//! estimates start from what the file says; `drive.values` makes them known, and `drive.effects_of` takes their place.
+//! A joint that follows another gives what it has to its leader: with `q = m·q_leader + o`
+//!
+//! ```text
+//! Jm += m² Jm'    Fv += m² Fv'    Fc += |m| Fc'    k += m² k',  k q0 += m k' (q0' − o)
+//! ```
+
+use crate::chain::effect::{
+    Effect, coulomb_friction, joint_spring, rotor_inertia, viscous_friction,
+};
+use crate::chain::model::{Model, Signal};
+use crate::fault::Place;
+use crate::outcome::parameter::Parameter;
+use crate::problem_file::{Located, Named, ProblemFile};
+use crate::robot::description::{DeclaredDrive, DeclaredSpring};
+use crate::setup::robot::Robot;
+
+/// A parameter of an effect and the value that the robot file gives it.
+struct Entry {
+    effect: &'static Effect,
+    parameter: &'static str,
+    value: f64,
+}
+
+/// A parameter of a model and the value that the robot file gives it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DeclaredValue {
+    /// Position among the parameters of the model.
+    pub parameter: usize,
+    pub value: f64,
+    /// Nothing asks for an estimate.
+    pub known: bool,
+}
+
+/// The effects that the robot file's values of a joint belong to.
+pub(super) fn effects(problem: &ProblemFile, robot: &Robot, joint: usize) -> Vec<&'static Effect> {
+    let mut effects: Vec<&'static Effect> = Vec::new();
+    for entry in entries(problem, robot, joint) {
+        if effects.iter().all(|effect| effect.id != entry.effect.id) {
+            effects.push(entry.effect);
+        }
+    }
+    effects
+}
+
+/// The problem with the robot file's effects in the lists of the joints that have them.
+pub fn listed(problem: &ProblemFile, robot: &Robot) -> ProblemFile {
+    let mut all = problem.clone();
+    let has_list = |name: &str| problem.drive.effects_of.iter().any(|e| e.name == name);
+    for (k, joint) in robot.tree.joints().iter().enumerate() {
+        let own = effects(problem, robot, k);
+        if own.is_empty() || has_list(&joint.name) {
+            continue;
+        }
+        let place = Place::file(&robot.file).key(&joint.name);
+        let mut list = problem.drive.effects.clone();
+        for effect in own {
+            if list.iter().all(|listed| listed.value != effect.id) {
+                list.push(Located {
+                    value: effect.id.to_string(),
+                    place: place.clone(),
+                });
+            }
+        }
+        let name = joint.name.clone();
+        let value = Located { value: list, place };
+        all.drive.effects_of.push(Named { name, value });
+    }
+    all
+}
+
+/// The parameters of a model of which the robot file has values.
+pub fn values(problem: &ProblemFile, robot: &Robot, model: &Model) -> Vec<DeclaredValue> {
+    let mut values = Vec::new();
+    for (joint, described) in model.joints().iter().enumerate() {
+        let listed = |id: &str| {
+            let of = problem.drive.effects_of.iter();
+            let own = of.filter(|entry| entry.name == described.name);
+            let all = own.flat_map(|entry| entry.value.iter());
+            all.chain(&problem.drive.effects).any(|e| e.value == id)
+        };
+        for entry in entries(problem, robot, joint) {
+            let mut parameters = described.parameters_of(entry.effect.id);
+            let found = parameters.find(|(info, _)| info.name == entry.parameter);
+            values.extend(found.map(|(_, parameter)| DeclaredValue {
+                parameter,
+                value: entry.value,
+                known: entry.effect.id == rotor_inertia::EFFECT.id && !listed(entry.effect.id),
+            }));
+        }
+    }
+    values
+}
+
+/// Gives a model the values of the robot file. Those outside of the bounds of their parameters start at the bound.
+pub(super) fn apply(problem: &ProblemFile, robot: &Robot, model: &mut Model) {
+    for declared in values(problem, robot, model) {
+        let fixed = declared.known && model.fix(declared.parameter, declared.value).is_ok();
+        if !fixed {
+            model.start(declared.parameter, declared.value);
+        }
+    }
+}
+
+/// Where estimates leave what the robot file says out of their intervals, in one sentence.
+pub fn differences(
+    problem: &ProblemFile,
+    robot: &Robot,
+    model: &Model,
+    estimated: &[Parameter],
+) -> Option<String> {
+    let differs = |declared: DeclaredValue| {
+        let name = &model.parameters()[declared.parameter].name;
+        let found = estimated.iter().find(|parameter| parameter.name == *name)?;
+        let ([lower, upper], value) = (found.ci95?, found.value?);
+        (declared.value < lower || declared.value > upper).then(|| {
+            format!(
+                "{name} {:.4} {unit} in the file, {value:.4} in the recordings (95 % from {lower:.4} to {upper:.4})",
+                declared.value,
+                unit = found.unit
+            )
+        })
+    };
+    let all = values(problem, robot, model).into_iter();
+    let differences: Vec<String> = all.filter_map(differs).collect();
+    (!differences.is_empty()).then(|| {
+        format!(
+            "The robot file and the recordings differ: {}.",
+            differences.join("; ")
+        )
+    })
+}
+
+/// The values of a joint that moves by itself; none where the signal does not feel the joints' drives.
+fn entries(problem: &ProblemFile, robot: &Robot, joint: usize) -> Vec<Entry> {
+    let signal = super::model::signal(problem).ok();
+    if robot.locked[joint].is_some() || signal == Some(Signal::BaseWrench) {
+        return Vec::new();
+    }
+    let drive = with_followers(robot, joint);
+    let rotor = drive.rotor_inertia;
+    let rotor = rotor.filter(|_| problem.drive.rotor_inertia.is_none());
+    let entry = |effect, parameter, value: Option<f64>| {
+        value.map(|value| Entry {
+            effect,
+            parameter,
+            value,
+        })
+    };
+    let entries = [
+        entry(&rotor_inertia::EFFECT, "Jm", rotor),
+        entry(&viscous_friction::EFFECT, "Fv", drive.viscous_friction),
+        entry(&coulomb_friction::EFFECT, "Fc", drive.coulomb_friction),
+        entry(
+            &joint_spring::EFFECT,
+            "k",
+            drive.spring.map(|s| s.stiffness),
+        ),
+        entry(&joint_spring::EFFECT, "q0", drive.spring.map(|s| s.rest)),
+    ];
+    entries.into_iter().flatten().collect()
+}
+
+/// The drive of a joint with those of the joints that follow it.
+fn with_followers(robot: &Robot, joint: usize) -> DeclaredDrive {
+    let drives = &robot.description.drives;
+    let mut sum = drives.get(joint).copied().unwrap_or_default();
+    for dependent in robot.dependents.iter().filter(|d| d.leader == joint) {
+        let Some(own) = drives.get(dependent.joint) else {
+            continue;
+        };
+        let (m, o) = (dependent.multiplier, dependent.offset);
+        let plus = |a: Option<f64>, b: Option<f64>, weight: f64| match b {
+            Some(b) => Some(a.unwrap_or(0.0) + weight * b),
+            None => a,
+        };
+        sum.rotor_inertia = plus(sum.rotor_inertia, own.rotor_inertia, m * m);
+        sum.viscous_friction = plus(sum.viscous_friction, own.viscous_friction, m * m);
+        sum.coulomb_friction = plus(sum.coulomb_friction, own.coulomb_friction, m.abs());
+        if let Some(spring) = own.spring {
+            let before = sum
+                .spring
+                .map_or([0.0; 2], |s| [s.stiffness, s.stiffness * s.rest]);
+            let stiffness = before[0] + m * m * spring.stiffness;
+            let moment = before[1] + m * spring.stiffness * (spring.rest - o);
+            sum.spring = Some(DeclaredSpring {
+                stiffness,
+                rest: moment / stiffness,
+            });
+        }
+    }
+    sum
+}
