@@ -9,6 +9,7 @@ use crate::outcome::check::{Finding, Severity};
 use crate::outcome::estimate::Solver;
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::input::Input;
+use crate::outcome::provenance::Provenance;
 use crate::outcome::run::{Run as Record, VERSION};
 use crate::outcome::{Outcome, REPORT_FILE, RESULT_FILE};
 use crate::problem::solution::Control;
@@ -98,7 +99,14 @@ pub fn record(run: &Run, problem: &ProblemFile, files: &[PathBuf], started: Inst
         problem: problem.json.clone(),
         inputs: all.filter_map(|file| Input::of(file).ok()).collect(),
         wall_s: started.elapsed().as_secs_f64(),
+        provenance: provenance(),
     }
+}
+
+/// Where the results of this process come from.
+pub fn provenance() -> Provenance {
+    let words = std::env::args_os().skip(1);
+    Provenance::of_this_process(words.map(|w| w.to_string_lossy().into_owned()).collect())
 }
 
 /// Writes result and report beside what `fill` writes, replaces the folder, and prints.

@@ -164,7 +164,7 @@ fn contest_lines(contests: &[Contest]) -> Vec<String> {
 }
 
 /// Rows of equal columns: the first two to the left, numbers to the right.
-fn align<const N: usize>(rows: &[[String; N]]) -> Vec<String> {
+pub(super) fn align<const N: usize>(rows: &[[String; N]]) -> Vec<String> {
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max();
     let widths: Vec<usize> = (0..N).map(|column| width(column).unwrap_or(0)).collect();
     rows.iter()
