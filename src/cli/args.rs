@@ -51,6 +51,9 @@ pub enum Verb {
         after_help = "Examples:\n  exid compare results/arm6/fit results/arm6_after/fit\n  exid compare A/result.json B/result.json --json"
     )]
     Compare(Pair),
+    /// A commented problem file from what a robot's description and its recordings show
+    #[command(after_help = INIT_EXAMPLES)]
+    Init(Drafting),
     /// JSON schema of the problem file, or the reference of its keys
     #[command(after_help = SCHEMA_EXAMPLES)]
     Schema(Schema),
@@ -89,6 +92,12 @@ const EXPORT_EXAMPLES: &str = "Examples:
 const REPEAT_EXAMPLES: &str = "Examples:
   exid repeat results/arm6/fit
   exid repeat results/arm6/fit --threads 1 --out again";
+const INIT_EXAMPLES: &str = "Examples:
+  exid init --urdf arm.urdf run1.csv run2.csv
+  exid init arm.urdf session.mcap --out arm/problem.toml
+  exid init arm.urdf run.parquet --out - > problem.toml
+
+What the files do not show is assumed, said, and written into the file as comments.";
 const SCHEMA_EXAMPLES: &str = "Examples:
   exid schema > problem.schema.json
   exid schema --markdown > keys.md
@@ -228,6 +237,22 @@ pub struct Pair {
     /// Print as JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// What to make a problem file from.
+#[derive(Args, Debug)]
+pub struct Drafting {
+    /// The robot's description (URDF, or .toml of modified Denavit-Hartenberg parameters)
+    #[arg(long, value_name = "FILE")]
+    pub urdf: Option<PathBuf>,
+    /// Recordings; the robot's description may be among them
+    pub files: Vec<PathBuf>,
+    /// The problem file to write; - is standard output [default: problem.toml]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Replace a file that is there
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// In which form to say what a problem file may hold.

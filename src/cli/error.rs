@@ -4,6 +4,7 @@ use crate::design::error::DesignError;
 use crate::diagnose::error::DiagnoseError;
 use crate::estimate::task::FitError;
 use crate::export::error::ExportError;
+use crate::init::error::InitError;
 use crate::motors::error::MotorsError;
 use crate::outcome::check::Finding;
 use crate::outcome::error::OutcomeError;
@@ -27,6 +28,8 @@ pub enum CliError {
     Diagnose(#[from] DiagnoseError),
     #[error(transparent)]
     Simulate(#[from] SimulateError),
+    #[error(transparent)]
+    Init(#[from] InitError),
     #[error(transparent)]
     Outcome(#[from] OutcomeError),
     #[error(transparent)]
@@ -67,6 +70,7 @@ impl CliError {
             Self::Diagnose(DiagnoseError::Refit(_)) => Self::NO_SOLUTION,
             Self::Simulate(error) if error.is_interrupt() => Self::INTERRUPTED,
             Self::Simulate(error) => of_files(error.concerns_data()),
+            Self::Init(error) => of_files(error.concerns_data()),
             Self::Mistakes(_) | Self::ChangedInputs(_) => Self::WRONG_DATA,
             Self::Output(_) => Self::NOT_PRINTED,
             Self::Problem(_) | Self::Outcome(_) | Self::Export(_) | Self::WrongUse(_) => {

@@ -2,6 +2,7 @@
 
 mod args;
 mod check;
+mod colour;
 mod compare;
 mod design;
 mod diagnose;
@@ -9,6 +10,7 @@ mod effects;
 mod error;
 mod export;
 mod fit;
+mod init;
 mod inputs;
 mod interrupt;
 mod manual;
@@ -66,6 +68,7 @@ fn dispatch(verb: &Verb) -> Result<u8, CliError> {
         Verb::Report(query) => render::run(query),
         Verb::Repeat(query) => repeat::run(query),
         Verb::Compare(query) => compare::run(query),
+        Verb::Init(query) => init::run(query),
         Verb::Schema(query) => schema::run(query),
         Verb::Completions(query) => manual::completions(query),
         Verb::Man(query) => manual::pages(query),
@@ -84,5 +87,6 @@ fn answer_without_run(error: &clap::Error) -> ExitCode {
 }
 
 fn complain(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}");
+    let mut stream = std::io::stderr();
+    let _ = writeln!(stream, "{}", colour::for_stream(text, &stream));
 }

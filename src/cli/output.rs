@@ -3,8 +3,8 @@
 use crate::chain::effect;
 use crate::check::{self, Extent};
 use crate::cli::args::{Printing, Run};
-use crate::cli::complain;
 use crate::cli::error::CliError;
+use crate::cli::{colour, complain};
 use crate::outcome::check::{Finding, Severity};
 use crate::outcome::estimate::Solver;
 use crate::outcome::folder::ResultFolder;
@@ -147,6 +147,7 @@ pub fn write(
 /// Prints to standard output; a reader that went away is no error.
 pub fn print(text: &str) -> Result<(), CliError> {
     let mut out = std::io::stdout().lock();
+    let text = colour::for_stream(text, &out);
     let mut write = || {
         out.write_all(text.as_bytes())?;
         if !text.ends_with('\n') {
