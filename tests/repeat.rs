@@ -155,7 +155,7 @@ fn another_answer_names_its_figures() {
 }
 
 #[test]
-fn checks_and_simulations_and_designs_repeat_too() {
+fn every_verb_repeats() {
     let arm = Arm::new(4);
     let design = [
         "--set",
@@ -181,6 +181,10 @@ fn checks_and_simulations_and_designs_repeat_too() {
         ("check", &[][..]),
         ("simulate", &simulate),
         ("design", &design),
+        (
+            "diagnose",
+            &["--set", "diagnose.effects=[\"torque_offset\"]"],
+        ),
     ] {
         let run = [
             &[verb, "problem.toml", "--seed", "3", "--out", "out"],

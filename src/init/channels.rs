@@ -184,7 +184,7 @@ fn time(present: &[String]) -> Option<Channel> {
         at: ColumnsAt::Pattern(shortest.clone()),
         joints: Vec::new(),
         columns: vec![shortest.clone()],
-        unit: unit(Quantity::Time, &words(shortest)),
+        unit: unit(Quantity::Time, shortest),
     })
 }
 
@@ -251,15 +251,15 @@ fn numbered(pattern: &str, members: Vec<(String, String)>, count: usize) -> Opti
 }
 
 fn family(pattern: &str, at: ColumnsAt, members: Vec<(usize, String)>) -> Option<Channel> {
-    let words = words(&pattern.replace("{joint}", " ").replace("{n}", " "));
-    let quantity = quantity(&words).filter(|q| *q != Quantity::Time)?;
+    let name = pattern.replace("{joint}", " ").replace("{n}", " ");
+    let quantity = quantity(&words(&name)).filter(|q| *q != Quantity::Time)?;
     let (joints, columns) = members.into_iter().unzip();
     Some(Channel {
         quantity,
         at,
         joints,
         columns,
-        unit: unit(quantity, &words),
+        unit: unit(quantity, &name),
     })
 }
 
@@ -290,16 +290,15 @@ fn with_number(column: &str) -> Option<(String, String)> {
     ))
 }
 
-/// The words of a name in lower case: runs of letters, parted where a capital follows a small letter. A slash belongs to a
-/// unit.
+/// The words of a name in lower case: runs of letters, parted where a capital follows a small letter.
 fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut was_small = false;
     for c in name.chars() {
-        if !(c.is_alphabetic() || c == '/') || (was_small && c.is_uppercase()) {
+        if !c.is_alphabetic() || (was_small && c.is_uppercase()) {
             words.push(String::new());
         }
-        if c.is_alphabetic() || c == '/' {
+        if c.is_alphabetic() {
             words
                 .last_mut()
                 .into_iter()
@@ -321,9 +320,12 @@ fn quantity(words: &[String]) -> Option<Quantity> {
     found.map(|(quantity, _)| *quantity)
 }
 
-/// A unit among words that is not SI.
-fn unit(quantity: Quantity, words: &[String]) -> Option<&'static str> {
+/// A unit in a name that is not SI.
+fn unit(quantity: Quantity, name: &str) -> Option<&'static str> {
+    let parts: Vec<&str> = name
+        .split(|c: char| !(c.is_alphabetic() || c == '/'))
+        .collect();
     let names = units::names(quantity).into_iter();
     let mut other = names.filter(|name| units::factor(quantity, name).is_some_and(|f| f != 1.0));
-    other.find(|name| words.iter().any(|word| *word == name.to_lowercase()))
+    other.find(|unit| parts.iter().any(|part| part.eq_ignore_ascii_case(unit)))
 }

@@ -140,7 +140,8 @@ impl<'a> Guess<'a> {
                 velocity.unit = Some("deg/s");
             }
             self.remarks.push(
-                "positions leave the limits of the joints as radians and keep to them as degrees"
+                "positions leave the limits of the joints as radians and keep to them as degrees; should they be the motors' own turns, \
+                 state recordings.position_side = \"motor\" and drive.ratio"
                     .into(),
             );
             return true;

@@ -381,6 +381,17 @@ fn column(
     if let NodeValue::Text(_) = node.value {
         return Ok(Column::from(values::text(node)?.as_str()));
     }
+    if let (None, NodeValue::Table(table)) = (quantity, &node.value)
+        && let Some(unit) = table.get("unit")
+    {
+        return Err(ProblemFileError::new(
+            &unit.place,
+            KeyFault::Conflict {
+                found: "a unit of what has none".into(),
+                remedy: "leave the unit out".into(),
+            },
+        ));
+    }
     let reader = Reader::open(node, keys)?;
     let remedy = "name the column, or give its number from 1";
     let at = reader.required("column", remedy, columns_at)?.value;
