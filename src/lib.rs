@@ -7,7 +7,7 @@
 //! | 6 | `cli` |
 //! | 5 | `report`, `export` |
 //! | 4d | `trials` |
-//! | 4c | `diagnose` |
+//! | 4c | `diagnose`, `init` |
 //! | 4b | `design`, `estimate`, `motors`, `simulate`, `check` |
 //! | 4a | `setup` |
 //! | 3 | `chain`, `outcome`, `problem_file` |
@@ -43,6 +43,7 @@ pub mod motors;
 pub mod simulate;
 
 pub mod diagnose;
+pub mod init;
 
 pub mod trials;
 

@@ -30,6 +30,27 @@ fn small(folder: &Path, count: &str) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
+/// The same trials, though they take another time.
+#[test]
+fn trials_repeat() {
+    let folder = tempfile::tempdir().unwrap();
+    small(folder.path(), "2");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_exid"));
+    let output = command
+        .current_dir(folder.path())
+        .args(["repeat", "out"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(
+        output.status.code(),
+        Some(0),
+        "{said}{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    assert!(said.contains("the same, to the bit"), "{said}");
+}
+
 fn trials_of(group: &Value) -> usize {
     group["trials"].as_u64().unwrap() as usize
 }

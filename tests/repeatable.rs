@@ -13,13 +13,15 @@ const THREADS: [&str; 3] = ["1", "2", "8"];
 /// shared between threads.
 const PERIODS: usize = 80;
 
-/// Result without the time that the run took, and predictions.
+/// Result without the time that the run took and where it comes from, and predictions.
 fn results(arm: &Arm, out: &str) -> (String, Vec<u8>) {
     let folder = arm.path(out);
     let text = fs::read_to_string(folder.join("result.json")).unwrap();
     let mut result: Value = serde_json::from_str(&text).unwrap();
     let wall = result.as_object_mut().unwrap().shift_remove("wall_s");
     assert!(wall.is_some_and(|seconds| seconds.is_number()));
+    let provenance = result.as_object_mut().unwrap().shift_remove("provenance");
+    assert!(provenance.is_some_and(|p| p["threads"].is_number()));
     // Numbers are written so that they are read back to the same bits.
     let predictions = fs::read(folder.join("predictions.csv")).unwrap();
     (result.to_string(), predictions)

@@ -21,6 +21,7 @@ use exid::chain::effect;
 use exid::diagnose::task::{self, DiagnoseRun};
 use exid::estimate;
 use exid::outcome::folder::ResultFolder;
+use exid::outcome::provenance::Provenance;
 use exid::outcome::run::{Run, VERSION};
 use exid::outcome::{Outcome, Part, RESULT_FILE};
 use exid::problem::solution::Control;
@@ -129,6 +130,7 @@ fn fit_links(data: &Path, folder: &Path) -> Done<()> {
             problem: problem.json.clone(),
             inputs: Vec::new(),
             wall_s: 0.0,
+            provenance: Provenance::default(),
         },
         mistakes: Vec::new(),
         estimate: run.fitted.estimate,

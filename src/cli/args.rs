@@ -6,6 +6,9 @@ use std::path::PathBuf;
 /// Excite, identify, diagnose: robot models that are right.
 #[derive(Parser, Debug)]
 #[command(name = "exid", version, about, max_term_width = 100)]
+#[command(
+    after_help = "Example:\n  exid fit problem.toml\n\n`exid <COMMAND> --help` has examples of each command."
+)]
 pub struct Arguments {
     #[command(subcommand)]
     pub verb: Verb,
@@ -14,24 +17,95 @@ pub struct Arguments {
 #[derive(Subcommand, Debug)]
 pub enum Verb {
     /// An excitation trajectory within the robot's limits
+    #[command(after_help = DESIGN_EXAMPLES)]
     Design(Run),
     /// Parameters from recordings
+    #[command(after_help = FIT_EXAMPLES)]
     Fit(Run),
     /// Where model and recordings differ, what physics is missing, the model with it
+    #[command(after_help = DIAGNOSE_EXAMPLES)]
     Diagnose(Run),
     /// Read everything, run nothing: what is wrong with the inputs and what to do
+    #[command(after_help = CHECK_EXAMPLES)]
     Check(Run),
     /// Recordings from a model, with noise and quantisation
+    #[command(after_help = SIMULATE_EXAMPLES)]
     Simulate(Run),
     /// Random robots with concealed physics: how often the diagnosis is right
+    #[command(after_help = TRIALS_EXAMPLES)]
     Trials(Campaign),
     /// The physics that the tool knows
+    #[command(after_help = "Examples:\n  exid effects\n  exid effects backlash")]
     Effects(Query),
     /// The identified robot as URDF, MJCF, TOML, or code of its inverse dynamics
+    #[command(after_help = EXPORT_EXAMPLES)]
     Export(Conversion),
     /// Render the HTML report of a result again
+    #[command(after_help = "Example:\n  exid report results/arm6/fit")]
     Report(Rendering),
+    /// The same run again, from the problem kept in the result; exit code 1 where the answer differs
+    #[command(after_help = REPEAT_EXAMPLES)]
+    Repeat(Repetition),
+    /// Two results side by side: parameters, errors, findings, and what differs significantly
+    #[command(
+        after_help = "Examples:\n  exid compare results/arm6/fit results/arm6_after/fit\n  exid compare A/result.json B/result.json --json"
+    )]
+    Compare(Pair),
+    /// A commented problem file from what a robot's description and its recordings show
+    #[command(after_help = INIT_EXAMPLES)]
+    Init(Drafting),
+    /// JSON schema of the problem file, or the reference of its keys
+    #[command(after_help = SCHEMA_EXAMPLES)]
+    Schema(Schema),
+    /// Completions for a shell
+    #[command(after_help = COMPLETIONS_EXAMPLES)]
+    Completions(Shells),
+    /// Pages for `man`, one of the program and one for each verb
+    #[command(after_help = "Example:\n  exid man man1 && man -l man1/exid-fit.1")]
+    Man(Pages),
 }
+
+const DESIGN_EXAMPLES: &str = "Examples:
+  exid design problem.toml
+  exid design problem.toml --set design.starts=20 --seed 3 --out results/motion
+  exid design problem.toml --set design.criterion=condition --set 'design.limits.velocity=[1.0, 1.0, 1.5]'";
+const FIT_EXAMPLES: &str = "Examples:
+  exid fit problem.toml
+  exid fit problem.toml --set fit.estimator=feasible --out results/feasible
+  exid fit problem.toml --json | jq '.parameters[] | select(.source == \"data\")'";
+const DIAGNOSE_EXAMPLES: &str = "Examples:
+  exid diagnose problem.toml
+  exid diagnose problem.toml --set 'diagnose.effects=[\"time_delay\", \"backlash\"]'";
+const CHECK_EXAMPLES: &str = "Examples:
+  exid check problem.toml
+  exid check problem.toml --json | jq -r '.findings[].message'";
+const SIMULATE_EXAMPLES: &str = "Examples:
+  exid simulate problem.toml --seed 1
+  exid simulate problem.toml --set simulate.trajectory=sweeps --out recordings";
+const TRIALS_EXAMPLES: &str = "Examples:
+  exid trials --count 100 --seed 1
+  exid trials --effects backlash,time_delay --robots arm6 --motion moves
+  exid trials --seed 1 --only 57 --keep trials";
+const EXPORT_EXAMPLES: &str = "Examples:
+  exid export results/arm6/fit --to urdf
+  exid export results/arm6/fit --to c --out controller";
+const REPEAT_EXAMPLES: &str = "Examples:
+  exid repeat results/arm6/fit
+  exid repeat results/arm6/fit --threads 1 --out again";
+const INIT_EXAMPLES: &str = "Examples:
+  exid init --urdf arm.urdf run1.csv run2.csv
+  exid init arm.urdf session.mcap --out arm/problem.toml
+  exid init arm.urdf run.parquet --out - > problem.toml
+
+What the files do not show is assumed, said, and written into the file as comments.";
+const SCHEMA_EXAMPLES: &str = "Examples:
+  exid schema > problem.schema.json
+  exid schema --markdown > keys.md
+
+A problem file whose first line is `#:schema problem.schema.json` is completed and checked by editors that know Taplo.";
+const COMPLETIONS_EXAMPLES: &str = "Examples:
+  exid completions bash > ~/.local/share/bash-completion/completions/exid
+  exid completions fish > ~/.config/fish/completions/exid.fish";
 
 /// A problem file and the options that all runs share.
 #[derive(Args, Debug)]
@@ -66,6 +140,14 @@ pub struct Printing {
     /// Print the result as JSON, and nothing else, on standard output
     #[arg(long)]
     pub json: bool,
+}
+
+impl Printing {
+    /// Nothing, as of a run within another.
+    pub const SILENT: Self = Self {
+        quiet: true,
+        json: false,
+    };
 }
 
 /// Trials to make; an earlier result of the same trials is continued.
@@ -128,6 +210,73 @@ pub struct Rendering {
     /// Print nothing but errors
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// A result to make again.
+#[derive(Args, Debug)]
+pub struct Repetition {
+    /// The results folder
+    pub result: PathBuf,
+    /// Folder for the results of the repetition [default: they are not kept]
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Number of threads [default: all processors]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    #[command(flatten)]
+    pub printing: Printing,
+}
+
+/// Two results to compare.
+#[derive(Args, Debug)]
+pub struct Pair {
+    /// A results folder
+    pub first: PathBuf,
+    /// Another one
+    pub second: PathBuf,
+    /// Print as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What to make a problem file from.
+#[derive(Args, Debug)]
+pub struct Drafting {
+    /// The robot's description (URDF, or .toml of modified Denavit-Hartenberg parameters)
+    #[arg(long, value_name = "FILE")]
+    pub urdf: Option<PathBuf>,
+    /// The robot's model of MuJoCo (MJCF)
+    #[arg(long, value_name = "FILE", conflicts_with = "urdf")]
+    pub mjcf: Option<PathBuf>,
+    /// Recordings; the robot's description may be among them
+    pub files: Vec<PathBuf>,
+    /// The problem file to write; - is standard output [default: problem.toml]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Replace a file that is there
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// In which form to say what a problem file may hold.
+#[derive(Args, Debug)]
+pub struct Schema {
+    /// Every key with type, unit, default, meaning and example, as Markdown
+    #[arg(long)]
+    pub markdown: bool,
+}
+
+/// A shell to complete commands in.
+#[derive(Args, Debug)]
+pub struct Shells {
+    pub shell: clap_complete::Shell,
+}
+
+/// Where pages for `man` go.
+#[derive(Args, Debug)]
+pub struct Pages {
+    /// The folder, made where it is missing
+    pub folder: PathBuf,
 }
 
 /// A result to export.

@@ -4,30 +4,30 @@ use crate::check::Extent;
 use crate::cli::args::Run;
 use crate::cli::error::CliError;
 use crate::cli::progress::Progress;
-use crate::cli::{fit, interrupt, output};
+use crate::cli::{inputs, interrupt, output};
 use crate::design::task::{self, Designed, End, NamedTrajectory};
 use crate::outcome::estimate::Estimate;
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::{Outcome, Part};
 use crate::problem::solution::Control;
+use crate::problem_file::ProblemFile;
 use std::io::Write;
 use std::time::Instant;
 
 /// Name of the coefficients' file.
 const COEFFICIENTS: &str = "coefficients.json";
 
-pub fn run(run: &Run) -> Result<u8, CliError> {
+pub fn run(run: &Run, problem: &ProblemFile) -> Result<u8, CliError> {
     let started = Instant::now();
-    let problem = output::open(run)?;
-    let target = output::target(run, &problem, "design")?;
+    let target = output::target(run, problem, "design")?;
     let control = Control {
         interrupt: Some(interrupt::flag()),
         ..Control::default()
     };
     let progress = Progress::new(run.printing);
-    let mistakes = output::mistakes(run, &problem, &control, Extent::Robot)?;
+    let mistakes = output::mistakes(run, problem, &control, Extent::Robot)?;
     progress.say("designing");
-    let mut designed = task::run(&problem, run.seed, &control, |improvement| {
+    let mut designed = task::run(problem, run.seed, &control, |improvement| {
         progress.say(format!(
             "designing: {:.6} after {} starts",
             improvement.value, improvement.starts
@@ -35,10 +35,9 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
     })?;
     progress.done();
     designed.design.files = names(&designed);
-    let read: Vec<_> = fit::files(&problem).into_iter().take(2).collect();
     let outcome = Outcome {
         name: problem.name.value.clone(),
-        run: output::record(run, &problem, &read, started),
+        run: output::record(run, problem, &inputs::of_design(problem), started),
         mistakes,
         estimate: Estimate {
             solver: Some(designed.solver.clone()),

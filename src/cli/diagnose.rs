@@ -2,26 +2,25 @@
 
 use crate::cli::args::Run;
 use crate::cli::error::CliError;
-use crate::cli::fit::files;
 use crate::cli::progress::Progress;
-use crate::cli::{interrupt, output, predictions};
+use crate::cli::{inputs, interrupt, output, predictions};
 use crate::diagnose::task;
 use crate::outcome::predictions::Quantity;
 use crate::outcome::{NEXT_FILE, Outcome, Part};
 use crate::problem::solution::Control;
+use crate::problem_file::ProblemFile;
 use std::io::Write;
 use std::time::Instant;
 
-pub fn run(run: &Run) -> Result<u8, CliError> {
+pub fn run(run: &Run, problem: &ProblemFile) -> Result<u8, CliError> {
     let started = Instant::now();
-    let problem = output::open(run)?;
-    let target = output::target(run, &problem, "diagnose")?;
+    let target = output::target(run, problem, "diagnose")?;
     let control = Control {
         interrupt: Some(interrupt::flag()),
         ..Control::default()
     };
     let progress = Progress::new(run.printing);
-    let mut result = task::run(&problem, &control, &|stage| progress.say(stage.words()))?;
+    let mut result = task::run(problem, &control, &|stage| progress.say(stage.words()))?;
     progress.say("writing the results");
     if let (true, Some(solver)) = (control.is_interrupted(), &mut result.estimate.solver) {
         solver.stop = "interrupted".to_string();
@@ -29,7 +28,7 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
     }
     let outcome = Outcome {
         name: problem.name.value.clone(),
-        run: output::record(run, &problem, &files(&problem), started),
+        run: output::record(run, problem, &inputs::of_recordings(problem), started),
         mistakes: std::mem::take(&mut result.mistakes),
         estimate: result.estimate.clone(),
         part: Part::Diagnose(Box::new(result.diagnosis.clone())),

@@ -4,6 +4,7 @@ use crate::design::error::DesignError;
 use crate::diagnose::error::DiagnoseError;
 use crate::estimate::task::FitError;
 use crate::export::error::ExportError;
+use crate::init::error::InitError;
 use crate::motors::error::MotorsError;
 use crate::outcome::check::Finding;
 use crate::outcome::error::OutcomeError;
@@ -28,12 +29,17 @@ pub enum CliError {
     #[error(transparent)]
     Simulate(#[from] SimulateError),
     #[error(transparent)]
+    Init(#[from] InitError),
+    #[error(transparent)]
     Outcome(#[from] OutcomeError),
     #[error(transparent)]
     Export(#[from] ExportError),
     /// Mistakes in the inputs with which every figure would be meaningless.
     #[error("{}\n--force goes on all the same", in_lines(.0))]
     Mistakes(Vec<Finding>),
+    /// Files that have changed since a result was made from them, one line each.
+    #[error("{}\nrestore them, or run the problem anew", .0.join("\n"))]
+    ChangedInputs(Vec<String>),
     #[error("standard output cannot be written: {0}; the results are in their folder")]
     Output(std::io::Error),
     #[error("{0}")]
@@ -43,6 +49,8 @@ pub enum CliError {
 impl CliError {
     /// What was done could not be printed.
     pub const NOT_PRINTED: u8 = 1;
+    /// A repeated run gave another answer.
+    pub const ANOTHER_ANSWER: u8 = 1;
     /// The command line or the problem file is wrong, or the results folder cannot be written.
     pub const WRONG_USE: u8 = 2;
     /// A recording or robot file is wrong.
@@ -62,7 +70,8 @@ impl CliError {
             Self::Diagnose(DiagnoseError::Fit(_)) => Self::NO_SOLUTION,
             Self::Simulate(error) if error.is_interrupt() => Self::INTERRUPTED,
             Self::Simulate(error) => of_files(error.concerns_data()),
-            Self::Mistakes(_) => Self::WRONG_DATA,
+            Self::Init(error) => of_files(error.concerns_data()),
+            Self::Mistakes(_) | Self::ChangedInputs(_) => Self::WRONG_DATA,
             Self::Output(_) => Self::NOT_PRINTED,
             Self::Problem(_) | Self::Outcome(_) | Self::Export(_) | Self::WrongUse(_) => {
                 Self::WRONG_USE

@@ -4,37 +4,33 @@ use crate::check::Extent;
 use crate::cli::args::Run;
 use crate::cli::error::CliError;
 use crate::cli::progress::Progress;
-use crate::cli::{interrupt, motors, output, predictions};
+use crate::cli::{inputs, interrupt, motors, output, predictions};
 use crate::estimate::task::{self, FitRun};
 use crate::outcome::predictions::Quantity;
 use crate::outcome::{Outcome, Part};
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::problem_file::choices::Estimator;
-use crate::problem_file::robot::RobotSource;
-use crate::robot::mjcf;
-use std::path::PathBuf;
 use std::time::Instant;
 
-pub fn run(run: &Run) -> Result<u8, CliError> {
+pub fn run(run: &Run, problem: &ProblemFile) -> Result<u8, CliError> {
     let started = Instant::now();
-    let problem = output::open(run)?;
-    let target = output::target(run, &problem, "fit")?;
+    let target = output::target(run, problem, "fit")?;
     let control = Control {
         interrupt: Some(interrupt::flag()),
         ..Control::default()
     };
     let progress = Progress::new(run.printing);
     progress.say("looking for mistakes in the inputs");
-    let mistakes = output::mistakes(run, &problem, &control, Extent::Recordings)?;
+    let mistakes = output::mistakes(run, problem, &control, Extent::Recordings)?;
     if problem.fit.estimator.value == Estimator::ConstantVelocity {
-        return motors::run(run, &problem, &target, mistakes, started);
+        return motors::run(run, problem, &target, mistakes, started);
     }
-    let result = task::run(&problem, &control, |step| progress.say(step.words()))?;
+    let result = task::run(problem, &control, |step| progress.say(step.words()))?;
     progress.say("writing the results");
     let outcome = Outcome {
         name: problem.name.value.clone(),
-        run: output::record(run, &problem, &files(&problem), started),
+        run: output::record(run, problem, &inputs::of_recordings(problem), started),
         mistakes,
         estimate: result.fitted.estimate.clone(),
         part: Part::Fit(result.fitted.fit.clone()),
@@ -50,31 +46,4 @@ pub fn run(run: &Run) -> Result<u8, CliError> {
         control.is_interrupted(),
         outcome.estimate.solver.as_ref(),
     ))
-}
-
-/// Every file that the problem file names, in its order.
-pub fn files(problem: &ProblemFile) -> Vec<PathBuf> {
-    let mut files = match &problem.robot.source {
-        RobotSource::Urdf(path) | RobotSource::Mdh(path) => vec![path.resolved.clone()],
-        // With the files that it includes, as far as it reads.
-        RobotSource::Mjcf(path) => mjcf::read(&path.resolved)
-            .map_or_else(|_| vec![path.resolved.clone()], |robot| robot.files),
-        RobotSource::Mechanism { .. } => Vec::new(),
-    };
-    files.extend(problem.robot.parameters.iter().map(|p| p.resolved.clone()));
-    if let Some(table) = &problem.recordings {
-        let groups = [&table.train, &table.loaded, &table.validation];
-        for path in groups.into_iter().flatten() {
-            if !files.contains(&path.resolved) {
-                files.push(path.resolved.clone());
-            }
-        }
-        files.extend(
-            table
-                .positions
-                .iter()
-                .map(|p| p.value.value.resolved.clone()),
-        );
-    }
-    files
 }

@@ -2,18 +2,25 @@
 
 mod args;
 mod check;
+mod colour;
+mod compare;
 mod design;
 mod diagnose;
 mod effects;
 mod error;
 mod export;
 mod fit;
+mod init;
+mod inputs;
 mod interrupt;
+mod manual;
 mod motors;
 mod output;
 mod predictions;
 mod progress;
 mod render;
+mod repeat;
+mod schema;
 mod simulate;
 mod trials;
 
@@ -50,15 +57,21 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 
 fn dispatch(verb: &Verb) -> Result<u8, CliError> {
     match verb {
-        Verb::Design(run) => design::run(run),
-        Verb::Fit(run) => fit::run(run),
-        Verb::Check(run) => check::run(run),
-        Verb::Diagnose(run) => diagnose::run(run),
-        Verb::Simulate(run) => simulate::run(run),
+        Verb::Design(run) => design::run(run, &output::open(run)?),
+        Verb::Fit(run) => fit::run(run, &output::open(run)?),
+        Verb::Check(run) => check::run(run, &output::open(run)?),
+        Verb::Diagnose(run) => diagnose::run(run, &output::open(run)?),
+        Verb::Simulate(run) => simulate::run(run, &output::open(run)?),
         Verb::Trials(campaign) => trials::run(campaign),
         Verb::Effects(query) => effects::run(query),
         Verb::Export(query) => export::run(query),
         Verb::Report(query) => render::run(query),
+        Verb::Repeat(query) => repeat::run(query),
+        Verb::Compare(query) => compare::run(query),
+        Verb::Init(query) => init::run(query),
+        Verb::Schema(query) => schema::run(query),
+        Verb::Completions(query) => manual::completions(query),
+        Verb::Man(query) => manual::pages(query),
     }
 }
 
@@ -74,5 +87,6 @@ fn answer_without_run(error: &clap::Error) -> ExitCode {
 }
 
 fn complain(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}");
+    let mut stream = std::io::stderr();
+    let _ = writeln!(stream, "{}", colour::for_stream(text, &stream));
 }

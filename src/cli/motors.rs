@@ -6,9 +6,8 @@ use std::time::Instant;
 
 use crate::cli::args::Run;
 use crate::cli::error::CliError;
-use crate::cli::fit::files;
-use crate::cli::output;
 use crate::cli::progress::Progress;
+use crate::cli::{inputs, output};
 use crate::motors::task::{self, MotorRun};
 use crate::outcome::check::Finding;
 use crate::outcome::predictions::{Block, PredictionsWriter, Quantity};
@@ -28,7 +27,7 @@ pub fn run(
     progress.say("writing the results");
     let outcome = Outcome {
         name: problem.name.value.clone(),
-        run: output::record(run, problem, &files(problem), started),
+        run: output::record(run, problem, &inputs::of_recordings(problem), started),
         mistakes,
         estimate: result.estimate.clone(),
         part: Part::Fit(result.fit.clone()),

@@ -3,12 +3,13 @@
 use crate::chain::effect;
 use crate::check::{self, Extent};
 use crate::cli::args::{Printing, Run};
-use crate::cli::complain;
 use crate::cli::error::CliError;
+use crate::cli::{colour, complain};
 use crate::outcome::check::{Finding, Severity};
 use crate::outcome::estimate::Solver;
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::input::Input;
+use crate::outcome::provenance::Provenance;
 use crate::outcome::run::{Run as Record, VERSION};
 use crate::outcome::{Outcome, REPORT_FILE, RESULT_FILE};
 use crate::problem::solution::Control;
@@ -98,7 +99,14 @@ pub fn record(run: &Run, problem: &ProblemFile, files: &[PathBuf], started: Inst
         problem: problem.json.clone(),
         inputs: all.filter_map(|file| Input::of(file).ok()).collect(),
         wall_s: started.elapsed().as_secs_f64(),
+        provenance: provenance(),
     }
+}
+
+/// Where the results of this process come from.
+pub fn provenance() -> Provenance {
+    let words = std::env::args_os().skip(1);
+    Provenance::of_this_process(words.map(|w| w.to_string_lossy().into_owned()).collect())
 }
 
 /// Writes result and report beside what `fill` writes, replaces the folder, and prints.
@@ -139,6 +147,7 @@ pub fn write(
 /// Prints to standard output; a reader that went away is no error.
 pub fn print(text: &str) -> Result<(), CliError> {
     let mut out = std::io::stdout().lock();
+    let text = colour::for_stream(text, &out);
     let mut write = || {
         out.write_all(text.as_bytes())?;
         if !text.ends_with('\n') {

@@ -202,6 +202,7 @@ fn outcome(scope: &Scope, trials: Vec<Trial>, (started, made): (Instant, usize))
             problem: drawn_from(scope),
             inputs: Vec::new(),
             wall_s,
+            provenance: output::provenance(),
         },
         mistakes: Vec::new(),
         estimate: Estimate::default(),

@@ -32,16 +32,54 @@ impl Outcome {
     /// # Errors
     /// `not-readable` if there is no such file, `not-a-result` if it is not the result of a run.
     pub fn read(path: &Path) -> Result<Self, OutcomeError> {
-        let file = if path.is_dir() {
-            path.join(RESULT_FILE)
-        } else {
-            path.to_path_buf()
-        };
-        let text = std::fs::read_to_string(&file)
-            .map_err(|error| OutcomeError::io(&file, Action::ReadResult, &error))?;
-        serde_json::from_str(&text).map_err(|error| {
-            OutcomeError::new(&file, OutcomeErrorKind::NotAResult(error.to_string()))
-        })
+        read_as(path)
+    }
+}
+
+/// Reads `result.json` of a results folder, or the file itself, as what it is to be.
+fn read_as<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, OutcomeError> {
+    let file = match path.is_dir() {
+        true => path.join(RESULT_FILE),
+        false => path.to_path_buf(),
+    };
+    let text = std::fs::read_to_string(&file)
+        .map_err(|error| OutcomeError::io(&file, Action::ReadResult, &error))?;
+    serde_json::from_str(&text)
+        .map_err(|error| OutcomeError::new(&file, OutcomeErrorKind::NotAResult(error.to_string())))
+}
+
+/// The text of a result as JSON, without what differs between runs that are the same.
+///
+/// # Errors
+/// As [`Outcome::read`].
+pub fn answer(path: &Path) -> Result<serde_json::Value, OutcomeError> {
+    read_as(path).map(|mut value| {
+        remove_exempt(&mut value);
+        value
+    })
+}
+
+/// What says who made a result, of which files and how long it took, and not what was found.
+const EXEMPT: [&str; 7] = [
+    "version",
+    "inputs",
+    "wall_s",
+    "provenance",
+    "seconds",
+    "core_seconds",
+    "elapsed_s",
+];
+
+fn remove_exempt(value: &mut serde_json::Value) {
+    match value {
+        serde_json::Value::Object(entries) => {
+            entries.retain(|key, _| !EXEMPT.contains(&key.as_str()));
+            // The problem as read is a user's text, whose keys are names.
+            let own = entries.iter_mut().filter(|(key, _)| *key != "problem");
+            own.for_each(|(_, value)| remove_exempt(value));
+        }
+        serde_json::Value::Array(items) => items.iter_mut().for_each(remove_exempt),
+        _ => {}
     }
 }
 

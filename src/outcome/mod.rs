@@ -5,9 +5,11 @@
 //! they stand here; a number that is not finite is written as `null` and read back as not a number.
 
 pub mod check;
+pub mod compare;
 pub mod contest;
 pub mod design;
 pub mod diagnose;
+pub mod difference;
 pub mod error;
 pub mod estimate;
 pub mod feasibility;
@@ -21,11 +23,12 @@ pub mod motors;
 pub mod number;
 pub mod parameter;
 pub mod predictions;
+pub mod provenance;
 pub mod run;
 pub mod simulation;
 pub mod trials;
 
-mod document;
+pub mod document;
 
 use serde::Serialize;
 

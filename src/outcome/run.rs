@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::outcome::input::Input;
 use crate::outcome::number;
+use crate::outcome::provenance::Provenance;
 
 /// Version of this program, as written into every result.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -19,7 +20,10 @@ pub struct Run {
     pub problem: serde_json::Value,
     /// Every file that was read, with its hash; the problem file is the first.
     pub inputs: Vec<Input>,
-    /// Wall time in s; the one figure that differs between repetitions.
+    /// Wall time in s; it and `provenance` alone differ between repetitions.
     #[serde(with = "number::nullable")]
     pub wall_s: f64,
+    /// Who ran it, when and on what; empty in results of versions that did not say.
+    #[serde(default)]
+    pub provenance: Provenance,
 }

@@ -8,6 +8,7 @@ use crate::outcome::fit::{BaseParameter, Fit};
 use crate::outcome::input::Input;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::parameter::{Parameter, Source};
+use crate::outcome::provenance::Provenance;
 use crate::outcome::run::{Run, VERSION};
 use crate::outcome::simulation::{RealisedNoise, Simulation};
 use crate::outcome::{Outcome, Part};
@@ -43,6 +44,7 @@ pub(crate) fn fit_outcome() -> Outcome {
                 sha256: "0".repeat(64),
             }],
             wall_s: 1.5,
+            provenance: Provenance::default(),
         },
         mistakes: Vec::new(),
         estimate: Estimate {
@@ -103,7 +105,7 @@ fn writes_the_promised_keys_in_their_order() {
     for (object, promised) in [
         (
             &value,
-            "name verb version seed problem inputs wall_s mistakes parameters joints covariance solver \
+            "name verb version seed problem inputs wall_s provenance mistakes parameters joints covariance solver \
              base_parameters joint_torque_parameters rank condition_number feasible min_pseudo_inertia_eigenvalue \
              comparison unknowns posterior realization machine preprocessing notes",
         ),

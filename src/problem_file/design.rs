@@ -4,47 +4,106 @@ use crate::problem_file::Context;
 use crate::problem_file::choices::{Criterion, DesignKind, Scaling};
 use crate::problem_file::document::{Node, NodeValue};
 use crate::problem_file::error::{NumberFault, ProblemFileError, ValueFault};
+use crate::problem_file::key::{Form, Key, Length, REQUIRED, Range, words};
 use crate::problem_file::located::{FilePath, Located, Named, PerJoint};
 use crate::problem_file::reader::Reader;
 use crate::problem_file::values;
 
-pub(crate) const KEYS: &[&str] = &[
-    "kind",
-    "harmonics",
-    "period",
-    "criterion",
-    "scaling",
-    "parameters",
-    "samples",
-    "noise",
-    "rest_to_rest",
-    "trajectories",
-    "budget_s",
-    "starts",
-    "start_from",
-    "reference",
-    "rest_position",
-    "speeds",
-    "rival",
-    "values",
-    "limits",
-    "workspace",
+/// Keys of `[design]`.
+#[rustfmt::skip]
+pub(crate) const KEYS: &[Key] = &[
+    Key { name: "kind", form: Form::Words(words::<DesignKind>), unit: "", default: "\"fourier\"", example: "\"constant_velocity\"", meaning: "Family of motions: Fourier series, or strokes at constant velocity" },
+    Key { name: "harmonics", form: Form::Either(&[Form::Count(1), Form::List(&Form::Count(1), Length::Some)]), unit: "", default: "5", example: "[7, 5, 3]", meaning: "Harmonics of the series, of all joints or of each" },
+    Key { name: "period", form: Form::Number(Range::Positive), unit: "s", default: "10.0", example: "20.0", meaning: "Period of the motion" },
+    Key { name: "criterion", form: Form::Words(words::<Criterion>), unit: "", default: "\"d_optimal\"", example: "\"condition\"", meaning: "What makes a motion good: condition number, determinant, trace or least eigenvalue of the information, or the distance between rival models" },
+    Key { name: "scaling", form: Form::Words(words::<Scaling>), unit: "", default: "\"columns\"", example: "\"whitened\"", meaning: "How the regressor is scaled before the criterion: columns by their norms, rows by the noise, or not" },
+    Key { name: "parameters", form: Form::Either(&[Form::Words(groups), Form::List(&Form::Text, Length::SomeDistinct)]), unit: "", default: "\"all\"", example: "\"payload\"", meaning: "Parameters whose accuracy counts; the rest are nuisance parameters" },
+    Key { name: "samples", form: Form::Count(1), unit: "", default: "200", example: "400", meaning: "Samples per period of the criterion and of the constraints while optimising" },
+    Key { name: "noise", form: Form::PerJoint(Range::Positive), unit: "the signal's", default: "none", example: "[0.5, 0.6]", meaning: "Standard deviation of the signal" },
+    Key { name: "rest_to_rest", form: Form::Boolean, unit: "", default: "true", example: "false", meaning: "Start and stop at rest" },
+    Key { name: "trajectories", form: Form::Count(1), unit: "", default: "1", example: "3", meaning: "Motions designed together" },
+    Key { name: "budget_s", form: Form::Number(Range::Positive), unit: "s", default: "none", example: "60.0", meaning: "Time for the search, after which the best motion is taken" },
+    Key { name: "starts", form: Form::Count(1), unit: "", default: "none", example: "20", meaning: "Starts of the search, which make the run repeatable to the bit" },
+    Key { name: "start_from", form: Form::File, unit: "", default: "none", example: "\"results/arm/design/coefficients.json\"", meaning: "Coefficients or result of an earlier design to go on from" },
+    Key { name: "reference", form: Form::File, unit: "", default: "none", example: "\"hand_chosen.json\"", meaning: "Coefficients or result of a motion to compare with" },
+    Key { name: "rest_position", form: Form::PerJoint(Range::Finite), unit: "rad (m)", default: "the middle of the ranges", example: "[0.0, -1.5]", meaning: "Where the ramps of a motion begin and end" },
+    Key { name: "speeds", form: Form::Count(1), unit: "", default: "8", example: "12", meaning: "Speeds of each joint in a plan of constant velocities" },
+    Key { name: "rival", form: Form::List(&Form::Table(RIVAL_KEYS), Length::Any), unit: "", default: "none", example: "", meaning: "A model that the motion is to tell from the others" },
+    Key { name: "values", form: Form::Named(&Form::Number(Range::Finite)), unit: "each parameter's own", default: "those of the robot file or of an earlier fit", example: "{ \"payload.mass\" = 120.0 }", meaning: "Values with which torques are predicted" },
+    Key { name: "limits", form: Form::Table(LIMITS_KEYS), unit: "", default: "those of the robot file", example: "", meaning: "Limits of the joints" },
+    Key { name: "workspace", form: Form::Table(WORKSPACE_KEYS), unit: "", default: "none", example: "", meaning: "Limits in space" },
 ];
-pub(crate) const RIVAL_KEYS: &[&str] = &["name", "effects", "effects_of", "parameters", "values"];
-pub(crate) const LIMITS_KEYS: &[&str] = &[
-    "position_lower",
-    "position_upper",
-    "velocity",
-    "acceleration",
-    "jerk",
-    "torque",
+
+/// Keys of `[[design.rival]]`.
+#[rustfmt::skip]
+pub(crate) const RIVAL_KEYS: &[Key] = &[
+    Key { name: "name", form: Form::Text, unit: "", default: REQUIRED, example: "\"efficiency\"", meaning: "Name of the rival" },
+    Key { name: "effects", form: Form::List(&Form::Effect, Length::Distinct), unit: "", default: "the problem file's", example: "[\"coulomb_friction\", \"transmission_efficiency\"]", meaning: "What replaces drive.effects" },
+    Key { name: "effects_of", form: Form::Named(&Form::List(&Form::Effect, Length::Distinct)), unit: "", default: "none", example: "{ a3 = [\"transmission_efficiency\"] }", meaning: "What replaces the effects of single joints" },
+    Key { name: "parameters", form: Form::File, unit: "", default: "the problem file's values", example: "\"results/fit/result.json\"", meaning: "Result of a fit of this model: its values" },
+    Key { name: "values", form: Form::Named(&Form::Number(Range::Finite)), unit: "each parameter's own", default: "none", example: "{ \"a3.transmission_efficiency.R\" = 0.84 }", meaning: "Values of single parameters" },
 ];
-pub(crate) const WORKSPACE_KEYS: &[&str] = &["halfspace", "box", "speed", "clearance", "shape"];
-pub(crate) const HALFSPACE_KEYS: &[&str] = &["frame", "normal", "offset"];
-pub(crate) const BOX_KEYS: &[&str] = &["frame", "lower", "upper"];
-pub(crate) const SPEED_KEYS: &[&str] = &["frame", "limit"];
-pub(crate) const CLEARANCE_KEYS: &[&str] = &["links", "distance"];
-pub(crate) const SHAPE_KEYS: &[&str] = &["link", "ends", "radius"];
+
+/// Keys of `[design.limits]`.
+#[rustfmt::skip]
+pub(crate) const LIMITS_KEYS: &[Key] = &[
+    Key { name: "position_lower", form: Form::PerJoint(Range::Finite), unit: "rad (m)", default: "the robot file's", example: "[-2.9, -2.0]", meaning: "Lowest position" },
+    Key { name: "position_upper", form: Form::PerJoint(Range::Finite), unit: "rad (m)", default: "the robot file's", example: "[2.9, 0.5]", meaning: "Highest position" },
+    Key { name: "velocity", form: Form::PerJoint(Range::Positive), unit: "rad/s (m/s)", default: "the robot file's", example: "[1.5, 1.6]", meaning: "Largest speed" },
+    Key { name: "acceleration", form: Form::PerJoint(Range::Positive), unit: "rad/s² (m/s²)", default: "none", example: "15.0", meaning: "Largest acceleration" },
+    Key { name: "jerk", form: Form::PerJoint(Range::Positive), unit: "rad/s³ (m/s³)", default: "none", example: "[150.0, 160.0]", meaning: "Largest jerk" },
+    Key { name: "torque", form: Form::PerJoint(Range::Positive), unit: "N·m (N)", default: "the robot file's", example: "[9000.0, 9100.0]", meaning: "Largest torque" },
+];
+
+/// Keys of `[design.workspace]`.
+#[rustfmt::skip]
+pub(crate) const WORKSPACE_KEYS: &[Key] = &[
+    Key { name: "halfspace", form: Form::List(&Form::Table(HALFSPACE_KEYS), Length::Any), unit: "", default: "none", example: "", meaning: "normal·p >= offset for the origin p of a link or frame, in the base frame" },
+    Key { name: "box", form: Form::List(&Form::Table(BOX_KEYS), Length::Any), unit: "", default: "none", example: "", meaning: "lower <= p <= upper for the origin p of a link or frame, in the base frame" },
+    Key { name: "speed", form: Form::List(&Form::Table(SPEED_KEYS), Length::Any), unit: "", default: "none", example: "", meaning: "Largest speed of the origin of a link or frame" },
+    Key { name: "clearance", form: Form::List(&Form::Table(CLEARANCE_KEYS), Length::Any), unit: "", default: "none", example: "", meaning: "Least distance between the collision shapes of two links" },
+    Key { name: "shape", form: Form::List(&Form::Table(SHAPE_KEYS), Length::Any), unit: "", default: "those of the robot file", example: "", meaning: "A sphere or capsule on a link, beside the shapes of the robot file" },
+];
+
+/// Keys of `[[design.workspace.halfspace]]`.
+#[rustfmt::skip]
+pub(crate) const HALFSPACE_KEYS: &[Key] = &[
+    Key { name: "frame", form: Form::Text, unit: "", default: REQUIRED, example: "\"tool0\"", meaning: "Link or frame of the robot file" },
+    Key { name: "normal", form: Form::List(&Form::Number(Range::Finite), Length::Exactly(3)), unit: "", default: REQUIRED, example: "[0.0, 0.0, 1.0]", meaning: "Normal of the plane, into the space that is allowed" },
+    Key { name: "offset", form: Form::Number(Range::Finite), unit: "m", default: REQUIRED, example: "0.1", meaning: "Distance of the plane from the base, along a normal of unit length" },
+];
+
+/// Keys of `[[design.workspace.box]]`.
+#[rustfmt::skip]
+pub(crate) const BOX_KEYS: &[Key] = &[
+    Key { name: "frame", form: Form::Text, unit: "", default: REQUIRED, example: "\"tool0\"", meaning: "Link or frame of the robot file" },
+    Key { name: "lower", form: CORNER, unit: "m", default: REQUIRED, example: "[-1.0, -1.0, 0.0]", meaning: "Lowest x, y and z; -inf where there is no limit" },
+    Key { name: "upper", form: CORNER, unit: "m", default: REQUIRED, example: "[1.0, 1.0, inf]", meaning: "Highest x, y and z; inf where there is no limit" },
+];
+
+const CORNER: Form = Form::List(&Form::Number(Range::Any), Length::Exactly(3));
+
+/// Keys of `[[design.workspace.speed]]`.
+#[rustfmt::skip]
+pub(crate) const SPEED_KEYS: &[Key] = &[
+    Key { name: "frame", form: Form::Text, unit: "", default: REQUIRED, example: "\"tool0\"", meaning: "Link or frame of the robot file" },
+    Key { name: "limit", form: Form::Number(Range::Positive), unit: "m/s", default: REQUIRED, example: "0.5", meaning: "Largest speed of its origin in the base frame" },
+];
+
+/// Keys of `[[design.workspace.clearance]]`.
+#[rustfmt::skip]
+pub(crate) const CLEARANCE_KEYS: &[Key] = &[
+    Key { name: "links", form: Form::List(&Form::Text, Length::TwoDistinct), unit: "", default: REQUIRED, example: "[\"link2\", \"link6\"]", meaning: "The two links" },
+    Key { name: "distance", form: Form::Number(Range::NonNegative), unit: "m", default: REQUIRED, example: "0.05", meaning: "Least distance between their shapes" },
+];
+
+/// Keys of `[[design.workspace.shape]]`.
+#[rustfmt::skip]
+pub(crate) const SHAPE_KEYS: &[Key] = &[
+    Key { name: "link", form: Form::Text, unit: "", default: REQUIRED, example: "\"link6\"", meaning: "Link of the robot file, or its base" },
+    Key { name: "ends", form: Form::List(&Form::List(&Form::Number(Range::Finite), Length::Exactly(3)), Length::OneOrTwo), unit: "m", default: REQUIRED, example: "[[0.0, 0.0, 0.0], [0.0, 0.0, 0.2]]", meaning: "The centre of a sphere, or both ends of a capsule, in the frame of the link" },
+    Key { name: "radius", form: Form::Number(Range::Positive), unit: "m", default: REQUIRED, example: "0.08", meaning: "Radius" },
+];
 
 /// Enough harmonics for full rank on six joints, few enough to stay smooth.
 const DEFAULT_HARMONICS: usize = 5;
@@ -443,15 +502,20 @@ fn harmonics(node: &Node) -> Result<Harmonics, ProblemFileError> {
     }
 }
 
+const GROUPS: &[(&str, DesignParameters)] = &[
+    ("all", DesignParameters::All),
+    ("inertial", DesignParameters::Inertial),
+    ("payload", DesignParameters::Payload),
+    ("friction", DesignParameters::Friction),
+];
+
+fn groups() -> Vec<&'static str> {
+    GROUPS.iter().map(|(word, _)| *word).collect()
+}
+
 fn design_parameters(node: &Node) -> Result<DesignParameters, ProblemFileError> {
-    const WORDS: &[(&str, DesignParameters)] = &[
-        ("all", DesignParameters::All),
-        ("inertial", DesignParameters::Inertial),
-        ("payload", DesignParameters::Payload),
-        ("friction", DesignParameters::Friction),
-    ];
     match &node.value {
-        NodeValue::Text(word) => WORDS
+        NodeValue::Text(word) => GROUPS
             .iter()
             .find(|(known, _)| known == word)
             .map(|(_, choice)| choice.clone())
@@ -462,7 +526,7 @@ fn design_parameters(node: &Node) -> Result<DesignParameters, ProblemFileError> 
                         noun: "group of parameters",
                         code: "unknown-parameter-group",
                         found: word.clone(),
-                        known: WORDS.iter().map(|(word, _)| (*word).to_owned()).collect(),
+                        known: groups().into_iter().map(str::to_owned).collect(),
                     },
                 )
             }),

@@ -2,11 +2,17 @@
 
 use crate::problem_file::document::{Node, NodeValue};
 use crate::problem_file::error::{NumberFault, ProblemFileError};
+use crate::problem_file::key::{Form, Key, Length, Range};
 use crate::problem_file::located::Located;
 use crate::problem_file::reader::Reader;
 use crate::problem_file::{Context, values};
 
-pub(crate) const KEYS: &[&str] = &["effects", "significance"];
+/// Keys of `[diagnose]`.
+#[rustfmt::skip]
+pub(crate) const KEYS: &[Key] = &[
+    Key { name: "effects", form: Form::Either(&[Form::Words(all), Form::List(&Form::Effect, Length::SomeDistinct)]), unit: "", default: "\"all\"", example: "[\"time_delay\", \"base_tilt\"]", meaning: "The physics to look for" },
+    Key { name: "significance", form: Form::Number(Range::Probability), unit: "", default: "0.001", example: "0.01", meaning: "Probability of a false finding, after correction for the number of hypotheses tried" },
+];
 
 /// One false finding in a thousand diagnoses of a model that is right.
 const DEFAULT_SIGNIFICANCE: f64 = 0.001;
@@ -38,9 +44,16 @@ impl DiagnoseTable {
     }
 }
 
+/// The word for every effect.
+const ALL: &str = "all";
+
+fn all() -> Vec<&'static str> {
+    vec![ALL]
+}
+
 fn sought(node: &Node, context: &Context) -> Result<SoughtEffects, ProblemFileError> {
     match &node.value {
-        NodeValue::Text(word) if word == "all" => Ok(SoughtEffects::All),
+        NodeValue::Text(word) if word == ALL => Ok(SoughtEffects::All),
         NodeValue::List(_) => {
             let effects = values::effects(node, context)?;
             values::not_empty(effects, node).map(SoughtEffects::Listed)

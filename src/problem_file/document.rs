@@ -81,6 +81,42 @@ impl Node {
         }
     }
 
+    /// The node that [`Self::to_json`] has written; its places have a key and no line.
+    pub fn from_json(json: &serde_json::Value, place: Place) -> Self {
+        let below = |key: &str| place.clone().key(join(place.key.as_deref(), key));
+        let value = match json {
+            serde_json::Value::String(text) => match text.as_str() {
+                "inf" => NodeValue::Number(f64::INFINITY),
+                "-inf" => NodeValue::Number(f64::NEG_INFINITY),
+                text => NodeValue::Text(text.to_owned()),
+            },
+            serde_json::Value::Number(number) => match number.as_i64() {
+                Some(integer) => NodeValue::Integer(integer),
+                None => NodeValue::Number(number.as_f64().unwrap_or(f64::NAN)),
+            },
+            serde_json::Value::Bool(boolean) => NodeValue::Boolean(*boolean),
+            serde_json::Value::Array(items) => {
+                let items = items
+                    .iter()
+                    .map(|item| Self::from_json(item, place.clone()));
+                NodeValue::List(items.collect())
+            }
+            serde_json::Value::Object(entries) => {
+                let entries = entries.iter().map(|(key, value)| Entry {
+                    key: key.clone(),
+                    place: below(key),
+                    node: Self::from_json(value, below(key)),
+                });
+                NodeValue::Table(Table {
+                    entries: entries.collect(),
+                })
+            }
+            // No value of a problem file is written as null; readers refuse it as not a number.
+            serde_json::Value::Null => NodeValue::Number(f64::NAN),
+        };
+        Self { value, place }
+    }
+
     /// The value as TOML. Dates are texts there.
     pub fn to_toml(&self) -> toml::Value {
         match &self.value {

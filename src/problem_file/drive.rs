@@ -2,24 +2,34 @@
 
 use crate::problem_file::document::Node;
 use crate::problem_file::error::{ProblemFileError, ValueFault};
+use crate::problem_file::key::{Form, Key, Length, REQUIRED, Range};
 use crate::problem_file::located::{Located, Named, PerJoint};
 use crate::problem_file::reader::Reader;
 use crate::problem_file::{Context, values};
 
-pub(crate) const KEYS: &[&str] = &[
-    "torque_constant",
-    "torque_constant_std",
-    "current_polynomial",
-    "rotor_inertia",
-    "ratio",
-    "offset",
-    "coupling",
-    "effects",
-    "effects_of",
-    "values",
-    "rotors",
+/// Keys of `[drive]`.
+#[rustfmt::skip]
+pub(crate) const KEYS: &[Key] = &[
+    Key { name: "torque_constant", form: Form::PerJoint(Range::Nonzero), unit: "N·m/A (N/A)", default: "none, as for signals that are torques", example: "[13.1, 13.0]", meaning: "Torque constant at the joint side: motor constant times ratio" },
+    Key { name: "torque_constant_std", form: Form::PerJoint(Range::NonNegative), unit: "", default: "none: the constants are certain", example: "[0.05, 0.05]", meaning: "Relative standard deviations of the torque constants, or of the torques that the polynomials give; part of every interval" },
+    Key { name: "current_polynomial", form: Form::List(&Form::List(&Form::Number(Range::Finite), Length::Exactly(4)), Length::Any), unit: "N·m/A^k (N/A^k)", default: "none", example: "[[0.0, 185.0, 0.25, -0.012]]", meaning: "Instead of torque_constant: torque at the joint side in powers of the current, sign(i)·(c0 + c1·|i| + c2·i² + c3·|i|³)" },
+    Key { name: "rotor_inertia", form: Form::PerJoint(Range::NonNegative), unit: "kg·m² (kg)", default: "none; estimated if \"rotor_inertia\" is among the effects", example: "[1.40, 1.50]", meaning: "Inertia of rotor and gear, reflected to the joint" },
+    Key { name: "ratio", form: Form::PerJoint(Range::Nonzero), unit: "", default: "none", example: "[32.0, -33.5]", meaning: "Motor turns per joint turn, signed" },
+    Key { name: "offset", form: Form::PerJoint(Range::Finite), unit: "rad (m)", default: "none", example: "[0.0, 0.01]", meaning: "Joint position where the motor stands at zero: q = V·(q_enc / ratio) + offset" },
+    Key { name: "coupling", form: Form::List(&Form::List(&Form::Number(Range::Finite), Length::Any), Length::Any), unit: "", default: "the identity", example: "[[1.0, 0.0], [0.0093, 1.0]]", meaning: "V, a square matrix by rows: joint speeds = V·(motor speeds / ratio)" },
+    Key { name: "effects", form: Form::List(&Form::Effect, Length::Distinct), unit: "", default: "none", example: "[\"coulomb_friction\", \"viscous_friction\"]", meaning: "Physics in the model, for all joints; `exid effects` lists it" },
+    Key { name: "effects_of", form: Form::Named(&Form::List(&Form::Effect, Length::Distinct)), unit: "", default: "none", example: "{ a5 = [\"coulomb_friction\"] }", meaning: "What replaces the list of effects on single joints" },
+    Key { name: "values", form: Form::Named(&Form::Number(Range::Finite)), unit: "each parameter's own", default: "none", example: "{ \"a5.coulomb_friction.w\" = 0.004 }", meaning: "Parameters of the model with known values" },
+    Key { name: "rotors", form: Form::NamedTables(ROTOR_KEYS), unit: "", default: "none", example: "", meaning: "Spinning part of a joint's motor, which a base wrench feels" },
 ];
-pub(crate) const ROTOR_KEYS: &[&str] = &["link", "axis", "inertia"];
+
+/// Keys of an entry of `[drive.rotors]`.
+#[rustfmt::skip]
+pub(crate) const ROTOR_KEYS: &[Key] = &[
+    Key { name: "link", form: Form::Text, unit: "", default: REQUIRED, example: "\"link2\"", meaning: "Link or fixed frame that carries the motor" },
+    Key { name: "axis", form: Form::List(&Form::Number(Range::Finite), Length::Exactly(3)), unit: "", default: REQUIRED, example: "[0.0, 0.0, 1.0]", meaning: "Axis about which it spins where the motor turns forwards, in that frame" },
+    Key { name: "inertia", form: Form::Number(Range::NonNegative), unit: "kg·m²", default: REQUIRED, example: "0.0002", meaning: "Its own inertia about its axis, at the motor side" },
+];
 
 /// Coefficients of one joint's torque, N·m at the joint side, in powers of the current |i|, A:
 /// sign(i)·(c0 + c1·|i| + c2·|i|² + c3·|i|³).

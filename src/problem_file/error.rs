@@ -40,9 +40,9 @@ pub enum FileFault {
 pub enum KeyFault {
     Unknown {
         found: String,
-        known: &'static [&'static str],
+        known: Vec<&'static str>,
         /// Another table that has a key of this name.
-        elsewhere: Option<&'static str>,
+        elsewhere: Option<String>,
     },
     Missing {
         remedy: String,
@@ -235,8 +235,9 @@ impl KeyFault {
                 known,
                 elsewhere,
             } => {
-                let elsewhere =
-                    elsewhere.map(|table| format!("\"{found}\" is a key of [{table}]; "));
+                let elsewhere = elsewhere
+                    .as_ref()
+                    .map(|table| format!("\"{found}\" is a key of [{table}]; "));
                 Description::new(
                     "unknown-key",
                     format!("unknown key \"{found}\""),

@@ -3,24 +3,55 @@
 use crate::problem_file::choices::{Estimator, FeasibleBy, LoadFrom, Motion, PriorKind};
 use crate::problem_file::document::{Node, NodeValue, Table};
 use crate::problem_file::error::{KeyFault, NumberFault, ProblemFileError, ValueFault};
+use crate::problem_file::key::{Form, Key, Length, REQUIRED, Range, words};
 use crate::problem_file::located::{Located, Named};
 use crate::problem_file::reader::Reader;
 use crate::problem_file::{Context, values};
 
-pub(crate) const KEYS: &[&str] = &[
-    "estimator",
-    "feasible_by",
-    "load",
-    "motion",
-    "prior",
-    "bounds",
-    "compare",
-    "constant_velocity",
+/// Keys of `[fit]`.
+#[rustfmt::skip]
+pub(crate) const KEYS: &[Key] = &[
+    Key { name: "estimator", form: Form::Words(words::<Estimator>), unit: "", default: "\"maximum_likelihood\"", example: "\"wls\"", meaning: "How parameters follow from recordings: ordinary, weighted or robust least squares, maximum likelihood, these over bodies that can exist, or motor constants from constant speed" },
+    Key { name: "feasible_by", form: Form::Words(words::<FeasibleBy>), unit: "", default: "\"cones\"", example: "\"log_cholesky\"", meaning: "How a feasible estimate keeps bodies possible" },
+    Key { name: "load", form: Form::Words(words::<LoadFrom>), unit: "", default: "\"together\"", example: "\"difference\"", meaning: "How the load follows from recordings with it and without it: one estimate of all, or the difference of two fits of the link that carries it" },
+    Key { name: "motion", form: Form::Words(words::<Motion>), unit: "", default: "\"exact\"", example: "\"noisy\"", meaning: "Whether joint angles are noisy, so that the motion is estimated beside the parameters; for maximum_likelihood" },
+    Key { name: "prior", form: Form::Table(PRIOR_KEYS), unit: "", default: "none", example: "", meaning: "What is known before the data" },
+    Key { name: "bounds", form: Form::Named(INTERVAL), unit: "each parameter's own", default: "none", example: "{ \"link3.mass\" = [0.5, 6.0], total_mass = [900, inf] }", meaning: "Lower and upper bound of parameters by name, and of total_mass, the sum of all masses in kg" },
+    Key { name: "compare", form: Form::List(&Form::Table(COMPARE_KEYS), Length::Any), unit: "", default: "none", example: "", meaning: "The same fit with other effects, side by side in the result" },
+    Key { name: "constant_velocity", form: Form::Table(CONSTANT_VELOCITY_KEYS), unit: "", default: "the keys' own defaults", example: "", meaning: "For the estimator constant_velocity" },
 ];
-pub(crate) const PRIOR_KEYS: &[&str] = &["kind", "strength", "values"];
-pub(crate) const PRIOR_VALUE_KEYS: &[&str] = &["value", "std_dev"];
-pub(crate) const CONSTANT_VELOCITY_KEYS: &[&str] = &["least_speed", "torque_constant", "same_type"];
-pub(crate) const COMPARE_KEYS: &[&str] = &["name", "effects"];
+
+const INTERVAL: &Form = &Form::List(&Form::Number(Range::Any), Length::Exactly(2));
+
+/// Keys of `[fit.prior]`.
+#[rustfmt::skip]
+pub(crate) const PRIOR_KEYS: &[Key] = &[
+    Key { name: "kind", form: Form::Words(words::<PriorKind>), unit: "", default: "no prior on the inertials", example: "\"entropic\"", meaning: "Distance from the robot file's bodies that a feasible estimate penalises, or the absolute values of all linear parameters (\"lasso\")" },
+    Key { name: "strength", form: Form::Either(&[Form::Words(strengths), Form::Number(Range::Positive)]), unit: "", default: "\"held_out\"", example: "0.5", meaning: "How far the prior is trusted: by held-out error, by the noise, or a factor of the distance" },
+    Key { name: "values", form: Form::Named(&Form::Table(PRIOR_VALUE_KEYS)), unit: "", default: "none", example: "", meaning: "Single parameters by name, for any estimator" },
+];
+
+/// Keys of an entry of `[fit.prior.values]`.
+#[rustfmt::skip]
+pub(crate) const PRIOR_VALUE_KEYS: &[Key] = &[
+    Key { name: "value", form: Form::Number(Range::Finite), unit: "the parameter's own", default: REQUIRED, example: "120.0", meaning: "Value expected" },
+    Key { name: "std_dev", form: Form::Number(Range::Positive), unit: "the parameter's own", default: REQUIRED, example: "5.0", meaning: "How far to trust it: its standard deviation" },
+];
+
+/// Keys of `[fit.constant_velocity]`.
+#[rustfmt::skip]
+pub(crate) const CONSTANT_VELOCITY_KEYS: &[Key] = &[
+    Key { name: "least_speed", form: Form::Number(Range::Positive), unit: "rad/s (m/s)", default: "0.02", example: "0.05", meaning: "A slower joint stands" },
+    Key { name: "torque_constant", form: Form::Named(&Form::Number(Range::Positive)), unit: "N·m/A", default: "none", example: "{ joint1 = 13.0 }", meaning: "Torque constants at the joint side that are known" },
+    Key { name: "same_type", form: Form::List(&Form::List(&Form::Text, Length::Any), Length::Any), unit: "", default: "none", example: "[[\"joint1\", \"joint2\"]]", meaning: "Lists of joints with motors of one type" },
+];
+
+/// Keys of `[[fit.compare]]`.
+#[rustfmt::skip]
+pub(crate) const COMPARE_KEYS: &[Key] = &[
+    Key { name: "name", form: Form::Text, unit: "", default: REQUIRED, example: "\"Stribeck\"", meaning: "Name of the comparison" },
+    Key { name: "effects", form: Form::List(&Form::Effect, Length::Distinct), unit: "", default: REQUIRED, example: "[\"coulomb_friction\", \"viscous_friction\"]", meaning: "What replaces drive.effects" },
+];
 
 /// Name of the bound on the sum of all masses in `[fit.bounds]`.
 const TOTAL_MASS: &str = "total_mass";
@@ -243,11 +274,16 @@ impl Comparison {
     }
 }
 
+const STRENGTHS: &[(&str, Strength)] =
+    &[("held_out", Strength::HeldOut), ("noise", Strength::Noise)];
+
+fn strengths() -> Vec<&'static str> {
+    STRENGTHS.iter().map(|(word, _)| *word).collect()
+}
+
 fn strength(node: &Node) -> Result<Strength, ProblemFileError> {
-    const WORDS: &[(&str, Strength)] =
-        &[("held_out", Strength::HeldOut), ("noise", Strength::Noise)];
     match &node.value {
-        NodeValue::Text(word) => WORDS
+        NodeValue::Text(word) => STRENGTHS
             .iter()
             .find(|(known, _)| known == word)
             .map(|(_, strength)| *strength)
@@ -258,7 +294,7 @@ fn strength(node: &Node) -> Result<Strength, ProblemFileError> {
                         noun: "strength of the prior",
                         code: "unknown-strength",
                         found: word.clone(),
-                        known: WORDS.iter().map(|(word, _)| (*word).to_owned()).collect(),
+                        known: strengths().into_iter().map(str::to_owned).collect(),
                     },
                 )
             }),
@@ -274,7 +310,11 @@ fn strength(node: &Node) -> Result<Strength, ProblemFileError> {
 
 fn prior_value(node: &Node) -> Result<PriorValue, ProblemFileError> {
     // Without either key this is the table that TOML makes of a name with dots and no quotes.
-    let described = |table: &Table| PRIOR_VALUE_KEYS.iter().any(|key| table.get(key).is_some());
+    let described = |table: &Table| {
+        PRIOR_VALUE_KEYS
+            .iter()
+            .any(|key| table.get(key.name).is_some())
+    };
     if !matches!(&node.value, NodeValue::Table(table) if described(table)) {
         return Err(values::wrong_type(
             node,

@@ -16,8 +16,11 @@ pub mod robot;
 pub mod simulate;
 
 mod document;
+pub mod key;
 mod overrides;
 mod reader;
+pub mod reference;
+pub mod schema;
 mod values;
 
 #[cfg(test)]
@@ -39,18 +42,20 @@ pub use simulate::SimulateTable;
 
 use document::Node;
 use error::KeyFault;
+use key::{Form, Key, REQUIRED};
 use reader::Reader;
 
 /// Keys of the top level of a problem file.
-pub(crate) const KEYS: &[&str] = &[
-    "name",
-    "robot",
-    "drive",
-    "recordings",
-    "fit",
-    "design",
-    "simulate",
-    "diagnose",
+#[rustfmt::skip]
+pub const KEYS: &[Key] = &[
+    Key { name: "name", form: Form::Text, unit: "", default: "the file's name without extension", example: "\"arm6\"", meaning: "Name of the problem and of its results folder: letters, digits, spaces, \"-\", \"_\" and \".\"" },
+    Key { name: "robot", form: Form::Table(robot::KEYS), unit: "", default: REQUIRED, example: "", meaning: "The kinematics, what is known of it, and what is to be estimated" },
+    Key { name: "drive", form: Form::Table(drive::KEYS), unit: "", default: "a rigid body without losses", example: "", meaning: "The motors, what is known of them, and the physics between motor and joint; lists have one value per joint and belong to the motor with that joint's index" },
+    Key { name: "recordings", form: Form::Table(recordings::KEYS), unit: "", default: "nothing is read", example: "", meaning: "The files, what they hold, and how positions give velocities and accelerations" },
+    Key { name: "fit", form: Form::Table(fit::KEYS), unit: "", default: "the keys' own defaults", example: "", meaning: "The estimator, what is known before the data, and fits to compare with" },
+    Key { name: "design", form: Form::Table(design::KEYS), unit: "", default: "the keys' own defaults", example: "", meaning: "The motions among which an excitation is sought, what makes one good, and its limits" },
+    Key { name: "simulate", form: Form::Table(simulate::KEYS), unit: "", default: "the keys' own defaults", example: "", meaning: "The trajectory, how it is recorded, and the truth behind it" },
+    Key { name: "diagnose", form: Form::Table(diagnose::KEYS), unit: "", default: "the keys' own defaults", example: "", meaning: "The physics to look for, and how sure a finding has to be" },
 ];
 
 /// A problem file as read, after overrides.
@@ -112,11 +117,28 @@ impl ProblemFile {
     ) -> Result<Self, ProblemFileError> {
         let mut root = document::parse(path, text)?;
         overrides::apply(&mut root, overrides)?;
+        Self::from_root(path, &root, effect_ids)
+    }
+
+    /// The problem that a result keeps, [`Self::json`], of the file at `path`.
+    ///
+    /// # Errors
+    /// As [`Self::read`], without lines and columns.
+    pub fn kept(
+        path: &Path,
+        json: &serde_json::Value,
+        effect_ids: &[&str],
+    ) -> Result<Self, ProblemFileError> {
+        let root = Node::from_json(json, Place::file(path));
+        Self::from_root(path, &root, effect_ids)
+    }
+
+    fn from_root(path: &Path, root: &Node, effect_ids: &[&str]) -> Result<Self, ProblemFileError> {
         let context = Context {
             folder: path.parent().unwrap_or(Path::new("")),
             effect_ids,
         };
-        let file = Self::from_node(path, &root, &context)?;
+        let file = Self::from_node(path, root, &context)?;
         file.check_across_tables()?;
         Ok(file)
     }

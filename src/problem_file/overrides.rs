@@ -4,20 +4,10 @@
 use toml::de::DeTable;
 
 use crate::fault::Place;
+use crate::problem_file::KEYS;
 use crate::problem_file::document::{Entry, Node, NodeValue, Source, Table, join};
 use crate::problem_file::error::{OverrideFault, ProblemFileError};
-
-/// Tables whose keys are names with dots. A shell takes the quotes off such a key, so below these
-/// tables the rest of the key is one name.
-const TABLES_OF_NAMES: &[&str] = &[
-    "robot.locked",
-    "drive.effects_of",
-    "drive.values",
-    "fit.prior.values",
-    "fit.bounds",
-    "design.values",
-    "simulate.values",
-];
+use crate::problem_file::key::is_table_of_names;
 
 /// Most parts of a key: the deepest of the problem file has four, and tables are nested as deeply as
 /// the key says.
@@ -76,11 +66,11 @@ fn split(text: &str) -> Option<(Vec<String>, &str)> {
     None
 }
 
-/// Makes one name of what follows a table of names.
+/// Makes one name of what follows a table of names: a shell takes the quotes off a name with dots.
 fn join_names(segments: &[String]) -> Vec<String> {
     for length in 1..segments.len().min(MOST_PARTS) {
         let (table, name) = segments.split_at(length);
-        if TABLES_OF_NAMES.contains(&table.join(".").as_str()) {
+        if is_table_of_names(KEYS, table) {
             let mut joined = table.to_vec();
             joined.push(name.join("."));
             return joined;

@@ -5,36 +5,9 @@ use std::borrow::Cow;
 use crate::fault::{Fault, Place};
 use crate::problem_file::document::{Entry, Node, NodeValue, Table, join};
 use crate::problem_file::error::{KeyFault, ProblemFileError, ProblemFileErrorKind, ValueFault};
+use crate::problem_file::key::{Key, sections};
 use crate::problem_file::located::{Located, Named};
-use crate::problem_file::{design, diagnose, drive, fit, recordings, robot, simulate, values};
-
-/// Every table with fixed keys, to tell where a key belongs that stands in the wrong table.
-const TABLES: &[(&str, &[&str])] = &[
-    ("robot", robot::KEYS),
-    ("drive", drive::KEYS),
-    ("recordings", recordings::KEYS),
-    ("recordings.columns", recordings::COLUMNS_KEYS),
-    (
-        "recordings.differentiation",
-        recordings::DIFFERENTIATION_KEYS,
-    ),
-    ("robot.closed", robot::CLOSED_KEYS),
-    ("fit", fit::KEYS),
-    ("fit.prior", fit::PRIOR_KEYS),
-    ("fit.compare", fit::COMPARE_KEYS),
-    ("fit.constant_velocity", fit::CONSTANT_VELOCITY_KEYS),
-    ("design", design::KEYS),
-    ("design.limits", design::LIMITS_KEYS),
-    ("design.workspace", design::WORKSPACE_KEYS),
-    ("design.workspace.halfspace", design::HALFSPACE_KEYS),
-    ("design.workspace.box", design::BOX_KEYS),
-    ("design.workspace.speed", design::SPEED_KEYS),
-    ("design.workspace.clearance", design::CLEARANCE_KEYS),
-    ("design.workspace.shape", design::SHAPE_KEYS),
-    ("design.rival", design::RIVAL_KEYS),
-    ("simulate", simulate::KEYS),
-    ("diagnose", diagnose::KEYS),
-];
+use crate::problem_file::{KEYS, values};
 
 /// One table, whose keys are known.
 pub(super) struct Reader<'a> {
@@ -45,18 +18,18 @@ pub(super) struct Reader<'a> {
 impl<'a> Reader<'a> {
     /// # Errors
     /// `wrong-type` if the value is not a table, `unknown-key` for a key that is not in `known`.
-    pub fn open(node: &'a Node, known: &'static [&'static str]) -> Result<Self, ProblemFileError> {
+    pub fn open(node: &'a Node, known: &[Key]) -> Result<Self, ProblemFileError> {
         let table = values::table(node)?;
-        let unknown = |key: &str| !known.contains(&key);
-        if let Some(entry) = table.entries.iter().find(|entry| unknown(&entry.key)) {
-            let has = |keys: &[&str]| keys.contains(&entry.key.as_str());
-            let elsewhere = TABLES.iter().find(|(_, keys)| has(keys));
+        let has = |keys: &[Key], entry: &Entry| keys.iter().any(|key| key.name == entry.key);
+        if let Some(entry) = table.entries.iter().find(|entry| !has(known, entry)) {
+            let sections = sections(KEYS).into_iter().skip(1);
+            let mut elsewhere = sections.filter(|section| has(section.keys, entry));
             return Err(ProblemFileError::new(
                 &entry.place,
                 KeyFault::Unknown {
                     found: entry.key.clone(),
-                    known,
-                    elsewhere: elsewhere.map(|(table, _)| *table),
+                    known: known.iter().map(|key| key.name).collect(),
+                    elsewhere: elsewhere.next().map(|section| section.path.join(".")),
                 },
             ));
         }

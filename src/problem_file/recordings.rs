@@ -3,41 +3,130 @@
 use crate::problem_file::choices::{DifferentiationMethod, PositionSide, Signal};
 use crate::problem_file::document::{Node, NodeValue};
 use crate::problem_file::error::{KeyFault, NumberFault, ProblemFileError, ValueFault};
+use crate::problem_file::key::{Form, Key, Length, REQUIRED, Range, words};
 use crate::problem_file::located::{FilePath, Located, Named};
 use crate::problem_file::reader::Reader;
 use crate::problem_file::{Context, values};
 use crate::recording::column_map::{Column, ColumnsAt};
 use crate::recording::units::{self, Quantity};
 
-pub(crate) const KEYS: &[&str] = &[
-    "train",
-    "validation",
-    "loaded",
-    "signal",
-    "position_side",
-    "rate",
-    "period",
-    "columns",
-    "differentiation",
-    "platform",
-    "sensors",
-    "positions",
+/// Keys of `[recordings]`.
+#[rustfmt::skip]
+pub(crate) const KEYS: &[Key] = &[
+    Key { name: "train", form: Form::List(&Form::File, Length::Distinct), unit: "", default: "required, unless there are loaded ones", example: "[\"train.csv\"]", meaning: "Recordings that are fitted" },
+    Key { name: "validation", form: Form::List(&Form::File, Length::Distinct), unit: "", default: "[]", example: "[\"validation.csv\"]", meaning: "Recordings that are held out; without them held-out figures are null" },
+    Key { name: "loaded", form: Form::List(&Form::File, Length::Distinct), unit: "", default: "[]", example: "[\"with_load.csv\"]", meaning: "Recordings that are fitted with the load on; the others are then without it. Needs robot.payload; where none is listed, every recording carries the load" },
+    Key { name: "signal", form: Form::Words(words::<Signal>), unit: "", default: "\"current\"", example: "\"torque\"", meaning: "What the recordings hold: motor currents, motor torques at the joint side or at the motor side, torques of sensors behind the gears, the force and moment under the base, or torques and those" },
+    Key { name: "position_side", form: Form::Words(words::<PositionSide>), unit: "", default: "\"joint\"", example: "\"motor\"", meaning: "Where the encoder sits: on the motor in joint units, on the motor in its own turns, or behind the gear" },
+    Key { name: "rate", form: Form::Number(Range::Positive), unit: "Hz", default: "from the time stamps", example: "200.0", meaning: "Samples per second" },
+    Key { name: "period", form: Form::Number(Range::Positive), unit: "s", default: "found in the motion, where it repeats", example: "12.0", meaning: "The motion repeats after this time; recordings are averaged over their periods" },
+    Key { name: "columns", form: Form::Table(COLUMNS_KEYS), unit: "", default: "the usual names", example: "", meaning: "Names of columns, in which {joint} stands for the joint's name and {n} for its number from 1, or tables with column and unit" },
+    Key { name: "differentiation", form: Form::Table(DIFFERENTIATION_KEYS), unit: "", default: "the keys' own defaults", example: "", meaning: "How positions give velocities and accelerations" },
+    Key { name: "platform", form: Form::Table(PLATFORM_KEYS), unit: "", default: "it reads in the base frame", example: "", meaning: "The sensor of a base wrench" },
+    Key { name: "sensors", form: Form::NamedTables(SENSOR_KEYS), unit: "", default: "their motion follows from the motors", example: "", meaning: "What is measured at a joint without a motor: one of these" },
+    Key { name: "positions", form: Form::Named(&Form::File), unit: "", default: "positions are in the recordings", example: "{ \"train.csv\" = \"camera.csv\" }", meaning: "Files with the positions of a sensor of its own, by recording, with time stamps of the same clock" },
 ];
-pub(crate) const SENSOR_KEYS: &[&str] = &["position", "acceleration", "force"];
-pub(crate) const PLATFORM_KEYS: &[&str] = &["translation", "rotation", "accuracy", "tare"];
-pub(crate) const COLUMNS_KEYS: &[&str] = &[
-    "time",
-    "position",
-    "velocity",
-    "acceleration",
-    "current",
-    "torque",
-    "wrench",
-    "temperature",
-    "mask",
+
+/// Keys of an entry of `[recordings.sensors]`.
+#[rustfmt::skip]
+pub(crate) const SENSOR_KEYS: &[Key] = &[
+    Key { name: "position", form: Form::Text, unit: "rad (m)", default: "one of position, acceleration and force is required", example: "\"encoder3\"", meaning: "Column of a position, differentiated twice" },
+    Key { name: "acceleration", form: Form::Text, unit: "rad/s² (m/s²)", default: "one of position, acceleration and force is required", example: "\"acc3\"", meaning: "Column of an acceleration" },
+    Key { name: "force", form: Form::Text, unit: "N·m (N)", default: "one of position, acceleration and force is required", example: "\"force3\"", meaning: "Column of what the surroundings exert on the joint's link along the joint" },
 ];
-pub(crate) const COLUMN_KEYS: &[&str] = &["column", "unit", "per_turn"];
-pub(crate) const DIFFERENTIATION_KEYS: &[&str] = &["method", "cutoff_hz", "parallel_hz"];
+
+/// Keys of `[recordings.platform]`.
+#[rustfmt::skip]
+pub(crate) const PLATFORM_KEYS: &[Key] = &[
+    Key { name: "translation", form: Form::List(&Form::Number(Range::Finite), Length::Exactly(3)), unit: "m", default: "[0.0, 0.0, 0.0]", example: "[0.0, 0.0, -0.1]", meaning: "Origin of the sensor's frame in the base frame" },
+    Key { name: "rotation", form: Form::List(&Form::Number(Range::Finite), Length::Exactly(3)), unit: "rad", default: "[0.0, 0.0, 0.0]", example: "[0.0, 0.0, 1.5708]", meaning: "Roll, pitch and yaw of the sensor's axes in the base frame" },
+    Key { name: "accuracy", form: Form::Number(Range::Positive), unit: "", default: "none", example: "0.01", meaning: "Standard deviation of a sample as share of its channel's root mean square: weights of ordinary least squares" },
+    Key { name: "tare", form: Form::Boolean, unit: "", default: "false", example: "true", meaning: "What the platform reads without the robot is not known: six more unknowns" },
+];
+
+/// Keys of `[recordings.columns]`.
+#[rustfmt::skip]
+pub(crate) const COLUMNS_KEYS: &[Key] = &[
+    Key { name: "time", form: Form::Either(&[Form::Text, Form::Table(TIME_KEYS)]), unit: "s", default: "\"t\" or \"time\"", example: "\"t\"", meaning: "Time stamps" },
+    Key { name: "position", form: Form::Either(&[Form::Text, Form::Table(POSITION_KEYS)]), unit: "rad (m)", default: "the usual names", example: "\"q{n}\"", meaning: "Positions, or the motor's turns where position_side is \"motor\"" },
+    Key { name: "velocity", form: Form::Either(&[Form::Text, Form::Table(VELOCITY_KEYS)]), unit: "rad/s (m/s)", default: "the usual names, if there", example: "\"dq{n}\"", meaning: "Velocities" },
+    Key { name: "acceleration", form: Form::Either(&[Form::Text, Form::Table(ACCELERATION_KEYS)]), unit: "rad/s² (m/s²)", default: "the usual names, if there", example: "\"ddq{n}\"", meaning: "Accelerations" },
+    Key { name: "current", form: Form::Either(&[Form::Text, Form::Table(CURRENT_KEYS)]), unit: "A", default: "the usual names", example: "\"i{n}\"", meaning: "Motor currents" },
+    Key { name: "torque", form: Form::Either(&[Form::Text, Form::Table(TORQUE_KEYS)]), unit: "N·m (N)", default: "the usual names", example: "\"tau{n}\"", meaning: "Torques" },
+    Key { name: "wrench", form: Form::List(&Form::Text, Length::Exactly(6)), unit: "N, N·m", default: "fx, fy, fz, mx, my and mz", example: "[\"fx\", \"fy\", \"fz\", \"mx\", \"my\", \"mz\"]", meaning: "Forces along x, y, z, then moments" },
+    Key { name: "temperature", form: Form::Either(&[Form::Text, Form::Table(BARE_KEYS)]), unit: "°C", default: "the usual names, if there", example: "\"temp{n}\"", meaning: "Temperatures of the drives" },
+    Key { name: "mask", form: Form::Either(&[Form::Text, Form::Table(BARE_KEYS)]), unit: "", default: "every sample counts", example: "\"valid\"", meaning: "Samples with 0 are left out" },
+];
+
+/// Where the columns of a channel are.
+const COLUMNS_AT: Form = Form::Either(&[
+    Form::Text,
+    Form::Count(1),
+    Form::List(&Form::Text, Length::Some),
+    Form::List(&Form::Count(1), Length::Some),
+]);
+
+/// Keys of a column of time stamps.
+#[rustfmt::skip]
+pub(crate) const TIME_KEYS: &[Key] = &[
+    Key { name: "column", form: COLUMNS_AT, unit: "", default: REQUIRED, example: "1", meaning: "A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint" },
+    Key { name: "unit", form: Form::Either(&[Form::Words(time_units), Form::List(&Form::Words(time_units), Length::Any)]), unit: "", default: "SI", example: "\"ms\"", meaning: "One for all joints, or one for each" },
+    Key { name: "per_turn", form: Form::Number(Range::Positive), unit: "", default: "none", example: "65536", meaning: "Counts in a turn, for the unit \"count\"" },
+];
+
+/// Keys of a column of positions.
+#[rustfmt::skip]
+pub(crate) const POSITION_KEYS: &[Key] = &[
+    Key { name: "column", form: COLUMNS_AT, unit: "", default: REQUIRED, example: "\"Winkel_{n}\"", meaning: "A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint" },
+    Key { name: "unit", form: Form::Either(&[Form::Words(position_units), Form::List(&Form::Words(position_units), Length::Any)]), unit: "", default: "SI", example: "\"deg\"", meaning: "One for all joints, or one for each" },
+    Key { name: "per_turn", form: Form::Number(Range::Positive), unit: "", default: "none", example: "65536", meaning: "Counts in a turn, for the unit \"count\"" },
+];
+
+/// Keys of a column of velocities.
+#[rustfmt::skip]
+pub(crate) const VELOCITY_KEYS: &[Key] = &[
+    Key { name: "column", form: COLUMNS_AT, unit: "", default: REQUIRED, example: "[5, 6]", meaning: "A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint" },
+    Key { name: "unit", form: Form::Either(&[Form::Words(velocity_units), Form::List(&Form::Words(velocity_units), Length::Any)]), unit: "", default: "SI", example: "\"rpm\"", meaning: "One for all joints, or one for each" },
+    Key { name: "per_turn", form: Form::Number(Range::Positive), unit: "", default: "none", example: "65536", meaning: "Counts in a turn, for the unit \"count\"" },
+];
+
+/// Keys of a column of accelerations.
+#[rustfmt::skip]
+pub(crate) const ACCELERATION_KEYS: &[Key] = &[
+    Key { name: "column", form: COLUMNS_AT, unit: "", default: REQUIRED, example: "\"acc_{n}\"", meaning: "A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint" },
+    Key { name: "unit", form: Form::Either(&[Form::Words(acceleration_units), Form::List(&Form::Words(acceleration_units), Length::Any)]), unit: "", default: "SI", example: "\"deg/s^2\"", meaning: "One for all joints, or one for each" },
+    Key { name: "per_turn", form: Form::Number(Range::Positive), unit: "", default: "none", example: "65536", meaning: "Counts in a turn, for the unit \"count\"" },
+];
+
+/// Keys of a column of currents.
+#[rustfmt::skip]
+pub(crate) const CURRENT_KEYS: &[Key] = &[
+    Key { name: "column", form: COLUMNS_AT, unit: "", default: REQUIRED, example: "[\"left\", \"right\"]", meaning: "A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint" },
+    Key { name: "unit", form: Form::Either(&[Form::Words(current_units), Form::List(&Form::Words(current_units), Length::Any)]), unit: "", default: "SI", example: "\"mA\"", meaning: "One for all joints, or one for each" },
+    Key { name: "per_turn", form: Form::Number(Range::Positive), unit: "", default: "none", example: "65536", meaning: "Counts in a turn, for the unit \"count\"" },
+];
+
+/// Keys of a column of torques.
+#[rustfmt::skip]
+pub(crate) const TORQUE_KEYS: &[Key] = &[
+    Key { name: "column", form: COLUMNS_AT, unit: "", default: REQUIRED, example: "\"M_{joint}\"", meaning: "A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint" },
+    Key { name: "unit", form: Form::Either(&[Form::Words(torque_units), Form::List(&Form::Words(torque_units), Length::Any)]), unit: "", default: "SI", example: "\"mNm\"", meaning: "One for all joints, or one for each" },
+    Key { name: "per_turn", form: Form::Number(Range::Positive), unit: "", default: "none", example: "65536", meaning: "Counts in a turn, for the unit \"count\"" },
+];
+
+/// Keys of a column without a unit.
+#[rustfmt::skip]
+pub(crate) const BARE_KEYS: &[Key] = &[
+    Key { name: "column", form: COLUMNS_AT, unit: "", default: REQUIRED, example: "4", meaning: "A name, a number from 1, or a list of either, one for each joint" },
+];
+
+/// Keys of `[recordings.differentiation]`.
+#[rustfmt::skip]
+pub(crate) const DIFFERENTIATION_KEYS: &[Key] = &[
+    Key { name: "method", form: Form::Words(words::<DifferentiationMethod>), unit: "", default: "\"fourier\" where the motion repeats, else \"smoother\"", example: "\"lowpass\"", meaning: "Fourier series of a periodic motion; a fixed-interval smoother; or a zero-phase Butterworth low-pass of fourth order" },
+    Key { name: "cutoff_hz", form: Form::Number(Range::Positive), unit: "Hz", default: "chosen from the data", example: "10.0", meaning: "Cut-off frequency of the motion" },
+    Key { name: "parallel_hz", form: Form::Number(Range::Positive), unit: "Hz", default: "none", example: "8.0", meaning: "Cut-off of a low-pass on the signal and on every column of the model alike" },
+];
 
 /// The table `[recordings]`.
 #[derive(Debug, Clone)]
@@ -238,7 +327,7 @@ impl PlatformTable {
 impl SensorTable {
     fn from_node(node: &Node) -> Result<Self, ProblemFileError> {
         let reader = Reader::open(node, SENSOR_KEYS)?;
-        reader.at_most_one(SENSOR_KEYS)?;
+        reader.at_most_one(&["position", "acceleration", "force"])?;
         if let Some(column) = reader.optional("acceleration", values::text)? {
             return Ok(Self::Acceleration(column.value));
         }
@@ -255,13 +344,21 @@ impl ColumnsTable {
     fn from_node(node: &Node) -> Result<Self, ProblemFileError> {
         let reader = Reader::open(node, COLUMNS_KEYS)?;
         Ok(Self {
-            time: reader.optional("time", |n| column(n, Some(Quantity::Time)))?,
-            position: reader.optional("position", |n| column(n, Some(Quantity::Position)))?,
-            velocity: reader.optional("velocity", |n| column(n, Some(Quantity::Velocity)))?,
-            acceleration: reader
-                .optional("acceleration", |n| column(n, Some(Quantity::Acceleration)))?,
-            current: reader.optional("current", |n| column(n, Some(Quantity::Current)))?,
-            torque: reader.optional("torque", |n| column(n, Some(Quantity::Torque)))?,
+            time: reader.optional("time", |n| column(n, TIME_KEYS, Some(Quantity::Time)))?,
+            position: reader.optional("position", |n| {
+                column(n, POSITION_KEYS, Some(Quantity::Position))
+            })?,
+            velocity: reader.optional("velocity", |n| {
+                column(n, VELOCITY_KEYS, Some(Quantity::Velocity))
+            })?,
+            acceleration: reader.optional("acceleration", |n| {
+                column(n, ACCELERATION_KEYS, Some(Quantity::Acceleration))
+            })?,
+            current: reader.optional("current", |n| {
+                column(n, CURRENT_KEYS, Some(Quantity::Current))
+            })?,
+            torque: reader
+                .optional("torque", |n| column(n, TORQUE_KEYS, Some(Quantity::Torque)))?,
             wrench: reader.optional("wrench", |n| {
                 values::array(
                     n,
@@ -269,36 +366,42 @@ impl ColumnsTable {
                     values::text,
                 )
             })?,
-            temperature: reader.optional("temperature", |n| column(n, None))?,
-            mask: reader.optional("mask", |n| column(n, None))?,
+            temperature: reader.optional("temperature", |n| column(n, BARE_KEYS, None))?,
+            mask: reader.optional("mask", |n| column(n, BARE_KEYS, None))?,
         })
     }
 }
 
 /// A channel by the pattern of its columns, or by a table with columns and unit.
-fn column(node: &Node, quantity: Option<Quantity>) -> Result<Column, ProblemFileError> {
+fn column(
+    node: &Node,
+    keys: &[Key],
+    quantity: Option<Quantity>,
+) -> Result<Column, ProblemFileError> {
     if let NodeValue::Text(_) = node.value {
         return Ok(Column::from(values::text(node)?.as_str()));
     }
-    let reader = Reader::open(node, COLUMN_KEYS)?;
+    if let (None, NodeValue::Table(table)) = (quantity, &node.value)
+        && let Some(unit) = table.get("unit")
+    {
+        return Err(ProblemFileError::new(
+            &unit.place,
+            KeyFault::Conflict {
+                found: "a unit of what has none".into(),
+                remedy: "leave the unit out".into(),
+            },
+        ));
+    }
+    let reader = Reader::open(node, keys)?;
     let remedy = "name the column, or give its number from 1";
     let at = reader.required("column", remedy, columns_at)?.value;
     let per_turn = reader.optional("per_turn", values::positive)?;
     let unit = reader.node("unit");
     let Some(quantity) = quantity else {
-        return match unit {
-            None => Ok(Column {
-                at,
-                factors: Vec::new(),
-            }),
-            Some(unit) => Err(ProblemFileError::new(
-                &unit.place,
-                KeyFault::Conflict {
-                    found: "a unit of what has none".into(),
-                    remedy: "leave the unit out".into(),
-                },
-            )),
-        };
+        return Ok(Column {
+            at,
+            factors: Vec::new(),
+        });
     };
     let factor = |node: &Node| factor(node, quantity, per_turn.as_ref());
     let factors = match unit {
@@ -309,6 +412,30 @@ fn column(node: &Node, quantity: Option<Quantity>) -> Result<Column, ProblemFile
         },
     };
     Ok(Column { at, factors })
+}
+
+fn time_units() -> Vec<&'static str> {
+    units::names(Quantity::Time)
+}
+
+fn position_units() -> Vec<&'static str> {
+    units::names(Quantity::Position)
+}
+
+fn velocity_units() -> Vec<&'static str> {
+    units::names(Quantity::Velocity)
+}
+
+fn acceleration_units() -> Vec<&'static str> {
+    units::names(Quantity::Acceleration)
+}
+
+fn current_units() -> Vec<&'static str> {
+    units::names(Quantity::Current)
+}
+
+fn torque_units() -> Vec<&'static str> {
+    units::names(Quantity::Torque)
 }
 
 /// A pattern, a number, or a list of either, one for each joint.

@@ -3,27 +3,48 @@
 use crate::problem_file::choices::{Choice, ClosedJoint, Inertials, Mechanism};
 use crate::problem_file::document::{Node, NodeValue};
 use crate::problem_file::error::{KeyFault, ProblemFileError};
+use crate::problem_file::key::{Form, Key, Length, REQUIRED, Range, words};
 use crate::problem_file::located::{FilePath, Located, Named};
 use crate::problem_file::reader::Reader;
 use crate::problem_file::{Context, values};
 
-pub(crate) const KEYS: &[&str] = &[
-    "urdf",
-    "mdh",
-    "mjcf",
-    "mechanism",
-    "gravity",
-    "joints",
-    "locked",
-    "inertials",
-    "zero",
-    "parameters",
-    "payload",
-    "h4",
-    "passive",
-    "closed",
+/// Keys of `[robot]`.
+#[rustfmt::skip]
+pub(crate) const KEYS: &[Key] = &[
+    Key { name: "urdf", form: Form::File, unit: "", default: "one of urdf, mjcf, mdh and mechanism is required", example: "\"arm6.urdf\"", meaning: "Robot description (URDF)" },
+    Key { name: "mdh", form: Form::File, unit: "", default: "one of urdf, mjcf, mdh and mechanism is required", example: "\"arm.mdh.toml\"", meaning: "Table of modified Denavit-Hartenberg parameters (TOML)" },
+    Key { name: "mjcf", form: Form::File, unit: "", default: "one of urdf, mjcf, mdh and mechanism is required", example: "\"model.xml\"", meaning: "Model of MuJoCo (MJCF), with what it says of gravity and drives" },
+    Key { name: "mechanism", form: Form::Words(words::<Mechanism>), unit: "", default: "one of urdf, mjcf, mdh and mechanism is required", example: "\"h4\"", meaning: "A mechanism whose kinematics is built in, with its lengths in a table of its name" },
+    Key { name: "gravity", form: Form::List(&Form::Number(Range::Finite), Length::Exactly(3)), unit: "m/s²", default: "that of the robot file, or [0.0, 0.0, -9.81]", example: "[0.0, 0.0, -9.81]", meaning: "Gravity in the base frame" },
+    Key { name: "joints", form: Form::List(&Form::Text, Length::SomeDistinct), unit: "", default: "the order of the robot file", example: "[\"a1\", \"a2\"]", meaning: "Order of the joints in every list with one value per joint" },
+    Key { name: "locked", form: Form::Named(&Form::Number(Range::Finite)), unit: "rad (m)", default: "none", example: "{ a1 = 0.0 }", meaning: "Joints that do not move, and where they stand" },
+    Key { name: "inertials", form: Form::Words(words::<Inertials>), unit: "", default: "\"estimate\"", example: "\"known\"", meaning: "Whether link parameters are unknown, or taken from the robot file" },
+    Key { name: "zero", form: Form::List(&Form::Text, Length::Distinct), unit: "", default: "none", example: "[\"link2.com_y\"]", meaning: "Parameters that are zero by construction and not estimated" },
+    Key { name: "parameters", form: Form::File, unit: "", default: "none", example: "\"results/kr150/fit/result.json\"", meaning: "Result of an earlier fit: its values, with its covariance as prior" },
+    Key { name: "payload", form: Form::Text, unit: "", default: "no load", example: "\"last\"", meaning: "Ten unknown parameters of a load, on the last moving link (\"last\") or on a named link or fixed frame" },
+    Key { name: "h4", form: Form::Table(H4_KEYS), unit: "", default: "none", example: "", meaning: "Lengths of the parallel robot H4" },
+    Key { name: "passive", form: Form::Named(&Form::Number(Range::Finite)), unit: "rad (m)", default: "none", example: "{ elbow = 0.0 }", meaning: "Joints without a motor, which closed joints hold, and positions near which the loops close" },
+    Key { name: "closed", form: Form::List(&Form::Table(CLOSED_KEYS), Length::Any), unit: "", default: "none", example: "", meaning: "A joint that closes a loop of the robot file's tree" },
 ];
-pub(crate) const CLOSED_KEYS: &[&str] = &["frames", "joint", "axis", "length"];
+
+/// Keys of `[robot.h4]`.
+#[rustfmt::skip]
+pub(crate) const H4_KEYS: &[Key] = &[
+    Key { name: "lever", form: Form::Number(Range::Positive), unit: "m", default: REQUIRED, example: "0.26", meaning: "Length of a lever, l" },
+    Key { name: "rod", form: Form::Number(Range::Positive), unit: "m", default: REQUIRED, example: "0.48", meaning: "Length of a rod, L" },
+    Key { name: "half_bar", form: Form::Number(Range::Positive), unit: "m", default: REQUIRED, example: "0.06", meaning: "Half of the bar between two rods, h" },
+    Key { name: "half_width", form: Form::Number(Range::NonNegative), unit: "m", default: REQUIRED, example: "0.06", meaning: "Half of the platform's width, d" },
+    Key { name: "radius", form: Form::Number(Range::Positive), unit: "m", default: REQUIRED, example: "0.14", meaning: "From where the levers would meet the platform at rest to the motors, R" },
+];
+
+/// Keys of `[[robot.closed]]`.
+#[rustfmt::skip]
+pub(crate) const CLOSED_KEYS: &[Key] = &[
+    Key { name: "frames", form: Form::List(&Form::Text, Length::Exactly(2)), unit: "", default: REQUIRED, example: "[\"coupler_tip\", \"forearm_rear\"]", meaning: "Links or fixed frames on both sides of the cut; their origins are the joint's centres" },
+    Key { name: "joint", form: Form::Words(words::<ClosedJoint>), unit: "", default: "\"hinge\"", example: "\"hinge\"", meaning: "Kind of joint: one axis, a ball, or a massless rod with a ball at both ends" },
+    Key { name: "axis", form: Form::List(&Form::Number(Range::Finite), Length::Exactly(3)), unit: "", default: "[0.0, 0.0, 1.0]", example: "[0.0, 1.0, 0.0]", meaning: "Axis of a hinge, in both frames" },
+    Key { name: "length", form: Form::Number(Range::Positive), unit: "m", default: "none; required for a rod", example: "0.48", meaning: "Length of a rod" },
+];
 
 /// The table `[robot]`.
 #[derive(Debug, Clone)]

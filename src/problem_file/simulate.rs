@@ -3,20 +3,23 @@
 use crate::problem_file::choices::SimulationMode;
 use crate::problem_file::document::Node;
 use crate::problem_file::error::{NumberFault, ProblemFileError};
+use crate::problem_file::key::{Form, Key, Range, words};
 use crate::problem_file::located::{FilePath, Located, Named, PerJoint};
 use crate::problem_file::reader::Reader;
 use crate::problem_file::{Context, values};
 
-pub(crate) const KEYS: &[&str] = &[
-    "trajectory",
-    "mode",
-    "periods",
-    "warmup_periods",
-    "rate",
-    "noise",
-    "noise_correlation",
-    "encoder_counts",
-    "values",
+/// Keys of `[simulate]`.
+#[rustfmt::skip]
+pub(crate) const KEYS: &[Key] = &[
+    Key { name: "trajectory", form: Form::Text, unit: "", default: "\"random\"", example: "\"trajectory.csv\"", meaning: "\"random\", a feasible Fourier series; \"tones\", \"moves\" or \"sweeps\", which do not repeat; or a file with columns t, q_<joint>, dq_<joint>, ddq_<joint>" },
+    Key { name: "mode", form: Form::Words(words::<SimulationMode>), unit: "", default: "\"inverse\"", example: "\"closed_loop\"", meaning: "The motion is the trajectory and the signal what it takes, or forward dynamics under a PD controller with feed-forward" },
+    Key { name: "periods", form: Form::Count(1), unit: "", default: "6", example: "4", meaning: "Periods that are recorded" },
+    Key { name: "warmup_periods", form: Form::Count(0), unit: "", default: "1", example: "0", meaning: "Periods before the recording" },
+    Key { name: "rate", form: Form::Number(Range::Positive), unit: "Hz", default: "recordings.rate", example: "250.0", meaning: "Samples per second" },
+    Key { name: "noise", form: Form::PerJoint(Range::NonNegative), unit: "the signal's", default: "none", example: "[0.5, 0.5]", meaning: "Standard deviation of the signal" },
+    Key { name: "noise_correlation", form: Form::Number(Range::Correlation), unit: "", default: "0.0", example: "0.9", meaning: "Correlation of the noise of neighbouring samples" },
+    Key { name: "encoder_counts", form: Form::PerJoint(Range::Positive), unit: "1 per turn (1/m)", default: "no quantisation", example: "524288", meaning: "Counts of the encoders" },
+    Key { name: "values", form: Form::Named(&Form::Number(Range::Finite)), unit: "each parameter's own", default: "what the robot file has", example: "{ \"a3.transmission_efficiency.R\" = 0.84 }", meaning: "The truth: values of parameters by name" },
 ];
 
 /// Periods after the warm-up: enough to tell noise from what repeats.

@@ -137,7 +137,7 @@ pub(super) fn count_or_zero(node: &Node) -> Parsed<usize> {
 }
 
 /// No count of a problem file is this large on purpose, and memory grows with several of them.
-const LARGEST_COUNT: usize = 1_000_000;
+pub(super) const LARGEST_COUNT: usize = 1_000_000;
 
 fn whole_number(node: &Node, least: usize, range: &'static str) -> Parsed<usize> {
     let NodeValue::Integer(integer) = node.value else {

@@ -1,6 +1,5 @@
 //! The few facts that both the page and the terminal open with.
 
-use crate::outcome::Outcome;
 use crate::outcome::check::{Finding, Severity};
 use crate::outcome::estimate::Solver;
 use crate::outcome::fit::Fit;
@@ -227,19 +226,10 @@ pub(super) fn count(number: usize, noun: &str) -> String {
     }
 }
 
-/// The command that makes this result again. The problem file is the first input of a run.
-pub(super) fn command(outcome: &Outcome) -> String {
-    let problem = outcome
-        .run
-        .inputs
-        .first()
-        .map_or("PROBLEM.toml", |input| input.path.as_str());
-    let verb = outcome.part.verb();
-    format!(
-        "exid {verb} {} --seed {}",
-        shell_word(problem),
-        outcome.run.seed
-    )
+/// The command with these arguments as a shell takes it.
+pub(super) fn command(arguments: &[String]) -> String {
+    let words: Vec<String> = arguments.iter().map(|word| shell_word(word)).collect();
+    format!("exid {}", words.join(" "))
 }
 
 /// A word that a POSIX shell takes as it stands, quoted where needed.

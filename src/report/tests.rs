@@ -13,6 +13,7 @@ use crate::outcome::input::Input;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::parameter::{Parameter, Source};
 use crate::outcome::predictions::{Block, PredictionsWriter, Quantity};
+use crate::outcome::provenance::Provenance;
 use crate::outcome::run::{Run, VERSION};
 use crate::outcome::simulation::{RealisedNoise, Simulation};
 use crate::outcome::{Outcome, PREDICTIONS_FILE, Part, RESULT_FILE};
@@ -133,6 +134,17 @@ fn run(problem: serde_json::Value) -> Run {
             })
             .to_vec(),
         wall_s: 1.234,
+        provenance: Provenance {
+            command: ["fit", "arm.toml", "--set", "fit.estimator=\"wls\""]
+                .map(String::from)
+                .to_vec(),
+            directory: "/home/someone".to_string(),
+            date: "2026-01-31T12:00:00Z".to_string(),
+            threads: 4,
+            revision: "version 0.1.0".to_string(),
+            features: Vec::new(),
+            processor: "x86_64 linux".to_string(),
+        },
     }
 }
 
@@ -282,7 +294,7 @@ fn the_page_loads_nothing_and_shows_every_section() {
         page.matches("</svg>").count()
     );
     assert!(!page.contains("could not be drawn"));
-    assert!(page.contains("exid fit arm.toml --seed 1"));
+    assert!(page.contains("exid fit arm.toml --set &#39;fit.estimator=&quot;wls&quot;&#39;"));
     assert!(page.contains("urdf = &quot;arm.urdf&quot;"));
 }
 

@@ -8,7 +8,7 @@ use crate::mechanism::h4::H4;
 use crate::mechanism::loops::Mechanism;
 use crate::problem_file::choices::ClosedJoint;
 use crate::problem_file::recordings::SensorTable;
-use crate::problem_file::robot::{ClosedTable, RobotTable};
+use crate::problem_file::robot::{ClosedTable, H4_KEYS, RobotTable};
 use crate::problem_file::{Located, Named, RecordingsTable};
 use crate::recording::columns::{Recording, read_further};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
@@ -20,21 +20,19 @@ use crate::setup::recordings::preparation;
 use crate::setup::robot::unknown;
 use nalgebra::Vector3;
 
-/// Keys of `[robot.h4]`, m.
-const LENGTHS: [&str; 5] = ["lever", "rod", "half_bar", "half_width", "radius"];
-
 /// The H4 of the table `[robot.h4]`.
 ///
 /// # Errors
 /// A length that is missing, unknown or none.
 pub fn h4(table: &Located<toml::Value>) -> Result<Mechanism, SetupError> {
     let entries = table.value.as_table();
-    let known = |key: &str| LENGTHS.contains(&key);
+    let lengths: Vec<&str> = H4_KEYS.iter().map(|key| key.name).collect();
+    let known = |key: &str| lengths.contains(&key);
     let mut keys = entries.into_iter().flatten().map(|(key, _)| key);
     if let Some(key) = keys.find(|key| !known(key)) {
         let text = format!(
             "`{key}` is no length of an H4; its lengths are {}",
-            LENGTHS.join(", ")
+            lengths.join(", ")
         );
         return Err(faulty(&table.place, text));
     }

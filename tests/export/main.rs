@@ -14,6 +14,7 @@ use exid::export::{Export, Format, export};
 use exid::outcome::estimate::Estimate;
 use exid::outcome::fit::Fit;
 use exid::outcome::machine::Machine;
+use exid::outcome::provenance::Provenance;
 use exid::outcome::run::Run;
 use exid::outcome::{Outcome, Part};
 use exid::problem_file::ProblemFile;
@@ -141,6 +142,7 @@ fn outcome(machine: Machine) -> Outcome {
             problem: Value::Null,
             inputs: Vec::new(),
             wall_s: 0.0,
+            provenance: Provenance::default(),
         },
         mistakes: Vec::new(),
         estimate: Estimate::default(),

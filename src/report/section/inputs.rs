@@ -1,5 +1,7 @@
 //! What the run read, and how to repeat it.
 
+use crate::outcome::provenance::Provenance;
+use crate::outcome::run::Run;
 use crate::report::facts;
 use crate::report::html::escape;
 use crate::report::section::{Section, Source};
@@ -17,11 +19,7 @@ pub(super) fn section(source: &Source) -> Option<Section> {
             )),
         ]);
     }
-    let mut body = format!(
-        "<p>With version {} of the program and these files:</p>\n<pre>{}</pre>\n",
-        escape(&run.version),
-        escape(&facts::command(source.outcome))
-    );
+    let mut body = provenance(run);
     if !table.is_empty() {
         body.push_str(&table.html());
     }
@@ -31,6 +29,36 @@ pub(super) fn section(source: &Source) -> Option<Section> {
         escape(&problem_text(&run.problem))
     ));
     Some(Section::new("repeat", "Repeat this run", body))
+}
+
+/// The command and what it ran on, as far as the result says.
+fn provenance(run: &Run) -> String {
+    let Provenance {
+        command,
+        date,
+        threads,
+        revision,
+        features,
+        processor,
+        ..
+    } = &run.provenance;
+    let version = escape(&run.version);
+    if command.is_empty() {
+        return format!("<p>With version {version} of the program and these files:</p>\n");
+    }
+    let features = match features.is_empty() {
+        true => String::new(),
+        false => format!(" with {}", escape(&features.join(", "))),
+    };
+    format!(
+        "<pre>{}</pre>\n<p>Version {version} ({}){features}, {} on {}, {}. <code>exid repeat</code> with this folder runs \
+         it again and compares.</p>\n",
+        escape(&facts::command(command)),
+        escape(revision),
+        facts::count(*threads, "thread"),
+        escape(processor),
+        escape(date),
+    )
 }
 
 /// The problem as TOML, the form in which users write it; as JSON where TOML cannot hold it.

@@ -1,0 +1,262 @@
+//! `exid repeat`: the same run again, from the problem kept in the result, and whether it gives the same.
+
+use crate::chain::effect;
+use crate::cli::args::{Campaign, Printing, Repetition, Run};
+use crate::cli::error::CliError;
+use crate::cli::output::{self, print};
+use crate::cli::{check, design, diagnose, fit, simulate, trials};
+use crate::outcome::difference::{Difference, differences};
+use crate::outcome::document::answer;
+use crate::outcome::input::Input;
+use crate::outcome::run::VERSION;
+use crate::outcome::trials::Trials;
+use crate::outcome::{Outcome, Part, REPORT_FILE, RESULT_FILE};
+use crate::problem_file::ProblemFile;
+use serde_json::json;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Differences that a terminal shows.
+const SHOWN: usize = 20;
+
+pub fn run(query: &Repetition) -> Result<u8, CliError> {
+    let earlier = Outcome::read(&query.result)?;
+    let first = Answer::read(&query.result)?;
+    let kept = tempfile::tempdir().map_err(|e| {
+        CliError::WrongUse(format!(
+            "no folder for the repetition: {e}; free space there"
+        ))
+    })?;
+    let out = match &query.out {
+        Some(out) => absolute(out)?,
+        None => kept.path().join("result"),
+    };
+    let mut notes = notes_before(&earlier);
+    let code = match &earlier.part {
+        Part::Trials(made) => trials::run(&campaign(query, &earlier, made, out.clone()))?,
+        part => {
+            let problem = prepare(&earlier, &mut notes)?;
+            let run = Run {
+                problem: problem.path.clone(),
+                out: Some(out.clone()),
+                set: Vec::new(),
+                threads: query.threads,
+                seed: earlier.run.seed,
+                // What a forced run was forced past is compared like the rest.
+                force: true,
+                printing: Printing::SILENT,
+            };
+            output::set_threads(run.threads)?;
+            match part {
+                Part::Fit(_) => fit::run(&run, &problem)?,
+                Part::Check(_) => check::run(&run, &problem)?,
+                Part::Simulate(_) => simulate::run(&run, &problem)?,
+                Part::Design(_) => design::run(&run, &problem)?,
+                Part::Diagnose(_) | Part::Trials(_) => diagnose::run(&run, &problem)?,
+            }
+        }
+    };
+    if code == CliError::INTERRUPTED {
+        return Ok(code);
+    }
+    let comparison = Comparison {
+        differences: differences(&first.result, &Answer::read(&out)?.result),
+        files: first.other_files(&Answer::read(&out)?),
+        notes,
+    };
+    if query.printing.json {
+        print(&comparison.json())?;
+    } else if !query.printing.quiet {
+        print(&comparison.text(&query.result))?;
+    }
+    Ok(match comparison.is_same() {
+        true => 0,
+        false => CliError::ANOTHER_ANSWER,
+    })
+}
+
+/// What a results folder answers, read before another run may take its place.
+struct Answer {
+    result: serde_json::Value,
+    /// Names and contents of the other files; none where the file alone was named.
+    files: Vec<(String, Vec<u8>)>,
+}
+
+impl Answer {
+    fn read(result: &Path) -> Result<Self, CliError> {
+        let mut files = Vec::new();
+        for entry in fs::read_dir(result).into_iter().flatten().flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            // The report is made of the result, and tells its provenance.
+            if [RESULT_FILE, REPORT_FILE].contains(&name.as_str()) {
+                continue;
+            }
+            if let Ok(bytes) = fs::read(entry.path()) {
+                files.push((name, bytes));
+            }
+        }
+        files.sort();
+        Ok(Self {
+            result: answer(result)?,
+            files,
+        })
+    }
+
+    /// Files of the repetition that the result has with other contents.
+    fn other_files(&self, again: &Self) -> Vec<String> {
+        let differs = |(name, bytes): &&(String, Vec<u8>)| {
+            let mut same_name = self.files.iter().filter(|(own, _)| own == name);
+            same_name.any(|(_, own)| own != bytes)
+        };
+        let other = again.files.iter().filter(differs);
+        other.map(|(name, _)| name.clone()).collect()
+    }
+}
+
+/// What a repetition gave beside the result.
+struct Comparison {
+    differences: Vec<Difference>,
+    files: Vec<String>,
+    notes: Vec<String>,
+}
+
+impl Comparison {
+    fn is_same(&self) -> bool {
+        self.differences.is_empty() && self.files.is_empty()
+    }
+
+    fn text(&self, result: &Path) -> String {
+        let mut lines: Vec<String> = self.notes.iter().map(|n| format!("note: {n}")).collect();
+        let shown = self.differences.iter().take(SHOWN);
+        lines.extend(shown.map(|d| format!("{}: {} before, {} now", d.path, d.first, d.second)));
+        if let more @ 1.. = self.differences.len().saturating_sub(SHOWN) {
+            lines.push(format!("and {more} more; --json has them all"));
+        }
+        lines.extend(
+            self.files
+                .iter()
+                .map(|file| format!("{file}: other contents")),
+        );
+        let result = result.display();
+        lines.push(match self.is_same() {
+            true => format!("{result}: the repetition gives the same, to the bit"),
+            false => format!("{result}: the repetition gives another answer"),
+        });
+        lines.join("\n")
+    }
+
+    fn json(&self) -> String {
+        let Self {
+            differences,
+            files,
+            notes,
+        } = self;
+        let same = self.is_same();
+        format!(
+            "{:#}",
+            json!({ "same": same, "differences": differences, "files": files, "notes": notes })
+        )
+    }
+}
+
+/// Why an answer may differ although nothing is wrong.
+fn notes_before(earlier: &Outcome) -> Vec<String> {
+    let mut notes = Vec::new();
+    if earlier.run.version != VERSION {
+        let made = &earlier.run.version;
+        notes.push(format!(
+            "the result was made by version {made}, this is version {VERSION}"
+        ));
+    }
+    let stop = earlier.estimate.solver.as_ref().map(|s| s.stop.as_str());
+    if stop == Some("interrupted") {
+        notes.push("the run was interrupted, and such runs need not give the same".to_owned());
+    }
+    let budget = earlier.run.problem.pointer("/design/budget_s");
+    if let (Part::Design(_), Some(budget)) = (&earlier.part, budget) {
+        notes.push(format!(
+            "the run had a budget of {budget} s, and such runs need not give the same"
+        ));
+    }
+    notes
+}
+
+/// The problem of a result, its inputs as they were; the process moves to the folder from which they are found.
+fn prepare(earlier: &Outcome, notes: &mut Vec<String>) -> Result<ProblemFile, CliError> {
+    let Some((problem, inputs)) = earlier.run.inputs.split_first() else {
+        return Err(CliError::WrongUse(
+            "the result names no problem file; only results of runs can be repeated".to_owned(),
+        ));
+    };
+    let recorded = PathBuf::from(&earlier.run.provenance.directory);
+    let here = absolute(Path::new("."))?;
+    let are_in = |folder: &&PathBuf| inputs.iter().all(|i| folder.join(&i.path).exists());
+    let folder = [&here, &recorded].into_iter().find(are_in).unwrap_or(&here);
+    std::env::set_current_dir(folder).map_err(|e| {
+        CliError::WrongUse(format!(
+            "{}: {e}; run exid where its inputs are",
+            folder.display()
+        ))
+    })?;
+    let changed: Vec<String> = inputs.iter().filter_map(change).collect();
+    if !changed.is_empty() {
+        return Err(CliError::ChangedInputs(changed));
+    }
+    if change(problem).is_some() {
+        let path = &problem.path;
+        notes.push(format!(
+            "{path} is not what it was, or gone; the problem kept in the result is run"
+        ));
+    }
+    let path = Path::new(&problem.path);
+    Ok(ProblemFile::kept(
+        path,
+        &earlier.run.problem,
+        &effect::ids(),
+    )?)
+}
+
+/// What has become of an input; nothing where it is the same.
+fn change(input: &Input) -> Option<String> {
+    match Input::of(Path::new(&input.path)) {
+        Err(error) => Some(error.to_string()),
+        Ok(now) if now.sha256 != input.sha256 => Some(format!(
+            "{}: the file has changed since the result was made of it: its SHA-256 was {} and is {}",
+            input.path, input.sha256, now.sha256
+        )),
+        Ok(_) => None,
+    }
+}
+
+/// The same trials, drawn from the same.
+fn campaign(query: &Repetition, earlier: &Outcome, made: &Trials, out: PathBuf) -> Campaign {
+    let listed = |key: &str| {
+        let list = earlier
+            .run
+            .problem
+            .get(key)
+            .and_then(|list| list.as_array());
+        let words = list.into_iter().flatten().filter_map(|word| word.as_str());
+        words.map(str::to_owned).collect()
+    };
+    let numbers: Vec<u64> = made.trials.iter().map(|trial| trial.seed).collect();
+    let count = numbers.len() as u64;
+    Campaign {
+        effects: listed("effects"),
+        robots: listed("robots"),
+        motion: listed("motion"),
+        noise: listed("noise"),
+        count,
+        seed: earlier.run.seed,
+        only: numbers,
+        keep: None,
+        out: Some(out),
+        threads: query.threads,
+        printing: Printing::SILENT,
+    }
+}
+
+fn absolute(path: &Path) -> Result<PathBuf, CliError> {
+    std::path::absolute(path)
+        .map_err(|e| CliError::WrongUse(format!("{}: {e}; give another folder", path.display())))
+}

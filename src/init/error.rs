@@ -1,0 +1,44 @@
+//! Why no problem file can be drafted.
+
+use crate::problem_file::ProblemFileError;
+use crate::recording::error::RecordingError;
+use crate::robot::error::RobotError;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// What is missing or cannot be read.
+#[derive(Debug, Error)]
+pub enum InitError {
+    #[error(transparent)]
+    Robot(#[from] RobotError),
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// The draft itself is no problem file.
+    #[error(transparent)]
+    Draft(#[from] ProblemFileError),
+    #[error("no recordings are given; name at least one")]
+    NoRecordings,
+    #[error(
+        "{}: no column is known by its name to hold {what} of the joints {}; it has {}. Write the problem file by hand and name \
+         the columns under [recordings.columns]",
+        file.display(), joints.join(", "), present.join(", ")
+    )]
+    NoChannel {
+        file: PathBuf,
+        what: &'static str,
+        joints: Vec<String>,
+        present: Vec<String>,
+    },
+    #[error(
+        "{}: there are neither time stamps nor velocities, so that nothing tells the rate; write the problem file by hand and state \
+         recordings.rate", file.display()
+    )]
+    NoTimeBase { file: PathBuf },
+}
+
+impl InitError {
+    /// Whether a recording or robot file is at fault.
+    pub fn concerns_data(&self) -> bool {
+        !matches!(self, Self::Draft(_) | Self::NoRecordings)
+    }
+}

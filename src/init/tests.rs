@@ -1,0 +1,139 @@
+//! Names of columns as loggers write them, and units from numbers.
+
+use std::path::Path;
+
+use crate::init::channels::Channels;
+use crate::recording::column_map::ColumnsAt;
+
+fn names(list: &[&str]) -> Vec<String> {
+    list.iter().map(|name| (*name).to_owned()).collect()
+}
+
+/// Position, velocity and signal as patterns or lists of names, with their units.
+fn found(present: &[&str], joints: &[&str]) -> [String; 3] {
+    let channels = Channels::of(Path::new("run.csv"), &names(present), &names(joints)).unwrap();
+    let written = |channel: &crate::init::channels::Channel| {
+        let unit = channel
+            .unit
+            .map_or(String::new(), |unit| format!(" in {unit}"));
+        match &channel.at {
+            ColumnsAt::Pattern(pattern) => format!("{pattern}{unit}"),
+            _ => format!("[{}]{unit}", channel.columns.join(" ")),
+        }
+    };
+    let velocity = channels
+        .velocity
+        .as_ref()
+        .map_or("none".to_owned(), written);
+    [
+        written(&channels.position),
+        velocity,
+        written(&channels.signal),
+    ]
+}
+
+#[test]
+fn knows_how_loggers_name_columns() {
+    let two = &["a1", "a2"];
+    for (present, expected) in [
+        (&["t", "q1", "q2", "i1", "i2"][..], ["q{n}", "none", "i{n}"]),
+        (
+            &["t", "q_a1", "q_a2", "dq_a1", "dq_a2", "tau_a1", "tau_a2"],
+            ["q_{joint}", "dq_{joint}", "tau_{joint}"],
+        ),
+        (
+            &[
+                "actual_q_0",
+                "actual_q_1",
+                "target_q_0",
+                "target_q_1",
+                "actual_current_0",
+                "actual_current_1",
+            ],
+            [
+                "[actual_q_0 actual_q_1]",
+                "none",
+                "[actual_current_0 actual_current_1]",
+            ],
+        ),
+        (
+            &[
+                "Zeit",
+                "Winkel_1_deg",
+                "Winkel_2_deg",
+                "Drehzahl_1_rpm",
+                "Drehzahl_2_rpm",
+                "Strom_1_mA",
+                "Strom_2_mA",
+            ],
+            [
+                "Winkel_{n}_deg in deg",
+                "Drehzahl_{n}_rpm in rpm",
+                "Strom_{n}_mA in mA",
+            ],
+        ),
+        (
+            &[
+                "time",
+                "a1_pos",
+                "a2_pos",
+                "a1_effort",
+                "a2_effort",
+                "a1_effort_cmd",
+                "a2_effort_cmd",
+            ],
+            ["{joint}_pos", "none", "{joint}_effort"],
+        ),
+        (
+            &[
+                "t",
+                "jointPosition01",
+                "jointPosition02",
+                "jointTorque01",
+                "jointTorque02",
+            ],
+            [
+                "[jointPosition01 jointPosition02]",
+                "none",
+                "[jointTorque01 jointTorque02]",
+            ],
+        ),
+        (
+            &[
+                "t", "q1", "q2", "q_vel1", "q_vel2", "i1", "i2", "tau1", "tau2",
+            ],
+            ["q{n}", "q_vel{n}", "tau{n}"],
+        ),
+    ] {
+        assert_eq!(found(present, two), expected, "{present:?}");
+    }
+}
+
+/// A robot of which not every joint is recorded.
+#[test]
+fn some_joints_may_have_no_columns() {
+    let channels = Channels::of(
+        Path::new("run.csv"),
+        &names(&["t", "q3", "q4", "i3", "i4"]),
+        &names(&["a1", "a2", "a3", "a4"]),
+    );
+    assert_eq!(channels.unwrap().position.joints, [2, 3]);
+}
+
+#[test]
+fn what_is_not_there_is_named_with_what_is() {
+    let of = |present: &[&str]| {
+        let error =
+            Channels::of(Path::new("run.csv"), &names(present), &names(&["a1"])).unwrap_err();
+        error.to_string()
+    };
+    assert!(
+        of(&["t", "x1", "i1"])
+            .starts_with("run.csv: no column is known by its name to hold positions")
+    );
+    let text = of(&["t", "q1", "x1"]);
+    assert!(
+        text.contains("currents or torques of the joints a1; it has t, q1, x1."),
+        "{text}"
+    );
+}
