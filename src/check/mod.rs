@@ -11,6 +11,7 @@ mod drift;
 mod identifiability;
 mod limits;
 mod locked;
+mod missing;
 mod motion;
 mod order;
 mod period;
@@ -47,6 +48,7 @@ use crate::setup::{model, prior, robot};
 /// Checks of a recording as it was read.
 const OF_READ: &[fn(&Read<'_>) -> Vec<Finding>] = &[
     timing::check,
+    missing::check,
     units::check,
     velocity::check,
     channels::check,
@@ -266,6 +268,7 @@ fn read_and_check(
 ) -> Option<Recording> {
     let recording = match read_one(setting.table, setting.robot, named.path) {
         Ok(recording) => recording,
+        Err(_) if setting.table.reading.is_interrupted() => return None,
         Err(fault) => {
             found.faults.push(from_fault(&fault));
             return None;
@@ -297,7 +300,7 @@ fn unreadable_files(problem: &ProblemFile) -> Vec<Finding> {
     let fault = |named: &Named<'_>| {
         let path = &named.path.resolved;
         format_of(path)
-            .and_then(|format| (format.columns)(path))
+            .and_then(|format| (format.columns)(path, &table.reading))
             .err()
     };
     named

@@ -20,7 +20,7 @@ pub enum Verb {
     /// Where model and recordings differ, what physics is missing, the model with it
     Diagnose(Run),
     /// Read everything, run nothing: what is wrong with the inputs and what to do
-    Check(Run),
+    Check(Look),
     /// Recordings from a model, with noise and quantisation
     Simulate(Run),
     /// Random robots with concealed physics: how often the diagnosis is right
@@ -50,11 +50,28 @@ pub struct Run {
     /// Seed of everything random
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
+    /// Rows of a recording beyond which it is refused [default: 10000000]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub max_rows: Option<u64>,
     /// Go on where mistakes in the inputs make every figure meaningless
     #[arg(long)]
     pub force: bool,
     #[command(flatten)]
     pub printing: Printing,
+}
+
+/// A problem to check, or recordings to look into.
+#[derive(Args, Debug)]
+pub struct Look {
+    #[command(flatten)]
+    pub run: Run,
+    /// Show what recordings hold, which stand in the place of the problem file: columns, kinds, ranges, rates, empty cells,
+    /// and units as they seem
+    #[arg(long)]
+    pub columns: bool,
+    /// Further recordings to look into
+    #[arg(requires = "columns", value_name = "FILE")]
+    pub further: Vec<PathBuf>,
 }
 
 /// What a run prints.

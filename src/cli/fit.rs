@@ -60,9 +60,9 @@ pub fn files(problem: &ProblemFile) -> Vec<PathBuf> {
     files.extend(problem.robot.parameters.iter().map(|p| p.resolved.clone()));
     if let Some(table) = &problem.recordings {
         let groups = [&table.train, &table.loaded, &table.validation];
-        for path in groups.into_iter().flatten() {
-            if !files.contains(&path.resolved) {
-                files.push(path.resolved.clone());
+        for file in groups.into_iter().flatten().flat_map(|r| &r.files) {
+            if !files.contains(&file.path.resolved) {
+                files.push(file.path.resolved.clone());
             }
         }
         files.extend(

@@ -2,6 +2,7 @@
 
 mod args;
 mod check;
+mod columns;
 mod design;
 mod diagnose;
 mod effects;
@@ -52,7 +53,8 @@ fn dispatch(verb: &Verb) -> Result<u8, CliError> {
     match verb {
         Verb::Design(run) => design::run(run),
         Verb::Fit(run) => fit::run(run),
-        Verb::Check(run) => check::run(run),
+        Verb::Check(look) if look.columns => columns::run(look),
+        Verb::Check(look) => check::run(&look.run),
         Verb::Diagnose(run) => diagnose::run(run),
         Verb::Simulate(run) => simulate::run(run),
         Verb::Trials(campaign) => trials::run(campaign),

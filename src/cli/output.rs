@@ -5,6 +5,7 @@ use crate::check::{self, Extent};
 use crate::cli::args::{Printing, Run};
 use crate::cli::complain;
 use crate::cli::error::CliError;
+use crate::cli::interrupt;
 use crate::outcome::check::{Finding, Severity};
 use crate::outcome::estimate::Solver;
 use crate::outcome::folder::ResultFolder;
@@ -21,7 +22,15 @@ use std::time::Instant;
 /// Reads the problem file with its overrides and sets the number of threads.
 pub fn open(run: &Run) -> Result<ProblemFile, CliError> {
     set_threads(run.threads)?;
-    Ok(ProblemFile::read(&run.problem, &run.set, &effect::ids())?)
+    let mut problem = ProblemFile::read(&run.problem, &run.set, &effect::ids())?;
+    if let Some(recordings) = &mut problem.recordings {
+        let reading = &mut recordings.reading;
+        reading.interrupt = Some(interrupt::flag());
+        if let Some(rows) = run.max_rows {
+            reading.most_rows = usize::try_from(rows).unwrap_or(usize::MAX);
+        }
+    }
+    Ok(problem)
 }
 
 /// Sets the number of threads of everything that runs in parallel.
