@@ -150,7 +150,17 @@ fn what_cannot_be_meant_is_refused_with_the_remedy() {
         (
             "position = { column = [2] }",
             2,
-            ["1 of the columns", "2 joints"],
+            ["number of values is 1", "one per joint, 2"],
+        ),
+        (
+            "position = { column = \"q{n}\", unit = [\"deg\"] }",
+            2,
+            ["number of values is 1", "one per joint, 2"],
+        ),
+        (
+            "position = { column = \"q{n}\", unit = \"deg\", per_turn = 4096 }",
+            2,
+            ["per_turn", "unit = \"count\""],
         ),
         (
             "mask = { column = \"q1\", unit = \"deg\" }",
@@ -169,6 +179,78 @@ fn what_cannot_be_meant_is_refused_with_the_remedy() {
             assert!(said.contains(word), "{columns}: no {word} in {said}");
         }
     }
+}
+
+/// Positions in one file in degrees and milliseconds, currents in another, listed in a table with maps of their own.
+#[test]
+fn files_joined_by_time_give_the_same_answer() {
+    let expected = answer(&Arm::new(4));
+    let arm = Arm::new(4);
+    let text = fs::read_to_string(arm.path("train.csv")).unwrap();
+    let (mut positions, mut currents) = ("ms,a1,a2\n".to_string(), "t,i1,i2\n".to_string());
+    for line in text.lines().skip(1) {
+        let fields: Vec<f64> = line.split(',').map(|x| x.parse().unwrap()).collect();
+        let [t, a, b, i, j] = fields[..] else {
+            panic!()
+        };
+        positions += &format!("{},{},{}\n", 1e3 * t, a.to_degrees(), b.to_degrees());
+        currents += &format!("{t},{i},{j}\n");
+    }
+    arm.write("positions.csv", positions);
+    arm.write("currents.csv", currents);
+    let files = "train = [{ files = [\"currents.csv\", { file = \"positions.csv\", columns = { \
+                 time = { column = \"ms\", unit = \"ms\" }, position = { column = \"a{n}\", unit = \"deg\" } } }] }]";
+    arm.edit("problem.toml", "train = [\"train.csv\"]", files);
+    let found = answer(&arm);
+    assert_eq!(found.len(), expected.len());
+    for (name, value) in &expected {
+        assert!(
+            (found[name] - value).abs() <= ROUNDING * value.abs().max(1.0),
+            "{name}"
+        );
+    }
+    let text = fs::read_to_string(arm.path("out/result.json")).unwrap();
+    assert!(text.contains("positions.csv") && text.contains("currents.csv"));
+}
+
+#[test]
+fn what_a_file_holds_is_shown() {
+    let arm = Arm::new(4);
+    let mut check = std::process::Command::new(env!("CARGO_BIN_EXE_exid"));
+    check.current_dir(arm.folder());
+    let output = check
+        .args([
+            "check",
+            "--columns",
+            "train.csv",
+            "validation.csv",
+            "--json",
+        ])
+        .output();
+    let output = output.unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(found.as_array().unwrap().len(), 2);
+    assert_eq!(found[0]["rate_hz"].as_f64().map(f64::round), Some(100.0));
+    assert_eq!(found[0]["columns"][1]["name"], "q1");
+    assert_eq!(found[0]["columns"][1]["unit_guessed"], "rad");
+    let mut absent = std::process::Command::new(env!("CARGO_BIN_EXE_exid"));
+    let absent = absent
+        .current_dir(arm.folder())
+        .args(["check", "--columns", "none.csv"]);
+    assert_eq!(absent.output().unwrap().status.code(), Some(3));
+}
+
+#[test]
+fn more_rows_than_the_limit_are_refused() {
+    let arm = Arm::new(4);
+    let output = arm.fit("out", &["--max-rows", "100"]).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{said}");
+    assert!(
+        said.contains("more than 100 rows") && said.contains("--max-rows"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -447,7 +447,7 @@ const MISTAKES: &[Case] = &[
     case("speeds of other joints", "velocity-order", |x| x.with_velocity(|v| vec![v[1], v[0], v[2], v[3], v[4], v[5]])),
     case("speeds with the wrong sign at joint 3", "velocity-factor", |x| x.with_velocity(|v| vec![v[0], v[1], -v[2], v[3], v[4], v[5]])),
     case("speeds of the motors", "velocity-factor", |x| x.with_velocity(|v| v.iter().map(|v| 100.0 * v).collect())),
-    case("a row that is not a number", "the value is NaN", |x| x.train[100][8] = f64::NAN),
+    case("a row that is not a number", "lack a value", |x| x.train[100][8] = f64::NAN),
     case("rows in any order", "explains next to nothing", |x| x.shuffle()),
     case("a third of the rows missing", "missing-samples", |x| x.drop_rows(|k| k % 10 < 3)),
     case("two seconds missing", "missing-samples", |x| x.drop_rows(|k| (400..650).contains(&k))),

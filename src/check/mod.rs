@@ -12,6 +12,7 @@ mod identifiability;
 mod limits;
 mod locked;
 mod magnitude;
+mod missing;
 mod motion;
 mod order;
 mod period;
@@ -48,6 +49,7 @@ use crate::setup::{model, prior, robot};
 /// Checks of a recording as it was read.
 const OF_READ: &[fn(&Read<'_>) -> Vec<Finding>] = &[
     timing::check,
+    missing::check,
     units::check,
     velocity::check,
     channels::check,
@@ -268,6 +270,7 @@ fn read_and_check(
 ) -> Option<Recording> {
     let recording = match read_one(setting.table, setting.robot, named.path) {
         Ok(recording) => recording,
+        Err(_) if setting.table.reading.is_interrupted() => return None,
         Err(fault) => {
             found.faults.push(from_fault(&fault));
             return None;
@@ -299,7 +302,7 @@ fn unreadable_files(problem: &ProblemFile) -> Vec<Finding> {
     let fault = |named: &Named<'_>| {
         let path = &named.path.resolved;
         format_of(path)
-            .and_then(|format| (format.columns)(path))
+            .and_then(|format| (format.columns)(path, &table.reading))
             .err()
     };
     named

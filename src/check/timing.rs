@@ -6,13 +6,8 @@ use crate::fault::Place;
 use crate::outcome::check::{Finding, Severity};
 use crate::recording::columns::Recording;
 use crate::recording::experiment::Chosen;
+use crate::recording::units::{FASTEST_HZ, SLOWEST_HZ};
 use crate::stats::robust::median;
-
-/// Lowest rate of a recording of dynamics, Hz: slower than this, friction and gravity is all it can show.
-const SLOWEST_HZ: f64 = 2.0;
-
-/// Highest rate of drives and their bus, Hz.
-const FASTEST_HZ: f64 = 50_000.0;
 
 /// Share of missing samples up to which interpolation across the gaps is of no account.
 const FEW_MISSING: f64 = 0.001;
@@ -31,8 +26,24 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
     if let Some(found) = wrong_unit(read.recording) {
         return vec![found];
     }
-    let found = held(read).into_iter().chain(missing(read));
+    let found = joined(read).chain(held(read)).chain(missing(read));
     found.chain(uneven(read)).collect()
+}
+
+/// How the files of a recording were put together.
+fn joined<'a>(read: &'a Read<'_>) -> impl Iterator<Item = Finding> + 'a {
+    read.recording.remarks.iter().map(|remark| {
+        finding(
+            Severity::Note,
+            read.place(),
+            (
+                "files-joined",
+                remark.clone(),
+                "list the file of the signal first, and its samples stay as they were recorded"
+                    .to_string(),
+            ),
+        )
+    })
 }
 
 /// Rows between the samples, repeated or interpolated, which no run uses.

@@ -27,7 +27,7 @@ pub enum Verb {
     Diagnose(Run),
     /// Read everything, run nothing: what is wrong with the inputs and what to do
     #[command(after_help = CHECK_EXAMPLES)]
-    Check(Run),
+    Check(Look),
     /// Recordings from a model, with noise and quantisation
     #[command(after_help = SIMULATE_EXAMPLES)]
     Simulate(Run),
@@ -78,7 +78,8 @@ const DIAGNOSE_EXAMPLES: &str = "Examples:
   exid diagnose problem.toml --set 'diagnose.effects=[\"time_delay\", \"backlash\"]'";
 const CHECK_EXAMPLES: &str = "Examples:
   exid check problem.toml
-  exid check problem.toml --json | jq -r '.findings[].message'";
+  exid check problem.toml --json | jq -r '.findings[].message'
+  exid check --columns run.csv session.mcap";
 const SIMULATE_EXAMPLES: &str = "Examples:
   exid simulate problem.toml --seed 1
   exid simulate problem.toml --set simulate.trajectory=sweeps --out recordings";
@@ -124,11 +125,28 @@ pub struct Run {
     /// Seed of everything random
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
+    /// Rows of a recording beyond which it is refused [default: 10000000]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub max_rows: Option<u64>,
     /// Go on where mistakes in the inputs make every figure meaningless
     #[arg(long)]
     pub force: bool,
     #[command(flatten)]
     pub printing: Printing,
+}
+
+/// A problem to check, or recordings to look into.
+#[derive(Args, Debug)]
+pub struct Look {
+    #[command(flatten)]
+    pub run: Run,
+    /// Show what recordings hold, which stand in the place of the problem file: columns, kinds, ranges, rates, empty cells,
+    /// and units as they seem
+    #[arg(long)]
+    pub columns: bool,
+    /// Further recordings to look into
+    #[arg(requires = "columns", value_name = "FILE")]
+    pub further: Vec<PathBuf>,
 }
 
 /// What a run prints.

@@ -63,6 +63,10 @@ impl CliError {
         match self {
             Self::Design(DesignError::Solve(_)) => Self::NO_SOLUTION,
             Self::Design(error) => of_files(error.concerns_data()),
+            Self::Fit(FitError::Setup(error)) if error.is_interrupt() => Self::INTERRUPTED,
+            Self::Diagnose(DiagnoseError::Setup(error)) if error.is_interrupt() => {
+                Self::INTERRUPTED
+            }
             Self::Fit(FitError::Setup(error)) => of_files(error.concerns_data()),
             Self::Fit(FitError::Estimate { .. }) => Self::NO_SOLUTION,
             Self::Motors(error) => of_files(error.concerns_data()),

@@ -11,7 +11,8 @@ pub fn of_recordings(problem: &ProblemFile) -> Vec<PathBuf> {
     let mut files = of_model(problem);
     if let Some(table) = &problem.recordings {
         let groups = [&table.train, &table.loaded, &table.validation];
-        let listed = groups.into_iter().flatten().map(|path| &path.value);
+        let recordings = groups.into_iter().flatten();
+        let listed = recordings.flat_map(|r| &r.files).map(|file| &file.path);
         let listed = listed.chain(table.positions.iter().map(|p| &p.value.value));
         files.extend(listed.map(|path| path.resolved.clone()));
     }

@@ -1,10 +1,15 @@
 //! Ctrl-C as a flag that long work looks at.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 
-/// A flag that the first interrupt sets; the second ends the process at once.
+/// The flag that the first interrupt sets; the second ends the process at once.
 pub fn flag() -> Arc<AtomicBool> {
+    static FLAG: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+    Arc::clone(FLAG.get_or_init(handled))
+}
+
+fn handled() -> Arc<AtomicBool> {
     let flag = Arc::new(AtomicBool::new(false));
     let seen = Arc::clone(&flag);
     // Without a handler, as where one exists already, an interrupt ends the process as usual.

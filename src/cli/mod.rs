@@ -3,6 +3,7 @@
 mod args;
 mod check;
 mod colour;
+mod columns;
 mod compare;
 mod design;
 mod diagnose;
@@ -59,7 +60,8 @@ fn dispatch(verb: &Verb) -> Result<u8, CliError> {
     match verb {
         Verb::Design(run) => design::run(run, &output::open(run)?),
         Verb::Fit(run) => fit::run(run, &output::open(run)?),
-        Verb::Check(run) => check::run(run, &output::open(run)?),
+        Verb::Check(look) if look.columns => columns::run(look),
+        Verb::Check(look) => check::run(&look.run, &output::open(&look.run)?),
         Verb::Diagnose(run) => diagnose::run(run, &output::open(run)?),
         Verb::Simulate(run) => simulate::run(run, &output::open(run)?),
         Verb::Trials(campaign) => trials::run(campaign),

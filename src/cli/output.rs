@@ -4,7 +4,7 @@ use crate::chain::effect;
 use crate::check::{self, Extent};
 use crate::cli::args::{Printing, Run};
 use crate::cli::error::CliError;
-use crate::cli::{colour, complain};
+use crate::cli::{colour, complain, interrupt};
 use crate::outcome::check::{Finding, Severity};
 use crate::outcome::estimate::Solver;
 use crate::outcome::folder::ResultFolder;
@@ -22,7 +22,21 @@ use std::time::Instant;
 /// Reads the problem file with its overrides and sets the number of threads.
 pub fn open(run: &Run) -> Result<ProblemFile, CliError> {
     set_threads(run.threads)?;
-    Ok(ProblemFile::read(&run.problem, &run.set, &effect::ids())?)
+    let mut problem = ProblemFile::read(&run.problem, &run.set, &effect::ids())?;
+    bound(&mut problem, run.max_rows);
+    Ok(problem)
+}
+
+/// Bounds what is read of the recordings of a problem: an interrupt ends it, and files have so many rows at most, where that
+/// is given.
+pub fn bound(problem: &mut ProblemFile, max_rows: Option<u64>) {
+    if let Some(recordings) = &mut problem.recordings {
+        let reading = &mut recordings.reading;
+        reading.interrupt = Some(interrupt::flag());
+        if let Some(rows) = max_rows {
+            reading.most_rows = usize::try_from(rows).unwrap_or(usize::MAX);
+        }
+    }
 }
 
 /// Sets the number of threads of everything that runs in parallel.

@@ -35,13 +35,16 @@ pub fn run(query: &Repetition) -> Result<u8, CliError> {
     let code = match &earlier.part {
         Part::Trials(made) => trials::run(&campaign(query, &earlier, made, out.clone()))?,
         part => {
-            let problem = prepare(&earlier, &mut notes)?;
+            let mut problem = prepare(&earlier, &mut notes)?;
+            // What has been read once is not too long.
+            output::bound(&mut problem, Some(u64::MAX));
             let run = Run {
                 problem: problem.path.clone(),
                 out: Some(out.clone()),
                 set: Vec::new(),
                 threads: query.threads,
                 seed: earlier.run.seed,
+                max_rows: None,
                 // What a forced run was forced past is compared like the rest.
                 force: true,
                 printing: Printing::SILENT,

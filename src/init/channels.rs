@@ -1,7 +1,7 @@
 //! Which columns of a recording hold which channel of which joint, by their names.
 
 use crate::init::error::InitError;
-use crate::recording::column_map::{Column, ColumnsAt};
+use crate::recording::column_map::{Column, ColumnsAt, Factors};
 use crate::recording::units::{self, Quantity};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -103,7 +103,7 @@ impl Channel {
             .and_then(|unit| units::factor(self.quantity, unit));
         Column {
             at: self.at.clone(),
-            factors: factor.into_iter().collect(),
+            factors: factor.map_or(Factors::SI, Factors::Same),
         }
     }
 

@@ -19,6 +19,7 @@ use crate::init::error::InitError;
 use crate::outcome::check::Finding;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
+use crate::recording::reading::Reading;
 use crate::recording::table::format_of;
 use crate::recording::units::Quantity;
 use crate::robot::tree::Tree;
@@ -59,7 +60,7 @@ pub fn draft(sources: &Sources, control: &Control<'_>) -> Result<Draft, InitErro
         Form::Mjcf => mjcf::read(&sources.robot)?.tree,
         Form::Urdf => urdf::read(&sources.robot)?,
     };
-    let mut guess = Guess::new(sources, &tree)?;
+    let mut guess = Guess::new(sources, &tree, control)?;
     // A unit that the checks object to is changed, and what follows from it is looked at again.
     loop {
         let text = write::toml(sources, &guess);
@@ -125,15 +126,19 @@ struct Guess<'a> {
 }
 
 impl<'a> Guess<'a> {
-    fn new(sources: &Sources, tree: &'a Tree) -> Result<Self, InitError> {
+    fn new(sources: &Sources, tree: &'a Tree, control: &Control<'_>) -> Result<Self, InitError> {
         let first = sources.recordings.first().ok_or(InitError::NoRecordings)?;
         let names: Vec<String> = tree.joints().iter().map(|j| j.name.clone()).collect();
-        let present = (format_of(first)?.columns)(first)?;
+        let reading = Reading {
+            interrupt: control.interrupt.clone(),
+            ..Reading::default()
+        };
+        let present = (format_of(first)?.columns)(first, &reading)?;
         let mut channels = Channels::of(first, &present, &names)?;
         let mut remarks = Vec::new();
         let mut used = Vec::new();
         for path in &sources.recordings {
-            let present = (format_of(path)?.columns)(path)?;
+            let present = (format_of(path)?.columns)(path, &reading)?;
             match channels.columns().find(|c| !present.contains(c)) {
                 None => used.push(path.clone()),
                 Some(lacking) => remarks.push(format!(

@@ -89,7 +89,7 @@ impl<T> Located<Vec<T>> {
     }
 }
 
-fn check_length(
+pub(super) fn check_length(
     found: usize,
     joints: &[String],
     remark: &str,

@@ -1,21 +1,24 @@
 //! `[recordings]`: the files, what they hold, and how positions give velocities and accelerations.
 
+use std::ops::Deref;
+
 use crate::problem_file::choices::{DifferentiationMethod, PositionSide, Signal};
 use crate::problem_file::document::{Node, NodeValue};
 use crate::problem_file::error::{KeyFault, NumberFault, ProblemFileError, ValueFault};
 use crate::problem_file::key::{Form, Key, Length, REQUIRED, Range, words};
-use crate::problem_file::located::{FilePath, Located, Named};
+use crate::problem_file::located::{FilePath, Located, Named, check_length};
 use crate::problem_file::reader::Reader;
 use crate::problem_file::{Context, values};
-use crate::recording::column_map::{Column, ColumnsAt};
+use crate::recording::column_map::{Column, ColumnsAt, Factors};
+use crate::recording::reading::Reading;
 use crate::recording::units::{self, Quantity};
 
 /// Keys of `[recordings]`.
 #[rustfmt::skip]
 pub(crate) const KEYS: &[Key] = &[
-    Key { name: "train", form: Form::List(&Form::File, Length::Distinct), unit: "", default: "required, unless there are loaded ones", example: "[\"train.csv\"]", meaning: "Recordings that are fitted" },
-    Key { name: "validation", form: Form::List(&Form::File, Length::Distinct), unit: "", default: "[]", example: "[\"validation.csv\"]", meaning: "Recordings that are held out; without them held-out figures are null" },
-    Key { name: "loaded", form: Form::List(&Form::File, Length::Distinct), unit: "", default: "[]", example: "[\"with_load.csv\"]", meaning: "Recordings that are fitted with the load on; the others are then without it. Needs robot.payload; where none is listed, every recording carries the load" },
+    Key { name: "train", form: RECORDINGS, unit: "", default: "required, unless there are loaded ones", example: "[\"train.csv\"]", meaning: "Recordings that are fitted" },
+    Key { name: "validation", form: RECORDINGS, unit: "", default: "[]", example: "[\"validation.csv\"]", meaning: "Recordings that are held out; without them held-out figures are null" },
+    Key { name: "loaded", form: RECORDINGS, unit: "", default: "[]", example: "[\"with_load.csv\"]", meaning: "Recordings that are fitted with the load on; the others are then without it. Needs robot.payload; where none is listed, every recording carries the load" },
     Key { name: "signal", form: Form::Words(words::<Signal>), unit: "", default: "\"current\"", example: "\"torque\"", meaning: "What the recordings hold: motor currents, motor torques at the joint side or at the motor side, torques of sensors behind the gears, the force and moment under the base, or torques and those" },
     Key { name: "position_side", form: Form::Words(words::<PositionSide>), unit: "", default: "\"joint\"", example: "\"motor\"", meaning: "Where the encoder sits: on the motor in joint units, on the motor in its own turns, or behind the gear" },
     Key { name: "rate", form: Form::Number(Range::Positive), unit: "Hz", default: "from the time stamps", example: "200.0", meaning: "Samples per second" },
@@ -25,6 +28,7 @@ pub(crate) const KEYS: &[Key] = &[
     Key { name: "platform", form: Form::Table(PLATFORM_KEYS), unit: "", default: "it reads in the base frame", example: "", meaning: "The sensor of a base wrench" },
     Key { name: "sensors", form: Form::NamedTables(SENSOR_KEYS), unit: "", default: "their motion follows from the motors", example: "", meaning: "What is measured at a joint without a motor: one of these" },
     Key { name: "positions", form: Form::Named(&Form::File), unit: "", default: "positions are in the recordings", example: "{ \"train.csv\" = \"camera.csv\" }", meaning: "Files with the positions of a sensor of its own, by recording, with time stamps of the same clock" },
+    Key { name: "max_rows", form: Form::Count(1), unit: "", default: "ten million", example: "500000", meaning: "Rows of a file beyond which it is refused" },
 ];
 
 /// Keys of an entry of `[recordings.sensors]`.
@@ -128,16 +132,37 @@ pub(crate) const DIFFERENTIATION_KEYS: &[Key] = &[
     Key { name: "parallel_hz", form: Form::Number(Range::Positive), unit: "Hz", default: "none", example: "8.0", meaning: "Cut-off of a low-pass on the signal and on every column of the model alike" },
 ];
 
+/// A list of recordings, each a file or a table.
+const RECORDINGS: Form = Form::List(
+    &Form::Either(&[Form::File, Form::Table(RECORDING_KEYS)]),
+    Length::Distinct,
+);
+
+/// Keys of a recording that is a table.
+#[rustfmt::skip]
+pub(crate) const RECORDING_KEYS: &[Key] = &[
+    Key { name: "file", form: Form::File, unit: "", default: "none; this or files is required", example: "\"train.csv\"", meaning: "The file of the recording" },
+    Key { name: "files", form: Form::List(&Form::Either(&[Form::File, Form::Table(FILE_KEYS)]), Length::Some), unit: "", default: "none; this or file is required", example: "[\"positions.csv\", \"currents.csv\"]", meaning: "Files that are joined by their time stamps, on the clock of the first" },
+    Key { name: "columns", form: Form::Table(COLUMNS_KEYS), unit: "", default: "those of recordings.columns", example: "", meaning: "What its columns are called" },
+];
+
+/// Keys of one of several files of a recording.
+#[rustfmt::skip]
+pub(crate) const FILE_KEYS: &[Key] = &[
+    Key { name: "file", form: Form::File, unit: "", default: REQUIRED, example: "\"currents.csv\"", meaning: "One of the files" },
+    Key { name: "columns", form: Form::Table(COLUMNS_KEYS), unit: "", default: "those of the recording", example: "", meaning: "What its columns are called" },
+];
+
 /// The table `[recordings]`.
 #[derive(Debug, Clone)]
 pub struct RecordingsTable {
     /// Training recordings without `loaded`. Required unless there are `loaded` ones.
-    pub train: Vec<Located<FilePath>>,
+    pub train: Vec<Located<RecordingFiles>>,
     /// Default: none; held-out figures are then null.
-    pub validation: Vec<Located<FilePath>>,
+    pub validation: Vec<Located<RecordingFiles>>,
     /// Training recordings with the load on; the others are then without it. Default: none, every
     /// recording carries the load.
-    pub loaded: Vec<Located<FilePath>>,
+    pub loaded: Vec<Located<RecordingFiles>>,
     /// Default: [`Signal::Current`].
     pub signal: Located<Signal>,
     /// Default: [`PositionSide::Joint`].
@@ -156,6 +181,112 @@ pub struct RecordingsTable {
     /// Files with the positions of a sensor of its own, by recording as it is written under `train`, `loaded` or
     /// `validation`; with time stamps of the same clock. Default: positions are in the recordings.
     pub positions: Vec<Named<FilePath>>,
+    /// Bounds of what is read; `recordings.max_rows` is one of them. Default: [`Reading::default`].
+    pub reading: Reading,
+}
+
+/// An entry of `train`, `validation` or `loaded`: a recording in a file, or in several that are joined by time.
+#[derive(Debug, Clone)]
+pub struct RecordingFiles {
+    /// The first file, under the names of all.
+    pub path: FilePath,
+    /// At least one.
+    pub files: Vec<RecordingFile>,
+}
+
+impl Deref for RecordingFiles {
+    type Target = FilePath;
+
+    fn deref(&self) -> &FilePath {
+        &self.path
+    }
+}
+
+/// A file of a recording.
+#[derive(Debug, Clone)]
+pub struct RecordingFile {
+    pub path: FilePath,
+    /// In the place of `[recordings.columns]`. Default: that table.
+    pub columns: Option<ColumnsTable>,
+}
+
+impl RecordingFiles {
+    /// A list of recordings, each once.
+    fn list(node: &Node, context: &Context) -> Result<Vec<Located<Self>>, ProblemFileError> {
+        let entry = |node: &Node| {
+            Ok(Located {
+                value: Self::from_node(node, context)?,
+                place: node.place.clone(),
+            })
+        };
+        let entries = values::items(node, "a list of files such as [\"train.csv\"]")?;
+        let entries: Vec<Located<Self>> = entries.iter().map(entry).collect::<Result<_, _>>()?;
+        let names: Vec<Located<String>> = entries
+            .iter()
+            .map(|entry| Located {
+                value: entry.path.written.clone(),
+                place: entry.place.clone(),
+            })
+            .collect();
+        values::check_no_duplicates(names.iter())?;
+        Ok(entries)
+    }
+
+    fn from_node(node: &Node, context: &Context) -> Result<Self, ProblemFileError> {
+        let files = match &node.value {
+            NodeValue::Table(_) => {
+                let reader = Reader::open(node, RECORDING_KEYS)?;
+                reader.at_most_one(&["file", "files"])?;
+                match reader.node("files") {
+                    Some(list) => {
+                        let columns = reader.node("columns").map(ColumnsTable::from_node);
+                        let columns = columns.transpose()?;
+                        let files =
+                            values::items(list, "a list of files such as [\"a.csv\", \"b.csv\"]")?;
+                        let mut files = files
+                            .iter()
+                            .map(|node| RecordingFile::from_node(node, context))
+                            .collect::<Result<Vec<_>, _>>()?;
+                        for file in &mut files {
+                            file.columns = file.columns.take().or_else(|| columns.clone());
+                        }
+                        if files.is_empty() {
+                            return Err(values::wrong_type(list, "a list of at least one file"));
+                        }
+                        files
+                    }
+                    None => vec![RecordingFile::from_node(node, context)?],
+                }
+            }
+            _ => vec![RecordingFile::from_node(node, context)?],
+        };
+        let written: Vec<&str> = files.iter().map(|f| f.path.written.as_str()).collect();
+        let path = FilePath {
+            written: written.join(" + "),
+            resolved: files[0].path.resolved.clone(),
+        };
+        Ok(Self { path, files })
+    }
+}
+
+impl RecordingFile {
+    /// A path, or a table with the path and the columns.
+    fn from_node(node: &Node, context: &Context) -> Result<Self, ProblemFileError> {
+        if !matches!(node.value, NodeValue::Table(_)) {
+            return Ok(Self {
+                path: values::file_path(node, context)?,
+                columns: None,
+            });
+        }
+        let reader = Reader::open(node, FILE_KEYS)?;
+        let remedy = "name the file: { file = \"train.csv\", columns = { ... } }";
+        let path = reader.required("file", remedy, |n| values::file_path(n, context))?;
+        let columns = reader.node("columns").map(ColumnsTable::from_node);
+        Ok(Self {
+            path: path.value,
+            columns: columns.transpose()?,
+        })
+    }
 }
 
 /// An entry of `[recordings.sensors]`: the column of a sensor at a joint without a motor.
@@ -224,7 +355,7 @@ pub struct DifferentiationTable {
 impl RecordingsTable {
     pub(super) fn from_node(node: &Node, context: &Context) -> Result<Self, ProblemFileError> {
         let reader = Reader::open(node, KEYS)?;
-        let files = |n: &Node| values::file_paths(n, context);
+        let files = |n: &Node| RecordingFiles::list(n, context);
         let table = Self {
             train: reader.list("train", files)?,
             validation: reader.list("validation", files)?,
@@ -241,6 +372,13 @@ impl RecordingsTable {
                 .transpose()?,
             sensors: reader.named("sensors", SensorTable::from_node)?,
             positions: reader.named("positions", |n| values::file_path(n, context))?,
+            reading: match reader.optional("max_rows", values::count)? {
+                Some(rows) => Reading {
+                    most_rows: rows.value,
+                    ..Reading::default()
+                },
+                None => Reading::default(),
+            },
         };
         if table.train.is_empty() && table.loaded.is_empty() {
             return Err(reader.missing("train", "list the training recordings"));
@@ -257,7 +395,7 @@ impl RecordingsTable {
         let listed = |name: &str| {
             groups
                 .iter()
-                .any(|g| g.iter().any(|p| p.value.written == name))
+                .any(|g| g.iter().any(|p| p.files.len() == 1 && p.written == name))
         };
         match self.positions.iter().find(|p| !listed(&p.name)) {
             None => Ok(()),
@@ -265,7 +403,8 @@ impl RecordingsTable {
                 &stray.value.place,
                 KeyFault::Conflict {
                     found: format!("positions of {}, which is no recording", stray.name),
-                    remedy: "write the recording as it stands under train, loaded or validation"
+                    remedy: "write the recording as it stands under train, loaded or validation, and positions of joined \
+                             files among those"
                         .into(),
                 },
             )),
@@ -341,6 +480,36 @@ impl SensorTable {
 }
 
 impl ColumnsTable {
+    /// Checks that lists of columns and of units have an entry for each joint.
+    ///
+    /// # Errors
+    /// `wrong-length`, where one has not.
+    pub fn check_one_per_joint(&self, joints: &[String]) -> Result<(), ProblemFileError> {
+        let given = [
+            &self.position,
+            &self.velocity,
+            &self.acceleration,
+            &self.current,
+            &self.torque,
+            &self.temperature,
+        ];
+        for entry in given.into_iter().flatten() {
+            let columns = match &entry.at {
+                ColumnsAt::Pattern(_) => None,
+                ColumnsAt::Names(names) => Some(names.len()),
+                ColumnsAt::Numbers(numbers) => Some(numbers.len()),
+            };
+            let units = match &entry.factors {
+                Factors::Same(_) => None,
+                Factors::PerJoint(factors) => Some(factors.len()),
+            };
+            for found in columns.into_iter().chain(units) {
+                check_length(found, joints, "", &entry.place)?;
+            }
+        }
+        Ok(())
+    }
+
     fn from_node(node: &Node) -> Result<Self, ProblemFileError> {
         let reader = Reader::open(node, COLUMNS_KEYS)?;
         Ok(Self {
@@ -400,15 +569,35 @@ fn column(
     let Some(quantity) = quantity else {
         return Ok(Column {
             at,
-            factors: Vec::new(),
+            factors: Factors::SI,
         });
     };
+    let listed = match unit.map(|node| &node.value) {
+        Some(NodeValue::List(units)) => units.iter().collect(),
+        _ => Vec::from_iter(unit),
+    };
+    let is_count =
+        |node: &&Node| matches!(&node.value, NodeValue::Text(unit) if unit == units::COUNT);
+    if let (Some(size), false) = (&per_turn, listed.iter().any(is_count)) {
+        return Err(ProblemFileError::new(
+            &size.place,
+            KeyFault::Conflict {
+                found: "per_turn without the unit \"count\"".into(),
+                remedy: "say unit = \"count\", or leave per_turn out".into(),
+            },
+        ));
+    }
     let factor = |node: &Node| factor(node, quantity, per_turn.as_ref());
     let factors = match unit {
-        None => Vec::new(),
+        None => Factors::SI,
         Some(node) => match &node.value {
-            NodeValue::List(units) => units.iter().map(factor).collect::<Result<_, _>>()?,
-            _ => vec![factor(node)?],
+            NodeValue::List(_) if quantity == Quantity::Time => {
+                return Err(values::wrong_type(node, "one unit"));
+            }
+            NodeValue::List(units) => {
+                Factors::PerJoint(units.iter().map(factor).collect::<Result<_, _>>()?)
+            }
+            _ => Factors::Same(factor(node)?),
         },
     };
     Ok(Column { at, factors })

@@ -266,17 +266,6 @@ pub(super) fn file_path(node: &Node, context: &Context) -> Parsed<FilePath> {
     Ok(FilePath::new(context.folder, &text(node)?))
 }
 
-/// A list of files, each once.
-pub(super) fn file_paths(node: &Node, context: &Context) -> Parsed<Vec<Located<FilePath>>> {
-    let names = names(node, "a list of files such as [\"train.csv\"]")?.into_iter();
-    Ok(names
-        .map(|name| Located {
-            value: FilePath::new(context.folder, &name.value),
-            place: name.place,
-        })
-        .collect())
-}
-
 /// A name that is also a folder's.
 pub(super) fn folder_name(node: &Node) -> Parsed<String> {
     let name = text(node)?;

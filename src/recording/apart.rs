@@ -10,6 +10,8 @@ use crate::recording::column_map::ColumnMap;
 
 use crate::recording::columns::{Parts, RecordedJoint, Recording, SignalKind, read_parts};
 use crate::recording::error::RecordingError;
+use crate::recording::reading::Reading;
+use crate::recording::spline::Spline;
 use crate::recording::table::require_rows;
 use crate::recording::timing::{examine, stamps};
 
@@ -20,17 +22,24 @@ pub fn read_apart(
     (path, positions): (&Path, &Path),
     map: &ColumnMap,
     joints: &[RecordedJoint],
-    kind: SignalKind,
+    (kind, reading): (SignalKind, &Reading),
 ) -> Result<Recording, RecordingError> {
-    let mut recording = read_parts(path, map, joints, (kind, Parts::WithoutPosition))?;
-    let sensor = read_parts(positions, map, joints, (kind, Parts::Position))?;
+    let mut recording = read_parts((path, reading), map, joints, (kind, Parts::WithoutPosition))?;
+    let mut sensor = read_parts((positions, reading), map, joints, (kind, Parts::Position))?;
+    if let Some(mask) = sensor.mask.take() {
+        let there: Vec<usize> = (0..mask.len()).filter(|&k| mask[k]).collect();
+        sensor.keep(&there);
+    }
+    if let Some(missing) = &sensor.missing {
+        recording.remarks.push(missing.words(positions));
+    }
     examine(&sensor, None)?;
     let (time, knots) = (stamps(&recording)?, stamps(&sensor)?);
     let inside = |t: &f64| (knots[0]..=knots[knots.len() - 1]).contains(t);
     let kept: Vec<usize> = (0..time.len()).filter(|&k| inside(&time[k])).collect();
     require_rows(path, kept.len())?;
     let times: Vec<f64> = kept.iter().map(|&k| time[k]).collect();
-    let splines = sensor.position.iter().map(|q| spline(knots, q, &times));
+    let splines = (sensor.position.iter()).map(|q| Spline::new(knots, q).at(&times));
     let position = splines.collect();
     recording.keep(&kept);
     recording.position = position;
@@ -53,70 +62,9 @@ impl Recording {
         if let Some(mask) = &mut self.mask {
             *mask = kept.iter().map(|&k| mask[k]).collect();
         }
+        if let Some(lines) = &mut self.lines {
+            *lines = kept.iter().map(|&k| lines[k]).collect();
+        }
         self.first_line += kept.first().copied().unwrap_or(0);
-    }
-}
-
-/// The natural cubic spline through (knots, values) at increasing times between the first and the last knot:
-/// s'' is linear between knots, zero at both ends, and makes s' continuous.
-fn spline(knots: &[f64], values: &[f64], times: &[f64]) -> Vec<f64> {
-    let bend = second_derivatives(knots, values);
-    let mut at = 0;
-    let mut out = Vec::with_capacity(times.len());
-    for &t in times {
-        while at + 2 < knots.len() && knots[at + 1] <= t {
-            at += 1;
-        }
-        let step = knots[at + 1] - knots[at];
-        let (a, b) = ((knots[at + 1] - t) / step, (t - knots[at]) / step);
-        let curve = (a.powi(3) - a) * bend[at] + (b.powi(3) - b) * bend[at + 1];
-        out.push(a * values[at] + b * values[at + 1] + curve * step * step / 6.0);
-    }
-    out
-}
-
-/// `h_k s''_k + 2 (h_k + h_{k+1}) s''_{k+1} + h_{k+1} s''_{k+2} = 6 (slope_{k+1} − slope_k)`, by elimination.
-fn second_derivatives(knots: &[f64], values: &[f64]) -> Vec<f64> {
-    let count = knots.len();
-    let step = |k: usize| knots[k + 1] - knots[k];
-    let slope = |k: usize| (values[k + 1] - values[k]) / step(k);
-    let mut bend = vec![0.0; count];
-    let mut share = vec![0.0; count];
-    for k in 1..count.saturating_sub(1) {
-        let pivot = 2.0 * (step(k - 1) + step(k)) - step(k - 1) * share[k - 1];
-        share[k] = step(k) / pivot;
-        bend[k] = (6.0 * (slope(k) - slope(k - 1)) - step(k - 1) * bend[k - 1]) / pivot;
-    }
-    for k in (1..count.saturating_sub(1)).rev() {
-        bend[k] -= share[k] * bend[k + 1];
-    }
-    bend
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Errors of a natural spline fall with the fourth power of the step away from its ends.
-    #[test]
-    fn matches_a_smooth_motion_between_uneven_samples() {
-        let worst = |rate: f64| {
-            let knots: Vec<f64> = (0..(4.0 * rate) as usize)
-                .map(|k| (k as f64 + 0.2 * (k as f64).sin()) / rate)
-                .collect();
-            let values: Vec<f64> = knots.iter().map(|t| (3.0 * t).sin()).collect();
-            let times: Vec<f64> = (0..2000).map(|k| 1.0 + k as f64 / 1000.0).collect();
-            let found = spline(&knots, &values, &times);
-            let errors = found
-                .iter()
-                .zip(&times)
-                .map(|(s, t)| (s - (3.0 * t).sin()).abs());
-            errors.fold(0.0, f64::max)
-        };
-        // 5/384 h⁴ |q''''| with q'''' of 81 and steps of at most 1.4 of the mean.
-        let bound = |rate: f64| 5.0 / 384.0 * (1.4 / rate).powi(4) * 81.0;
-        for rate in [20.0, 40.0, 80.0] {
-            assert!(worst(rate) < bound(rate), "{} at {rate} Hz", worst(rate));
-        }
     }
 }

@@ -9,7 +9,7 @@ use crate::recording::columns::Recording;
 use crate::recording::differentiate::{Differentiated, low_passed, smoothed};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::experiment::{Experiment, Raw, RowMap};
-use crate::recording::fill::{Ends, fill};
+use crate::recording::fill::{Ends, fill, fill_motion};
 use crate::recording::filter::parallel;
 use crate::recording::noise_level::{hiding_step, white_deviation};
 use crate::recording::settings::{Method, Preparation};
@@ -122,7 +122,7 @@ fn times(rows: &Range<usize>, rate_hz: f64) -> Vec<f64> {
     rows.clone().map(|k| k as f64 / rate_hz).collect()
 }
 
-/// Straight lines over masked samples: what is recorded there must not leak through the filters.
+/// Lines over masked samples: what is recorded there must not leak through the filters.
 fn fill_masked(recording: &mut Recording) -> Result<(), RecordingError> {
     let Some(mask) = &recording.mask else {
         return Ok(());
@@ -132,8 +132,11 @@ fn fill_masked(recording: &mut Recording) -> Result<(), RecordingError> {
         return Err(RecordingError::new(Place::file(&recording.file), kind));
     }
     let measured = [&mut recording.velocity, &mut recording.acceleration];
-    let channels = recording.position.iter_mut().chain(&mut recording.signal);
-    for series in channels.chain(measured.into_iter().flatten().flatten()) {
+    for series in &mut recording.position {
+        fill_motion(series, mask);
+    }
+    let signals = recording.signal.iter_mut();
+    for series in signals.chain(measured.into_iter().flatten().flatten()) {
         fill(series, mask, Ends::Held);
     }
     Ok(())

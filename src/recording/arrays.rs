@@ -97,8 +97,7 @@ pub(super) fn column_names(layouts: &[Layout]) -> Vec<String> {
 
 /// The wanted columns; `load` gives all numbers of an array, by its index, as they lie in the file.
 ///
-/// Errors: two columns of one name, columns of unequal length, too few rows, a value that is not
-/// finite, and those of `load`.
+/// Errors: two columns of one name, columns of unequal length, too few rows, and those of `load`.
 pub(super) fn assemble(
     path: &Path,
     layouts: &[Layout],
@@ -124,13 +123,13 @@ pub(super) fn assemble(
             data[slot] = layouts[array].take(&values, sources[slot].1);
         }
     }
-    let table = Table {
+    Ok(Table {
         columns: wanted.to_vec(),
         data,
         first_line: 1,
-    };
-    require_finite(path, &table)?;
-    Ok(table)
+        lines: None,
+        origins: Vec::new(),
+    })
 }
 
 /// Array and channel of a column; the callers ask for columns that exist.
@@ -175,21 +174,4 @@ fn require_equal_lengths(
             },
         )),
     }
-}
-
-/// Fails at the first value that is not finite, by row number from 1.
-pub(super) fn require_finite(path: &Path, table: &Table) -> Result<(), RecordingError> {
-    for (name, column) in table.columns.iter().zip(&table.data) {
-        if let Some(row) = column.iter().position(|value| !value.is_finite()) {
-            let place = Place::file(path)
-                .line(row + table.first_line)
-                .key(name.as_str());
-            let found = column[row].to_string();
-            return Err(RecordingError::new(
-                place,
-                RecordingErrorKind::NotFinite { found },
-            ));
-        }
-    }
-    Ok(())
 }

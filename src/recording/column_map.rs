@@ -21,8 +21,21 @@ pub struct ColumnMap {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
     pub at: ColumnsAt,
-    /// One for all joints, or one for each of the problem's joints; none where numbers are in SI units.
-    pub factors: Vec<f64>,
+    pub factors: Factors,
+}
+
+/// What numbers are multiplied by to be in SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Factors {
+    /// One for all joints.
+    Same(f64),
+    /// One for each of the problem's joints.
+    PerJoint(Vec<f64>),
+}
+
+impl Factors {
+    /// Of numbers that are in SI units already.
+    pub const SI: Self = Self::Same(1.0);
 }
 
 /// How the columns of the joints are told.
@@ -40,7 +53,7 @@ impl From<&str> for Column {
     fn from(pattern: &str) -> Self {
         Self {
             at: ColumnsAt::Pattern(pattern.to_string()),
-            factors: Vec::new(),
+            factors: Factors::SI,
         }
     }
 }
@@ -58,9 +71,10 @@ impl Column {
 
     /// What numbers of a joint with a number from 1 are multiplied by.
     pub fn factor(&self, number: usize) -> f64 {
-        let of_joint = self.factors.get(number - 1);
-        let first = || self.factors.first().filter(|_| self.factors.len() == 1);
-        of_joint.or_else(first).copied().unwrap_or(1.0)
+        match &self.factors {
+            Factors::Same(factor) => *factor,
+            Factors::PerJoint(factors) => factors.get(number - 1).copied().unwrap_or(1.0),
+        }
     }
 }
 

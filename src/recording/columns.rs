@@ -10,7 +10,9 @@ use crate::recording::column_names::{
 };
 use crate::recording::error::{MissingColumn, RecordingError, RecordingErrorKind};
 use crate::recording::held::Held;
-use crate::recording::table::{Table, format_of};
+use crate::recording::missing::{Bridged, MissingValues, Roles, bridge, require_complete};
+use crate::recording::reading::Reading;
+use crate::recording::table::format_of;
 
 /// What the signal of a recording is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +50,8 @@ pub struct Recording {
     pub time: Option<Vec<f64>>,
     /// Line of sample 0 in the file; sample k is line `first_line + k` where no rows are left out.
     pub first_line: usize,
+    /// Line of every sample, where they do not follow one another.
+    pub lines: Option<Vec<usize>>,
     /// `position[j][k]`: joint j, sample k; rad or m.
     pub position: Vec<Vec<f64>>,
     /// rad/s or m/s, if measured.
@@ -64,6 +68,10 @@ pub struct Recording {
     pub held: Option<Held>,
     /// Set where `time` is an even clock: the deviation of the file's stamps from it, s.
     pub stamp_jitter: Option<f64>,
+    /// Set where cells of the file hold no number; their rows are masked.
+    pub missing: Option<MissingValues>,
+    /// What a reader of any result should know of how the files were put together.
+    pub remarks: Vec<String>,
 }
 
 impl Recording {
@@ -77,6 +85,7 @@ impl Recording {
             file: file.into(),
             time: None,
             first_line: 2,
+            lines: None,
             position,
             velocity: None,
             acceleration: None,
@@ -85,7 +94,17 @@ impl Recording {
             mask: None,
             held: None,
             stamp_jitter: None,
+            missing: None,
+            remarks: Vec::new(),
         }
+    }
+}
+
+impl Recording {
+    /// The same with time stamps, s.
+    pub(super) fn at(mut self, time: Vec<f64>) -> Self {
+        self.time = Some(time);
+        self
     }
 }
 
@@ -117,7 +136,19 @@ pub fn read(
     joints: &[RecordedJoint],
     kind: SignalKind,
 ) -> Result<Recording, RecordingError> {
-    read_parts(path, map, joints, (kind, Parts::All))
+    read_within(path, map, joints, (kind, &Reading::default()))
+}
+
+/// As [`read`], within bounds.
+///
+/// Errors: as there; an interrupt, more than the bounds.
+pub fn read_within(
+    path: &Path,
+    map: &ColumnMap,
+    joints: &[RecordedJoint],
+    (kind, reading): (SignalKind, &Reading),
+) -> Result<Recording, RecordingError> {
+    read_parts((path, reading), map, joints, (kind, Parts::All))
 }
 
 /// Which channels a file holds.
@@ -131,13 +162,13 @@ pub(super) enum Parts {
 }
 
 pub(super) fn read_parts(
-    path: &Path,
+    (path, reading): (&Path, &Reading),
     map: &ColumnMap,
     joints: &[RecordedJoint],
     (kind, parts): (SignalKind, Parts),
 ) -> Result<Recording, RecordingError> {
     let format = format_of(path)?;
-    let present = (format.columns)(path)?;
+    let present = (format.columns)(path, reading)?;
     let finder = Finder {
         path,
         joints,
@@ -156,8 +187,8 @@ pub(super) fn read_parts(
             ..Names::empty(finder.time(map)?)
         },
     };
-    let table = (format.read)(path, &names.all(path)?)?;
-    let mut recording = names.assemble(path, table);
+    let table = (format.read)(path, &names.all(path)?, reading)?;
+    let mut recording = names.assemble(path, bridge(path, table, names.roles())?);
     into_si(&mut recording, map, joints, kind);
     Ok(recording)
 }
@@ -196,20 +227,21 @@ fn into_si(recording: &mut Recording, map: &ColumnMap, joints: &[RecordedJoint],
 
 /// Reads further columns of a recording, in the order of their names.
 ///
-/// Errors: those of the file and its table, and a column that is missing (naming the nearest one).
-pub fn read_further(path: &Path, names: &[String]) -> Result<Vec<Vec<f64>>, RecordingError> {
+/// Errors: those of the file and its table, and a column that is missing (naming the nearest one), a cell
+/// without a number.
+pub fn read_further(
+    path: &Path,
+    names: &[String],
+    reading: &Reading,
+) -> Result<Vec<Vec<f64>>, RecordingError> {
     let format = format_of(path)?;
-    let present = (format.columns)(path)?;
-    let finder = Finder {
-        path,
-        joints: &[],
-        present: &present,
-        conventional: false,
-    };
+    let present = (format.columns)(path, reading)?;
+    let finder = Finder::new(path, &[], &present);
     for name in names {
         finder.single(name, "sensor at a joint without a motor")?;
     }
-    let mut table = (format.read)(path, names)?;
+    let mut table = (format.read)(path, names, reading)?;
+    require_complete(path, &table)?;
     let take = |name: &String| table.take(name).unwrap_or_default();
     Ok(names.iter().map(take).collect())
 }
@@ -254,8 +286,21 @@ impl Names {
         }
     }
 
-    fn assemble(&self, path: &Path, mut table: Table) -> Recording {
-        let first_line = table.first_line;
+    fn roles(&self) -> Roles<'_> {
+        Roles {
+            time: self.time.as_deref(),
+            mask: self.mask.as_deref(),
+            slow: self.temperature.as_deref().unwrap_or_default(),
+        }
+    }
+
+    fn assemble(&self, path: &Path, bridged: Bridged) -> Recording {
+        let Bridged {
+            mut table,
+            valid,
+            missing,
+        } = bridged;
+        let (first_line, lines) = (table.first_line, table.lines.take());
         let mut take = |name: &String| table.take(name).unwrap_or_default();
         let mut group = |names: &Vec<String>| names.iter().map(&mut take).collect::<Vec<_>>();
         let position = group(&self.position);
@@ -263,21 +308,28 @@ impl Names {
         let velocity = self.velocity.as_ref().map(&mut group);
         let acceleration = self.acceleration.as_ref().map(&mut group);
         let temperature = self.temperature.as_ref().map(&mut group);
-        let valid = |column: Vec<f64>| column.iter().map(|&value| value != 0.0).collect();
+        let counts = |column: Vec<f64>| column.iter().map(|&value| value != 0.0).collect();
+        let masked: Option<Vec<bool>> = self.mask.as_ref().map(|name| counts(take(name)));
+        let mask = match (masked, valid) {
+            (Some(a), Some(b)) => Some(a.iter().zip(&b).map(|(a, b)| *a && *b).collect()),
+            (masked, valid) => masked.or(valid),
+        };
         Recording {
             time: self.time.as_ref().map(&mut take),
             first_line,
+            lines,
+            missing,
             velocity,
             acceleration,
             temperature,
-            mask: self.mask.as_ref().map(|name| valid(take(name))),
+            mask,
             ..Recording::of_samples(path, position, signal)
         }
     }
 }
 
 /// Finds the columns of one file.
-struct Finder<'a> {
+pub(super) struct Finder<'a> {
     path: &'a Path,
     joints: &'a [RecordedJoint],
     present: &'a [String],
@@ -285,7 +337,17 @@ struct Finder<'a> {
     conventional: bool,
 }
 
-impl Finder<'_> {
+impl<'a> Finder<'a> {
+    /// Of optional channels by their names in a map alone.
+    pub(super) fn new(path: &'a Path, joints: &'a [RecordedJoint], present: &'a [String]) -> Self {
+        Self {
+            path,
+            joints,
+            present,
+            conventional: false,
+        }
+    }
+
     fn choose(&self, map: &ColumnMap, kind: SignalKind) -> Result<Names, RecordingError> {
         let optional = |column: &Option<Column>, usual, what| match column {
             Some(column) => self.joints_at(column, what).map(Some),
@@ -303,7 +365,7 @@ impl Finder<'_> {
         })
     }
 
-    fn time(&self, map: &ColumnMap) -> Result<Option<String>, RecordingError> {
+    pub(super) fn time(&self, map: &ColumnMap) -> Result<Option<String>, RecordingError> {
         match self.one(&map.time, "time")? {
             Some(name) => Ok(Some(name)),
             None => Ok(TIME
@@ -314,7 +376,11 @@ impl Finder<'_> {
     }
 
     /// A column of no joint.
-    fn one(&self, column: &Option<Column>, what: &str) -> Result<Option<String>, RecordingError> {
+    pub(super) fn one(
+        &self,
+        column: &Option<Column>,
+        what: &str,
+    ) -> Result<Option<String>, RecordingError> {
         let Some(column) = column else {
             return Ok(None);
         };
@@ -334,7 +400,11 @@ impl Finder<'_> {
         }
     }
 
-    fn joints_at(&self, column: &Column, what: &str) -> Result<Vec<String>, RecordingError> {
+    pub(super) fn joints_at(
+        &self,
+        column: &Column,
+        what: &str,
+    ) -> Result<Vec<String>, RecordingError> {
         let given = match &column.at {
             ColumnsAt::Pattern(pattern) => return self.joints_by_pattern(pattern, what),
             ColumnsAt::Names(names) => names.len(),
@@ -373,7 +443,7 @@ impl Finder<'_> {
         }
     }
 
-    fn wrench(&self, map: &ColumnMap) -> Result<Vec<String>, RecordingError> {
+    pub(super) fn wrench(&self, map: &ColumnMap) -> Result<Vec<String>, RecordingError> {
         let usual = WRENCH.map(String::from);
         let names = map.wrench.as_ref().unwrap_or(&usual);
         let purpose = |axis| format!("{axis} of the base wrench");
@@ -383,7 +453,7 @@ impl Finder<'_> {
             .collect()
     }
 
-    fn required(
+    pub(super) fn required(
         &self,
         column: &Option<Column>,
         usual: &[&str],
@@ -414,7 +484,7 @@ impl Finder<'_> {
     }
 
     /// One convention for all joints: joints of one file are not named in two ways.
-    fn joints_by_convention(&self, usual: &[&str]) -> Option<Vec<String>> {
+    pub(super) fn joints_by_convention(&self, usual: &[&str]) -> Option<Vec<String>> {
         usual
             .iter()
             .map(|pattern| self.expand(pattern))
@@ -461,7 +531,7 @@ impl Finder<'_> {
         Err(self.missing(vec![name.into()], purpose))
     }
 
-    fn missing(&self, accepted: Vec<String>, purpose: &str) -> RecordingError {
+    pub(super) fn missing(&self, accepted: Vec<String>, purpose: &str) -> RecordingError {
         let numbered = (1..).map(|n: usize| n.to_string());
         if !self.present.is_empty() && self.present.iter().zip(numbered).all(|(a, b)| *a == b) {
             return RecordingError::new(

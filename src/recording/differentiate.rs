@@ -266,6 +266,10 @@ pub(super) fn low_passed(
     let mut known = vec![true; rows];
     known[..edge].fill(false);
     known[rows - edge..].fill(false);
+    let longest = (LONG_GAP * longest * rate_hz) as usize;
+    for gap in gaps(recording.mask.as_deref(), longest) {
+        known[gap.start.saturating_sub(edge)..(gap.end + edge).min(rows)].fill(false);
+    }
     Ok(Differentiated {
         motion: low_passed_motion(recording, &filters, 1.0 / rate_hz),
         error: motion_error(&spectra, &bandwidth),
@@ -273,6 +277,23 @@ pub(super) fn low_passed(
         method: Method::Lowpass,
         known,
     })
+}
+
+/// A gap of less than this share of a filter's edge, a tenth of a period of its cut-off, is bridged without loss.
+const LONG_GAP: f64 = 0.05;
+
+/// Runs of more than so many rows that a mask leaves out.
+fn gaps(mask: Option<&[bool]>, longest: usize) -> Vec<Range<usize>> {
+    let mut gaps = Vec::new();
+    let mut end = 0;
+    for run in mask.unwrap_or_default().chunk_by(|a, b| a == b) {
+        let start = end;
+        end += run.len();
+        if !run[0] && run.len() > longest {
+            gaps.push(start..end);
+        }
+    }
+    gaps
 }
 
 /// Filters what was measured of the motion and differentiates the rest, step in s.

@@ -52,6 +52,14 @@ pub enum RecordingErrorKind {
     TwoTopics {
         topics: Vec<String>,
     },
+    /// Reading was interrupted.
+    Interrupted,
+    TooManyRows {
+        most: usize,
+    },
+    TooManyBytes {
+        most: u64,
+    },
     EmptyFile,
     NoHeader,
     NulByte,
@@ -74,6 +82,16 @@ pub enum RecordingErrorKind {
     TooFewRows {
         found: usize,
         least: usize,
+    },
+    /// A column whose cells are all empty.
+    EmptyColumn {
+        rows: usize,
+    },
+    /// Rows that lack a value, and cells that the worst column lacks.
+    TooManyMissing {
+        rows: usize,
+        of: usize,
+        cells: usize,
     },
     MissingColumn(Box<MissingColumn>),
     ColumnUsedTwice {
@@ -98,6 +116,15 @@ pub enum RecordingErrorKind {
         seconds: f64,
     },
     NoTimeBase,
+    /// A file that is to be joined with others has no time stamps.
+    JoinWithoutTime,
+    /// Stamps of a date beside stamps that say no date.
+    ClocksDiffer,
+    /// Files that are to be joined, one from when to when, and the others, s.
+    NoCommonTime {
+        span: [f64; 2],
+        others: [f64; 2],
+    },
     RateContradictsTime {
         given: f64,
         found: f64,
@@ -240,6 +267,19 @@ fn describe_file(kind: &RecordingErrorKind) -> Option<Description> {
             format!("the extension {found:?} is not that of a known recording format"),
             format!("convert the recording to one of {}", known_extensions()),
         ),
+        Kind::Interrupted => {
+            Description::new("interrupted", "reading was interrupted", "run it again")
+        }
+        Kind::TooManyRows { most } => Description::new(
+            "too-many-rows",
+            format!("the file has more than {most} rows"),
+            "cut it into recordings, or raise the limit with --max-rows",
+        ),
+        Kind::TooManyBytes { most } => Description::new(
+            "too-many-bytes",
+            format!("the file has more than {most} bytes, unpacked"),
+            "cut it into recordings, or check that it is what its name says",
+        ),
         Kind::TruncatedGzip => Description::new(
             "truncated-gzip",
             "the compressed data end before their end mark",
@@ -322,7 +362,7 @@ fn describe_table(kind: &RecordingErrorKind) -> Option<Description> {
         Kind::NulByte => Description::new(
             "nul-byte",
             "the line holds a NUL byte: the file is binary, or was cut off while written",
-            "export the recording again",
+            "export the recording again, as text in UTF-8, or in UTF-16 with a byte-order mark",
         ),
         Kind::LineTooLong { limit } => Description::new(
             "line-too-long",
@@ -347,7 +387,20 @@ fn describe_table(kind: &RecordingErrorKind) -> Option<Description> {
         Kind::NotFinite { found } => Description::new(
             "not-finite",
             format!("the value is {found}"),
-            "remove the rows without a value, or fill them and mark them 0 in a mask column",
+            "leave the cell empty, and the row is left out",
+        ),
+        Kind::EmptyColumn { rows } => Description::new(
+            "empty-column",
+            format!("none of its {rows} rows has a number"),
+            "name another column under [recordings.columns], or leave the channel out where it may be absent",
+        ),
+        Kind::TooManyMissing { rows, of, cells } => Description::new(
+            "too-many-missing",
+            format!(
+                "{rows} of {of} rows lack a value, this column alone {cells}: more would be invented than was measured"
+            ),
+            "record or export every channel in every row; where channels come at different instants, give them as files \
+             of their own (recordings.train = [{ files = [...] }]) and exid joins them by time",
         ),
         Kind::TooFewRows { found, least } => Description::new(
             "too-few-rows",
@@ -399,6 +452,24 @@ fn describe_time(kind: &RecordingErrorKind) -> Option<Description> {
             "no-time-base",
             "there is neither a time column nor a rate",
             "give recordings.rate in Hz, or name the time column",
+        ),
+        Kind::JoinWithoutTime => Description::new(
+            "join-without-time",
+            "files are joined by time, and this one has no time column",
+            "name its time column: { file = ..., columns = { time = ... } }",
+        ),
+        Kind::ClocksDiffer => Description::new(
+            "clocks-differ",
+            "its stamps and those of the first file do not count from one instant: one has dates, the other seconds",
+            "give all files stamps of one clock",
+        ),
+        Kind::NoCommonTime { span, others } => Description::new(
+            "no-common-time",
+            format!(
+                "it lasts from {:.4} to {:.4} s, and the files before it from {:.4} to {:.4} s: they have no common time",
+                span[0], span[1], others[0], others[1]
+            ),
+            "give all files stamps of one clock, in their units (columns = { time = { column = ..., unit = \"ms\" } })",
         ),
         Kind::RateContradictsTime { given, found } => Description::new(
             "rate-contradicts-time",

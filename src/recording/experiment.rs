@@ -10,7 +10,7 @@ use crate::recording::columns::Recording;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::period::{self, Settled};
 use crate::recording::settings::{Method, Preparation};
-use crate::recording::timing::{Timing, examine};
+use crate::recording::timing::{Grid, Timing, examine, mask_on};
 use crate::recording::zero_phase::ZeroPhase;
 use crate::recording::{aperiodic, clock, periodic};
 
@@ -163,13 +163,18 @@ pub fn prepare(
     let held = recording.held.as_ref();
     let held = held.map(|held| held.words(&recording, &timing));
     let clock = clock::words(&recording, timing.rate_hz);
+    let joined = recording.remarks.clone();
+    let missing = recording.missing.as_ref();
+    let missing = missing.map(|missing| missing.words(&recording.file));
     let mut experiment = match settled.period {
         Some(period) => periodic::prepare(recording, preparation, timing, period),
         None => aperiodic::prepare(recording, preparation, timing),
     }?;
-    experiment
-        .remarks
-        .extend(held.into_iter().chain(clock).chain(settled.remark));
+    experiment.remarks.extend(
+        joined
+            .into_iter()
+            .chain([missing, held, clock, settled.remark].into_iter().flatten()),
+    );
     Ok(experiment)
 }
 
@@ -233,6 +238,42 @@ impl Experiment {
                 signal[k] + weight.clamp(0.0, 1.0) * (signal[k + 1] - signal[k])
             })
             .collect()
+    }
+}
+
+impl Experiment {
+    /// Which rows of one period were measured in it, from 0; None: all that the mask of the rows has.
+    pub fn period_mask(&self, period: usize) -> Option<Vec<bool>> {
+        let periods = self.periods.filter(|periods| period < periods.count)?;
+        let start = period * periods.samples;
+        if let RowMap::Periodic { first } = self.raw.map {
+            let mask = self.raw.mask.as_ref()?;
+            return Some(mask[first + start..][..periods.samples].to_vec());
+        }
+        let at = |row: usize| self.t[0] + (start + row) as f64 / self.rate_hz;
+        let grid = Grid {
+            start: at(0),
+            rate_hz: self.rate_hz,
+            samples: periods.samples,
+        };
+        mask_on(&self.raw.t, grid, self.raw.mask.as_deref())
+    }
+
+    /// The mask of all periods one after the other.
+    pub(super) fn masks_of_periods(&self, count: usize) -> Option<Vec<bool>> {
+        let rows = || {
+            let all = || vec![true; self.rows()];
+            self.mask.clone().unwrap_or_else(all)
+        };
+        let masks: Vec<Option<Vec<bool>>> = (0..count).map(|p| self.period_mask(p)).collect();
+        if self.mask.is_none() && masks.iter().all(Option::is_none) {
+            return None;
+        }
+        let of_period = |mask: Option<Vec<bool>>| match mask {
+            Some(mask) => (mask.iter().zip(rows())).map(|(a, b)| *a && b).collect(),
+            None => rows(),
+        };
+        Some(masks.into_iter().flat_map(of_period).collect())
     }
 }
 

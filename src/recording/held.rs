@@ -83,6 +83,9 @@ impl Held {
 impl Recording {
     /// Line of a sample in the file.
     pub fn line(&self, sample: usize) -> usize {
+        if let Some(line) = self.lines.as_ref().and_then(|lines| lines.get(sample)) {
+            return *line;
+        }
         let rows = self.held.as_ref().map(|held| held.rows.as_slice());
         let row = rows.and_then(|rows| Some(rows.get(sample)? - rows.first()?));
         self.first_line + row.unwrap_or(sample)

@@ -1,7 +1,6 @@
-//! MATLAB files of version 5 (`save -v6` and `-v7`): numeric arrays, also as fields of a structure,
+//! MATLAB files; those of version 7.3 are HDF5. Here version 5 (`save -v6` and `-v7`): numeric arrays, also as fields of a structure,
 //! which are named `structure.field`. Source: MathWorks, MAT-File Format, chapter 1.
 
-use std::fs;
 use std::io::Read;
 use std::path::Path;
 
@@ -10,8 +9,10 @@ use flate2::read::ZlibDecoder;
 use crate::fault::Place;
 use crate::recording::arrays::{Layout, Storage, assemble, column_names};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
+use crate::recording::hdf5;
 use crate::recording::number_type::{ByteOrder, NumberType};
-use crate::recording::table::{Table, from_io};
+use crate::recording::reading::{Reading, Stop};
+use crate::recording::table::Table;
 
 /// Bytes of the file's header: text, subsystem, version, byte order.
 const HEADER: usize = 128;
@@ -20,11 +21,14 @@ const HEADER: usize = 128;
 const DEEPEST: usize = 8;
 
 // Types of data elements (table 1-1).
+const TEXT: u32 = 1;
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
 
 // Classes of arrays (table 1-3).
 const STRUCTURE: u8 = 2;
+/// Tables, dates and strings, which the format description does not have.
+const OBJECT: u8 = 17;
 const FIRST_NUMERIC: u8 = 6;
 const LAST_NUMERIC: u8 = 15;
 
@@ -32,18 +36,36 @@ const LAST_NUMERIC: u8 = 15;
 const COMPLEX: u8 = 0x08;
 
 /// Column names of a file.
-pub fn columns(path: &Path) -> Result<Vec<String>, RecordingError> {
-    let variables = variables(path)?;
-    let layouts: Vec<Layout> = variables.into_iter().map(|v| v.layout).collect();
-    Ok(column_names(&layouts))
+pub fn columns(path: &Path, reading: &Reading) -> Result<Vec<String>, RecordingError> {
+    if hdf5::is_hdf5(path)? {
+        return hdf5::columns(path, reading);
+    }
+    let Contents { arrays, skipped } = contents(path, reading)?;
+    let layouts: Vec<Layout> = arrays.into_iter().map(|v| v.layout).collect();
+    let mut names = column_names(&layouts);
+    names.extend(skipped.into_iter().map(|s| s.name));
+    Ok(names)
 }
 
 /// The wanted columns of a file.
-pub fn read(path: &Path, wanted: &[String]) -> Result<Table, RecordingError> {
-    let variables = variables(path)?;
-    let layouts: Vec<Layout> = variables.iter().map(|v| v.layout.clone()).collect();
+pub fn read(path: &Path, wanted: &[String], reading: &Reading) -> Result<Table, RecordingError> {
+    if hdf5::is_hdf5(path)? {
+        return hdf5::read(path, wanted, reading);
+    }
+    let Contents { arrays, skipped } = contents(path, reading)?;
+    if let Some(asked) = skipped.iter().find(|s| wanted.contains(&s.name)) {
+        let kind = RecordingErrorKind::Unsupported {
+            what: format!("the variable cannot be read: {}", asked.reason).into(),
+            remedy: "save it as an array of numbers; other variables of the file can be read",
+        };
+        return Err(RecordingError::new(
+            Place::file(path).key(&asked.name),
+            kind,
+        ));
+    }
+    let layouts: Vec<Layout> = arrays.iter().map(|v| v.layout.clone()).collect();
     assemble(path, &layouts, wanted, |at| {
-        let variable = &variables[at];
+        let variable = &arrays[at];
         Ok(variable.number.decode(&variable.bytes, variable.order))
     })
 }
@@ -56,14 +78,40 @@ struct Variable {
     bytes: Vec<u8>,
 }
 
-fn variables(path: &Path) -> Result<Vec<Variable>, RecordingError> {
-    let bytes = fs::read(path).map_err(|error| from_io(Place::file(path), &error))?;
+/// What a file holds.
+#[derive(Default)]
+struct Contents {
+    arrays: Vec<Variable>,
+    skipped: Vec<Skipped>,
+}
+
+/// A variable that is no array of numbers and cannot be looked into, such as an object.
+struct Skipped {
+    name: String,
+    reason: String,
+}
+
+fn contents(path: &Path, reading: &Reading) -> Result<Contents, RecordingError> {
+    let bytes = reading.whole_file(path)?;
     let order = byte_order(path, &bytes)?;
-    let mut variables = Vec::new();
-    let found = read_elements(Cursor::new(&bytes[HEADER..], order), &mut variables);
-    match found {
-        Ok(()) => Ok(variables),
-        Err(reason) => Err(corrupt(path, reason)),
+    let mut contents = Contents::default();
+    let cursor = Cursor::new(&bytes[HEADER..], order);
+    match read_elements(cursor, &mut contents, reading) {
+        Ok(()) => Ok(contents),
+        Err(Fault::Stop(stop)) => Err(stop.at(Place::file(path))),
+        Err(Fault::Content(reason)) => Err(corrupt(path, reason)),
+    }
+}
+
+/// Why reading ends early.
+enum Fault {
+    Content(String),
+    Stop(Stop),
+}
+
+impl From<String> for Fault {
+    fn from(reason: String) -> Self {
+        Self::Content(reason)
     }
 }
 
@@ -81,13 +129,6 @@ fn byte_order(path: &Path, bytes: &[u8]) -> Result<ByteOrder, RecordingError> {
         let kind = RecordingErrorKind::EmptyFile;
         return Err(RecordingError::new(Place::file(path), kind));
     }
-    if bytes.starts_with(b"MATLAB 7.3") || bytes.starts_with(b"\x89HDF") {
-        let kind = RecordingErrorKind::Unsupported {
-            what: "the file is of MATLAB version 7.3, which is HDF5".into(),
-            remedy: "save it with the option '-v7'",
-        };
-        return Err(RecordingError::new(Place::file(path), kind));
-    }
     match bytes.get(HEADER - 4..HEADER) {
         Some([0, 1, b'I', b'M']) => Ok(ByteOrder::Little),
         Some([1, 0, b'M', b'I']) => Ok(ByteOrder::Big),
@@ -98,27 +139,62 @@ fn byte_order(path: &Path, bytes: &[u8]) -> Result<ByteOrder, RecordingError> {
     }
 }
 
-/// Reads the elements of a file, or of one decompressed element.
-fn read_elements(mut cursor: Cursor, variables: &mut Vec<Variable>) -> Result<(), String> {
+/// Reads the elements of a file.
+fn read_elements(
+    mut cursor: Cursor,
+    contents: &mut Contents,
+    reading: &Reading,
+) -> Result<(), Fault> {
     while !cursor.rest.is_empty() {
+        if reading.is_interrupted() {
+            return Err(Fault::Stop(Stop::Interrupted));
+        }
         let element = cursor.element()?;
         match element.kind {
-            MATRIX => read_matrix(element.cursor(), None, DEEPEST, variables)?,
+            MATRIX => contents.add(&element),
             COMPRESSED => {
                 let mut content = Vec::new();
-                let mut decoder = ZlibDecoder::new(element.bytes);
+                let mut decoder = reading.metered(ZlibDecoder::new(element.bytes));
                 let inflated = decoder.read_to_end(&mut content);
-                inflated.map_err(|error| format!("compressed data: {error}"))?;
+                inflated.map_err(|error| match Stop::of(&error) {
+                    Some(stop) => Fault::Stop(stop),
+                    None => Fault::Content(format!("compressed data: {error}")),
+                })?;
                 let mut inner = Cursor::new(&content, element.order);
                 let matrix = inner.element()?;
                 if matrix.kind == MATRIX {
-                    read_matrix(matrix.cursor(), None, DEEPEST, variables)?;
+                    contents.add(&matrix);
                 }
             }
             _ => {}
         }
     }
     Ok(())
+}
+
+impl Contents {
+    /// Adds a variable; one that cannot be read is no reason to refuse the others.
+    fn add(&mut self, matrix: &Element<'_>) {
+        let mut arrays = Vec::new();
+        match read_matrix(matrix.cursor(), None, DEEPEST, &mut arrays) {
+            Ok(()) => self.arrays.extend(arrays),
+            Err(reason) => self
+                .skipped
+                .extend(name_of(matrix).map(|name| Skipped { name, reason })),
+        }
+    }
+}
+
+/// The name of a variable: behind flags and dimensions, or behind the flags alone where it is an object.
+fn name_of(matrix: &Element<'_>) -> Option<String> {
+    let mut cursor = matrix.cursor();
+    cursor.element().ok()?;
+    let mut name = cursor.element().ok()?;
+    if name.kind != TEXT {
+        name = cursor.element().ok()?;
+    }
+    let text = String::from_utf8_lossy(name.bytes).into_owned();
+    (name.kind == TEXT && !text.is_empty()).then_some(text)
 }
 
 /// Reads one array. `field`: the name of the array where its structure gives it one.
@@ -136,6 +212,9 @@ fn read_matrix(
         return Err("array flags are missing".into());
     };
     let [class, flags, ..] = (flags as u32).to_le_bytes();
+    if class == OBJECT {
+        return Err("it is an object of MATLAB".into());
+    }
     let dimensions: Vec<usize> = cursor
         .element()?
         .integers("dimensions")?

@@ -12,6 +12,7 @@ use crate::fault::Place;
 use crate::recording::arrays::{Layout, Storage, assemble, column_names};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::number_type::{ByteOrder, NumberType};
+use crate::recording::reading::{Reading, Stop};
 use crate::recording::table::{Table, from_io};
 
 /// Longest header of an array, bytes; NumPy itself refuses more than 10 000.
@@ -22,19 +23,20 @@ const MAGIC: &[u8] = b"\x93NUMPY";
 type Archive = ZipArchive<BufReader<File>>;
 
 /// Column names of an archive.
-pub fn columns(path: &Path) -> Result<Vec<String>, RecordingError> {
+pub fn columns(path: &Path, reading: &Reading) -> Result<Vec<String>, RecordingError> {
+    reading.goes_on(path)?;
     let arrays = list(path, &mut open(path)?)?;
     let layouts: Vec<Layout> = arrays.into_iter().map(|array| array.layout).collect();
     Ok(column_names(&layouts))
 }
 
 /// The wanted columns of an archive.
-pub fn read(path: &Path, wanted: &[String]) -> Result<Table, RecordingError> {
+pub fn read(path: &Path, wanted: &[String], reading: &Reading) -> Result<Table, RecordingError> {
     let mut archive = open(path)?;
     let arrays = list(path, &mut archive)?;
     let layouts: Vec<Layout> = arrays.iter().map(|array| array.layout.clone()).collect();
     assemble(path, &layouts, wanted, |at| {
-        load(path, &mut archive, &arrays[at])
+        load((path, reading), &mut archive, &arrays[at])
     })
 }
 
@@ -101,7 +103,11 @@ fn list(path: &Path, archive: &mut Archive) -> Result<Vec<Array>, RecordingError
     Ok(arrays)
 }
 
-fn load(path: &Path, archive: &mut Archive, array: &Array) -> Result<Vec<f64>, RecordingError> {
+fn load(
+    (path, reading): (&Path, &Reading),
+    archive: &mut Archive,
+    array: &Array,
+) -> Result<Vec<f64>, RecordingError> {
     let mut file = archive
         .by_index(array.entry)
         .map_err(|error| zip_fault(path, error))?;
@@ -119,9 +125,12 @@ fn load(path: &Path, archive: &mut Archive, array: &Array) -> Result<Vec<f64>, R
     let mut bytes = Vec::new();
     // Room grows with what is really there, whatever the header claims; one byte more meets the end of the entry, where
     // its checksum is compared.
-    let mut bounded = file.take((expected as u64).saturating_add(1));
+    let mut bounded = reading.metered(file.take((expected as u64).saturating_add(1)));
     let read = bounded.read_to_end(&mut bytes);
-    read.map_err(|error| fault(error.to_string()))?;
+    read.map_err(|error| match Stop::of(&error) {
+        Some(stop) => stop.at(Place::file(path)),
+        None => fault(error.to_string()),
+    })?;
     if bytes.len() < expected {
         let found = bytes.len();
         return Err(fault(format!("it has {found} of {expected} bytes")));

@@ -8,9 +8,10 @@ use crate::fault::Place;
 use crate::recording::bag::{mcap, ros1, sqlite};
 use crate::recording::csv;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
-use crate::recording::{mat, npz, parquet};
+use crate::recording::reading::{Reading, Stop};
+use crate::recording::{hdf5, mat, npz, parquet};
 
-/// The wanted columns of a file, column by column.
+/// The wanted columns of a file, column by column; a cell without a number is NaN.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     pub columns: Vec<String>,
@@ -19,9 +20,38 @@ pub struct Table {
     /// Line of the first row in the file, from 1; row k is line `first_line + k`. In formats
     /// without lines, the number of the first record: 1.
     pub first_line: usize,
+    /// Line of every row, where rows do not follow one another.
+    pub lines: Option<Vec<usize>>,
+    /// Columns that count from their first row, and when that was.
+    pub origins: Vec<Origin>,
+}
+
+/// When a column of seconds since its first row begins.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Origin {
+    pub column: String,
+    /// ns since 1970.
+    pub nanoseconds: i64,
 }
 
 impl Table {
+    /// When a column of seconds since its first row begins, ns since 1970; None of any other column.
+    pub fn origin(&self, column: &str) -> Option<i64> {
+        let found = self.origins.iter().find(|origin| origin.column == column);
+        found.map(|origin| origin.nanoseconds)
+    }
+
+    /// Rows of every column.
+    pub fn rows(&self) -> usize {
+        self.data.first().map_or(0, Vec::len)
+    }
+
+    /// Line of a row in the file.
+    pub fn line(&self, row: usize) -> usize {
+        let listed = self.lines.as_ref().and_then(|lines| lines.get(row));
+        listed.copied().unwrap_or(self.first_line + row)
+    }
+
     /// Takes a column out of the table; None if it is not there.
     pub fn take(&mut self, name: &str) -> Option<Vec<f64>> {
         let at = self.columns.iter().position(|column| column == name)?;
@@ -38,9 +68,9 @@ pub struct Format {
     /// End of the file name with the dot, in lower case.
     pub extension: &'static str,
     /// Names of all columns, without reading the rows.
-    pub columns: fn(&Path) -> Result<Vec<String>, RecordingError>,
+    pub columns: fn(&Path, &Reading) -> Result<Vec<String>, RecordingError>,
     /// The named columns, which all exist.
-    pub read: fn(&Path, &[String]) -> Result<Table, RecordingError>,
+    pub read: fn(&Path, &[String], &Reading) -> Result<Table, RecordingError>,
 }
 
 /// The known formats.
@@ -69,6 +99,16 @@ pub const FORMATS: &[Format] = &[
         extension: ".mat",
         columns: mat::columns,
         read: mat::read,
+    },
+    Format {
+        extension: ".h5",
+        columns: hdf5::columns,
+        read: hdf5::read,
+    },
+    Format {
+        extension: ".hdf5",
+        columns: hdf5::columns,
+        read: hdf5::read,
     },
     Format {
         extension: ".mcap",
@@ -126,6 +166,9 @@ pub(super) fn require_rows(path: &Path, rows: usize) -> Result<(), RecordingErro
 
 /// The recording error of an error of the operating system.
 pub(super) fn from_io(place: Place, error: &std::io::Error) -> RecordingError {
+    if let Some(stop) = Stop::of(error) {
+        return stop.at(place);
+    }
     let kind = match error.kind() {
         ErrorKind::NotFound => RecordingErrorKind::NotFound,
         ErrorKind::PermissionDenied => RecordingErrorKind::NoPermission,

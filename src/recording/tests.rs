@@ -15,9 +15,12 @@ use crate::recording::error::RecordingError;
 use crate::recording::experiment::{Experiment, prepare};
 use crate::recording::settings::{Method, Preparation};
 
+mod bounds;
 mod containers;
 mod damaged;
 mod faults;
+mod foreign;
+mod joined;
 
 fn joints() -> Vec<String> {
     vec!["hip".into(), "knee".into()]

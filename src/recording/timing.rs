@@ -207,7 +207,7 @@ pub fn resample(recording: Recording, grid: Grid) -> Recording {
             .map(|series| interpolate(series, &brackets))
             .collect()
     };
-    let mask = mask_on(&time, grid, &brackets, recording.mask.as_deref());
+    let mask = mask_on(&time, grid, recording.mask.as_deref());
     Recording {
         file: recording.file,
         first_line: recording.first_line,
@@ -219,6 +219,9 @@ pub fn resample(recording: Recording, grid: Grid) -> Recording {
         mask,
         held: recording.held,
         stamp_jitter: recording.stamp_jitter,
+        missing: recording.missing,
+        remarks: recording.remarks,
+        lines: None,
         time: Some(
             (0..grid.samples)
                 .map(|m| grid.start + m as f64 / grid.rate_hz)
@@ -251,12 +254,8 @@ pub(super) fn interpolate(series: &[f64], brackets: &[(usize, f64)]) -> Vec<f64>
         .collect()
 }
 
-fn mask_on(
-    time: &[f64],
-    grid: Grid,
-    brackets: &[(usize, f64)],
-    mask: Option<&[bool]>,
-) -> Option<Vec<bool>> {
+/// Which points of a grid were measured, by the samples of these times and their mask; None: all.
+pub(super) fn mask_on(time: &[f64], grid: Grid, mask: Option<&[bool]>) -> Option<Vec<bool>> {
     let gap = GAP_STEPS / grid.rate_hz;
     let has_gap = time.windows(2).any(|pair| pair[1] - pair[0] > gap);
     if mask.is_none() && !has_gap {
@@ -269,7 +268,7 @@ fn mask_on(
         let nearest = if weight < 0.5 { k } else { k + 1 };
         measured && mask.is_none_or(|mask| mask[nearest])
     };
-    Some(brackets.iter().map(valid).collect())
+    Some(brackets(time, grid).iter().map(valid).collect())
 }
 
 #[cfg(test)]

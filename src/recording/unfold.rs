@@ -36,7 +36,7 @@ impl Experiment {
                 map: RowMap::Same,
                 rows,
             },
-            mask: self.mask.as_ref().map(|mask| mask.repeat(count)),
+            mask: self.masks_of_periods(count),
             motion_error: self.motion_error.clone(),
             remarks: self.remarks.clone(),
             white_noise: Vec::new(),

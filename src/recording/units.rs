@@ -18,6 +18,12 @@ const DEGREE: f64 = PI / 180.0;
 /// Name of the unit of encoders, whose size the problem file states.
 pub const COUNT: &str = "count";
 
+/// Lowest rate of a recording of dynamics, Hz: slower than this, friction and gravity is all it can show.
+pub const SLOWEST_HZ: f64 = 2.0;
+
+/// Highest rate of drives and their bus, Hz.
+pub const FASTEST_HZ: f64 = 50_000.0;
+
 /// Units of each quantity by their names: s, rad or m, rad/s or m/s, rad/s² or m/s², A, N·m or N are one.
 const UNITS: &[(Quantity, &[(&str, f64)])] = &[
     (
@@ -91,6 +97,18 @@ pub fn factor(quantity: Quantity, unit: &str) -> Option<f64> {
     units
         .find(|(name, _)| *name == unit)
         .map(|(_, factor)| *factor)
+}
+
+/// Whether a word is a unit of any quantity, also in brackets as under the names of a table.
+pub(super) fn is_unit(word: &str) -> bool {
+    let inner = word.trim_matches(['[', ']', '(', ')']);
+    let spelt = inner
+        .replace('·', "")
+        .replace('°', "deg")
+        .replace('²', "^2");
+    let known =
+        |(_, units): &(Quantity, &[(&str, f64)])| units.iter().any(|(name, _)| *name == spelt);
+    spelt == COUNT || UNITS.iter().any(known)
 }
 
 /// The factor of an encoder's counts, so many in a turn.

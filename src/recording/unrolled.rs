@@ -22,7 +22,7 @@ pub fn unrolled(experiment: &Experiment) -> Option<Experiment> {
             periods.collect()
         })
         .collect();
-    all.mask = experiment.mask.as_ref().map(|mask| mask.repeat(count));
+    all.mask = experiment.masks_of_periods(count);
     all.noise = experiment.noise.as_ref().map(|noise| Noise {
         signal_covariance: &noise.signal_covariance * count as f64,
         autocovariance: noise

@@ -3,7 +3,7 @@
 use crate::fault::{Description, Fault, Place, write_fault};
 use crate::outcome::error::OutcomeError;
 use crate::problem_file::ProblemFileError;
-use crate::recording::error::RecordingError;
+use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::robot::error::RobotError;
 use std::fmt;
 
@@ -106,6 +106,11 @@ impl SetupError {
             place: place.clone(),
             kind: Box::new(kind),
         }
+    }
+
+    /// Whether reading was interrupted.
+    pub fn is_interrupt(&self) -> bool {
+        matches!(self, Self::Recording(e) if e.kind == RecordingErrorKind::Interrupted)
     }
 
     /// Whether a recording or robot file is at fault, and not the problem file.

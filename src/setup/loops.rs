@@ -169,7 +169,11 @@ pub fn sensed(
                 (column, &mut sensed.accelerations)
             }
         };
-        let mut series = read_further(&recording.file, std::slice::from_ref(column))?;
+        let mut series = read_further(
+            &recording.file,
+            std::slice::from_ref(column),
+            &table.reading,
+        )?;
         if let Some(held) = &recording.held {
             for series in &mut series {
                 *series = held.rows.iter().map(|&row| series[row]).collect();

@@ -10,14 +10,16 @@ use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
 use crate::fault::Place;
 use crate::problem_file::choices::{DifferentiationMethod, PositionSide, Signal};
+use crate::problem_file::recordings::{ColumnsTable, RecordingFiles};
 use crate::problem_file::{FilePath, Located, ProblemFile, RecordingsTable};
 use crate::recording::apart::read_apart;
 use crate::recording::clock::evened;
 use crate::recording::column_map::{Column, ColumnMap};
-use crate::recording::columns::{RecordedJoint, Recording, read};
+use crate::recording::columns::{RecordedJoint, Recording, read_within};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::experiment::{Bandwidth, Experiment, Noise, prepare};
 use crate::recording::held::thinned;
+use crate::recording::join::{Source, read_joined};
 use crate::recording::settings::{Differentiation, Method, Preparation};
 use crate::recording::split::Split;
 use crate::setup::error::{Mismatch, SetupError};
@@ -29,7 +31,7 @@ use nalgebra::{DMatrix, DVector};
 /// A recording that the problem file names.
 #[derive(Debug, Clone)]
 pub struct Named<'a> {
-    pub path: &'a FilePath,
+    pub path: &'a RecordingFiles,
     pub split: Split,
     /// A load that the model has hangs on the robot.
     pub loaded: bool,
@@ -121,7 +123,7 @@ pub fn list(table: &RecordingsTable) -> Vec<Named<'_>> {
     };
     let loaded = |path: &FilePath| table.loaded.is_empty() || listed(path);
     let mut named: Vec<Named<'_>> = Vec::new();
-    let groups: [(&Vec<Located<FilePath>>, Split); 3] = [
+    let groups: [(&Vec<Located<RecordingFiles>>, Split); 3] = [
         (&table.train, Split::Train),
         (&table.loaded, Split::Train),
         (&table.validation, Split::Validation),
@@ -167,21 +169,33 @@ pub fn recorded_joints(robot: &Robot) -> Vec<RecordedJoint> {
 pub fn read_one(
     table: &RecordingsTable,
     robot: &Robot,
-    path: &FilePath,
+    path: &RecordingFiles,
 ) -> Result<Recording, SetupError> {
-    let kind = table.signal.value;
+    let (kind, reading) = (table.signal.value, &table.reading);
     let joints = recorded_joints(robot);
-    let map = column_map(table);
+    let mut maps = Vec::with_capacity(path.files.len());
+    for file in &path.files {
+        let columns = file.columns.as_ref().unwrap_or(&table.columns);
+        columns.check_one_per_joint(&robot.order)?;
+        maps.push(column_map(columns));
+    }
     let apart = table.positions.iter().find(|p| p.name == path.written);
-    let recording = match apart {
-        Some(positions) => {
+    let sources: Vec<Source<'_>> = (path.files.iter().zip(&maps))
+        .map(|(file, map)| Source {
+            path: &file.path.resolved,
+            map,
+        })
+        .collect();
+    let recording = match (apart, &sources[..]) {
+        (Some(positions), [Source { map, .. }, ..]) => {
             let files = (
                 path.resolved.as_path(),
                 positions.value.value.resolved.as_path(),
             );
-            read_apart(files, &map, &joints, kind)
+            read_apart(files, map, &joints, (kind, reading))
         }
-        None => read(&path.resolved, &map, &joints, kind),
+        (None, [Source { path, map }]) => read_within(path, map, &joints, (kind, reading)),
+        _ => read_joined(&sources, &joints, (kind, reading)),
     };
     let rate = table.rate.as_ref().map(|rate| rate.value);
     let recording = recording.and_then(|recording| thinned(recording, rate));
@@ -190,9 +204,15 @@ pub fn read_one(
 }
 
 /// A fault of what the problem file asks for, at its place there; other faults stay where they are.
-fn at_request(table: &RecordingsTable, path: &FilePath, mut error: RecordingError) -> SetupError {
+fn at_request(
+    table: &RecordingsTable,
+    path: &RecordingFiles,
+    mut error: RecordingError,
+) -> SetupError {
     if error.kind.concerns_request() {
-        error.place = place_of_request(table, error.place.key.as_deref());
+        let own = path.files.iter().find_map(|file| file.columns.as_ref());
+        let columns = own.unwrap_or(&table.columns);
+        error.place = place_of_request(table, columns, error.place.key.as_deref());
         if let RecordingErrorKind::InvalidSetting { requirement, .. } = &mut error.kind {
             requirement.push_str(&format!(" for {}", path.written));
         }
@@ -201,8 +221,8 @@ fn at_request(table: &RecordingsTable, path: &FilePath, mut error: RecordingErro
 }
 
 /// The place of a setting by the name that recordings give it; the whole table of columns if none fits.
-fn place_of_request(table: &RecordingsTable, key: Option<&str>) -> Place {
-    let (columns, settings) = (&table.columns, &table.differentiation);
+fn place_of_request(table: &RecordingsTable, columns: &ColumnsTable, key: Option<&str>) -> Place {
+    let settings = &table.differentiation;
     let texts = [
         ("time", &columns.time),
         ("position", &columns.position),
@@ -228,9 +248,8 @@ fn place_of_request(table: &RecordingsTable, key: Option<&str>) -> Place {
     }
 }
 
-fn column_map(table: &RecordingsTable) -> ColumnMap {
+fn column_map(columns: &ColumnsTable) -> ColumnMap {
     let given = |entry: &Option<Located<Column>>| entry.as_ref().map(|e| e.value.clone());
-    let columns = &table.columns;
     ColumnMap {
         time: given(&columns.time),
         position: given(&columns.position),

@@ -8,6 +8,8 @@ use crate::chain::model::Model;
 use crate::fault::Place;
 use crate::problem_file::{FilePath, Located, ProblemFile};
 use crate::recording::error::{MissingColumn, RecordingError, RecordingErrorKind};
+use crate::recording::missing::require_complete;
+use crate::recording::reading::Reading;
 use crate::recording::table::format_of;
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
 use crate::simulate::path::{Fourier, Path, Spline};
@@ -44,19 +46,22 @@ pub(super) fn read(
     let mut wanted = vec!["t".to_string()];
     let moving = joints.iter().filter(|j| !j.locked);
     wanted.extend(moving.map(|j| format!("q_{}", j.name)));
+    let recordings = problem.recordings.as_ref();
+    let reading = recordings.map_or_else(Reading::default, |r| r.reading.clone());
     let format = format_of(file)?;
-    let present = (format.columns)(file)?;
+    let present = (format.columns)(file, &reading)?;
     if let Some(name) = wanted.iter().find(|name| !present.contains(name)) {
         return Err(missing(path, name, present.clone()).into());
     }
-    let mut table = (format.read)(file, &wanted)?;
+    let mut table = (format.read)(file, &wanted, &reading)?;
+    require_complete(file, &table)?;
     let time = table.take("t").unwrap_or_default();
     if let Some(k) = (1..time.len()).find(|&k| time[k] <= time[k - 1]) {
         let kind = RecordingErrorKind::TimeNotIncreasing {
             before: time[k - 1],
             found: time[k],
         };
-        let place = Place::file(file).line(table.first_line + k).key("t");
+        let place = Place::file(file).line(table.line(k)).key("t");
         return Err(RecordingError { place, kind }.into());
     }
     let position: Vec<Vec<f64>> = joints

@@ -115,7 +115,7 @@ const BREAKS: &[Break] = &[
     Break {
         name: "not a number",
         apply: |p| p.train.tau[0][100] = f64::NAN,
-        code: "not-finite",
+        code: "missing-values",
         channels: &["tau1"],
     },
     Break {

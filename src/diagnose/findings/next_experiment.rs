@@ -77,6 +77,25 @@ pub fn experiment(
     })
 }
 
+/// Puts the next of these paths in the place of each file of an entry, which is a path, or a table with `file` or `files`.
+fn whole_paths(entry: &mut Value, paths: &mut impl Iterator<Item = Value>) {
+    match entry {
+        Value::Object(table) => {
+            if let Some(file) = table.get_mut("file") {
+                whole_paths(file, paths);
+            }
+            if let Some(Value::Array(files)) = table.get_mut("files") {
+                files.iter_mut().for_each(|file| whole_paths(file, paths));
+            }
+        }
+        file => {
+            if let Some(path) = paths.next() {
+                *file = path;
+            }
+        }
+    }
+}
+
 /// The problem file with paths that hold wherever it is written to.
 fn declared(context: &Context<'_>) -> Option<Map<String, Value>> {
     let mut problem = without_nulls(&context.problem.json);
@@ -100,14 +119,16 @@ fn declared(context: &Context<'_>) -> Option<Map<String, Value>> {
     }
     let recordings = context.problem.recordings.as_ref()?;
     let written = table.get_mut("recordings")?.as_object_mut()?;
-    for (key, files) in [
+    for (key, listed) in [
         ("train", &recordings.train),
         ("loaded", &recordings.loaded),
         ("validation", &recordings.validation),
     ] {
-        if written.contains_key(key) {
-            let files: Vec<Value> = files.iter().map(|f| path(f)).collect();
-            written.insert(key.to_string(), Value::Array(files));
+        if let Some(Value::Array(entries)) = written.get_mut(key) {
+            for (entry, recording) in entries.iter_mut().zip(listed) {
+                let mut files = recording.files.iter().map(|file| path(&file.path));
+                whole_paths(entry, &mut files);
+            }
         }
     }
     Some(table.clone())

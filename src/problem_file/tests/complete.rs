@@ -11,9 +11,10 @@ use crate::problem_file::design::{DesignParameters, Harmonics};
 use crate::problem_file::diagnose::SoughtEffects;
 use crate::problem_file::drive::CurrentLaw;
 use crate::problem_file::fit::{Interval, PriorValue, Strength};
+use crate::problem_file::recordings::RecordingFiles;
 use crate::problem_file::robot::{PayloadPlace, RobotSource};
 use crate::problem_file::simulate::Trajectory;
-use crate::problem_file::{FilePath, Located, Named, PerJoint, ProblemFile};
+use crate::problem_file::{Located, Named, PerJoint, ProblemFile};
 use crate::recording::column_map::Column;
 
 fn full() -> ProblemFile {
@@ -30,7 +31,7 @@ fn named<T: Clone>(list: &[Named<T>]) -> Vec<(&str, T)> {
         .collect()
 }
 
-fn written(files: &[Located<FilePath>]) -> Vec<&str> {
+fn written(files: &[Located<RecordingFiles>]) -> Vec<&str> {
     files.iter().map(|file| file.written.as_str()).collect()
 }
 

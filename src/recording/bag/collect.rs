@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::fault::Place;
-use crate::recording::arrays::require_finite;
 use crate::recording::bag::joint_state::{Encoding, JointState};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
-use crate::recording::table::{Table, require_rows};
+use crate::recording::reading::Reading;
+use crate::recording::table::{Origin, Table, require_rows};
 
 /// What a container hands over.
 pub(super) enum Entry<'a> {
@@ -30,7 +30,7 @@ pub(super) struct Message<'a> {
 pub(super) type Take<'t> = dyn FnMut(Entry) -> Result<(), String> + 't;
 
 /// Hands over the topics and joint states of a file; errors in words.
-pub(super) type Container = fn(&Path, &mut Take) -> Result<(), RecordingError>;
+pub(super) type Container = fn(&Path, &Reading, &mut Take) -> Result<(), RecordingError>;
 
 /// Whether a type is that of joint states, in the names of ROS 1 and of ROS 2.
 pub(super) fn is_joint_state(kind: &str) -> bool {
@@ -92,10 +92,14 @@ struct Contents {
 
 impl Contents {
     /// Errors: those of the container, a message that cannot be decoded, no joint state at all.
-    fn survey(path: &Path, container: Container) -> Result<Self, RecordingError> {
+    fn survey(
+        path: &Path,
+        reading: &Reading,
+        container: Container,
+    ) -> Result<Self, RecordingError> {
         let mut topics = BTreeMap::new();
         let mut surveys: BTreeMap<String, Survey> = BTreeMap::new();
-        container(path, &mut |entry| {
+        container(path, reading, &mut |entry| {
             match entry {
                 Entry::Topic { topic, kind } => {
                     topics.insert(topic.to_string(), kind.to_string());
@@ -140,21 +144,25 @@ impl Contents {
 }
 
 /// Names of all columns of a bag.
-pub(super) fn columns(path: &Path, container: Container) -> Result<Vec<String>, RecordingError> {
-    let contents = Contents::survey(path, container)?;
+pub(super) fn columns(
+    path: &Path,
+    reading: &Reading,
+    container: Container,
+) -> Result<Vec<String>, RecordingError> {
+    let contents = Contents::survey(path, reading, container)?;
     Ok(contents.columns().into_iter().map(|c| c.2).collect())
 }
 
 /// The wanted columns of a bag, in the order of the times of recording.
 ///
 /// Errors: those of the container, columns of two topics, a message with some of the wanted joints
-/// only, too few rows, a value that is not finite.
+/// only, too few rows.
 pub(super) fn read(
-    path: &Path,
+    (path, reading): (&Path, &Reading),
     wanted: &[String],
     container: Container,
 ) -> Result<Table, RecordingError> {
-    let contents = Contents::survey(path, container)?;
+    let contents = Contents::survey(path, reading, container)?;
     let columns = contents.columns();
     let chosen: Vec<_> = wanted
         .iter()
@@ -169,21 +177,38 @@ pub(super) fn read(
         return Err(RecordingError::new(place, kind));
     }
     let names: Vec<&str> = chosen.iter().map(|column| column.1.as_str()).collect();
+    let channel = |name: &String| {
+        let of_name = chosen.iter().find(|column| column.2 == *name);
+        of_name.map_or("", |column| column.1.as_str())
+    };
     let stamped = contents.surveys.get(topic).is_some_and(|s| s.stamped);
-    let rows = collect_rows(path, container, topic, &names)?;
+    let rows = collect_rows((path, reading), container, topic, &names)?;
     require_rows(path, rows.len())?;
     let data = (0..names.len()).map(|c| match names[c] {
         TIME if stamped => seconds(rows.iter().map(|row| row.stamp)),
         TIME | LOG_TIME => seconds(rows.iter().map(|row| row.logged)),
         _ => rows.iter().map(|row| row.values[c]).collect(),
     });
-    let table = Table {
-        columns: wanted.to_vec(),
-        data: data.collect(),
-        first_line: 1,
+    let data = data.collect();
+    let begin = |name: &String| {
+        let first = rows.first()?;
+        let nanoseconds = match channel(name) {
+            TIME if stamped => first.stamp,
+            TIME | LOG_TIME => first.logged,
+            _ => return None,
+        };
+        Some(Origin {
+            column: name.clone(),
+            nanoseconds,
+        })
     };
-    require_finite(path, &table)?;
-    Ok(table)
+    Ok(Table {
+        columns: wanted.to_vec(),
+        data,
+        first_line: 1,
+        lines: None,
+        origins: wanted.iter().filter_map(begin).collect(),
+    })
 }
 
 /// Seconds since the first of these, which are in ns: differences first, because seconds since 1970
@@ -205,16 +230,21 @@ struct Row {
 /// The messages of a topic with the wanted joints. A topic may have several senders, such as an arm
 /// and its gripper: messages with none of the wanted joints are passed over.
 fn collect_rows(
-    path: &Path,
+    (path, reading): (&Path, &Reading),
     container: Container,
     topic: &str,
     names: &[&str],
 ) -> Result<Vec<Row>, RecordingError> {
     let mut rows: Vec<Row> = Vec::new();
-    container(path, &mut |entry| {
+    let mut stop = None;
+    let collected = container(path, reading, &mut |entry| {
         let Entry::Message(message) = entry else {
             return Ok(());
         };
+        if let Err(error) = reading.takes_rows(path, rows.len() + 1) {
+            stop = Some(error);
+            return Err("too many".into());
+        }
         if message.topic == topic {
             let state = JointState::decode(message.bytes, message.encoding)?;
             let values = values(&state, names)?;
@@ -225,7 +255,11 @@ fn collect_rows(
             }));
         }
         Ok(())
-    })?;
+    });
+    match stop {
+        Some(stop) => return Err(stop),
+        None => collected?,
+    }
     // Containers may hold messages in another order than that in which they came.
     rows.sort_by_key(|row| row.logged);
     Ok(rows)

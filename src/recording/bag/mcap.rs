@@ -14,6 +14,7 @@ use crate::fault::Place;
 use crate::recording::bag::collect::{self, Entry, Message, Take, bad_message, is_joint_state};
 use crate::recording::bag::joint_state::Encoding;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
+use crate::recording::reading::Reading;
 use crate::recording::table::{Table, from_io};
 
 /// Longest record and chunk, bytes. Writers make chunks of about a megabyte; room is made for what
@@ -21,18 +22,18 @@ use crate::recording::table::{Table, from_io};
 const RECORD_LIMIT: usize = 1 << 28;
 
 /// Column names of a bag.
-pub fn columns(path: &Path) -> Result<Vec<String>, RecordingError> {
-    collect::columns(path, container)
+pub fn columns(path: &Path, reading: &Reading) -> Result<Vec<String>, RecordingError> {
+    collect::columns(path, reading, container)
 }
 
 /// The wanted columns of a bag.
-pub fn read(path: &Path, wanted: &[String]) -> Result<Table, RecordingError> {
-    collect::read(path, wanted, container)
+pub fn read(path: &Path, wanted: &[String], reading: &Reading) -> Result<Table, RecordingError> {
+    collect::read((path, reading), wanted, container)
 }
 
-fn container(path: &Path, take: &mut Take) -> Result<(), RecordingError> {
+fn container(path: &Path, reading: &Reading, take: &mut Take) -> Result<(), RecordingError> {
     let file = File::open(path).map_err(|error| from_io(Place::file(path), &error))?;
-    let mut file = BufReader::new(file);
+    let mut file = reading.metered(BufReader::new(file));
     let options = LinearReaderOptions::default()
         .with_validate_chunk_crcs(true)
         .with_record_length_limit(RECORD_LIMIT);

@@ -15,6 +15,7 @@ use crate::recording::bag::collect::{self, Entry, Message, Take, bad_message, is
 use crate::recording::bag::joint_state::Encoding;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::number_type::{ByteOrder, NumberType};
+use crate::recording::reading::{self, Reading};
 use crate::recording::table::{Table, from_io};
 
 const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
@@ -28,18 +29,18 @@ const CHUNK: u8 = 0x05;
 const CONNECTION: u8 = 0x07;
 
 /// Column names of a bag.
-pub fn columns(path: &Path) -> Result<Vec<String>, RecordingError> {
-    collect::columns(path, container)
+pub fn columns(path: &Path, reading: &Reading) -> Result<Vec<String>, RecordingError> {
+    collect::columns(path, reading, container)
 }
 
 /// The wanted columns of a bag.
-pub fn read(path: &Path, wanted: &[String]) -> Result<Table, RecordingError> {
-    collect::read(path, wanted, container)
+pub fn read(path: &Path, wanted: &[String], reading: &Reading) -> Result<Table, RecordingError> {
+    collect::read((path, reading), wanted, container)
 }
 
-fn container(path: &Path, take: &mut Take) -> Result<(), RecordingError> {
+fn container(path: &Path, reading: &Reading, take: &mut Take) -> Result<(), RecordingError> {
     let file = File::open(path).map_err(|error| from_io(Place::file(path), &error))?;
-    let mut file = BufReader::new(file);
+    let mut file = reading.metered(BufReader::new(file));
     let mut magic = Vec::new();
     let limit = MAGIC.len() as u64;
     let read = file.by_ref().take(limit).read_to_end(&mut magic);
@@ -51,6 +52,7 @@ fn container(path: &Path, take: &mut Take) -> Result<(), RecordingError> {
     let mut bag = Bag {
         topics: HashMap::new(),
         messages: 0,
+        reading,
         take,
     };
     let read = bag.records(&mut file, Depth::File);
@@ -62,6 +64,7 @@ enum Stop {
     Container(String),
     Message(String),
     Compression(String),
+    Reading(reading::Stop),
 }
 
 impl From<&str> for Stop {
@@ -72,7 +75,10 @@ impl From<&str> for Stop {
 
 impl From<std::io::Error> for Stop {
     fn from(error: std::io::Error) -> Self {
-        Self::Container(error.to_string())
+        match reading::Stop::of(&error) {
+            Some(stop) => Self::Reading(stop),
+            None => Self::Container(error.to_string()),
+        }
     }
 }
 
@@ -80,6 +86,7 @@ impl Stop {
     fn at(self, path: &Path, messages: usize) -> RecordingError {
         let kind = match self {
             Self::Message(reason) => return bad_message(path, messages, reason),
+            Self::Reading(stop) => return stop.at(Place::file(path)),
             Self::Container(reason) => RecordingErrorKind::Corrupt {
                 format: "ROS 1 bag",
                 reason: reason.into(),
@@ -105,6 +112,7 @@ struct Bag<'a, 't> {
     topics: HashMap<u32, String>,
     /// Joint states so far.
     messages: usize,
+    reading: &'a Reading,
     take: &'a mut Take<'t>,
 }
 
@@ -133,8 +141,14 @@ impl Bag<'_, '_> {
     fn chunk(&mut self, header: &[u8], data: &[u8]) -> Result<(), Stop> {
         match field(header, "compression")? {
             b"none" => self.records(&mut &data[..], Depth::Chunk),
-            b"bz2" => self.records(&mut MultiBzDecoder::new(data), Depth::Chunk),
-            b"lz4" => self.records(&mut FrameDecoder::new(data), Depth::Chunk),
+            b"bz2" => {
+                let chunk = MultiBzDecoder::new(data);
+                self.records(&mut self.reading.metered(chunk), Depth::Chunk)
+            }
+            b"lz4" => {
+                let chunk = FrameDecoder::new(data);
+                self.records(&mut self.reading.metered(chunk), Depth::Chunk)
+            }
             other => {
                 let name = String::from_utf8_lossy(other).into_owned();
                 Err(Stop::Compression(name))

@@ -12,6 +12,7 @@ use crate::fault::Place;
 use crate::recording::bag::collect::{self, Entry, Message, Take, bad_message, is_joint_state};
 use crate::recording::bag::joint_state::Encoding;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
+use crate::recording::reading::{Reading, interrupted};
 use crate::recording::table::Table;
 
 /// The first bytes of a message that is compressed by Zstandard; one that is not begins with 0.
@@ -20,21 +21,28 @@ const ZSTANDARD: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
 /// Longest message, bytes: a joint state of ten thousand joints stays below.
 const MESSAGE_LIMIT: u64 = 1 << 20;
 
+/// Steps of the virtual machine of SQLite between two looks at an interrupt, and such spans in all: a message takes some
+/// twenty steps, so that bags of the most rows stay far below, and a query without end is over in a minute.
+const STEPS: std::ffi::c_int = 10_000;
+const MOST_STEPS: u64 = 1_000_000;
+
 /// Column names of a bag.
-pub fn columns(path: &Path) -> Result<Vec<String>, RecordingError> {
-    collect::columns(path, container)
+pub fn columns(path: &Path, reading: &Reading) -> Result<Vec<String>, RecordingError> {
+    collect::columns(path, reading, container)
 }
 
 /// The wanted columns of a bag.
-pub fn read(path: &Path, wanted: &[String]) -> Result<Table, RecordingError> {
-    collect::read(path, wanted, container)
+pub fn read(path: &Path, wanted: &[String], reading: &Reading) -> Result<Table, RecordingError> {
+    collect::read((path, reading), wanted, container)
 }
 
-fn container(path: &Path, take: &mut Take) -> Result<(), RecordingError> {
+fn container(path: &Path, reading: &Reading, take: &mut Take) -> Result<(), RecordingError> {
     let mut messages = 0;
-    match read_database(path, take, &mut messages) {
+    match read_database((path, reading), take, &mut messages) {
         Ok(()) => Ok(()),
         Err(Stop::Message(reason)) => Err(bad_message(path, messages, reason)),
+        Err(Stop::Reading(error)) => Err(error),
+        Err(Stop::Database(_)) if reading.is_interrupted() => Err(interrupted(path)),
         Err(Stop::Database(error)) => {
             let kind = RecordingErrorKind::Corrupt {
                 format: "ROS 2 bag in SQLite",
@@ -49,6 +57,7 @@ fn container(path: &Path, take: &mut Take) -> Result<(), RecordingError> {
 enum Stop {
     Database(Error),
     Message(String),
+    Reading(RecordingError),
 }
 
 impl From<Error> for Stop {
@@ -57,14 +66,31 @@ impl From<Error> for Stop {
     }
 }
 
-fn read_database(path: &Path, take: &mut Take, messages: &mut usize) -> Result<(), Stop> {
+fn read_database(
+    (path, reading): (&Path, &Reading),
+    take: &mut Take,
+    messages: &mut usize,
+) -> Result<(), Stop> {
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-    let database = Connection::open_with_flags(path, flags)?;
+    let mut database = Connection::open_with_flags(path, flags)?;
+    let reading_too = reading.clone();
+    let mut left = MOST_STEPS;
+    database.progress_handler(
+        STEPS,
+        Some(move || {
+            left = left.saturating_sub(1);
+            left == 0 || reading_too.is_interrupted()
+        }),
+    )?;
+    require_tables(&database)?;
     let topics = joint_state_topics(&database, take)?;
     let mut query =
         database.prepare("SELECT topic_id, timestamp, data FROM messages ORDER BY id")?;
     let mut rows = query.query([])?;
+    let mut all = 0;
     while let Some(row) = rows.next()? {
+        all += 1;
+        reading.takes_rows(path, all).map_err(Stop::Reading)?;
         let Some(topic) = topics.get(&row.get(0)?) else {
             continue;
         };
@@ -83,6 +109,19 @@ fn read_database(path: &Path, take: &mut Take, messages: &mut usize) -> Result<(
         take(Entry::Message(message)).map_err(Stop::Message)?;
     }
     Ok(())
+}
+
+/// Bags have tables: a view can name itself, and its rows have no end.
+fn require_tables(database: &Connection) -> Result<(), Stop> {
+    let sql = "SELECT count(*) FROM sqlite_master WHERE name IN ('topics', 'messages') AND type = 'table' \
+               AND sql NOT LIKE 'CREATE VIRTUAL%'";
+    let tables: i64 = database.query_row(sql, [], |row| row.get(0))?;
+    match tables {
+        2 => Ok(()),
+        _ => Err(Stop::Database(Error::InvalidParameterName(
+            "it has no tables `topics` and `messages`".into(),
+        ))),
+    }
 }
 
 /// Names of the topics with joint states, by their number.

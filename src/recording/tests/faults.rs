@@ -34,18 +34,6 @@ fn file_faults() -> Vec<FileFault> {
             "a.csv:7:3: q2",
         ),
         (
-            "not-a-number",
-            "a.csv",
-            with(row, "5,105,,305,405"),
-            "a.csv:7:3: q2",
-        ),
-        (
-            "not-finite",
-            "a.csv",
-            with(row, "5,NaN,205,305,405"),
-            "a.csv:7:2: q1",
-        ),
-        (
             "not-finite",
             "a.csv",
             with(row, "5,1e999,205,305,405"),
