@@ -6,6 +6,7 @@ use crate::check::finding;
 use crate::check::setting::Read;
 use crate::check::units::DEGREES;
 use crate::outcome::check::{Finding, Severity};
+use crate::stats::deviation::rms;
 
 /// Length T of the integrals, s: longer than the delay of a filter of velocities, shorter than a swing.
 const WINDOW_S: f64 = 0.1;
@@ -172,10 +173,6 @@ pub(super) fn quantum(series: &[f64]) -> f64 {
         .filter(|step| *step > 1e-12 * scale)
         .fold(f64::INFINITY, f64::min);
     if least.is_finite() { least } else { 0.0 }
-}
-
-fn rms(series: &[f64]) -> f64 {
-    (series.iter().map(|x| x * x).sum::<f64>() / series.len().max(1) as f64).sqrt()
 }
 
 fn product(a: &[f64], b: &[f64]) -> f64 {

@@ -4,11 +4,13 @@
 //! current itself where one constant says all, and with it the optimum:
 //!
 //! ```text
-//! dx/dε_c = B Xᵀ W u_c,   B = (XᵀX + PᵀP)⁻¹,   C = Σ_c σ_c² (dx/dε_c)(dx/dε_c)ᵀ
+//! dx/dε_c = B Xᵀ W u_c,   B = (XᵀX + PᵀP)⁻¹,   v = Σ_c σ_c dx/dε_c,   C = v vᵀ
 //! ```
 //!
 //! with the weighted derivatives X, the prior's rows P, u_c in channel c alone and the relative standard deviation σ_c of
-//! its constant. No recording makes it smaller. Where the gain of a drive is estimated it takes up the
+//! its constant. Errors of all
+//! constants are taken as one, as warm magnets and a common data sheet make them: such an error scales every mass alike and
+//! leaves nothing to see, where constants that err apart leave residuals. No recording makes it smaller. Where the gain of a drive is estimated it takes up the
 //! error of the constant, and nothing else does.
 
 use crate::chain::model::Signal;
@@ -35,7 +37,7 @@ pub fn covariance(
     let values = problem.parameters(x);
     let right = right_sides(problem, &values);
     let positions = problem.unknowns.positions();
-    let mut total = DMatrix::zeros(x.len(), x.len());
+    let mut together = DVector::zeros(x.len());
     for (c, channel) in problem.model.channels().iter().enumerate() {
         let Some(joint) = channel.joint.filter(|_| channel.active) else {
             continue;
@@ -50,9 +52,9 @@ pub fn covariance(
             ),
             None => &inverse * (inverse.transpose() * right.column(c)),
         };
-        total += deviations[joint].powi(2) * &moved * moved.transpose();
+        together += deviations[joint] * moved;
     }
-    Some(total)
+    Some(&together * together.transpose())
 }
 
 /// `Xᵀ W u_c` in a column for each channel c.
