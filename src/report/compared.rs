@@ -2,7 +2,7 @@
 
 use crate::outcome::compare::{Compared, ComparedJoint, ComparedParameter};
 use crate::report::number::{optional, percent, significant};
-use crate::report::terminal::align;
+use crate::report::terminal::{align, cut};
 
 /// What two results, by their names, say of the same.
 pub fn text(compared: &Compared, names: [&str; 2]) -> String {
@@ -64,7 +64,7 @@ pub fn text(compared: &Compared, names: [&str; 2]) -> String {
     lines.join("\n")
 }
 
-/// Parameters that can differ; what is the same without a test, or has no value in either, is counted.
+/// Parameters that differ; what is equal, or has no value in either, is counted.
 fn parameter_lines(parameters: &[ComparedParameter]) -> Vec<String> {
     let headers = [
         "parameter",
@@ -82,9 +82,9 @@ fn parameter_lines(parameters: &[ComparedParameter]) -> Vec<String> {
     for p in parameters {
         match (p.difference, p.first.value.or(p.second.value)) {
             (_, None) => empty += 1,
-            (Some(0.0), _) if p.p_value.is_none() => same += 1,
+            (Some(0.0), _) => same += 1,
             _ => rows.push([
-                p.name.clone(),
+                cut(&p.name),
                 p.unit.clone(),
                 optional(p.first.value),
                 optional(p.first.std_dev),
@@ -102,7 +102,7 @@ fn parameter_lines(parameters: &[ComparedParameter]) -> Vec<String> {
     }
     if same + empty > 0 {
         lines.push(format!(
-            "not shown: {same} known and equal, {empty} undetermined in both"
+            "not shown: {same} equal, {empty} undetermined in both"
         ));
     }
     lines

@@ -22,3 +22,17 @@ pub(super) fn align<Row: AsRef<[String]>>(rows: &[Row], left: usize) -> Vec<Stri
     };
     rows.iter().map(line).collect()
 }
+
+/// Characters of an expression; reports and results have all of it.
+const EXPRESSION: usize = 34;
+
+/// The beginning of an expression that is too long for a column.
+pub(super) fn cut(expression: &str) -> String {
+    match expression.chars().count() > EXPRESSION {
+        true => {
+            let kept: String = expression.chars().take(EXPRESSION - 1).collect();
+            format!("{}…", kept.trim_end())
+        }
+        false => expression.to_string(),
+    }
+}

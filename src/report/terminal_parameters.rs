@@ -5,13 +5,10 @@ use std::collections::BTreeSet;
 use crate::outcome::fit::BaseParameter;
 use crate::outcome::parameter::{Parameter, Source};
 use crate::report::number::{significant, with_deviation};
-use crate::report::terminal::{GAP, align};
+use crate::report::terminal::{GAP, align, cut};
 
 /// Characters of a line: what a terminal shows beside another window.
 const LINE: usize = 100;
-
-/// Characters of the expression of a base parameter; the report has all of it.
-const EXPRESSION: usize = 34;
 
 /// Prefix of the parameters of a load, which have a table of their own.
 pub(super) const LOAD: &str = "payload.";
@@ -169,16 +166,6 @@ fn base_lines(base: &[&BaseParameter]) -> Vec<String> {
     let mut lines = vec![format!("{} base parameters:", base.len())];
     lines.extend(align(&rows, 4));
     lines
-}
-
-fn cut(expression: &str) -> String {
-    match expression.chars().count() > EXPRESSION {
-        true => {
-            let kept: String = expression.chars().take(EXPRESSION - 1).collect();
-            format!("{}…", kept.trim_end())
-        }
-        false => expression.to_string(),
-    }
 }
 
 #[cfg(test)]
