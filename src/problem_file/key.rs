@@ -119,7 +119,10 @@ pub fn sections(keys: &'static [Key]) -> Vec<Section> {
     found
 }
 
+/// Tables of one level come before those below them, so that a table which stands at several places has the path of the
+/// highest.
 fn descend(path: &[&'static str], keys: &'static [Key], found: &mut Vec<Section>) {
+    let first = found.len();
     for key in keys {
         let below = key.form.keys();
         // The forms of a column are alike: those of positions stand for all.
@@ -134,10 +137,13 @@ fn descend(path: &[&'static str], keys: &'static [Key], found: &mut Vec<Section>
             _ => format!("[{dotted}]"),
         };
         found.push(Section {
-            path: path.clone(),
+            path,
             header,
             keys: below,
         });
+    }
+    for k in first..found.len() {
+        let (path, below) = (found[k].path.clone(), found[k].keys);
         descend(&path, below, found);
     }
 }
