@@ -104,9 +104,12 @@ fn setting(path: &[&'static str], keys: &'static [Key], key: &'static Key) -> Se
         companions.retain(|setting| !setting.starts_with('.'));
         around[0] = format!("{dotted}=");
     } else {
-        let siblings: String = siblings
+        let mut siblings: String = siblings
             .map(|k| format!("{} = {}, ", k.name, k.example))
             .collect();
+        if key.name == "per_turn" {
+            siblings.push_str("unit = \"count\", ");
+        }
         around[0] = format!(
             "{}={}{siblings}{} = ",
             prefix.join("."),

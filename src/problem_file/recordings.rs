@@ -74,8 +74,7 @@ const COLUMNS_AT: Form = Form::Either(&[
 #[rustfmt::skip]
 pub(crate) const TIME_KEYS: &[Key] = &[
     Key { name: "column", form: COLUMNS_AT, unit: "", default: REQUIRED, example: "1", meaning: "A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint" },
-    Key { name: "unit", form: Form::Either(&[Form::Words(time_units), Form::List(&Form::Words(time_units), Length::Any)]), unit: "", default: "SI", example: "\"ms\"", meaning: "One for all joints, or one for each" },
-    Key { name: "per_turn", form: Form::Number(Range::Positive), unit: "", default: "none", example: "65536", meaning: "Counts in a turn, for the unit \"count\"" },
+    Key { name: "unit", form: Form::Words(time_units), unit: "", default: "SI", example: "\"ms\"", meaning: "Unit of the stamps" },
 ];
 
 /// Keys of a column of positions.
@@ -91,7 +90,6 @@ pub(crate) const POSITION_KEYS: &[Key] = &[
 pub(crate) const VELOCITY_KEYS: &[Key] = &[
     Key { name: "column", form: COLUMNS_AT, unit: "", default: REQUIRED, example: "[5, 6]", meaning: "A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint" },
     Key { name: "unit", form: Form::Either(&[Form::Words(velocity_units), Form::List(&Form::Words(velocity_units), Length::Any)]), unit: "", default: "SI", example: "\"rpm\"", meaning: "One for all joints, or one for each" },
-    Key { name: "per_turn", form: Form::Number(Range::Positive), unit: "", default: "none", example: "65536", meaning: "Counts in a turn, for the unit \"count\"" },
 ];
 
 /// Keys of a column of accelerations.
@@ -99,7 +97,6 @@ pub(crate) const VELOCITY_KEYS: &[Key] = &[
 pub(crate) const ACCELERATION_KEYS: &[Key] = &[
     Key { name: "column", form: COLUMNS_AT, unit: "", default: REQUIRED, example: "\"acc_{n}\"", meaning: "A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint" },
     Key { name: "unit", form: Form::Either(&[Form::Words(acceleration_units), Form::List(&Form::Words(acceleration_units), Length::Any)]), unit: "", default: "SI", example: "\"deg/s^2\"", meaning: "One for all joints, or one for each" },
-    Key { name: "per_turn", form: Form::Number(Range::Positive), unit: "", default: "none", example: "65536", meaning: "Counts in a turn, for the unit \"count\"" },
 ];
 
 /// Keys of a column of currents.
@@ -107,7 +104,6 @@ pub(crate) const ACCELERATION_KEYS: &[Key] = &[
 pub(crate) const CURRENT_KEYS: &[Key] = &[
     Key { name: "column", form: COLUMNS_AT, unit: "", default: REQUIRED, example: "[\"left\", \"right\"]", meaning: "A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint" },
     Key { name: "unit", form: Form::Either(&[Form::Words(current_units), Form::List(&Form::Words(current_units), Length::Any)]), unit: "", default: "SI", example: "\"mA\"", meaning: "One for all joints, or one for each" },
-    Key { name: "per_turn", form: Form::Number(Range::Positive), unit: "", default: "none", example: "65536", meaning: "Counts in a turn, for the unit \"count\"" },
 ];
 
 /// Keys of a column of torques.
@@ -115,7 +111,6 @@ pub(crate) const CURRENT_KEYS: &[Key] = &[
 pub(crate) const TORQUE_KEYS: &[Key] = &[
     Key { name: "column", form: COLUMNS_AT, unit: "", default: REQUIRED, example: "\"M_{joint}\"", meaning: "A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint" },
     Key { name: "unit", form: Form::Either(&[Form::Words(torque_units), Form::List(&Form::Words(torque_units), Length::Any)]), unit: "", default: "SI", example: "\"mNm\"", meaning: "One for all joints, or one for each" },
-    Key { name: "per_turn", form: Form::Number(Range::Positive), unit: "", default: "none", example: "65536", meaning: "Counts in a turn, for the unit \"count\"" },
 ];
 
 /// Keys of a column without a unit.
