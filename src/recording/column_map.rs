@@ -1,7 +1,7 @@
 //! Where the channels of a robot stand in a file, and in which units.
 
 /// Names of the columns. In a pattern `{joint}` stands for the joint's name and `{n}` for its
-/// number from 1. The empty map follows the conventions of [`super::column_names`]; in any other map the
+/// number from 1. The empty map follows the conventions of `column_names`; in any other map the
 /// optional channels that it does not name are not read.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ColumnMap {

@@ -13,7 +13,7 @@ const LINE: usize = 100;
 /// Prefix of the parameters of a load, which have a table of their own.
 pub(super) const LOAD: &str = "payload.";
 
-/// Every estimated parameter that has a value and is not of a load, and the known ones of joints.
+/// Every estimated parameter that has a value and is not of a load; known ones beside estimates of the same quantity.
 pub(super) fn lines(parameters: &[Parameter], base: &[BaseParameter]) -> Vec<String> {
     let has_value = |p: &&Parameter| p.value.is_some() && !p.name.starts_with(LOAD);
     let of_joint = |p: &&Parameter| p.name.matches('.').count() > 1;
@@ -45,6 +45,12 @@ fn table(owner: &str, parameters: &[&Parameter]) -> Vec<String> {
             quantities.push(quantity);
         }
     }
+    let is_estimated = |quantity: &&str| {
+        let own = |p: &&&Parameter| p.name.split_once('.').is_some_and(|(_, q)| q == *quantity);
+        let mut own = parameters.iter().filter(own);
+        own.any(|p| p.source != Source::Known)
+    };
+    quantities.retain(|quantity| is_estimated(&quantity));
     let mut first = vec![owner.to_string()];
     first.extend(owners.iter().map(|of| of.to_string()));
     let columns = quantities.iter().map(|quantity| {
@@ -56,7 +62,9 @@ fn table(owner: &str, parameters: &[&Parameter]) -> Vec<String> {
     });
     let mut lines = Vec::new();
     for group in grouped(columns.collect(), width(&first)) {
+        let has_any = |row: &usize| group.iter().any(|column| !column[*row].is_empty());
         let rows: Vec<Vec<String>> = (0..first.len())
+            .filter(has_any)
             .map(|row| {
                 let cells = group.iter().map(|column| column[row].clone());
                 std::iter::once(first[row].clone()).chain(cells).collect()

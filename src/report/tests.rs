@@ -371,13 +371,13 @@ six_joint_arm: fit
   joint2  A         0.1050         –  0.08925          4.00 %    4.80 %
 rank 36 of 78, condition number 87.30, physically feasible
 parameters: 32 from data, 1 from the prior, 1 on a bound, 6 known, 8 undetermined
-  joint        Fc [N·m]         w [rad/s]  Fv [N·m·s/rad]         Jm [kg·m²]
-  joint1    9.30 ± 0.28  0.004000 (known)    14.10 ± 0.42  3.700e-5 ± 1.1e-6
-  joint2    4.65 ± 0.14  0.004000 (known)     7.05 ± 0.21  1.850e-5 ± 5.5e-7
-  joint3  3.100 ± 0.093  0.004000 (known)     4.70 ± 0.14  1.233e-5 ± 3.7e-7
-  joint4  2.325 ± 0.070  0.004000 (known)     3.52 ± 0.11  9.250e-6 ± 2.8e-7
-  joint5  1.860 ± 0.056  0.004000 (known)   2.820 ± 0.085  7.400e-6 ± 2.2e-7
-  joint6  1.550 ± 0.046  0.004000 (known)   2.350 ± 0.070  6.167e-6 ± 1.8e-7
+  joint        Fc [N·m]  Fv [N·m·s/rad]         Jm [kg·m²]
+  joint1    9.30 ± 0.28    14.10 ± 0.42  3.700e-5 ± 1.1e-6
+  joint2    4.65 ± 0.14     7.05 ± 0.21  1.850e-5 ± 5.5e-7
+  joint3  3.100 ± 0.093     4.70 ± 0.14  1.233e-5 ± 3.7e-7
+  joint4  2.325 ± 0.070     3.52 ± 0.11  9.250e-6 ± 2.8e-7
+  joint5  1.860 ± 0.056   2.820 ± 0.085  7.400e-6 ± 2.2e-7
+  joint6  1.550 ± 0.046   2.350 ± 0.070  6.167e-6 ± 1.8e-7
   of                mass [kg]       com_x [m]  inertia_zz [kg·m²]         com_y [m]
   link1          -4.80 ± 0.14  -0.480 ± 0.014  -0.00480 ± 0.00014
   link2  -8.00 ± 0.24 (bound)                  -0.00800 ± 0.00024  -0.0800 ± 0.0024
