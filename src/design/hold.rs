@@ -62,10 +62,6 @@ pub fn run(
         shrink -= violation + ROOM;
         let tighter = Search { shrink, ..*search };
         let next = tighter.continued(&found.x, (control, left))?;
-        if !next.is_feasible() {
-            // Limits too tight to be kept: what kept those before is drawn back.
-            break;
-        }
         margins = verify::margins(experiment, &next.x);
         found = Found {
             stop: found.stop,

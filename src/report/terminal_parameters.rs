@@ -50,7 +50,7 @@ fn table(owner: &str, parameters: &[&Parameter]) -> Vec<String> {
         let mut own = parameters.iter().filter(own);
         own.any(|p| p.source != Source::Known)
     };
-    quantities.retain(|quantity| is_estimated(&quantity));
+    quantities.retain(|quantity| is_estimated(quantity));
     let mut first = vec![owner.to_string()];
     first.extend(owners.iter().map(|of| of.to_string()));
     let columns = quantities.iter().map(|quantity| {
