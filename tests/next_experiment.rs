@@ -1,8 +1,8 @@
 //! The experiment that a diagnosis asks for, designed, recorded and diagnosed: the rivals come apart.
 
 use exid::problem::solution::Control;
+use exid::trials::files::prepare;
 use exid::trials::plan::{Plan, Scope};
-use exid::trials::run::prepare;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

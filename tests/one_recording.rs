@@ -11,8 +11,9 @@ use exid::problem::solution::Control;
 use exid::problem_file::ProblemFile;
 use exid::recording::split::Split;
 use exid::stats::deviation::rms;
+use exid::trials::files::{PROBLEM, prepare};
 use exid::trials::plan::{Plan, Scope};
-use exid::trials::run::{Opened, PROBLEM, prepare};
+use exid::trials::reference_fits::Opened;
 use std::fs;
 
 /// A trial with a push of half the usual torque from one time (s) to another.

@@ -31,24 +31,33 @@ pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
         .filter_map(|(channel, joint)| {
             let friction = friction(comparison, (channel, joint))?;
             let against_file = factors.iter().find(|f| f.channel == channel && f.value < 0.0);
-            let evidence = match (friction.is_negative(), against_file) {
-                (true, _) => format!(
-                    "friction would give the joint {:.3} W on the average instead of taking it ({:.0} standard \
-                     deviations)",
-                    -friction.power, friction.deviations()
+            let (severity, message) = match (friction.is_negative(), against_file) {
+                (true, _) => (
+                    Severity::Error,
+                    format!(
+                        "the signal has the wrong sign: friction would give the joint {:.3} W on the average instead \
+                         of taking it ({:.0} standard deviations)",
+                        -friction.power,
+                        friction.deviations()
+                    ),
                 ),
-                (false, Some(f)) if friction.power <= 0.0 => format!(
-                    "the torque is {:.3} times what the robot file's inertials give",
-                    f.value
+                // Without friction that speaks, the file's centres of mass may be what is wrong.
+                (false, Some(f)) if friction.power <= 0.0 => (
+                    Severity::Warning,
+                    format!(
+                        "the signal has the wrong sign, or the robot file's inertials are not this robot's: the torque \
+                         is {:.3} times what they give",
+                        f.value
+                    ),
                 ),
                 _ => return None,
             };
             Some(finding(
-                Severity::Error,
+                severity,
                 ready.at_channel(channel),
                 (
                     "signal-sign",
-                    format!("the signal has the wrong sign: {evidence}"),
+                    message,
                     "signals are what the motor exerts, positive along positive motion: change the sign of this \
                      channel (a negative torque constant does)"
                         .to_string(),

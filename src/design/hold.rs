@@ -22,12 +22,72 @@ const MOST_TIGHTENINGS: usize = 8;
 const SEARCHING: f64 = 0.85;
 
 /// Shares of the amplitudes that are tried where tightening has not helped.
-const DRAWN_BACK: [f64; 6] = [0.999, 0.995, 0.99, 0.97, 0.94, 0.9];
+const DRAWN_BACK: [f64; 8] = [0.9995, 0.999, 0.998, 0.995, 0.99, 0.97, 0.94, 0.9];
 
 /// A motion with the margins of all limits on the dense grid.
-pub type Held = (Found, Vec<Margin>);
+#[derive(Debug, Clone)]
+pub struct Held {
+    pub found: Found,
+    pub margins: Vec<Margin>,
+}
 
-/// Runs the search and tightens until every limit holds on the dense grid.
+impl Held {
+    fn new(experiment: &Experiment<'_>, found: Found) -> Self {
+        let margins = verify::margins(experiment, &found.x);
+        Self { found, margins }
+    }
+
+    /// Largest violation on the dense grid, as a share of its limit.
+    pub fn violation(&self) -> f64 {
+        verify::violation(&self.margins)
+    }
+
+    fn holds(&self) -> bool {
+        self.violation() <= TOLERATED
+    }
+
+    /// The same search, ended at another motion.
+    fn moved_to(&self, experiment: &Experiment<'_>, next: Found) -> Self {
+        let before = &self.found;
+        Self::new(
+            experiment,
+            Found {
+                stop: before.stop,
+                starts: before.starts,
+                history: before.history.clone(),
+                iterations: before.iterations + next.iterations,
+                evaluations: before.evaluations + next.evaluations,
+                ..next
+            },
+        )
+    }
+
+    /// The same motion with smaller amplitudes about the same mean positions, where limits then hold.
+    fn drawn_back(&self, experiment: &Experiment<'_>) -> Option<Self> {
+        let width = experiment.joints.series.width();
+        DRAWN_BACK.iter().find_map(|share| {
+            let scaled = |(k, value): (usize, &f64)| {
+                if k % width == 0 {
+                    *value
+                } else {
+                    share * value
+                }
+            };
+            let (n, x) = (self.found.x.len(), &self.found.x);
+            let x = DVector::from_iterator(n, x.iter().enumerate().map(scaled));
+            let value = experiment.value(&x);
+            let found = Found {
+                x,
+                value,
+                ..self.found.clone()
+            };
+            Some(Self::new(experiment, found)).filter(Self::holds)
+        })
+    }
+}
+
+/// Runs the search and tightens until every limit holds on the dense grid. Of the motions on the way the one with the
+/// least violation there is kept: a motion that misses a tightened limit may well keep the limit itself.
 ///
 /// # Errors
 /// Those of the solver.
@@ -49,52 +109,28 @@ pub fn run(
         settings: &settings,
         ..*search
     };
-    let mut found = first.run(control, watch)?;
-    let mut margins = verify::margins(experiment, &found.x);
+    let mut current = Held::new(experiment, first.run(control, watch)?);
+    let mut best = current.clone();
+    if !best.found.is_feasible() {
+        return Ok(best);
+    }
     let mut shrink = 1.0;
     for _ in 0..MOST_TIGHTENINGS {
-        let violation = verify::violation(&margins);
         let left = budget.map(|b| b.saturating_sub(began.elapsed()));
         let out_of_time = left.is_some_and(|l| l.is_zero()) || control.is_interrupted();
-        if violation <= TOLERATED || !found.is_feasible() || out_of_time {
+        if best.holds() || out_of_time {
             break;
         }
-        shrink -= violation + ROOM;
+        shrink -= current.violation() + ROOM;
         let tighter = Search { shrink, ..*search };
-        let next = tighter.continued(&found.x, (control, left))?;
-        margins = verify::margins(experiment, &next.x);
-        found = Found {
-            stop: found.stop,
-            starts: found.starts,
-            history: found.history,
-            iterations: found.iterations + next.iterations,
-            evaluations: found.evaluations + next.evaluations,
-            ..next
-        };
-    }
-    if found.is_feasible() && verify::violation(&margins) > TOLERATED {
-        draw_back(experiment, (&mut found, &mut margins));
-    }
-    Ok((found, margins))
-}
-
-/// Smaller amplitudes about the same mean positions, until the limits hold.
-fn draw_back(experiment: &Experiment<'_>, (found, margins): (&mut Found, &mut Vec<Margin>)) {
-    let width = experiment.joints.series.width();
-    for share in DRAWN_BACK {
-        let scaled = |(k, value): (usize, &f64)| {
-            if k % width == 0 {
-                *value
-            } else {
-                share * value
-            }
-        };
-        let x = DVector::from_iterator(found.x.len(), found.x.iter().enumerate().map(scaled));
-        let all = verify::margins(experiment, &x);
-        if verify::violation(&all) <= TOLERATED {
-            found.value = experiment.value(&x);
-            (found.x, *margins) = (x, all);
-            return;
+        let next = tighter.continued(&current.found.x, (control, left))?;
+        current = current.moved_to(experiment, next);
+        if current.violation() < best.violation() {
+            best = current.clone();
         }
     }
+    if !best.holds() {
+        best = best.drawn_back(experiment).unwrap_or(best);
+    }
+    Ok(best)
 }

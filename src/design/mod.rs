@@ -9,6 +9,7 @@ pub mod compare;
 pub mod contenders;
 pub mod coverage;
 pub mod criterion;
+pub mod designed;
 pub mod earlier;
 pub mod error;
 pub mod expected;

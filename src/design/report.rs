@@ -3,6 +3,7 @@
 use crate::design::coverage::Shown;
 use crate::design::criterion::condition::Condition;
 use crate::design::criterion::d_optimal::DOptimal;
+use crate::design::designed::End;
 use crate::design::expected::Deviation;
 use crate::design::limits::INSTANTS_PER_CYCLE;
 use crate::design::motion::Motion;
@@ -10,7 +11,6 @@ use crate::design::prepare::Prepared;
 use crate::design::problem::Experiment;
 use crate::design::search::Found;
 use crate::design::target::{Scale, Target};
-use crate::design::task::End;
 use crate::design::verify::{self, Margin};
 use crate::outcome::design::{
     Coefficients, Coverage, Design, ExpectedDeviation, JointCoefficients, Progress, WorstMargin,

@@ -1,5 +1,6 @@
 //! The task of a plan of constant velocities.
 
+use crate::design::designed::{Designed, End, NamedTrajectory, rate};
 use crate::design::error::{DesignError, Unsuitable};
 use crate::design::motion::Motion;
 use crate::design::output::Sampled;
@@ -7,7 +8,6 @@ use crate::design::prepare::Prepared;
 use crate::design::problem::Experiment;
 use crate::design::report;
 use crate::design::strokes::Strokes;
-use crate::design::task::{Designed, End, NamedTrajectory, rate};
 use crate::design::verify::{self, Margin};
 use crate::fault::Place;
 use crate::problem_file::ProblemFile;

@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::design::columns::Columns;
 use crate::design::compare;
 use crate::design::contenders;
+use crate::design::designed::{Designed, End, NamedTrajectory, rate};
 use crate::design::earlier::Earlier;
 use crate::design::error::{DesignError, Unsuitable};
 use crate::design::hold::{self, Held};
@@ -22,49 +23,17 @@ use crate::design::steady;
 use crate::design::target::{Scale, Target};
 use crate::design::verify;
 use crate::design::{report, validation};
-use crate::outcome::design::Design;
-use crate::outcome::estimate::Solver;
 use crate::problem::linear_rows::LinearRows;
 use crate::problem::solution::{Control, Stop};
 use crate::problem_file::ProblemFile;
 use crate::problem_file::choices::{DesignKind, Scaling};
 use crate::robot::random::generator;
 
-/// Rate of the trajectory where the problem file states none, Hz.
-const DEFAULT_RATE: f64 = 200.0;
-
 /// Instants per cycle of the highest harmonic below which the samples of a design see too little of it.
 const LEAST_PER_CYCLE: usize = 4;
 
 /// Random motions whose columns' norms make the fixed scale.
 const SCALE_MOTIONS: usize = 8;
-
-/// A file of the results folder.
-#[derive(Debug, Clone)]
-pub struct NamedTrajectory {
-    /// Without its end.
-    pub name: String,
-    pub sampled: Sampled,
-}
-
-/// How a design ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum End {
-    Feasible,
-    Infeasible,
-    Interrupted,
-}
-
-/// What a design gives.
-#[derive(Debug)]
-pub struct Designed {
-    pub design: Design,
-    pub solver: Solver,
-    pub end: End,
-    pub trajectories: Vec<NamedTrajectory>,
-    /// The first trajectory with ramps at both ends.
-    pub with_ramps: Vec<NamedTrajectory>,
-}
 
 /// Designs the motions of a problem file; `watch` hears of every improvement.
 ///
@@ -253,25 +222,18 @@ fn columns_scale(experiment: &Experiment<'_>, rows: &LinearRows, seed: u64) -> S
     })
 }
 
-/// Rate of the trajectory's file.
-pub(super) fn rate(problem: &ProblemFile) -> f64 {
-    let recorded = problem.recordings.as_ref().and_then(|r| r.rate.as_ref());
-    let simulated = problem.simulate.rate.as_ref();
-    recorded.or(simulated).map_or(DEFAULT_RATE, |r| r.value)
-}
-
 fn conclude(
     problem: &ProblemFile,
     (prepared, search): (&Prepared, &Search<'_>),
-    (found, margins): Held,
+    held: Held,
     seed: u64,
 ) -> Result<Designed, DesignError> {
     let experiment = search.experiment;
+    let is_feasible = held.violation() <= verify::TOLERANCE;
+    let Held { found, margins } = held;
     let end = match found.stop {
         Stop::Interrupted => End::Interrupted,
-        _ if !found.is_feasible() || verify::violation(&margins) > verify::TOLERANCE => {
-            End::Infeasible
-        }
+        _ if !is_feasible => End::Infeasible,
         _ => End::Feasible,
     };
     let motion = Motion::of(&experiment.joints, &experiment.basis, &found.x);

@@ -1,7 +1,7 @@
 //! How well the constants predict the currents of the steady parts.
 
 use crate::motors::constants::Part;
-use crate::motors::task::{JointFit, Steady};
+use crate::motors::joint_fit::{JointFit, Steady};
 use crate::outcome::joint::JointFigures;
 use crate::recording::split::Split;
 

@@ -14,6 +14,7 @@ pub mod compare;
 pub mod constants;
 pub mod error;
 pub mod figures;
+mod joint_fit;
 pub mod outcome;
 pub mod segments;
 pub mod simplex;

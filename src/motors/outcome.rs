@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::motors::compare::{Constant, equality};
 use crate::motors::constants::{AtSpeed, SecondStage, Term, load_dependence};
+use crate::motors::joint_fit::{JointFit, Source as Basis};
 use crate::motors::simplex::nelder_mead;
-use crate::motors::task::{JointFit, Source as Basis};
 use crate::outcome::estimate::{Covariance, Estimate, Solver};
 use crate::outcome::fit::{BaseParameter, Fit};
 use crate::outcome::motors::{MotorJoint, MotorLoad, MotorSpeed, Motors, SameType};

@@ -4,9 +4,10 @@
 use crate::chain::model::Model;
 use crate::fault::Place;
 use crate::motors::compare::{Constant, of_same_type};
-use crate::motors::constants::{FirstStage, Part, SecondStage, Term, first_stage, second_stage};
+use crate::motors::constants::{Part, Term, first_stage, second_stage};
 use crate::motors::error::MotorsError;
 use crate::motors::figures::{self, Predicted};
+use crate::motors::joint_fit::{JointFit, Source, Steady};
 use crate::motors::outcome;
 use crate::motors::segments::{Segment, Steadiness, steady};
 use crate::outcome::estimate::Estimate;
@@ -30,58 +31,6 @@ pub struct MotorRun {
     /// Names of the joints, in the order of the columns of `predictions`.
     pub joints: Vec<String>,
     pub predictions: Vec<Predicted>,
-}
-
-/// The steady parts of one recording.
-pub(super) struct Steady {
-    pub name: String,
-    pub split: Split,
-    pub time: Vec<f64>,
-    pub segments: Vec<Segment>,
-    pub parts: Vec<Part>,
-}
-
-/// The constants of one joint.
-pub(super) struct JointFit {
-    /// Index in the tree.
-    pub index: usize,
-    pub name: String,
-    /// Unit of its torques, N·m or N.
-    pub torque_unit: &'static str,
-    pub position_unit: &'static str,
-    pub parts: Vec<Part>,
-    pub stage: FirstStage,
-    pub constant: Source,
-    pub friction: Option<SecondStage>,
-    /// Gravity is parallel to the axis, so that no load acts on the joint.
-    pub vertical: bool,
-}
-
-/// What the torque constant rests on; values are of k_ct, N·m/A, with its standard deviation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Source {
-    Data(Constant),
-    Given(f64),
-    SameType(Constant),
-    Undetermined,
-}
-
-impl Source {
-    pub fn constant(self) -> Option<Constant> {
-        match self {
-            Self::Data(constant) | Self::SameType(constant) => Some(constant),
-            Self::Given(value) => Some((value, 0.0)),
-            Self::Undetermined => None,
-        }
-    }
-
-    /// a = 1/k_ct with its variance, for the second stage; 0 where nothing is known and nothing needed.
-    pub fn inverse(self) -> (f64, f64) {
-        match self.constant() {
-            Some((k, sigma)) => (1.0 / k, (sigma / (k * k)).powi(2)),
-            None => (0.0, 0.0),
-        }
-    }
 }
 
 /// Fits the motor constants of every joint that moves.

@@ -10,8 +10,7 @@
 use crate::outcome::diagnose::{Finding, Rival};
 use crate::outcome::trials::{Calibration, Hidden, Share, Stated, Trial, is_outside};
 use crate::stats::distribution::Distribution;
-use crate::trials::score::same_joints;
-use crate::trials::tally::UNNAMED;
+use crate::trials::naming::{UNNAMED, same_joints};
 
 /// Ranges of probability in the table.
 const TENTHS: usize = 10;

@@ -10,8 +10,9 @@ use crate::diagnose::selection::rival_models::{Ambiguity, StatedModel, separatio
 use crate::outcome::trials::{Found, LONGER};
 use crate::problem::solution::Control;
 use crate::trials::error::TrialError;
+use crate::trials::files::{PROBLEM, prepare};
 use crate::trials::plan::Plan;
-use crate::trials::run::{Opened, PROBLEM, prepare};
+use crate::trials::reference_fits::Opened;
 use std::fs;
 use std::path::Path;
 

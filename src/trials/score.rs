@@ -6,13 +6,11 @@ use crate::diagnose::task::DiagnoseRun;
 use crate::outcome::diagnose::{Finding, Verdict};
 use crate::outcome::trials::{Found, Hidden, Inseparable, Trial};
 use crate::trials::conceal::Concealed;
+use crate::trials::naming::{names, same_joints};
 use crate::trials::plan::Plan;
-use crate::trials::run::{Informed, Sizes, values};
+use crate::trials::reference_fits::{Informed, Sizes};
 use crate::trials::{bodies, calibration};
 use nalgebra::DVector;
-
-/// A finding may list so many rivals that it cannot set aside and still be right by one of them.
-pub const RIVALS: usize = 2;
 
 /// A trial without an answer.
 pub fn failed(plan: &Plan, why: String) -> Trial {
@@ -110,20 +108,6 @@ fn hidden(plan: &Plan, sizes: &Sizes) -> Vec<Hidden> {
     of_vocabulary.chain(outside).collect()
 }
 
-/// Whether a finding is the effect, or lists it among the few rivals that it cannot set aside.
-pub fn names(finding: &Found, hidden: &Hidden) -> bool {
-    let same = |effect: &str, joints: &[String]| {
-        effect == hidden.effect && same_joints(joints, &hidden.joints)
-    };
-    let rivals = &finding.inseparable;
-    same(&finding.effect, &finding.joints)
-        || (rivals.len() <= RIVALS && rivals.iter().any(|r| same(&r.effect, &r.joints)))
-}
-
-pub(super) fn same_joints(a: &[String], b: &[String]) -> bool {
-    a.len() == b.len() && a.iter().all(|joint| b.contains(joint))
-}
-
 /// Held-out error after over before, of the joint with the largest misfit.
 fn error_ratio(run: &DiagnoseRun) -> Option<f64> {
     let before = &run.diagnosis.baseline.joints;
@@ -177,4 +161,10 @@ fn body_error(plan: &Plan, run: &DiagnoseRun, informed: &Informed) -> Option<[f6
     let of_fit = |fit: &ModelFit| of(&fit.model, &fit.values);
     let found = of(&run.model, &run.values)?;
     Some([of_fit(&informed.declared)?, found, of_fit(&informed.known)?])
+}
+
+/// The parameters that a diagnosis came to, by name.
+fn values(run: &DiagnoseRun) -> impl Iterator<Item = (&str, f64)> {
+    let all = run.diagnosis.outcome.parameters.iter();
+    all.filter_map(|p| Some((p.name.as_str(), p.value?)))
 }

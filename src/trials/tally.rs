@@ -5,7 +5,7 @@ use crate::outcome::trials::{
 };
 use crate::stats::distribution::Distribution;
 use crate::trials::calibration;
-use crate::trials::score::names;
+use crate::trials::naming::{UNNAMED, names};
 use std::collections::BTreeMap;
 
 /// An effect of so many times the noise has to be found.
@@ -16,9 +16,6 @@ const SIZES: [f64; 8] = [0.0, 0.3, 1.0, 2.0, 3.0, 5.0, 10.0, 30.0];
 
 /// What the absence of a finding is called in the table.
 const NOTHING: &str = "nothing";
-
-/// Finding of a misfit that nothing in the vocabulary explains.
-pub(super) const UNNAMED: &str = "unnamed";
 
 /// Friction and bodies are back if their error is at most so many times that of a fit that knew the truth.
 const BACK: f64 = 1.5;

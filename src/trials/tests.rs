@@ -5,11 +5,12 @@ use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::selection::rival_models::{Ambiguity, StatedModel};
 use crate::outcome::trials::{Found, Hidden, Inseparable, Trial, is_outside};
 use crate::problem::solution::Control;
+use crate::trials::files::{PROBLEM, prepare};
 use crate::trials::motion::{Motion, Noise};
 use crate::trials::outside::Outside;
 use crate::trials::plan::{Plan, Scope};
+use crate::trials::reference_fits::Opened;
 use crate::trials::run::run;
-use crate::trials::run::{Opened, PROBLEM, prepare};
 use crate::trials::tally::tally;
 use crate::trials::{conceal, longer};
 

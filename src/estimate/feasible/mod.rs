@@ -16,14 +16,13 @@ use crate::chain::prior::Prior;
 use crate::estimate::error::EstimateError;
 use crate::estimate::feasible::prior::InertialPrior;
 use crate::estimate::feasible::program::Constraints;
-use crate::estimate::feasible::solve::{Compressed, Feasible, Setting};
+use crate::estimate::feasible::solve::{Feasible, Setting, compressed};
 use crate::estimate::feasible::standard::Standard;
 use crate::estimate::feasible::strength::Chosen;
 use crate::estimate::fit::{self, Estimator, Fitted};
 use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::Weights;
-use crate::problem::Problem;
 use crate::problem::solution::Control;
 use crate::problem_file::choices::{FeasibleBy, PriorKind};
 use crate::problem_file::fit::Strength;
@@ -182,17 +181,4 @@ fn rounds(
     }
     let free = compressed(problem, &at)?.least_squares();
     Ok((feasible, free.unwrap_or_else(|| first.clone())))
-}
-
-/// The residual linearised at base unknowns.
-fn compressed(problem: &FitProblem<'_>, at: &DVector<f64>) -> Result<Compressed, EstimateError> {
-    let outside = |e: crate::problem::OutsideDomain| EstimateError::Solve(e.into());
-    let root = problem.linearize(at).map_err(outside)?.square_root;
-    let Some(root) = root else {
-        return Err(EstimateError::NothingUnknown);
-    };
-    Ok(Compressed {
-        offset: root.residual - &root.matrix * at,
-        matrix: root.matrix,
-    })
 }

@@ -5,9 +5,12 @@
 //! class of its answer is searched for the closest member in the same way.
 
 use crate::estimate::compress::stacked;
+use crate::estimate::error::EstimateError;
 use crate::estimate::feasible::prior::InertialPrior;
 use crate::estimate::feasible::program::{Class, Constraints, PULL, Program, pull};
 use crate::estimate::feasible::standard::{Standard, scaled_body};
+use crate::estimate::problem::FitProblem;
+use crate::problem::Problem;
 use crate::problem::solution::{Control, Stop};
 use crate::solve::error::SolveError;
 use crate::solve::interior::{InteriorSolution, Terms};
@@ -274,4 +277,20 @@ pub fn prior_cost(setting: Setting<'_>, x: &DVector<f64>) -> f64 {
         }
     }
     cost
+}
+
+/// The residual linearised at base unknowns.
+pub(super) fn compressed(
+    problem: &FitProblem<'_>,
+    at: &DVector<f64>,
+) -> Result<Compressed, EstimateError> {
+    let outside = |e: crate::problem::OutsideDomain| EstimateError::Solve(e.into());
+    let root = problem.linearize(at).map_err(outside)?.square_root;
+    let Some(root) = root else {
+        return Err(EstimateError::NothingUnknown);
+    };
+    Ok(Compressed {
+        offset: root.residual - &root.matrix * at,
+        matrix: root.matrix,
+    })
 }

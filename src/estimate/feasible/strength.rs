@@ -4,8 +4,7 @@
 use crate::chain::dataset::Dataset;
 use crate::estimate::compress::{Request, factor};
 use crate::estimate::error::EstimateError;
-use crate::estimate::feasible::compressed;
-use crate::estimate::feasible::solve::{self, Compressed, Setting};
+use crate::estimate::feasible::solve::{self, Compressed, Setting, compressed};
 use crate::estimate::figures::noise_rms;
 use crate::estimate::problem::FitProblem;
 use crate::estimate::weights::RowFactors;

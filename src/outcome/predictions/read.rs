@@ -6,7 +6,7 @@ use std::path::Path;
 use csv::{ByteRecord, ReaderBuilder, StringRecord};
 
 use crate::outcome::error::{Action, OutcomeError, OutcomeErrorKind};
-use crate::outcome::predictions::{LEADING, Quantity};
+use crate::outcome::predictions::quantity::{LEADING, Quantity};
 use crate::recording::split::Split;
 
 /// The table, by recordings in the order of the file.

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use crate::outcome::predictions::{LEADING, Quantity};
+use crate::outcome::predictions::quantity::{LEADING, Quantity};
 use crate::recording::split::Split;
 use rayon::prelude::*;
 

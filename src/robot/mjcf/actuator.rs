@@ -5,9 +5,9 @@
 use crate::robot::assemble::nearest;
 use crate::robot::description::DeclaredServo;
 use crate::robot::error::RobotError;
-use crate::robot::mjcf::Model;
 use crate::robot::mjcf::body::Bodies;
 use crate::robot::mjcf::fault::MjcfFault;
+use crate::robot::mjcf::model::Model;
 use crate::robot::mjcf::settings::Settings;
 
 /// Elements that set defaults of every actuator.

@@ -9,8 +9,9 @@ use crate::robot::description::{Note, Weight};
 use crate::robot::error::RobotError;
 use crate::robot::mjcf::body::Bodies;
 use crate::robot::mjcf::fault::MjcfFault;
+use crate::robot::mjcf::messages::note;
+use crate::robot::mjcf::model::Model;
 use crate::robot::mjcf::settings::Settings;
-use crate::robot::mjcf::{Model, note};
 
 /// What the constraints of a model make of its joints.
 #[derive(Default)]

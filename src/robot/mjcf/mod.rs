@@ -21,25 +21,26 @@ mod body;
 mod compiler;
 mod document;
 mod equality;
-mod fault;
+pub(in crate::robot) mod fault;
 mod geom;
 mod inertia;
 mod joint;
 mod mesh;
+mod messages;
+mod model;
 mod pose;
 mod settings;
 
-pub use fault::MjcfFault;
-
-use crate::fault::{Description as Words, Place};
 use crate::robot::assemble::{RawRobot, assemble};
 use crate::robot::dependents;
 use crate::robot::description::{Description, Held, Note, Weight};
-use crate::robot::error::{RobotError, RobotErrorKind};
+use crate::robot::error::RobotError;
 use crate::robot::mjcf::body::Bodies;
 use crate::robot::mjcf::compiler::Compiler;
 use crate::robot::mjcf::document::Document;
 use crate::robot::mjcf::mesh::Meshes;
+use crate::robot::mjcf::messages::note;
+use crate::robot::mjcf::model::Model;
 use crate::robot::mjcf::settings::Classes;
 use std::path::Path;
 
@@ -95,30 +96,6 @@ pub fn read(path: &Path) -> Result<Description, RobotError> {
         notes,
         files: document.files().to_vec(),
     })
-}
-
-/// Everything that elements are read with.
-struct Model<'a> {
-    document: &'a Document,
-    classes: &'a Classes,
-    compiler: &'a Compiler,
-    meshes: Meshes,
-}
-
-fn fail<T>(place: Place, fault: MjcfFault) -> Result<T, RobotError> {
-    Err(RobotError::new(place, RobotErrorKind::Mjcf(fault)))
-}
-
-fn note(place: Place, weight: Weight, message: String, remedy: &str) -> Note {
-    let code = match weight {
-        Weight::Remark => "joint-held-still",
-        Weight::LeftOut => "mjcf-left-out",
-    };
-    Note {
-        place,
-        words: Words::new(code, message, remedy),
-        weight,
-    }
 }
 
 /// Physics of whole sections that the model lacks.

@@ -5,9 +5,18 @@ use crate::solve::interior::block::{Cone, State};
 use crate::solve::interior::coordinates::Coordinates;
 use crate::solve::interior::newton::Factor;
 use crate::solve::interior::program::Program;
+use crate::solve::interior::settings::Settings;
 use crate::solve::interior::small::{self, Small};
-use crate::solve::interior::{Run, Settings};
 use nalgebra::{DMatrix, DVector};
+
+/// The end of a run.
+pub(super) struct Run {
+    pub step: DVector<f64>,
+    pub measure: Measure,
+    pub stop: Stop,
+    pub trace: Trace,
+    pub multipliers: Vec<Vec<f64>>,
+}
 
 /// Share of the way to the boundary that a step goes at most.
 const TO_BOUNDARY: f64 = 0.95;

@@ -19,7 +19,7 @@ use crate::problem::solution::{Control, Solution, Stop, Trace, TraceRow};
 use crate::problem::view::ConeProgram;
 use crate::solve::error::{SolveError, SolveErrorKind};
 use crate::solve::finite_model;
-use crate::solve::interior::iterate::{Iterate, Measure};
+use crate::solve::interior::iterate::{Iterate, Run};
 use crate::solve::interior::program::{Origin, Program};
 use nalgebra::DVector;
 use std::time::Instant;
@@ -29,43 +29,11 @@ mod coordinates;
 mod iterate;
 mod newton;
 mod program;
+mod settings;
 mod small;
 
-/// Accuracy and limits.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
-    /// Optimal when the duality gap <= tolerance · unit, unit = max(|cost|, 1e-5 · ½‖b‖²), and the stationarity
-    /// <= sqrt(tolerance), which leaves a share of the unit of the order of the tolerance.
-    pub tolerance: f64,
-    /// Where the tolerance is out of reach, as with an infimum that no point attains, optimal when gap <= this ·
-    /// unit and the last iterations have not halved it.
-    pub reduced_tolerance: f64,
-    pub max_iterations: usize,
-    /// Largest shortfall of the smallest eigenvalue of a semidefinite block that an answer may have. Where blocks grow
-    /// without bound the rounding of S is worth more cost than the tolerance: who asks for a margin that is larger than
-    /// needed by this has answers that keep the margin needed.
-    pub shortfall: f64,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            tolerance: 1e-10,
-            reduced_tolerance: 1e-6,
-            max_iterations: 100,
-            shortfall: 0.0,
-        }
-    }
-}
-
-/// What is added to the cost of a problem.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Terms {
-    /// c; empty for none.
-    pub linear: DVector<f64>,
-    /// γ of every constraint of the form, in its order; those that are missing are zero.
-    pub log_det: Vec<f64>,
-}
+pub use crate::solve::interior::program::Terms;
+pub use crate::solve::interior::settings::Settings;
 
 /// A solution with its certificate.
 #[derive(Debug, Clone)]
@@ -131,15 +99,6 @@ const PATIENCE: usize = 6;
 fn stagnates(trace: &Trace, gap: f64) -> bool {
     let earlier = trace.rows.iter().rev().nth(PATIENCE - 1);
     earlier.is_some_and(|row| gap > 0.5 * row.regularization)
-}
-
-/// The end of a run.
-struct Run {
-    step: DVector<f64>,
-    measure: Measure,
-    stop: Stop,
-    trace: Trace,
-    multipliers: Vec<Vec<f64>>,
 }
 
 fn run(program: &Program, settings: &Settings, control: &Control) -> Result<Run, SolveError> {

@@ -5,11 +5,19 @@ use crate::problem::Linearization;
 use crate::problem::error::{ProblemError, ProblemErrorKind};
 use crate::problem::form::{Form, Objective, Set};
 use crate::solve::error::{SolveError, SolveErrorKind};
-use crate::solve::interior::Terms;
 use crate::solve::interior::block::Cone;
 use crate::solve::interior::coordinates::Coordinates;
 use crate::solve::interior::small::{self, LARGEST, Small};
 use nalgebra::DVector;
+
+/// What is added to the cost of a problem.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Terms {
+    /// c; empty for none.
+    pub linear: DVector<f64>,
+    /// γ of every constraint of the form, in its order; those that are missing are zero.
+    pub log_det: Vec<f64>,
+}
 
 pub(super) struct Program {
     /// Of the step, with the sum of squares in them.

@@ -7,8 +7,8 @@ use crate::problem::bounds;
 use crate::problem::form::Form;
 use crate::problem::solution::{Control, Stop, Trace, TraceRow};
 use crate::problem::view::LeastSquares;
-use crate::solve::levenberg_marquardt::Settings;
 use crate::solve::levenberg_marquardt::model::Model;
+use crate::solve::levenberg_marquardt::settings::Settings;
 
 /// The state that argmin carries: the point and its cost.
 pub(super) type Iterate = IterState<DVector<f64>, (), (), (), (), f64>;

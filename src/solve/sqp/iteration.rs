@@ -8,9 +8,9 @@ use crate::problem::solution::{Control, Stop, Trace, TraceRow};
 use crate::problem::view::Nlp;
 use crate::problem::{Linearization, Values};
 use crate::solve::error::{SolveError, SolveErrorKind};
-use crate::solve::sqp::Settings;
 use crate::solve::sqp::hessian::Hessian;
 use crate::solve::sqp::quadratic::{Quadratic, Row, Step};
+use crate::solve::sqp::settings::Settings;
 use crate::solve::sqp::working_set::{self, Side, Smooth};
 
 /// Share of the promised decrease of the penalty that a step has to give (Armijo).

@@ -13,52 +13,19 @@ use crate::problem::bounds;
 use crate::problem::solution::{Control, Solution, Stop};
 use crate::problem::view::Nlp;
 use crate::solve::admissible_start;
-use crate::solve::error::{SolveError, check_tolerances};
+use crate::solve::error::SolveError;
 use crate::solve::sqp::iteration::Iteration;
 
 mod hessian;
 mod iteration;
 mod quadratic;
+mod settings;
 mod working_set;
+
+pub use crate::solve::sqp::settings::Settings;
 
 #[cfg(test)]
 mod tests;
-
-/// When to stop.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
-    pub max_iterations: usize,
-    /// Stop when the penalty's model promises a decrease <= cost_tolerance · (1 + |cost|). No unit.
-    pub cost_tolerance: f64,
-    /// A constraint g >= 0 holds when g >= −feasibility_tolerance, in the constraint's unit.
-    pub feasibility_tolerance: f64,
-    /// Stop as stalled when the last `patience` iterations together lowered the penalty by
-    /// <= progress_tolerance · (1 + |penalty|): smooth minima are reached long before.
-    pub progress_tolerance: f64,
-    pub patience: usize,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            max_iterations: 500,
-            cost_tolerance: 1e-9,
-            feasibility_tolerance: 1e-7,
-            progress_tolerance: 1e-8,
-            patience: 10,
-        }
-    }
-}
-
-impl Settings {
-    fn validate(&self) -> Result<(), SolveError> {
-        check_tolerances(&[
-            ("cost_tolerance", self.cost_tolerance),
-            ("feasibility_tolerance", self.feasibility_tolerance),
-            ("progress_tolerance", self.progress_tolerance),
-        ])
-    }
-}
 
 /// A solution and what the constraints say of it.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,0 +1,40 @@
+//! The columns of the table: what stands before those of the joints, and what a column of a joint holds.
+
+/// The columns before those of the joints.
+pub(super) const LEADING: [&str; 3] = ["recording", "split", "t"];
+
+/// What a column of a joint holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// The signal as recorded, after preprocessing.
+    Recorded,
+    /// The signal as the model gives it.
+    Predicted,
+    /// As the model gives it before effects were added.
+    Baseline,
+    /// As the model gives it with all effects found.
+    Final,
+    /// Speed of the joint in rad/s or m/s.
+    Velocity,
+}
+
+impl Quantity {
+    pub const ALL: [Quantity; 5] = [
+        Quantity::Recorded,
+        Quantity::Predicted,
+        Quantity::Baseline,
+        Quantity::Final,
+        Quantity::Velocity,
+    ];
+
+    /// The word after the joint's name in the header.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Quantity::Recorded => "recorded",
+            Quantity::Predicted => "predicted",
+            Quantity::Baseline => "baseline",
+            Quantity::Final => "final",
+            Quantity::Velocity => "velocity",
+        }
+    }
+}

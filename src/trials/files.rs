@@ -1,0 +1,110 @@
+//! The files of a trial: the robot, the declared problem with its recordings, the same without noise, and the truth.
+
+use crate::chain::effect;
+use crate::problem::solution::Control;
+use crate::problem_file::ProblemFile;
+use crate::simulate::{self, Simulated, write_csv};
+use crate::trials::error::TrialError;
+use crate::trials::outside::Added;
+use crate::trials::plan::{Plan, RATE};
+use crate::trials::robot::ENCODER_COUNTS;
+use std::fs::{self, File};
+use std::io::BufWriter;
+use std::path::Path;
+
+/// The declared problem in the folder of a trial.
+pub const PROBLEM: &str = "problem.toml";
+
+/// The truth behind the recordings in it, as a problem for `exid simulate`.
+const TRUTH: &str = "truth.toml";
+
+/// The folder in it with the same problem and recordings without noise.
+pub const CLEAN: &str = "clean";
+
+/// Writes everything of a trial into an empty folder: the robot, the declared problem with its recordings, the
+/// same without noise, and the truth as a problem for `exid simulate`.
+pub fn prepare(plan: &Plan, folder: &Path, control: &Control<'_>) -> Result<(), TrialError> {
+    let period = plan.course.period;
+    let declared = declared(plan, plan.motion.states_period().then_some(period));
+    let clean = folder.join(CLEAN);
+    fs::create_dir(&clean)?;
+    for own in [folder, &clean] {
+        fs::write(own.join("robot.urdf"), plan.robot.urdf())?;
+        fs::write(own.join(PROBLEM), &declared)?;
+    }
+    let path = folder.join(TRUTH);
+    let repeating = self::declared(plan, plan.motion.repeats().then_some(period));
+    fs::write(&path, format!("{repeating}\n{}", simulated(plan)))?;
+    let truth = ProblemFile::read(&path, &[], &effect::ids())?;
+    let made = simulate::run(&truth, plan.simulation, control)?;
+    write(plan, &made, (folder, true))?;
+    write(plan, &made, (&clean, false))
+}
+
+/// The declared model and its recordings, with their period or without.
+fn declared(plan: &Plan, period: Option<f64>) -> String {
+    let robot = &plan.robot;
+    let inertials = if plan.known_links {
+        "known"
+    } else {
+        "estimate"
+    };
+    let rotors = match plan.known_rotors {
+        true => format!("rotor_inertia = {:?}\n", robot.rotor_inertia),
+        false => String::new(),
+    };
+    let period = period.map_or(String::new(), |seconds| format!("period = {seconds:?}\n"));
+    format!(
+        "name = \"trial\"\n[robot]\nurdf = \"robot.urdf\"\ninertials = \"{inertials}\"\n[drive]\n\
+         torque_constant = {:?}\n{rotors}effects = [\"coulomb_friction\", \"viscous_friction\"]\n\
+         [recordings]\ntrain = [\"train.csv\"]\nvalidation = [\"validation.csv\"]\nsignal = \"current\"\n\
+         rate = {RATE:?}\n{period}",
+        robot.torque_constant
+    )
+}
+
+/// How the recordings are made, and the truth behind them.
+fn simulated(plan: &Plan) -> String {
+    let robot = &plan.robot;
+    let mut text = format!(
+        "[design]\nperiod = {:?}\n[simulate]\ntrajectory = \"{}\"\nmode = \"closed_loop\"\nperiods = {}\n\
+         warmup_periods = 1\nnoise = {:?}\nnoise_correlation = {:?}\nencoder_counts = {ENCODER_COUNTS:?}\n\
+         [simulate.values]\n",
+        plan.course.period,
+        plan.motion.trajectory(),
+        plan.course.periods,
+        robot.noise,
+        plan.correlation
+    );
+    for (j, [dry, viscous]) in robot.friction.iter().enumerate() {
+        let name = robot.name(j);
+        text.push_str(&format!(
+            "\"{name}.Fc\" = {dry:?}\n\"{name}.Fv\" = {viscous:?}\n"
+        ));
+    }
+    for (name, value) in plan.concealed.iter().flat_map(|c| &c.values) {
+        text.push_str(&format!("\"{name}\" = {value:?}\n"));
+    }
+    text
+}
+
+/// Writes the recordings with or without noise, with the law outside the vocabulary where there is one.
+fn write(plan: &Plan, made: &Simulated, (folder, noisy): (&Path, bool)) -> Result<(), TrialError> {
+    let law = plan.outside.and_then(|(law, joints, share)| {
+        let current = plan.robot.torque[joints.0] / plan.robot.torque_constant[joints.0];
+        let first = made.recordings.first()?;
+        Added::of_size((law, joints), &first.table, (share * current, RATE))
+    });
+    for recording in &made.recordings {
+        let mut recording = recording.clone();
+        if !noisy {
+            recording.remove_noise(&made.realised_noise);
+        }
+        if let Some(law) = law {
+            law.add_to(&mut recording.table);
+        }
+        let file = File::create(folder.join(&recording.name))?;
+        write_csv(BufWriter::new(file), &recording)?;
+    }
+    Ok(())
+}
