@@ -10,6 +10,7 @@ use crate::diagnose::selection::confirmation;
 use crate::diagnose::selection::confounding;
 use crate::diagnose::selection::exact_fit::fit_without;
 use crate::diagnose::selection::hypothesis_test::HypothesisTest;
+use crate::diagnose::selection::reached::Reached;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::diagnose::selection::stepwise::{Rules, Selection, SelectionStep, Stepwise};
 use crate::diagnose::selection::weak_findings;
@@ -40,17 +41,25 @@ pub struct Explaining<'a> {
     pub rules: Rules<'a>,
     /// Hears of every stage.
     pub watch: &'a (dyn Fn(Stage) + Sync),
+    /// Keeps what was selected, should a defect end the search.
+    pub reached: &'a Reached,
 }
 
 impl Explaining<'_> {
     /// Grows the declared model by what explains its misfit.
     pub fn explain(&self, declared: ModelFit) -> Result<Explanation, DiagnoseError> {
-        let searching = |found| (self.watch)(Stage::Searching { found });
+        let searching = |selection: &Selection| self.step(selection);
         let selection = self.stepwise(&searching).forward(declared)?;
         self.conclude(selection)
     }
 
-    fn stepwise<'b>(&'b self, progress: &'b (dyn Fn(usize) + Sync)) -> Stepwise<'b> {
+    fn step(&self, selection: &Selection) {
+        self.reached.set(&selection.fit, selection.examined);
+        let found = selection.steps.len();
+        (self.watch)(Stage::Searching { found });
+    }
+
+    fn stepwise<'b>(&'b self, progress: &'b (dyn Fn(&Selection) + Sync)) -> Stepwise<'b> {
         Stepwise {
             context: &self.contexts.selection,
             rules: self.rules.of_choice(),
@@ -63,7 +72,7 @@ impl Explaining<'_> {
     /// chose nothing.
     pub fn conclude(&self, mut selection: Selection) -> Result<Explanation, DiagnoseError> {
         let context = &self.contexts.selection;
-        let searching = |found| (self.watch)(Stage::Searching { found });
+        let searching = |selection: &Selection| self.step(selection);
         let stepwise = self.stepwise(&searching);
         let examined = selection.examined;
         (self.watch)(Stage::Comparing);

@@ -8,6 +8,7 @@ pub mod exact_fit;
 pub mod explanation;
 pub mod forecast;
 pub mod hypothesis_test;
+pub mod reached;
 pub mod rival_models;
 pub mod speed_range;
 pub mod stepwise;
