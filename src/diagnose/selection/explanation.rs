@@ -14,6 +14,7 @@ use crate::diagnose::selection::reached::Reached;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::diagnose::selection::stepwise::{Rules, Selection, SelectionStep, Stepwise};
 use crate::diagnose::selection::weak_findings;
+use crate::diagnose::selection::zero_size;
 use crate::diagnose::stage::Stage;
 
 /// Rounds in which a finding may be exchanged for a better rival.
@@ -29,7 +30,7 @@ pub struct Explanation {
     pub prefixes: Vec<ModelFit>,
     /// Hypotheses that the declared model leaves open.
     pub examined: usize,
-    /// Joints of names that explained less than they left.
+    /// Joints of names that explained less than they left, or whose size may be none.
     pub withdrawn: Vec<usize>,
     /// Every hypothesis that was fitted while the model grew.
     pub tried: Vec<SelectionStep>,
@@ -68,7 +69,7 @@ impl Explaining<'_> {
     }
 
     /// Prunes a selected model, compares each finding with its rivals, exchanges what is bettered, withdraws names that
-    /// explain less than they leave or only resemble what another joint does, and strikes out what fails on rows that
+    /// explain less than they leave, only resemble what another joint does, or have a size that may be none, and strikes out what fails on rows that
     /// chose nothing.
     pub fn conclude(&self, mut selection: Selection) -> Result<Explanation, DiagnoseError> {
         let context = &self.contexts.selection;
@@ -103,7 +104,8 @@ impl Explaining<'_> {
                 confounding::first(context, &noise_level, &full, &comparisons, significance)
             };
             let weakest = weak_findings::weakest(&noise_level, &full, &comparisons);
-            if let Some(k) = weakest.or_else(confounded) {
+            let uncertain = || zero_size::least_certain(context, &full);
+            if let Some(k) = weakest.or_else(confounded).or_else(uncertain) {
                 withdrawn.extend(full.hypotheses[k].named_joints());
                 selection.fit = fit_without(context, &full, k)?;
                 round = EXCHANGES;

@@ -14,3 +14,4 @@ pub mod speed_range;
 pub mod stepwise;
 pub mod time_window;
 pub mod weak_findings;
+pub mod zero_size;
