@@ -183,6 +183,28 @@ fn files_open_with_what_they_are() {
     }
 }
 
+/// `clamp` panics where an end is not a number or above the other; `stats::range::within` has an answer.
+#[test]
+fn ends_of_ranges_that_panic_are_written_out() {
+    let is_number = |end: &str| end.trim().parse::<f64>().is_ok();
+    for source in sources("src") {
+        if source
+            .path
+            .iter()
+            .any(|part| part == "tests" || part == "tests.rs")
+        {
+            continue;
+        }
+        let text = bare(&source.text);
+        for (at, name) in text.match_indices(".clamp(") {
+            let call = &text[at + name.len()..];
+            let ends = call.split(')').next().unwrap_or(call);
+            let are_numbers = ends.split(',').all(is_number);
+            assert!(are_numbers, "{}: clamp({ends})", source.path.display());
+        }
+    }
+}
+
 #[test]
 fn recognises_texts_and_comments() {
     let text = "fn a(x: [u8; 2]) {\n  let s = \"fn x\"; // fn y\n  let c = '}';\n}\n\

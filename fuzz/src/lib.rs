@@ -1,8 +1,10 @@
 //! What has to hold of whatever a reader accepts, and of whatever it refuses.
 
+pub mod description;
 pub mod recording;
 
-use exid::fault::Fault;
+pub use description::describes_itself;
+
 use exid::robot::error::RobotError;
 use exid::robot::newton_euler::NewtonEuler;
 use exid::robot::regressor::Rows;
@@ -11,16 +13,6 @@ use exid::robot::tree::Tree;
 
 /// Joints up to which dynamics are evaluated: memory and time of the regressor grow with the square.
 const MOST_JOINTS: usize = 12;
-
-/// An error is written for people: a code, a message and a remedy, none of them empty.
-pub fn describes_itself(fault: &impl Fault) {
-    let description = fault.describe();
-    assert!(!description.code.is_empty());
-    assert!(!description.message.is_empty());
-    assert!(!description.remedy.is_empty());
-    let place = fault.place();
-    assert!(place.line != Some(0) && place.column != Some(0), "{fault}");
-}
 
 /// A robot that was accepted can be worked with.
 pub fn is_sound(read: Result<Tree, RobotError>) {

@@ -82,6 +82,7 @@ fn preparations() -> [Preparation; 4] {
         method: None,
         cutoff_hz,
         parallel_hz,
+        common_hz: None,
     };
     [
         Preparation::default(),

@@ -10,6 +10,7 @@ use crate::robot::description::Dependent;
 use crate::robot::inertia::{Inertia, PER_LINK, QUANTITIES, UNITS};
 use crate::robot::regressor::Rows;
 use crate::robot::tree::{JointKind, Tree};
+use crate::stats::range::within;
 use nalgebra::{DMatrix, DVector, Isometry3, SMatrix};
 
 /// What the signal is.
@@ -469,7 +470,7 @@ impl Model {
     /// Sets the value from which an estimate of a free parameter starts.
     pub fn start(&mut self, index: usize, value: f64) {
         let parameter = &mut self.parameters[index];
-        parameter.value = value.clamp(parameter.lower, parameter.upper);
+        parameter.value = within(value, [parameter.lower, parameter.upper]);
     }
 
     /// Narrows the bounds of a parameter.
@@ -477,7 +478,7 @@ impl Model {
         let parameter = &mut self.parameters[index];
         (parameter.lower, parameter.upper) = (lower, upper);
         parameter.bounded = true;
-        parameter.value = parameter.value.clamp(lower, upper);
+        parameter.value = within(parameter.value, [lower, upper]);
     }
 
     /// V at the given parameter values.

@@ -144,7 +144,9 @@ fn of_another_motion(read: &Read<'_>, joint: usize, own: f64) -> Finding {
 }
 
 fn window(read: &Read<'_>) -> usize {
-    ((WINDOW_S * read.timing.rate_hz).round() as usize).clamp(2, read.samples() / 4)
+    ((WINDOW_S * read.timing.rate_hz).round() as usize)
+        .max(2)
+        .min(read.samples() / 4)
 }
 
 /// Changes of a series over consecutive windows.

@@ -65,7 +65,7 @@ fn in_words(survey: &Survey) -> String {
         .map(|c| c.name.chars().count())
         .max()
         .unwrap_or(0);
-    let width = width.clamp("column".len(), 48);
+    let width = width.max("column".len()).min(48);
     text.push_str(&format!(
         "  {:>3}  {:width$}  {:8} {:>7} {:>13} {:>13} {:>8}\n",
         "no.", "column", "kind", "unit?", "lowest", "highest", "empty"

@@ -7,7 +7,7 @@ use crate::cli::{inputs, interrupt, output, predictions};
 use crate::diagnose::task;
 use crate::outcome::predictions::Quantity;
 use crate::outcome::{NEXT_FILE, Outcome, Part};
-use crate::problem::solution::Control;
+use crate::problem::solution::{Control, Stop};
 use crate::problem_file::ProblemFile;
 use std::io::Write;
 use std::time::Instant;
@@ -22,10 +22,16 @@ pub fn run(run: &Run, problem: &ProblemFile) -> Result<u8, CliError> {
     let progress = Progress::new(run.printing);
     let mut result = task::run(problem, &control, &|stage| progress.say(stage.words()))?;
     progress.say("writing the results");
-    if let (true, Some(solver)) = (control.is_interrupted(), &mut result.estimate.solver) {
-        solver.stop = "interrupted".to_string();
+    let stop = match (&result.defect, control.is_interrupted()) {
+        (Some(_), _) => Some(Stop::Defect),
+        (None, true) => Some(Stop::Interrupted),
+        (None, false) => None,
+    };
+    if let (Some(stop), Some(solver)) = (stop, &mut result.estimate.solver) {
+        solver.stop = stop.name().to_string();
         solver.converged = false;
     }
+    let defect = result.defect.take();
     let outcome = Outcome {
         name: problem.name.value.clone(),
         run: output::record(run, problem, &inputs::of_recordings(problem), started),
@@ -45,6 +51,9 @@ pub fn run(run: &Run, problem: &ProblemFile) -> Result<u8, CliError> {
         }
         Ok(())
     })?;
+    if let Some(defect) = defect {
+        return Ok(output::exit_code_of_defect(&defect, &target));
+    }
     Ok(output::exit_code(
         control.is_interrupted(),
         outcome.estimate.solver.as_ref(),

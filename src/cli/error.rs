@@ -57,6 +57,8 @@ impl CliError {
     pub const WRONG_DATA: u8 = 3;
     /// No solution.
     pub const NO_SOLUTION: u8 = 4;
+    /// A defect of exid.
+    pub const DEFECT: u8 = 70;
     pub const INTERRUPTED: u8 = 130;
 
     pub fn exit_code(&self) -> u8 {
@@ -72,6 +74,9 @@ impl CliError {
             Self::Motors(error) => of_files(error.concerns_data()),
             Self::Diagnose(DiagnoseError::Setup(error)) => of_files(error.concerns_data()),
             Self::Diagnose(DiagnoseError::Fit(_)) => Self::NO_SOLUTION,
+            Self::Diagnose(DiagnoseError::Defect(_)) | Self::Fit(FitError::Defect(_)) => {
+                Self::DEFECT
+            }
             Self::Simulate(error) if error.is_interrupt() => Self::INTERRUPTED,
             Self::Simulate(error) => of_files(error.concerns_data()),
             Self::Init(error) => of_files(error.concerns_data()),

@@ -28,6 +28,7 @@ pub fn run(run: &Run, problem: &ProblemFile) -> Result<u8, CliError> {
     }
     let result = task::run(problem, &control, |step| progress.say(step.words()))?;
     progress.say("writing the results");
+    let defect = result.defect.clone();
     let outcome = Outcome {
         name: problem.name.value.clone(),
         run: output::record(run, problem, &inputs::of_recordings(problem), started),
@@ -38,10 +39,13 @@ pub fn run(run: &Run, problem: &ProblemFile) -> Result<u8, CliError> {
     progress.done();
     // The recordings go before the report reads what was written of them.
     output::finish(run.printing, &target, &outcome, move |folder| {
-        let FitRun { fitted, data } = result;
+        let FitRun { fitted, data, .. } = result;
         let predicted = [(Quantity::Predicted, &fitted.predictions)];
         predictions::write(folder, (&fitted.model, &data), &predicted)
     })?;
+    if let Some(defect) = defect {
+        return Ok(output::exit_code_of_defect(&defect, &target));
+    }
     Ok(output::exit_code(
         control.is_interrupted(),
         outcome.estimate.solver.as_ref(),

@@ -33,9 +33,6 @@ use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 
-/// Exit code of a defect of the tool.
-const DEFECT: u8 = 70;
-
 /// Parses the command line, runs the verb, prints the error; gives the exit code.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let parsed = match Arguments::try_parse_from(arguments) {
@@ -51,7 +48,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
         Err(defect) => {
             complain(&format!("error: {defect}"));
-            ExitCode::from(DEFECT)
+            ExitCode::from(CliError::DEFECT)
         }
     }
 }

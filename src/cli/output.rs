@@ -12,6 +12,7 @@ use crate::outcome::input::Input;
 use crate::outcome::provenance::Provenance;
 use crate::outcome::run::{Run as Record, VERSION};
 use crate::outcome::{Outcome, REPORT_FILE, RESULT_FILE};
+use crate::problem::defect::Defect;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::report;
@@ -87,6 +88,15 @@ pub fn target(run: &Run, problem: &ProblemFile, verb: &str) -> Result<PathBuf, C
 pub fn writable(target: PathBuf) -> Result<PathBuf, CliError> {
     drop(ResultFolder::prepare(&target)?);
     Ok(target)
+}
+
+/// The exit code of a run that a defect ended, where what it had found before is written; standard error says so.
+pub fn exit_code_of_defect(defect: &Defect, target: &Path) -> u8 {
+    complain(&format!(
+        "error: {defect}\nwhat was found before it is in {}",
+        target.join(RESULT_FILE).display()
+    ));
+    CliError::DEFECT
 }
 
 /// The exit code of a run whose result is written; standard error says why it is none of success.

@@ -21,6 +21,7 @@ use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::limits::JointLimits;
 use crate::setup::names::{self, Reference};
 use crate::setup::robot::Robot;
+use crate::stats::range::within;
 use nalgebra::{Point3, Vector3};
 
 /// Designs move joints one by one: those that others follow have to stand still.
@@ -146,7 +147,7 @@ impl Prepared {
         let stated = self.robot.per_joint(&problem.design.rest_position)?;
         let of = |j: usize| match (self.robot.locked[j], &stated) {
             (Some(position), _) => position,
-            (None, Some(stated)) => stated[j].clamp(self.limits[j].lower, self.limits[j].upper),
+            (None, Some(stated)) => within(stated[j], [self.limits[j].lower, self.limits[j].upper]),
             (None, None) => self.limits[j].middle(),
         };
         Ok((0..self.limits.len()).map(of).collect())

@@ -13,6 +13,7 @@ use std::f64::consts::PI;
 use crate::design::motion::{MOTION, Motion};
 use crate::robot::tree::Tree;
 use crate::setup::limits::JointLimits;
+use crate::stats::range::within;
 
 /// Share of the acceleration and jerk limits, of the velocity limit, and of the range of positions that is used.
 const ACCELERATION_SHARE: f64 = 0.5;
@@ -131,7 +132,7 @@ impl Strokes {
                 let exponent = 1.0 - k as f64 / (speeds.max(2) - 1) as f64;
                 let speed = top * SLOWEST.powf(exponent);
                 let blend = blend(speed, bounds);
-                let constant = (length / speed - blend).clamp(0.0, MOST_CONSTANT);
+                let constant = within(length / speed - blend, [0.0, MOST_CONSTANT]);
                 let way = speed * (blend + constant);
                 // Half a stroke out, whole strokes to and fro, half a stroke home.
                 let half = Stroke {

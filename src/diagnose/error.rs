@@ -1,6 +1,7 @@
 //! Why a diagnosis gives no result.
 
 use crate::estimate::error::EstimateError;
+use crate::problem::defect::Defect;
 use crate::setup::error::SetupError;
 use thiserror::Error;
 
@@ -11,6 +12,9 @@ pub enum DiagnoseError {
     Setup(#[from] SetupError),
     #[error(transparent)]
     Fit(Box<EstimateError>),
+    /// Nothing was found before it.
+    #[error(transparent)]
+    Defect(#[from] Defect),
 }
 
 impl From<EstimateError> for DiagnoseError {

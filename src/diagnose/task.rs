@@ -6,7 +6,7 @@ use crate::check;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::findings::report::{Reported, Reporting};
 use crate::diagnose::fit::context::is_in_time;
-use crate::diagnose::fit::contexts::HeldOutHalves;
+use crate::diagnose::fit::contexts::{Contexts, HeldOutHalves};
 use crate::diagnose::fit::fitting::fit_declared;
 use crate::diagnose::fit::held_out;
 use crate::diagnose::fit::hypothesis::Hypothesis;
@@ -15,18 +15,21 @@ use crate::diagnose::fit::recording_parameters;
 use crate::diagnose::residuals::standstill;
 use crate::diagnose::selection::between_periods;
 use crate::diagnose::selection::explanation::{Explaining, Explanation};
+use crate::diagnose::selection::reached::Reached;
 use crate::diagnose::selection::rival_models::Ambiguity;
-use crate::diagnose::selection::stepwise::Rules;
+use crate::diagnose::selection::stepwise::{Rules, Selection};
 use crate::diagnose::stage::Stage;
 use crate::estimate::bandwidth;
 use crate::estimate::figures::{Predictions, noise_rms};
 use crate::outcome::check::Finding as Mistake;
 use crate::outcome::diagnose::Diagnosis;
 use crate::outcome::estimate::Estimate;
+use crate::problem::defect::{Defect, guarded};
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::problem_file::diagnose::SoughtEffects;
 use crate::setup;
+use crate::setup::robot::Robot;
 use nalgebra::DVector;
 
 /// A diagnosis with the recordings that it was made from.
@@ -45,6 +48,8 @@ pub struct DiagnoseRun {
     pub finally: Predictions,
     /// Findings with rivals that the recordings cannot set aside.
     pub ambiguities: Vec<Ambiguity>,
+    /// What ended the search, where the rest is what was found before it.
+    pub defect: Option<Defect>,
 }
 
 /// Runs a diagnosis; `watch` hears of every stage.
@@ -61,45 +66,26 @@ pub fn run(
     let (data, held_out) = held_out::with_held_out(standstill::left_out(&model, data));
     watch(Stage::Checking);
     let mistakes = check::run(problem, control);
-    let mut halves = halves(data, held_out);
-    let mut contexts = halves.contexts(problem, &robot, control);
+    let halves = halves(data, held_out);
     watch(Stage::Fitting);
-    let declared = fit_declared(&contexts.selection)?;
-    let noise = noise_rms(&declared.model, &declared.values, &halves.whole);
-    contexts.set_noise(noise.clone());
     let sought = sought(problem);
-    let rules = Rules {
-        sought: sought.as_deref(),
-        significance: problem.diagnose.significance.value,
-    };
-    let explaining = Explaining {
-        contexts: &contexts,
-        rules,
+    let search = Search {
+        problem,
+        robot: &robot,
+        rules: Rules {
+            sought: sought.as_deref(),
+            significance: problem.diagnose.significance.value,
+        },
+        held_out,
         watch,
     };
-    let explanation = explaining.explain(declared)?;
-    let reported = match between_periods::sought(&halves.whole, rules) {
-        Some(effects) => {
-            watch(Stage::Drift);
-            let unrolled = self::halves(between_periods::unrolled(&halves.whole), held_out);
-            let mut over_time = unrolled.contexts(problem, &robot, control);
-            over_time.set_noise(noise);
-            let explaining = Explaining {
-                contexts: &over_time,
-                ..explaining
-            };
-            let found = over_periods(&explaining, &explanation.full, &effects)?;
-            found.map(|reported| (reported, unrolled))
-        }
-        None => None,
-    };
-    let mut reported = match reported {
-        Some((over_time, unrolled)) => {
-            halves = unrolled;
-            over_time
-        }
-        None => report(&explaining, &explanation)?,
-    };
+    let declared = search.declared(&halves, control)?;
+    let (found, defect) = search.guarded(&halves, &declared, control)?;
+    let Found { mut reported, data } = found;
+    if let Some(defect) = &defect {
+        let summary = &mut reported.diagnosis.summary;
+        *summary = format!("{ENDED_BY_DEFECT} ({defect}). {summary}");
+    }
     let note = held_out.then(|| HELD_OUT.to_string());
     reported.diagnosis.notes.extend(note);
     let estimated = &reported.diagnosis.outcome.parameters;
@@ -114,9 +100,13 @@ pub fn run(
         baseline: reported.declared,
         finally: reported.last,
         ambiguities: reported.ambiguities,
-        data: halves.whole,
+        data: data.unwrap_or(halves.whole),
+        defect,
     })
 }
+
+const ENDED_BY_DEFECT: &str =
+    "The search was ended by an error within it, and this is what was found before";
 
 const HELD_OUT: &str = "No recording is kept for validation: every third of twelve blocks of each training \
                         recording was held out of the fits and is what the held-out figures are of.";
@@ -129,6 +119,144 @@ fn halves(data: Dataset, held_out: bool) -> HeldOutHalves {
         false => {
             let (judged, between) = recording_parameters::alternate(&data);
             HeldOutHalves::of(judged, between)
+        }
+    }
+}
+
+/// The search of a diagnosis over prepared recordings.
+struct Search<'a> {
+    problem: &'a ProblemFile,
+    robot: &'a Robot,
+    rules: Rules<'a>,
+    /// Rows of the training recordings were held out.
+    held_out: bool,
+    watch: &'a (dyn Fn(Stage) + Sync),
+}
+
+/// The declared model with the noise of the recordings.
+struct Declared {
+    fit: ModelFit,
+    noise: Option<Vec<f64>>,
+}
+
+/// What a search reports.
+struct Found {
+    reported: Reported,
+    /// The recordings that it is of, where these are not the given ones.
+    data: Option<Dataset>,
+}
+
+impl Search<'_> {
+    fn declared(
+        &self,
+        halves: &HeldOutHalves,
+        control: &Control<'_>,
+    ) -> Result<Declared, DiagnoseError> {
+        let contexts = halves.contexts(self.problem, self.robot, control);
+        let fit = fit_declared(&contexts.selection)?;
+        let noise = noise_rms(&fit.model, &fit.values, &halves.whole);
+        Ok(Declared { fit, noise })
+    }
+
+    /// What a search finds, or had found when a defect ended it.
+    fn guarded(
+        &self,
+        halves: &HeldOutHalves,
+        declared: &Declared,
+        control: &Control<'_>,
+    ) -> Result<(Found, Option<Defect>), DiagnoseError> {
+        let reached = Reached::default();
+        let search = || self.whole(halves, declared, (control, &reached));
+        let defect = match guarded(search) {
+            Ok(found) => return Ok((found?, None)),
+            Err(defect) => defect,
+        };
+        // The declared model alone, where the defect lies in what was selected.
+        for selection in [reached.get(), None] {
+            let at = selection.unwrap_or_else(|| Selection::of(declared.fit.clone()));
+            let report = || self.stopped_at(halves, declared, at);
+            if let Ok(Ok(found)) = guarded(report) {
+                return Ok((found, Some(defect)));
+            }
+        }
+        Err(defect.into())
+    }
+
+    /// Grows the declared model and reports what it has become.
+    fn whole(
+        &self,
+        halves: &HeldOutHalves,
+        declared: &Declared,
+        (control, reached): (&Control<'_>, &Reached),
+    ) -> Result<Found, DiagnoseError> {
+        let contexts = self.contexts(halves, declared, control)?;
+        let explaining = self.explaining(&contexts, reached);
+        let explanation = explaining.explain(declared.fit.clone())?;
+        let changing = between_periods::sought(&halves.whole, self.rules);
+        if let Some(effects) = changing.filter(|_| !control.is_interrupted()) {
+            (self.watch)(Stage::Drift);
+            let unrolled = between_periods::unrolled(&halves.whole);
+            let unrolled = self::halves(unrolled, self.held_out);
+            let mut over_time = unrolled.contexts(self.problem, self.robot, control);
+            over_time.set_noise(declared.noise.clone());
+            // What is selected there is of other rows than those that a defect leaves.
+            let apart = Reached::default();
+            let explaining = self.explaining(&over_time, &apart);
+            if let Some(reported) = over_periods(&explaining, &explanation.full, &effects)? {
+                return Ok(Found {
+                    reported,
+                    data: Some(unrolled.whole),
+                });
+            }
+        }
+        Ok(Found {
+            reported: report(&explaining, &explanation)?,
+            data: None,
+        })
+    }
+
+    /// Reports a selected model as a search that is interrupted there does.
+    fn stopped_at(
+        &self,
+        halves: &HeldOutHalves,
+        declared: &Declared,
+        selection: Selection,
+    ) -> Result<Found, DiagnoseError> {
+        let stopped = Control::stopped();
+        let contexts = self.contexts(halves, declared, &stopped)?;
+        let reached = Reached::default();
+        let explaining = self.explaining(&contexts, &reached);
+        let explanation = explaining.conclude(selection)?;
+        Ok(Found {
+            reported: report(&explaining, &explanation)?,
+            data: None,
+        })
+    }
+
+    /// Contexts that know the declared model.
+    fn contexts<'c>(
+        &'c self,
+        halves: &'c HeldOutHalves,
+        declared: &Declared,
+        control: &'c Control<'c>,
+    ) -> Result<Contexts<'c>, DiagnoseError> {
+        let mut contexts = halves.contexts(self.problem, self.robot, control);
+        contexts.set_noise(declared.noise.clone());
+        let known = || Ok(declared.fit.clone());
+        contexts.selection.cache.fit_model(&[], known)?;
+        Ok(contexts)
+    }
+
+    fn explaining<'c>(
+        &'c self,
+        contexts: &'c Contexts<'c>,
+        reached: &'c Reached,
+    ) -> Explaining<'c> {
+        Explaining {
+            contexts,
+            rules: self.rules,
+            watch: self.watch,
+            reached,
         }
     }
 }

@@ -26,6 +26,7 @@ use crate::outcome::estimate::Estimate;
 use crate::outcome::parameter::Parameter;
 use crate::problem::solution::{Control, Solution};
 use crate::recording::split::Split;
+use crate::stats::range::within;
 use nalgebra::DMatrix;
 
 /// Prefix of the names of a load's parameters.
@@ -76,7 +77,7 @@ fn all_but_load_known(first: &Fitted) -> Result<Model, EstimateError> {
     for k in 0..model.parameters().len() {
         let parameter = &model.parameters()[k];
         if parameter.is_free() && !matches!(parameter.role, Role::Payload { .. }) {
-            let value = first.values[k].clamp(parameter.lower, parameter.upper);
+            let value = within(first.values[k], [parameter.lower, parameter.upper]);
             model.fix(k, value)?;
         }
     }

@@ -143,7 +143,7 @@ impl Spectrum {
         for (k, edge) in self.edges.iter().enumerate() {
             let end = match k + 1 == self.edges.len() {
                 true => frequencies,
-                false => ((edge * last).ceil() as usize).clamp(start, frequencies),
+                false => ((edge * last).ceil() as usize).max(start).min(frequencies),
             };
             cells.push(start..end);
             start = end;

@@ -17,6 +17,7 @@ use crate::outcome::estimate::Estimate;
 use crate::outcome::fit::{Comparison, Fit, Preprocessing};
 use crate::outcome::joint::JointFigures;
 use crate::outcome::machine::Machine;
+use crate::problem::defect::{Defect, guarded};
 use crate::problem::solution::{Control, Stop};
 use crate::problem_file::ProblemFile;
 use crate::problem_file::choices;
@@ -38,6 +39,9 @@ pub enum FitError {
         place: String,
         error: Box<EstimateError>,
     },
+    /// Nothing was found before it.
+    #[error(transparent)]
+    Defect(#[from] Defect),
 }
 
 /// A fit with the recordings that it was made from.
@@ -45,6 +49,8 @@ pub enum FitError {
 pub struct FitRun {
     pub fitted: Fitted,
     pub data: Dataset,
+    /// What ended the search, where the rest is what was found before it.
+    pub defect: Option<Defect>,
 }
 
 /// Steps of a fit, as progress shows them.
@@ -77,11 +83,13 @@ pub fn run(
     watch(Step::Reading);
     let data = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
     watch(Step::Fitting);
-    let mut fitted = match problem.fit.load.value {
-        LoadFrom::Together => estimate(problem, &model, (&data, &prior), control)?,
-        LoadFrom::Difference => by_difference(problem, &model, (&data, &prior), control)?,
-    }
-    .map_err(|error| failed(problem, error))?;
+    let (mut fitted, mut defect) = or_before_defect(control, |control| {
+        let fitted = match problem.fit.load.value {
+            LoadFrom::Together => estimate(problem, &model, (&data, &prior), control)?,
+            LoadFrom::Difference => by_difference(problem, &model, (&data, &prior), control)?,
+        };
+        fitted.map_err(|error| failed(problem, error))
+    })?;
     fitted.fit.preprocessing = preprocessing(&model, &data);
     fitted.fit.payload = load::describe(&fitted.estimate);
     fitted.fit.notes.extend(undetermined_load(&fitted.fit));
@@ -99,12 +107,41 @@ pub fn run(
     }
     if !problem.fit.compare.is_empty() {
         watch(Step::Comparing);
-        compare(problem, &robot, (&mut fitted, &data), control)?;
+        let compared = guarded(|| compare(problem, &robot, (&mut fitted, &data), control));
+        match compared {
+            Ok(compared) => compared?,
+            Err(found) => defect = defect.or(Some(found)),
+        }
     }
-    if control.is_interrupted() {
-        interrupted(&mut fitted.estimate);
+    if let Some(defect) = &defect {
+        stopped(&mut fitted.estimate, Stop::Defect);
+        let note = format!("{ENDED_BY_DEFECT} ({defect}).");
+        fitted.fit.notes.insert(0, note);
+    } else if control.is_interrupted() {
+        stopped(&mut fitted.estimate, Stop::Interrupted);
     }
-    Ok(FitRun { fitted, data })
+    Ok(FitRun {
+        fitted,
+        data,
+        defect,
+    })
+}
+
+const ENDED_BY_DEFECT: &str = "The fit was ended by an error within it: parameters are those that it had come to or would have begun \
+                               with, and comparisons those that were done";
+
+/// What a search gives, or the point that it would begin at where a defect ends it.
+fn or_before_defect<T>(
+    control: &Control<'_>,
+    search: impl Fn(&Control<'_>) -> Result<T, FitError>,
+) -> Result<(T, Option<Defect>), FitError> {
+    match guarded(|| search(control)) {
+        Ok(found) => Ok((found?, None)),
+        Err(defect) => match guarded(|| search(&Control::stopped())) {
+            Ok(Ok(start)) => Ok((start, Some(defect))),
+            _ => Err(defect.into()),
+        },
+    }
 }
 
 /// Mean square of what a model leaves over that of the noise from which on the model misses as much as the noise is.
@@ -199,9 +236,9 @@ fn failed(problem: &ProblemFile, error: EstimateError) -> FitError {
 }
 
 /// Direct solutions within a search do not know that the search was cut short.
-fn interrupted(estimate: &mut Estimate) {
+fn stopped(estimate: &mut Estimate, stop: Stop) {
     if let Some(solver) = &mut estimate.solver {
-        solver.stop = Stop::Interrupted.name().to_string();
+        solver.stop = stop.name().to_string();
         solver.converged = false;
     }
 }

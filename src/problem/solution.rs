@@ -31,6 +31,8 @@ pub enum Stop {
     TimeLimit,
     /// The caller asked to stop.
     Interrupted,
+    /// A defect of the program ended the search.
+    Defect,
 }
 
 impl Stop {
@@ -56,6 +58,7 @@ impl Stop {
             Self::IterationLimit => "iteration-limit",
             Self::TimeLimit => "time-limit",
             Self::Interrupted => "interrupted",
+            Self::Defect => "defect",
         }
     }
 }
@@ -107,6 +110,14 @@ pub struct Control<'a> {
 }
 
 impl Control<'_> {
+    /// Of a run that ends at once, with the point that it would begin at.
+    pub fn stopped() -> Self {
+        Self {
+            interrupt: Some(Arc::new(AtomicBool::new(true))),
+            ..Self::default()
+        }
+    }
+
     pub fn is_interrupted(&self) -> bool {
         self.interrupt
             .as_ref()

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::fault::Place;
 use crate::recording::columns::Recording;
-use crate::recording::differentiate::{Differentiated, low_passed, smoothed};
+use crate::recording::differentiate::{Differentiated, LONG_GAP, gaps, low_passed, smoothed};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::experiment::{Experiment, Raw, RowMap};
 use crate::recording::fill::{Ends, fill, fill_motion};
@@ -93,7 +93,8 @@ fn assembled(
     }
     if let Some(filter) = &parallel {
         signal.iter_mut().for_each(|series| filter.apply(series));
-        mask = Some(mask_edges(mask, rows.len(), inner));
+        let edged = mask_edges(mask, rows.len(), inner);
+        mask = Some(mask_reach(edged, inner, &recording.file)?);
     }
     let start = rows.start as f64 / rate_hz;
     raw.keep_span(&rows, start, &timing);
@@ -183,6 +184,22 @@ fn mask_edges(mask: Option<Vec<bool>>, rows: usize, edge: usize) -> Vec<bool> {
     mask[..edge].fill(false);
     mask[rows - edge..].fill(false);
     mask
+}
+
+/// Masks the rows within the filter's reach of a gap: what bridges the signal there is not what the model makes of what
+/// bridges the motion, and the filter carries the difference to both sides.
+///
+/// Errors: too few rows are left.
+fn mask_reach(mut mask: Vec<bool>, reach: usize, file: &Path) -> Result<Vec<bool>, RecordingError> {
+    let rows = mask.len();
+    for gap in gaps(Some(&mask), (LONG_GAP * reach as f64) as usize) {
+        mask[gap.start.saturating_sub(reach)..(gap.end + reach).min(rows)].fill(false);
+    }
+    if mask.iter().filter(|&&counts| counts).count() < LEAST_ROWS {
+        let kind = RecordingErrorKind::NothingUnmasked;
+        return Err(RecordingError::new(Place::file(file), kind));
+    }
+    Ok(mask)
 }
 
 impl Raw {

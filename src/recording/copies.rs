@@ -213,7 +213,7 @@ struct Run {
 fn runs(pair: [&Compared<'_>; 2], shift: isize) -> Vec<Run> {
     let [a, b] = pair;
     let begin = (-shift).max(0) as usize;
-    let end = (b.rows as isize - shift).clamp(0, a.rows as isize) as usize;
+    let end = (b.rows as isize - shift).max(0).min(a.rows as isize) as usize;
     let mut found = Vec::new();
     let mut row = begin;
     while row < end {

@@ -1,4 +1,4 @@
-//! Text separated by commas, semicolons, tabs or blanks, plain or gzip-compressed, with a line of names, which may be a
+//! Text separated by commas, semicolons, tabs or blanks, plain or compressed (gzip, bzip2, Zstandard), with a line of names, which may be a
 //! comment, or without; read line by line so that memory holds the wanted columns and one line.
 
 use std::collections::HashSet;
@@ -6,6 +6,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
 
+use bzip2::read::MultiBzDecoder;
 use flate2::read::MultiGzDecoder;
 
 use crate::fault::Place;
@@ -26,6 +27,10 @@ const MOST_BLANK_LINES: usize = 10_000;
 /// Most lines of comment before the names: what is longer is no table.
 const MOST_COMMENTS: usize = 10_000;
 
+/// First bytes of files by bzip2 and Zstandard (RFC 8878, section 3.1.1).
+const BZIP2: &[u8] = b"BZh";
+const ZSTANDARD: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
+
 /// Read-ahead, bytes: large enough that the cost of a system call vanishes.
 const BUFFER: usize = 1 << 18;
 
@@ -35,9 +40,9 @@ pub fn columns(path: &Path, reading: &Reading) -> Result<Vec<String>, RecordingE
     Ok(read_header(&mut lines)?.names)
 }
 
-/// Column names of a gzip-compressed text file.
-pub fn columns_gzip(path: &Path, reading: &Reading) -> Result<Vec<String>, RecordingError> {
-    let mut lines = Lines::gzip(path, reading)?;
+/// Column names of a compressed text file.
+pub fn columns_packed(path: &Path, reading: &Reading) -> Result<Vec<String>, RecordingError> {
+    let mut lines = Lines::packed(path, reading)?;
     Ok(read_header(&mut lines)?.names)
 }
 
@@ -46,13 +51,13 @@ pub fn read(path: &Path, wanted: &[String], reading: &Reading) -> Result<Table, 
     read_rows(Lines::plain(path, reading)?, wanted, reading)
 }
 
-/// The wanted columns of a gzip-compressed text file.
-pub fn read_gzip(
+/// The wanted columns of a compressed text file.
+pub fn read_packed(
     path: &Path,
     wanted: &[String],
     reading: &Reading,
 ) -> Result<Table, RecordingError> {
-    read_rows(Lines::gzip(path, reading)?, wanted, reading)
+    read_rows(Lines::packed(path, reading)?, wanted, reading)
 }
 
 /// The lines of a file, one at a time, of bounded length.
@@ -70,9 +75,20 @@ impl<'p> Lines<'p> {
         Self::new(path, Box::new(reading.metered(file)))
     }
 
-    fn gzip(path: &'p Path, reading: &Reading) -> Result<Self, RecordingError> {
-        let file = File::open(path).map_err(|error| from_io(Place::file(path), &error))?;
-        let file = BufReader::with_capacity(BUFFER, file);
+    /// By the first bytes, not by the name: what compresses is often renamed.
+    fn packed(path: &'p Path, reading: &Reading) -> Result<Self, RecordingError> {
+        let fault = |error: &std::io::Error| from_io(Place::file(path), error);
+        let file = File::open(path).map_err(|error| fault(&error))?;
+        let mut file = BufReader::with_capacity(BUFFER, file);
+        let begin = file.fill_buf().map_err(|error| fault(&error))?;
+        if begin.starts_with(BZIP2) {
+            return Self::new(path, Box::new(reading.metered(MultiBzDecoder::new(file))));
+        }
+        if begin.starts_with(ZSTANDARD) {
+            let decoder = zstd::stream::read::Decoder::with_buffer(file);
+            let decoder = decoder.map_err(|error| fault(&error))?;
+            return Self::new(path, Box::new(reading.metered(decoder)));
+        }
         Self::new(path, Box::new(reading.metered(MultiGzDecoder::new(file))))
     }
 

@@ -159,7 +159,7 @@ impl MotionSpectrum {
     pub fn variance(&self, order: usize, cutoff_hz: f64) -> f64 {
         let own = self.of_channels.iter().find(|(o, _)| *o == order);
         let last = self.power.len().saturating_sub(1);
-        let at = ((cutoff_hz / self.step()) as usize).clamp(1, last.max(1));
+        let at = ((cutoff_hz / self.step()) as usize).max(1).min(last.max(1));
         let power = own
             .and_then(|(_, noise)| noise.get(at))
             .copied()
@@ -173,7 +173,7 @@ impl MotionSpectrum {
     /// has at the cut-off.
     fn white_noise(&self, frequency: f64, cutoff_hz: f64) -> f64 {
         let last = self.power.len().saturating_sub(1);
-        let at = ((cutoff_hz / self.step()) as usize).clamp(1, last.max(1));
+        let at = ((cutoff_hz / self.step()) as usize).max(1).min(last.max(1));
         let precision = self.of_channels.iter().map(|(order, noise)| {
             let power = noise.get(at).copied().unwrap_or(0.0);
             (power * (frequency / cutoff_hz).powi(4 - 2 * *order as i32)).recip()

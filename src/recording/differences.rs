@@ -37,7 +37,7 @@ fn over_windows(series: &[f64], combine: impl Fn([f64; 7]) -> f64) -> Vec<f64> {
     let n = series.len();
     let at = |index: isize| {
         let last = n as isize - 1;
-        let inside = |index: isize| series[index.clamp(0, last) as usize];
+        let inside = |index: isize| series[index.max(0).min(last) as usize];
         match index {
             i if i < 0 => 2.0 * series[0] - inside(-i),
             i if i > last => 2.0 * series[n - 1] - inside(2 * last - i),

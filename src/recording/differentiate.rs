@@ -280,10 +280,10 @@ pub(super) fn low_passed(
 }
 
 /// A gap of less than this share of a filter's edge, a tenth of a period of its cut-off, is bridged without loss.
-const LONG_GAP: f64 = 0.05;
+pub(super) const LONG_GAP: f64 = 0.05;
 
 /// Runs of more than so many rows that a mask leaves out.
-fn gaps(mask: Option<&[bool]>, longest: usize) -> Vec<Range<usize>> {
+pub(super) fn gaps(mask: Option<&[bool]>, longest: usize) -> Vec<Range<usize>> {
     let mut gaps = Vec::new();
     let mut end = 0;
     for run in mask.unwrap_or_default().chunk_by(|a, b| a == b) {

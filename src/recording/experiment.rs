@@ -13,6 +13,7 @@ use crate::recording::settings::{Method, Preparation};
 use crate::recording::timing::{Grid, Timing, examine, mask_on};
 use crate::recording::zero_phase::ZeroPhase;
 use crate::recording::{aperiodic, clock, periodic};
+use crate::stats::range::within;
 
 /// Motion of n joints over N rows: `[j][k]`, joint j, row k.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -289,7 +290,7 @@ impl Raw {
             RowMap::Same => exact(k),
             RowMap::Periodic { first } => exact((k + self.rows - first % self.rows) % self.rows),
             RowMap::Grid { start, rate_hz } => {
-                let row = ((self.t[k] - start) * rate_hz).clamp(0.0, (self.rows - 1) as f64);
+                let row = within((self.t[k] - start) * rate_hz, [0.0, (self.rows - 1) as f64]);
                 let before = row.floor() as usize;
                 Between {
                     before,

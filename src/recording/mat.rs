@@ -1,4 +1,4 @@
-//! MATLAB files; those of version 7.3 are HDF5. Here version 5 (`save -v6` and `-v7`): numeric arrays, also as fields of a structure,
+//! MATLAB files; those of version 7.3 are HDF5, and those of version 4 a list of matrices. Here version 5 (`save -v6` and `-v7`): numeric arrays, also as fields of a structure,
 //! which are named `structure.field`. Source: MathWorks, MAT-File Format, chapter 1.
 
 use std::io::Read;
@@ -10,6 +10,7 @@ use crate::fault::Place;
 use crate::recording::arrays::{Layout, Storage, assemble, column_names};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::hdf5;
+use crate::recording::mat4;
 use crate::recording::number_type::{ByteOrder, NumberType};
 use crate::recording::reading::{Reading, Stop};
 use crate::recording::table::Table;
@@ -93,6 +94,19 @@ struct Skipped {
 
 fn contents(path: &Path, reading: &Reading) -> Result<Contents, RecordingError> {
     let bytes = reading.whole_file(path)?;
+    if mat4::is_of_this_version(&bytes) {
+        let matrices = mat4::matrices(&bytes).map_err(|reason| corrupt(path, reason))?;
+        let arrays = matrices.into_iter().map(|matrix| Variable {
+            layout: matrix.layout,
+            number: matrix.number,
+            order: matrix.order,
+            bytes: matrix.bytes.to_vec(),
+        });
+        return Ok(Contents {
+            arrays: arrays.collect(),
+            skipped: Vec::new(),
+        });
+    }
     let order = byte_order(path, &bytes)?;
     let mut contents = Contents::default();
     let cursor = Cursor::new(&bytes[HEADER..], order);
@@ -134,7 +148,7 @@ fn byte_order(path: &Path, bytes: &[u8]) -> Result<ByteOrder, RecordingError> {
         Some([1, 0, b'M', b'I']) => Ok(ByteOrder::Big),
         _ => Err(corrupt(
             path,
-            "it does not begin as one of version 5; save it with the option '-v7'".into(),
+            "it does not begin as one of version 4 or 5; save it with the option '-v7'".into(),
         )),
     }
 }

@@ -25,6 +25,7 @@ pub mod held;
 pub mod join;
 mod layout;
 pub mod mat;
+mod mat4;
 pub mod missing;
 mod noise_level;
 pub mod npz;

@@ -203,7 +203,7 @@ fn differentiate(
         Some(cutoff) => (cutoff * period + 1e-9) as usize,
         None => fourier::choose_harmonics(&coefficients, &noise, n),
     };
-    let harmonics = harmonics.clamp(1, fourier::most_harmonics(n));
+    let harmonics = harmonics.max(1).min(fourier::most_harmonics(n));
     let cutoff_hz = settings.cutoff_hz.unwrap_or(harmonics as f64 / period);
     let mut bandwidth = Bandwidth {
         harmonics: Some(harmonics),

@@ -73,18 +73,36 @@ pub struct Format {
     pub read: fn(&Path, &[String], &Reading) -> Result<Table, RecordingError>,
 }
 
+impl Format {
+    const fn text(extension: &'static str) -> Self {
+        Self {
+            extension,
+            columns: csv::columns,
+            read: csv::read,
+        }
+    }
+
+    /// Text that is compressed.
+    const fn packed(extension: &'static str) -> Self {
+        Self {
+            extension,
+            columns: csv::columns_packed,
+            read: csv::read_packed,
+        }
+    }
+}
+
 /// The known formats.
 pub const FORMATS: &[Format] = &[
-    Format {
-        extension: ".csv",
-        columns: csv::columns,
-        read: csv::read,
-    },
-    Format {
-        extension: ".csv.gz",
-        columns: csv::columns_gzip,
-        read: csv::read_gzip,
-    },
+    Format::text(".csv"),
+    Format::text(".tsv"),
+    Format::text(".txt"),
+    Format::text(".dat"),
+    Format::packed(".csv.gz"),
+    Format::packed(".tsv.gz"),
+    Format::packed(".txt.gz"),
+    Format::packed(".csv.bz2"),
+    Format::packed(".csv.zst"),
     Format {
         extension: ".parquet",
         columns: parquet::columns,

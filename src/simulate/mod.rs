@@ -122,6 +122,7 @@ pub fn run(
             "the trajectory does not lead back to its start: each recording is one pass".into(),
         );
     }
+    notes.extend(unwritten(problem));
     let realised_noise = realised(&task.sensors, &made);
     let (recordings, trajectories) = made
         .into_iter()
@@ -133,6 +134,32 @@ pub fn run(
         realised_noise,
         truth: truth.parameters,
         notes,
+    })
+}
+
+/// Of recordings that lie in several files: which one has every channel, and which are not written.
+fn unwritten(problem: &ProblemFile) -> Option<String> {
+    let table = problem.recordings.as_ref()?;
+    let lists = [&table.train, &table.loaded, &table.validation];
+    let joined = lists.into_iter().flatten();
+    let mut pairs: Vec<String> = Vec::new();
+    for files in joined
+        .map(|files| &files.value.files)
+        .filter(|f| f.len() > 1)
+    {
+        let others = files[1..].iter().map(|f| f.path.written.as_str());
+        let others: Vec<&str> = others.collect();
+        let pair = format!("{} ({})", files[0].path.written, others.join(", "));
+        if !pairs.contains(&pair) {
+            pairs.push(pair);
+        }
+    }
+    (!pairs.is_empty()).then(|| {
+        format!(
+            "every channel is in the first file of a recording, under the names that exid finds by itself, and the others of it \
+             are not written: {}; a problem that reads the simulation lists the first file alone, without a map of columns",
+            pairs.join("; ")
+        )
     })
 }
 

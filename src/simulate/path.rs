@@ -5,6 +5,7 @@
 //! ```
 
 use crate::simulate::free::Free;
+use crate::stats::range::within;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
@@ -171,8 +172,8 @@ impl Spline {
         let last = self.time.len() - 2;
         for k in 0..count {
             let end = self.time[last + 1];
-            let t = (start + k as f64 / rate).clamp(0.0, end);
-            let i = self.time.partition_point(|x| *x <= t).clamp(1, last + 1) - 1;
+            let t = within(start + k as f64 / rate, [0.0, end]);
+            let i = self.time.partition_point(|x| *x <= t).max(1).min(last + 1) - 1;
             let step = self.time[i + 1] - self.time[i];
             let (a, b) = ((self.time[i + 1] - t) / step, (t - self.time[i]) / step);
             let joints = self.position.iter().zip(&self.curvature);

@@ -165,7 +165,7 @@ fn series(position: &[Vec<f64>], period: f64) -> Fourier {
         .unwrap_or(1);
     // The harmonic at half the rate has no derivative.
     let most = (position[0].len() - 1) / 2;
-    let kept = 1..=needed.clamp(1, most);
+    let kept = 1..=needed.max(1).min(most);
     let part = |of: fn(&Complex<f64>) -> f64| -> Vec<Vec<f64>> {
         let rows = spectra.iter();
         rows.map(|s| s[kept.clone()].iter().map(of).collect())

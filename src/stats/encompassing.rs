@@ -308,7 +308,9 @@ pub fn block_length(residuals: &[Vec<f64>]) -> usize {
         .map(|e| correlation_time(e))
         .fold(1.0, f64::max);
     let most = (rows / LEAST_BLOCKS).max(LEAST_BLOCK);
-    ((CORRELATION_TIMES * longest) as usize).clamp(LEAST_BLOCK, most)
+    ((CORRELATION_TIMES * longest) as usize)
+        .max(LEAST_BLOCK)
+        .min(most)
 }
 
 /// `1 + 2 Σ ρ_l` rows up to the first lag at which the autocorrelation ρ falls below two standard deviations

@@ -6,4 +6,5 @@ pub mod deviation;
 pub mod distribution;
 pub mod encompassing;
 pub mod ljung_box;
+pub mod range;
 pub mod robust;

@@ -80,6 +80,9 @@ fn one(plan: &Plan, folder: &Path, control: &Control<'_>) -> Result<Trial, Trial
         let read = ProblemFile::read(&problem, &[], &effect::ids())?;
         task::run(&read, control, &|_| ())?
     };
+    if let Some(defect) = diagnosed.defect {
+        return Err(defect.into());
+    }
     let sizes = sizes(plan, &folder.join(CLEAN).join(PROBLEM), control)?;
     let informed = informed(plan, &problem, control)?;
     let mut trial = score::judge(plan, (&diagnosed, informed.as_ref()), &sizes);

@@ -8,6 +8,7 @@ use crate::chain::effect::law::signum;
 use crate::chain::effect::{
     Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Search, Unit,
 };
+use crate::stats::range::within;
 
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
@@ -97,7 +98,7 @@ pub fn current(c: [f64; COEFFICIENTS], torque: f64) -> Inverse {
             ..nothing
         };
     }
-    let mut x = ((size - c[0]) / c[1]).clamp(low, high);
+    let mut x = within((size - c[0]) / c[1], [low, high]);
     for _ in 0..STEPS {
         let (value, slope, _) = rising(c, x);
         let error = value - size;

@@ -2,6 +2,7 @@
 
 use crate::chain::evaluate::{Evaluator, Segment};
 use crate::robot::batch::Trajectory;
+use crate::stats::range::within;
 
 /// Step of the difference that gives ∂s/∂delay, as a share of the time between samples: rounding leaves
 /// seven digits, and the motion between samples is a smooth polynomial.
@@ -109,7 +110,7 @@ fn places(segment: Segment<'_>, delay: f64) -> Vec<Place> {
             let at = at.rem_euclid(samples as f64);
             (at, (at.floor() as usize).min(samples - 1))
         } else {
-            let at = at.clamp(0.0, (samples - 1) as f64);
+            let at = within(at, [0.0, (samples - 1) as f64]);
             (at, (at.floor() as usize).min(samples - 2))
         };
         let s = at - before as f64;

@@ -25,9 +25,12 @@ pub struct Corrections {
 }
 
 impl Corrections {
-    /// Of a model that a search has come to.
+    /// Of a model that a search has come to; none where the search was interrupted.
     pub fn of(contexts: &Contexts<'_>, full: &ModelFit, rules: Rules<'_>) -> Self {
-        let mut wanted = additive_model::of_all(&contexts.selection, full);
+        let mut wanted = match contexts.selection.control.is_interrupted() {
+            true => Vec::new(),
+            false => additive_model::of_all(&contexts.selection, full),
+        };
         let tried = wanted.len();
         let choice = rules.of_choice().significance;
         wanted.retain(|correction| is_needed(correction, choice, tried));

@@ -14,14 +14,15 @@ pub fn sentence(hypothesis: &Hypothesis, model: &Model, parameters: &[Parameter]
     };
     match hypothesis.effect.id {
         "transmission_efficiency" => {
-            let loss = found.scaled("R", "%", |r| 100.0 * (1.0 - r));
+            // What lies beyond a lossless gearbox is the interval's, not the gearbox's.
+            let loss = found.scaled("R", "%", |r| 100.0 * (1.0 - r).max(0.0));
             let loss = loss.unwrap_or_else(|| "part".to_string());
             format!(
                 "{who} loses {loss} of the torque that it transmits; the model had a lossless gearbox"
             )
         }
         "load_dependent_friction" => {
-            let share = found.scaled("mu", "%", |mu| 100.0 * mu);
+            let share = found.scaled("mu", "%", |mu| 100.0 * mu.max(0.0));
             let share = share.map_or_else(String::new, |share| format!(", by {share} of it"));
             format!(
                 "Friction of {who} grows with the load that it carries{share}; the model's friction did not know the load"
@@ -280,11 +281,56 @@ pub fn list(names: &[String]) -> String {
     }
 }
 
-/// Three significant digits.
+/// Sizes below this, in any unit of a finding, are rounding and nothing else.
+const ROUNDING: f64 = 1e-12;
+
+/// Decimal exponents outside of which a number is written with its exponent.
+const PLAIN_EXPONENTS: std::ops::Range<i32> = -6..7;
+
+/// Three significant digits: `0.0123`, `-18.9`, `2.50e7`; `0` for what is rounding.
 pub fn short(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
+    if value.abs() < ROUNDING || !value.is_finite() {
+        return format!("{}", if value.is_finite() { 0.0 } else { value });
     }
-    let digits = (2 - value.abs().log10().floor() as i32).clamp(0, 9) as usize;
+    let exponent = value.abs().log10().floor() as i32;
+    if !PLAIN_EXPONENTS.contains(&exponent) {
+        return format!("{value:.2e}");
+    }
+    let digits = (2 - exponent).max(0) as usize;
     format!("{value:.digits$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_sentences_have_three_digits_and_no_endless_zeros() {
+        for (value, text) in [
+            (0.0, "0"),
+            (6e-120, "0"),
+            (-6e-120, "0"),
+            (0.0123, "0.0123"),
+            (-18.91, "-18.9"),
+            (1234.5, "1234"),
+            (3.0e-8, "3.00e-8"),
+            (2.5e7, "2.50e7"),
+        ] {
+            assert_eq!(short(value), text);
+        }
+    }
+
+    /// An interval that reaches beyond a lossless gearbox reaches no negative loss.
+    #[test]
+    fn a_loss_is_never_negative() {
+        let efficiency = Parameter {
+            ci95: Some([0.97, 1.01]),
+            ..Parameter::known("a3.transmission_efficiency.R", "", 0.99)
+        };
+        let found = Found {
+            parameters: &[efficiency],
+        };
+        let loss = found.scaled("R", "%", |r| 100.0 * (1.0 - r).max(0.0));
+        assert_eq!(loss.unwrap(), "1.00 % (95 %: 0 to 3.00)");
+    }
 }

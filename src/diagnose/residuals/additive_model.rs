@@ -17,6 +17,7 @@ use crate::linalg::triangular::Triangular;
 use crate::recording::split::Split;
 use crate::stats::deviation::rms;
 use crate::stats::encompassing::{Encompassing, ResidualPair, ResidualRows};
+use crate::stats::range::within;
 use nalgebra::{DMatrix, DVector};
 
 /// Knots of a variable.
@@ -250,7 +251,7 @@ fn design(covariates: &Covariates, knots: &[Vec<f64>]) -> DMatrix<f64> {
 }
 
 fn hat(knots: &[f64], k: usize, x: f64) -> f64 {
-    let x = x.clamp(knots[0], knots[knots.len() - 1]);
+    let x = within(x, [knots[0], knots[knots.len() - 1]]);
     if k > 0 && x < knots[k] {
         return ((x - knots[k - 1]) / (knots[k] - knots[k - 1])).max(0.0);
     }

@@ -27,6 +27,7 @@ use crate::linalg::triangular::Triangular;
 use crate::recording::split::Split;
 use crate::stats::deviation::deviations;
 use crate::stats::encompassing::ResidualPair;
+use crate::stats::range::within;
 use nalgebra::DVector;
 
 /// Steps of all parameters in the place of a search: the first from a fitted model, the next with the weights and the
@@ -128,7 +129,7 @@ impl<'a> Without<'a> {
                 let parameter = &model.parameters()[p];
                 values[p] -= by;
                 if parameter.linearity == Linearity::Nonlinear {
-                    values[p] = values[p].clamp(parameter.lower, parameter.upper);
+                    values[p] = within(values[p], [parameter.lower, parameter.upper]);
                 }
             }
             factors -= step.rows(unknowns.len(), factors.len());

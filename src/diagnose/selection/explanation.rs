@@ -10,9 +10,11 @@ use crate::diagnose::selection::confirmation;
 use crate::diagnose::selection::confounding;
 use crate::diagnose::selection::exact_fit::fit_without;
 use crate::diagnose::selection::hypothesis_test::HypothesisTest;
+use crate::diagnose::selection::reached::Reached;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::diagnose::selection::stepwise::{Rules, Selection, SelectionStep, Stepwise};
 use crate::diagnose::selection::weak_findings;
+use crate::diagnose::selection::zero_size;
 use crate::diagnose::stage::Stage;
 
 /// Rounds in which a finding may be exchanged for a better rival.
@@ -28,7 +30,7 @@ pub struct Explanation {
     pub prefixes: Vec<ModelFit>,
     /// Hypotheses that the declared model leaves open.
     pub examined: usize,
-    /// Joints of names that explained less than they left.
+    /// Joints of names that explained less than they left, or whose size may be none.
     pub withdrawn: Vec<usize>,
     /// Every hypothesis that was fitted while the model grew.
     pub tried: Vec<SelectionStep>,
@@ -40,17 +42,25 @@ pub struct Explaining<'a> {
     pub rules: Rules<'a>,
     /// Hears of every stage.
     pub watch: &'a (dyn Fn(Stage) + Sync),
+    /// Keeps what was selected, should a defect end the search.
+    pub reached: &'a Reached,
 }
 
 impl Explaining<'_> {
     /// Grows the declared model by what explains its misfit.
     pub fn explain(&self, declared: ModelFit) -> Result<Explanation, DiagnoseError> {
-        let searching = |found| (self.watch)(Stage::Searching { found });
+        let searching = |selection: &Selection| self.step(selection);
         let selection = self.stepwise(&searching).forward(declared)?;
         self.conclude(selection)
     }
 
-    fn stepwise<'b>(&'b self, progress: &'b (dyn Fn(usize) + Sync)) -> Stepwise<'b> {
+    fn step(&self, selection: &Selection) {
+        self.reached.set(&selection.fit, selection.examined);
+        let found = selection.steps.len();
+        (self.watch)(Stage::Searching { found });
+    }
+
+    fn stepwise<'b>(&'b self, progress: &'b (dyn Fn(&Selection) + Sync)) -> Stepwise<'b> {
         Stepwise {
             context: &self.contexts.selection,
             rules: self.rules.of_choice(),
@@ -59,11 +69,11 @@ impl Explaining<'_> {
     }
 
     /// Prunes a selected model, compares each finding with its rivals, exchanges what is bettered, withdraws names that
-    /// explain less than they leave or only resemble what another joint does, and strikes out what fails on rows that
+    /// explain less than they leave, only resemble what another joint does, or have a size that may be none, and strikes out what fails on rows that
     /// chose nothing.
     pub fn conclude(&self, mut selection: Selection) -> Result<Explanation, DiagnoseError> {
         let context = &self.contexts.selection;
-        let searching = |found| (self.watch)(Stage::Searching { found });
+        let searching = |selection: &Selection| self.step(selection);
         let stepwise = self.stepwise(&searching);
         let examined = selection.examined;
         (self.watch)(Stage::Comparing);
@@ -94,7 +104,8 @@ impl Explaining<'_> {
                 confounding::first(context, &noise_level, &full, &comparisons, significance)
             };
             let weakest = weak_findings::weakest(&noise_level, &full, &comparisons);
-            if let Some(k) = weakest.or_else(confounded) {
+            let uncertain = || zero_size::least_certain(context, &full);
+            if let Some(k) = weakest.or_else(confounded).or_else(uncertain) {
                 withdrawn.extend(full.hypotheses[k].named_joints());
                 selection.fit = fit_without(context, &full, k)?;
                 round = EXCHANGES;

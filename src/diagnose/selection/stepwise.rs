@@ -49,6 +49,17 @@ pub struct Selection {
     pub examined: usize,
 }
 
+impl Selection {
+    /// A model before anything was tried beside it.
+    pub fn of(fit: ModelFit) -> Self {
+        Self {
+            fit,
+            steps: Vec::new(),
+            examined: 0,
+        }
+    }
+}
+
 /// What was tried beside a model.
 #[derive(Debug, Clone)]
 pub struct SelectionStep {
@@ -80,22 +91,18 @@ const CHOICE: f64 = 0.05;
 pub struct Stepwise<'a> {
     pub context: &'a Context<'a>,
     pub rules: Rules<'a>,
-    /// Hears of every step the number of those before it.
-    pub progress: &'a (dyn Fn(usize) + Sync),
+    /// Hears before every step what was selected so far.
+    pub progress: &'a (dyn Fn(&Selection) + Sync),
 }
 
 impl Stepwise<'_> {
     /// Grows a model until no hypothesis is significant and matters.
     pub fn forward(&self, declared: ModelFit) -> Result<Selection, DiagnoseError> {
         let context = self.context;
-        let mut selection = Selection {
-            fit: declared,
-            steps: Vec::new(),
-            examined: 0,
-        };
+        let mut selection = Selection::of(declared);
         let mut searched_again = 0;
         while selection.steps.len() < MOST_FINDINGS && !context.control.is_interrupted() {
-            (self.progress)(selection.steps.len());
+            (self.progress)(&selection);
             // A law that later ones have left with a bend alone is theirs.
             let bent = |h: &Hypothesis| !speed_range::are_reached(context, &selection.fit, h);
             if let Some(k) = selection.fit.hypotheses.iter().position(bent) {

@@ -21,6 +21,7 @@ use crate::problem::view::LeastSquares;
 use crate::problem::{Linearization, OutsideDomain, Problem, SquareRoot, Values};
 use crate::robot::inertia::{Inertia, PER_LINK};
 use crate::solve::levenberg_marquardt;
+use crate::stats::range::within;
 use nalgebra::{DMatrix, DVector, Matrix4};
 
 /// Names of the coordinates of a body.
@@ -268,7 +269,7 @@ pub(super) fn minimise(
     let given = standard.pick(&problem.parameters(first));
     for &k in &chart.others {
         let variable = &setting.constraints.variables[k];
-        start[k] = given[k].clamp(variable.lower, variable.upper);
+        start[k] = within(given[k], [variable.lower, variable.upper]);
     }
     let settings = levenberg_marquardt::Settings {
         cost_tolerance: COST_TOLERANCE,

@@ -12,6 +12,7 @@ use crate::problem::Problem;
 use crate::problem::form::Structure;
 use crate::problem::solution::{Control, Stop};
 use crate::solve::interior::InteriorSolution;
+use crate::stats::range::within;
 use nalgebra::DVector;
 
 /// Steps end where the linearised program promises no more than 0.03 standard deviations of one unknown: the cost counts
@@ -85,7 +86,7 @@ impl Way<'_> {
                 break;
             }
             share = if next.is_finite() {
-                next.clamp(shortest, longest)
+                within(next, [shortest, longest])
             } else {
                 shortest
             };

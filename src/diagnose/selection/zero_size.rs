@@ -1,0 +1,100 @@
+//! Hypotheses whose size the recordings do not tell from none.
+//!
+//! A hypothesis that forecasts the residual may owe that to parameters beside its size, or to a size that is tied to others:
+//! with θ ± 1.96 σ over the value at which its torque is none, the number that a finding would state may as well be zero.
+
+use crate::chain::model::Model;
+use crate::diagnose::fit::context::Context;
+use crate::diagnose::fit::hypothesis::Hypothesis;
+use crate::diagnose::fit::model_fit::ModelFit;
+use crate::estimate::covariance::of_unknowns;
+use crate::recording::split::Split;
+use crate::stats::distribution::Distribution;
+
+/// Probability that the interval of a size holds it.
+const COVERAGE: f64 = 0.95;
+
+/// A parameter that says how much of an effect there is, and its value where there is none.
+struct Size<'a> {
+    parameter: &'a str,
+    nothing: f64,
+}
+
+/// Sizes of what a hypothesis adds, of which one has to be told from none.
+fn sizes<'a>(model: &'a Model, hypothesis: &Hypothesis) -> Vec<Size<'a>> {
+    let of = |names: &[&'a str], nothing: f64| -> Vec<Size<'a>> {
+        let size = |&parameter: &&'a str| Size { parameter, nothing };
+        names.iter().map(size).collect()
+    };
+    if let Some(other) = hypothesis.other {
+        return of(&[model.joints()[other].name.as_str()], 0.0);
+    }
+    match hypothesis.effect.id {
+        "drive_gain" => of(&["gain"], 1.0),
+        "transmission_efficiency" => of(&["R"], 1.0),
+        "asymmetric_friction" => of(&["dFc", "dFv"], 0.0),
+        "base_tilt" => of(&["roll", "pitch"], 0.0),
+        "torque_ripple" => of(&["amplitude", "amplitude2"], 0.0),
+        "unmodelled_payload" => of(&["m"], 0.0),
+        // Its coefficients trade against one another, and none of them is its size.
+        "torque_current_nonlinearity" => Vec::new(),
+        _ => hypothesis
+            .effect
+            .parameters
+            .first()
+            .map_or_else(Vec::new, |p| of(&[p.name], 0.0)),
+    }
+}
+
+/// The hypothesis of a model with the least certain size, of those whose every size may be none.
+pub fn least_certain(context: &Context<'_>, full: &ModelFit) -> Option<usize> {
+    if full.hypotheses.is_empty() || context.control.is_interrupted() {
+        return None;
+    }
+    let recordings = context.recordings(Split::Train);
+    let problem = full.problem(&recordings);
+    let covariance = of_unknowns(&problem, &full.solution.x)?;
+    let quantile = Distribution::Normal.two_sided(COVERAGE);
+    let base = &problem.unknowns.base.base;
+    // Distance from none in half widths of the interval, of a parameter that is an unknown by itself.
+    let distance = |k: usize, nothing: f64| {
+        let half = quantile * covariance[(k, k)].max(0.0).sqrt();
+        let alone = base.get(k).is_none_or(|b| b.others.is_empty());
+        (alone && half.is_finite()).then(|| (full.solution.x[k] - nothing).abs() / half)
+    };
+    let positions = problem.unknowns.positions();
+    let of = |h: &Hypothesis| {
+        let own = own_parameters(full, h);
+        let distances = sizes(&full.model, h).into_iter().flat_map(|size| {
+            let suffix = format!(".{}", size.parameter);
+            let named = own
+                .iter()
+                .filter(move |&&p| full.model.parameters()[p].name.ends_with(&suffix));
+            let unknown = named.filter_map(|p| positions.iter().position(|q| q == p));
+            unknown
+                .filter_map(|k| distance(k, size.nothing))
+                .collect::<Vec<f64>>()
+        });
+        distances.reduce(f64::max)
+    };
+    let uncertain = full.hypotheses.iter().enumerate().filter_map(|(k, h)| {
+        let distance = of(h).filter(|distance| *distance < 1.0)?;
+        Some((k, distance))
+    });
+    uncertain.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
+}
+
+/// Parameters that a hypothesis has brought.
+fn own_parameters(full: &ModelFit, hypothesis: &Hypothesis) -> Vec<usize> {
+    let id = hypothesis.effect.id;
+    let joints = hypothesis.named_joints();
+    let names = joints.iter().map(|&j| full.model.joints()[j].name.as_str());
+    let mut prefixes: Vec<String> = names.map(|joint| format!("{joint}.{id}.")).collect();
+    prefixes.push(format!("{id}."));
+    if id == "unmodelled_payload" {
+        prefixes.push("payload.".to_string());
+    }
+    let parameters = full.model.parameters().iter().enumerate();
+    let own = parameters.filter(|(_, p)| prefixes.iter().any(|prefix| p.name.starts_with(prefix)));
+    own.map(|(k, _)| k).collect()
+}

@@ -1,0 +1,200 @@
+//! What the program is built from: licences of all dependencies against the list of `deny.toml`, and the places where the
+//! source is not held to memory safety by the compiler.
+
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// An SPDX expression, where `/` stands for OR as in older manifests.
+struct Expression<'a> {
+    words: Vec<&'a str>,
+    at: usize,
+    allowed: &'a [String],
+}
+
+impl<'a> Expression<'a> {
+    /// Whether licences that are allowed satisfy it.
+    fn is_satisfied(text: &str, allowed: &[String]) -> bool {
+        let spaced = text
+            .replace('/', " OR ")
+            .replace('(', " ( ")
+            .replace(')', " ) ");
+        let words = spaced.split_whitespace().collect();
+        let mut expression = Expression {
+            words,
+            at: 0,
+            allowed,
+        };
+        let satisfied = expression.either();
+        satisfied && expression.at == expression.words.len()
+    }
+
+    fn next(&mut self, word: &str) -> bool {
+        let is_next = self.words.get(self.at) == Some(&word);
+        self.at += usize::from(is_next);
+        is_next
+    }
+
+    fn either(&mut self) -> bool {
+        let mut satisfied = self.both();
+        while self.next("OR") {
+            satisfied |= self.both();
+        }
+        satisfied
+    }
+
+    fn both(&mut self) -> bool {
+        let mut satisfied = self.one();
+        while self.next("AND") {
+            satisfied &= self.one();
+        }
+        satisfied
+    }
+
+    fn one(&mut self) -> bool {
+        if self.next("(") {
+            let satisfied = self.either();
+            return self.next(")") && satisfied;
+        }
+        let mut name = self
+            .words
+            .get(self.at)
+            .copied()
+            .unwrap_or_default()
+            .to_string();
+        self.at += 1;
+        if self.next("WITH") {
+            name = format!(
+                "{name} WITH {}",
+                self.words.get(self.at).copied().unwrap_or_default()
+            );
+            self.at += 1;
+        }
+        self.allowed.contains(&name)
+    }
+}
+
+#[test]
+fn licences_are_expressions() {
+    let allowed = [
+        "MIT",
+        "Apache-2.0",
+        "Zlib",
+        "Apache-2.0 WITH LLVM-exception",
+    ]
+    .map(String::from);
+    for (text, satisfied) in [
+        ("MIT", true),
+        ("GPL-3.0", false),
+        ("GPL-3.0 OR MIT", true),
+        ("Unlicense/MIT", true),
+        ("GPL-3.0 AND MIT", false),
+        ("(MIT OR GPL-3.0) AND Zlib", true),
+        ("(MIT OR Apache-2.0) AND Unicode-3.0", false),
+        ("Apache-2.0 WITH LLVM-exception", true),
+        ("GPL-2.0 WITH LLVM-exception", false),
+        ("", false),
+    ] {
+        assert_eq!(
+            Expression::is_satisfied(text, &allowed),
+            satisfied,
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn licences_of_all_dependencies_are_allowed() {
+    let deny: toml::Table =
+        toml::from_str(&fs::read_to_string(root().join("deny.toml")).unwrap()).unwrap();
+    let allowed = deny["licenses"]["allow"].as_array().unwrap();
+    let allowed: Vec<String> = allowed
+        .iter()
+        .map(|l| l.as_str().unwrap().to_string())
+        .collect();
+    let compiler = Command::new("rustc").arg("-vV").output().unwrap();
+    let words = String::from_utf8(compiler.stdout).unwrap();
+    let host = words
+        .lines()
+        .find_map(|line| line.strip_prefix("host: "))
+        .unwrap();
+    let metadata = Command::new(env!("CARGO"))
+        .current_dir(root())
+        .args([
+            "metadata",
+            "--format-version",
+            "1",
+            "--locked",
+            "--offline",
+            "--filter-platform",
+            host,
+        ])
+        .output()
+        .unwrap();
+    let error = String::from_utf8_lossy(&metadata.stderr);
+    assert!(metadata.status.success(), "{error}");
+    let metadata: Value = serde_json::from_slice(&metadata.stdout).unwrap();
+    let packages = metadata["packages"].as_array().unwrap();
+    assert!(packages.len() > 100, "{} packages", packages.len());
+    let mut wrong = Vec::new();
+    for package in packages {
+        let licence = package["license"].as_str().unwrap_or_default();
+        if !Expression::is_satisfied(licence, &allowed) {
+            wrong.push(format!(
+                "{} {}: {licence:?}",
+                package["name"], package["version"]
+            ));
+        }
+        let source = package["source"].as_str().unwrap_or("registry+");
+        assert!(
+            source.starts_with("registry+"),
+            "{}: {source}",
+            package["name"]
+        );
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Files that may hold `unsafe`: symbols of LAPACK that Clarabel calls by raw pointers, and vector instructions that are run
+/// where the processor has them.
+const UNSAFE: [&str; 6] = [
+    "src/linalg/lapack/foreign.rs",
+    "src/linalg/lapack/symbols.rs",
+    "src/linalg/lapack/tests.rs",
+    "src/linalg/triangular/kernel.rs",
+    "src/robot/instructions.rs",
+    "src/robot/lanes.rs",
+];
+
+#[test]
+fn unsafe_stands_where_it_is_known_to() {
+    let mut folders = ["src", "tests", "examples", "benches"]
+        .map(|name| root().join(name))
+        .to_vec();
+    let mut found: Vec<PathBuf> = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let text = fs::read_to_string(&path).unwrap();
+                let opens = ["{", "fn ", "impl ", "extern "].map(|what| ["unsafe", what].join(" "));
+                if opens.iter().any(|open| text.contains(open)) {
+                    found.push(path);
+                }
+            }
+        }
+    }
+    let mut found: Vec<String> = found
+        .iter()
+        .map(|path| path.strip_prefix(root()).unwrap().display().to_string())
+        .collect();
+    found.sort();
+    assert_eq!(found, UNSAFE);
+}
