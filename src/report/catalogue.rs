@@ -67,7 +67,7 @@ fn section(effect: &Effect, folder: &str) -> String {
         text.push_str(&format!(
             "| `{}` | {unit} | {} | {} | {} to {} |\n",
             info.name,
-            info.meaning,
+            as_cell(info.meaning),
             info.typical,
             bound(info.lower),
             bound(info.upper)
@@ -77,10 +77,16 @@ fn section(effect: &Effect, folder: &str) -> String {
     for confounder in effect.confounded_with {
         text.push_str(&format!(
             "| {} | {} |\n",
-            confounder.with, confounder.separated_by
+            as_cell(confounder.with),
+            as_cell(confounder.separated_by)
         ));
     }
     text
+}
+
+/// Text as a cell of a table: bars are no borders there.
+fn as_cell(text: &str) -> String {
+    text.replace('|', "\\|")
 }
 
 /// A bound as people write it.
