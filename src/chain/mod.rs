@@ -16,6 +16,7 @@ pub mod dataset;
 pub mod effect;
 pub mod error;
 pub mod evaluate;
+pub mod illustration;
 pub mod model;
 pub mod parameter;
 pub mod platform;

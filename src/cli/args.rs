@@ -35,7 +35,9 @@ pub enum Verb {
     #[command(after_help = TRIALS_EXAMPLES)]
     Trials(Campaign),
     /// The physics that the tool knows
-    #[command(after_help = "Examples:\n  exid effects\n  exid effects backlash")]
+    #[command(
+        after_help = "Examples:\n  exid effects\n  exid effects backlash\n  exid effects --markdown > effects.md && exid effects --plots effects"
+    )]
     Effects(Query),
     /// The identified robot as URDF, MJCF, TOML, or code of its inverse dynamics
     #[command(after_help = EXPORT_EXAMPLES)]
@@ -218,6 +220,12 @@ pub struct Query {
     /// Print as JSON
     #[arg(long)]
     pub json: bool,
+    /// Print the catalogue as Markdown, with pictures expected in the folder `effects`
+    #[arg(long, conflicts_with_all = ["json", "id"])]
+    pub markdown: bool,
+    /// Draw the law of each effect into this folder, one SVG file each, and print their names
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["json", "markdown"])]
+    pub plots: Option<PathBuf>,
 }
 
 /// A result to render.

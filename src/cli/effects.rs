@@ -4,15 +4,25 @@ use crate::chain::effect::{self, EFFECTS, Effect};
 use crate::cli::args::Query;
 use crate::cli::error::CliError;
 use crate::cli::output::print;
+use crate::report::catalogue;
 use crate::robot::tree::JointKind;
 use serde_json::{Value, json};
+use std::fs;
+use std::path::Path;
+
+/// Folder of the pictures beside the page of the catalogue.
+const PICTURES: &str = "effects";
 
 pub fn run(query: &Query) -> Result<u8, CliError> {
-    let effects: Vec<&Effect> = match &query.id {
+    let effects: Vec<&'static Effect> = match &query.id {
         None => EFFECTS.to_vec(),
         Some(id) => vec![effect::find(id).ok_or_else(|| unknown(id))?],
     };
-    if query.json {
+    if query.markdown {
+        print(&catalogue::markdown(PICTURES))?;
+    } else if let Some(folder) = &query.plots {
+        print(&draw(&effects, folder)?)?;
+    } else if query.json {
         let all: Vec<Value> = effects.iter().map(|e| as_json(e)).collect();
         print(&format!("{:#}", Value::Array(all)))?;
     } else {
@@ -24,6 +34,25 @@ pub fn run(query: &Query) -> Result<u8, CliError> {
         print(&texts.join("\n"))?;
     }
     Ok(0)
+}
+
+/// Draws the laws into files of a folder; gives their names, one a line.
+fn draw(effects: &[&'static Effect], folder: &Path) -> Result<String, CliError> {
+    let not_written = |e: std::io::Error| {
+        let folder = folder.display();
+        CliError::WrongUse(format!(
+            "{folder}: pictures cannot be written: {e}; give another folder with --plots"
+        ))
+    };
+    fs::create_dir_all(folder).map_err(not_written)?;
+    let mut names = Vec::new();
+    for effect in effects {
+        let picture = catalogue::picture(effect).map_err(|e| CliError::WrongUse(e.to_string()))?;
+        let file = folder.join(format!("{}.svg", effect.id));
+        fs::write(&file, picture).map_err(not_written)?;
+        names.push(file.display().to_string());
+    }
+    Ok(names.join("\n"))
 }
 
 fn unknown(id: &str) -> CliError {

@@ -102,7 +102,7 @@ pub(crate) const CLEARANCE_KEYS: &[Key] = &[
 pub(crate) const SHAPE_KEYS: &[Key] = &[
     Key { name: "link", form: Form::Text, unit: "", default: REQUIRED, example: "\"link6\"", meaning: "Link of the robot file, or its base" },
     Key { name: "ends", form: Form::List(&Form::List(&Form::Number(Range::Finite), Length::Exactly(3)), Length::OneOrTwo), unit: "m", default: REQUIRED, example: "[[0.0, 0.0, 0.0], [0.0, 0.0, 0.2]]", meaning: "The centre of a sphere, or both ends of a capsule, in the frame of the link" },
-    Key { name: "radius", form: Form::Number(Range::Positive), unit: "m", default: REQUIRED, example: "0.08", meaning: "Radius" },
+    Key { name: "radius", form: Form::Number(Range::Positive), unit: "m", default: REQUIRED, example: "0.08", meaning: "Radius of the capsule" },
 ];
 
 /// Enough harmonics for full rank on six joints, few enough to stay smooth.

@@ -53,10 +53,10 @@ pub(crate) const PLATFORM_KEYS: &[Key] = &[
 pub(crate) const COLUMNS_KEYS: &[Key] = &[
     Key { name: "time", form: Form::Either(&[Form::Text, Form::Table(TIME_KEYS)]), unit: "s", default: "\"t\" or \"time\"", example: "\"t\"", meaning: "Time stamps" },
     Key { name: "position", form: Form::Either(&[Form::Text, Form::Table(POSITION_KEYS)]), unit: "rad (m)", default: "the usual names", example: "\"q{n}\"", meaning: "Positions, or the motor's turns where position_side is \"motor\"" },
-    Key { name: "velocity", form: Form::Either(&[Form::Text, Form::Table(VELOCITY_KEYS)]), unit: "rad/s (m/s)", default: "the usual names, if there", example: "\"dq{n}\"", meaning: "Velocities" },
-    Key { name: "acceleration", form: Form::Either(&[Form::Text, Form::Table(ACCELERATION_KEYS)]), unit: "rad/s² (m/s²)", default: "the usual names, if there", example: "\"ddq{n}\"", meaning: "Accelerations" },
+    Key { name: "velocity", form: Form::Either(&[Form::Text, Form::Table(VELOCITY_KEYS)]), unit: "rad/s (m/s)", default: "the usual names, if there", example: "\"dq{n}\"", meaning: "Velocities of the joints, by sensors or by the controller" },
+    Key { name: "acceleration", form: Form::Either(&[Form::Text, Form::Table(ACCELERATION_KEYS)]), unit: "rad/s² (m/s²)", default: "the usual names, if there", example: "\"ddq{n}\"", meaning: "Accelerations of the joints" },
     Key { name: "current", form: Form::Either(&[Form::Text, Form::Table(CURRENT_KEYS)]), unit: "A", default: "the usual names", example: "\"i{n}\"", meaning: "Motor currents" },
-    Key { name: "torque", form: Form::Either(&[Form::Text, Form::Table(TORQUE_KEYS)]), unit: "N·m (N)", default: "the usual names", example: "\"tau{n}\"", meaning: "Torques" },
+    Key { name: "torque", form: Form::Either(&[Form::Text, Form::Table(TORQUE_KEYS)]), unit: "N·m (N)", default: "the usual names", example: "\"tau{n}\"", meaning: "Torques, on the side of the gear that recordings.signal says" },
     Key { name: "wrench", form: Form::List(&Form::Text, Length::Exactly(6)), unit: "N, N·m", default: "fx, fy, fz, mx, my and mz", example: "[\"fx\", \"fy\", \"fz\", \"mx\", \"my\", \"mz\"]", meaning: "Forces along x, y, z, then moments" },
     Key { name: "temperature", form: Form::Either(&[Form::Text, Form::Table(BARE_KEYS)]), unit: "°C", default: "the usual names, if there", example: "\"temp{n}\"", meaning: "Temperatures of the drives" },
     Key { name: "mask", form: Form::Either(&[Form::Text, Form::Table(BARE_KEYS)]), unit: "", default: "every sample counts", example: "\"valid\"", meaning: "Samples with 0 are left out" },

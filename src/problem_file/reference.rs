@@ -38,7 +38,7 @@ fn row(key: &Key) -> String {
         key.form.in_words(),
         key.unit.to_owned(),
         default,
-        key.meaning.to_owned(),
+        key.meaning.replace('<', "&lt;"),
         code(key.example),
     ];
     let cells = cells.map(|cell| cell.replace('|', "\\|"));

@@ -3,6 +3,7 @@
 //! The page is a function of `result.json` and `predictions.csv` alone, so that it can be made
 //! again at any time from the results folder. It is one file that loads nothing.
 
+pub mod catalogue;
 pub mod compared;
 pub mod html;
 pub mod series;

@@ -1,0 +1,237 @@
+"""Tables of the result pages from the results of the runs: `python3 results/tables.py PAGE` fills what stands between
+`<!-- table: NAME -->` and `<!-- end -->` of results/PAGE/README.md. `results/remake` makes the runs and calls it. Standard library only.
+"""
+
+import json
+import pathlib
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent
+
+
+def result(folder):
+    """A result, by its folder under results."""
+    return json.loads((ROOT / folder / "result.json").read_text())
+
+
+def parameters(folder):
+    return {p["name"]: p for p in result(folder)["parameters"]}
+
+
+def rows(head, body):
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    return "\n".join(lines + ["| " + " | ".join(map(str, row)) + " |" for row in body])
+
+
+def digits(x, count=4):
+    """So many significant digits, without an exponent."""
+    if x == 0:
+        return "0"
+    decimals = 0
+    while abs(x) * 10**decimals < 10 ** (count - 1) and decimals < 12:
+        decimals += 1
+    return f"{x:.{decimals}f}"
+
+
+def pm(p):
+    """A value and its standard deviation, which has two significant digits."""
+    decimals = 0
+    while p["std_dev"] * 10**decimals < 9.5:
+        decimals += 1
+    return f"{p['value']:.{decimals}f} ± {p['std_dev']:.{decimals}f}"
+
+
+# The paper's Table 3, which is the truth of the recordings, and its standard deviations in per cent (Tables 2 and 3).
+H4 = [
+    ("I_mot1, kg·m²", "motor1.rotor_inertia.Jm", 0.0167, 2.63, 2.37),
+    ("I_mot2, kg·m²", "motor2.rotor_inertia.Jm", 0.0164, 3.04, 2.36),
+    ("I_mot3, kg·m²", "motor3.rotor_inertia.Jm", 0.0176, 1.69, 1.58),
+    ("I_mot4, kg·m²", "motor4.rotor_inertia.Jm", 0.0234, 1.19, 1.16),
+    ("M_nac, kg", "nacelle.mass", 0.984, 0.42, 0.47),
+    ("I_bc, kg·m²", "nacelle.inertia_zz", 0.0029, 3.50, 3.73),
+    ("F_v1, N·m·s/rad", "motor1.viscous_friction.Fv", 0.2112, 5.68, 4.72),
+    ("F_v2, N·m·s/rad", "motor2.viscous_friction.Fv", 0.1236, 15.57, 7.57),
+    ("F_v3, N·m·s/rad", "motor3.viscous_friction.Fv", 0.1266, 6.57, 5.20),
+    ("F_v4, N·m·s/rad", "motor4.viscous_friction.Fv", 0.1133, 6.43, 5.63),
+    ("F_c1, N·m", "motor1.coulomb_friction.Fc", 1.2186, 2.04, 2.08),
+    ("F_c2, N·m", "motor2.coulomb_friction.Fc", 1.0252, 2.06, 2.36),
+    ("F_c3, N·m", "motor3.coulomb_friction.Fc", 0.7902, 2.84, 2.80),
+    ("F_c4, N·m", "motor4.coulomb_friction.Fc", 1.0394, 2.05, 2.10),
+]
+# The paper's Table 1, N·m/V.
+H4_GAINS = [2.85, 2.65, 2.70, 2.87]
+
+
+def h4_parameters():
+    runs = [parameters(f"{name}/fit") for name in ("h4_parallel", "h4_parallel_sensors")]
+    body, worst = [], 0.0
+    for label, name, truth, *printed in H4:
+        row = [label, f"{truth:g}"]
+        for run, percent in zip(runs, printed):
+            p = run[name]
+            value, deviation = p["value"], p["std_dev"]
+            worst = max(worst, abs(value - truth) / deviation)
+            row += [f"{value:.4f}", f"{deviation:.5f}", f"{100 * deviation / abs(value):.2f}", f"{percent:.2f}"]
+        body.append(row)
+    each = ["σ", "%σ"]
+    head = ["", "truth", "eq. 19: motors alone", *each, "paper, Table 2 %σ", "eq. 16: sensors on the platform", *each, "paper, Table 3 %σ"]
+    return rows(head, body) + f"\n\nThe value that is furthest off lies {worst:.1f} standard deviations from the truth."
+
+
+def h4_errors():
+    body = []
+    for equation, name in (("19", "h4_parallel"), ("16", "h4_parallel_sensors")):
+        joints = result(f"{name}/fit")["joints"]
+        body.append([f"eq. {equation}: fitted, V"] + [f"{j['rmse_train']:.4f}" for j in joints])
+        body.append([f"eq. {equation}: held out, V"] + [f"{j['rmse_validation']:.4f}" for j in joints])
+        body.append([f"eq. {equation}: held out, of the signal"] + [f"{100 * j['relative_validation']:.1f} %" for j in joints])
+    return rows(["", "motor 1", "motor 2", "motor 3", "motor 4"], body)
+
+
+def h4_gains():
+    found = parameters("h4_parallel_gains/fit")
+    gains = [found[f"motor{k}.drive_gain.gain"] for k in (1, 2, 3, 4)]
+    worst = max(abs(g["value"] - t) / g["std_dev"] for g, t in zip(gains, H4_GAINS))
+    body = [
+        ["truth: the paper's Table 1, N·m/V", *(f"{g:.2f}" for g in H4_GAINS)],
+        ["here, N·m/V", *(f"{g['value']:.3f} ± {g['std_dev']:.3f}" for g in gains)],
+    ]
+    table = rows(["", "motor 1", "motor 2", "motor 3", "motor 4"], body)
+    return table + f"\n\n± is one standard deviation; the one that is furthest off lies {worst:.1f} of them from the truth."
+
+
+# Combinations of the paper's Table 1 as the program writes them: truth here, and the values printed for robots of the type.
+PUMA = [
+    ("θd(1) kg·m²", "link1.Izz +", 1.5765, "1.665", "1.920", "1.357"),
+    ("θd(2) kg·m²", "link2.Ixx -", 2.1795, "2.888", "2.384", "2.829"),
+    ("θd(3) kg·m²", "link2.Iyy +", 2.2295, "2.234", "2.786", "2.174"),
+    ("θd(4) kg·m²", "link2.Iyz -", -0.6047, "−0.598", "−0.558", "−0.605"),
+    ("θd(5) kg·m²", "link3.Ixx -", 0.5160, "0.567", "0.533", "0.300"),
+    ("θd(6) kg·m²", "link3.Iyy", 0.5330, "0.545", "0.547", "0.336"),
+    ("θd(7) kg·m²", "link3.Iyz", -0.1040, "−0.103", "−0.150", "−0.142"),
+    ("θd(8) kg·m", "link2.mcz +", 3.2390, "3.212", "3.702", "3.790"),
+    ("θd(9) kg·m", "link3.mcz", 0.8000, "0.802", "1.061", "0.864"),
+]
+
+
+def puma_table():
+    runs = [
+        result("puma562_reaction/fit")["joint_torque_parameters"],
+        result("puma562_reaction/torque")["base_parameters"],
+        result("puma562_reaction/both")["joint_torque_parameters"],
+    ]
+    body, worst, off = [], 0.0, 0
+    for label, start, truth, *printed in PUMA:
+        found = [next(p for p in run if p["expression"].startswith(start)) for run in runs]
+        reaction, torque, _ = found
+        worst = max(worst, abs(reaction["value"] - truth) / reaction["std_dev"])
+        error = torque["value"] / truth - 1
+        off += abs(error) > 0.5
+        verdict = "wrong sign" if error < -1 else f"{100 * error:+.0f} %".replace("-", "−")
+        cells = [pm(p).replace("-", "−") for p in found]
+        cells[1] += f" ({verdict})"
+        body.append([label, f"{truth:.4f}".replace("-", "−"), *cells, *printed])
+    head = ["", "truth", "base reaction", "motor torques", "both, in one estimate", "paper: external", "Tarn", "Armstrong"]
+    return (
+        rows(head, body)
+        + f"\n\nFrom the base reaction all nine lie within {worst:.1f} standard deviations of the truth; from motor torques, with friction"
+        + f" and gains not in the model, {off} are off by more than half."
+    )
+
+
+def puma_both():
+    found = parameters("puma562_reaction/both")
+    cell = lambda name: ", ".join(pm(found[f"joint{k}.{name}"]) for k in (1, 2, 3))
+    body = [
+        ["gain of the drives", "0.93, 1.06, 0.97", cell("drive_gain.gain")],
+        ["Coulomb friction, N·m", "1.5, 5.6, 1.4", cell("coulomb_friction.Fc")],
+        ["viscous friction, N·m·s/rad", "1.0, 3.7, 0.85", cell("viscous_friction.Fv")],
+    ]
+    return rows(["", "truth", "estimate"], body)
+
+
+# k_ct, k_fv, k_fc of the paper's Table 3.
+UR5 = [(12.3, 8.1272, 12.3141), (12.6351, 7.7891, 11.881), (12.0383, 6.9762, 10.7667)]
+UR5 += [(7.7366, 2.4405, 1.8286), (7.9228, 2.6265, 1.2794), (7.4723, 3.6058, 0.8921)]
+
+
+def ur5_constants():
+    found = parameters("ur5_motors/fit")
+    names = ("torque_constant.k_ct", "viscous_friction.Fv", "coulomb_friction.Fc")
+    body, worst, count = [], 0.0, 0
+    for k, published in enumerate(UR5, 1):
+        row = [k]
+        for name, truth in zip(names, published):
+            p = found[f"joint{k}.{name}"]
+            if p["value"] is None:
+                row += ["undetermined", truth]
+                continue
+            worst, count = max(worst, abs(p["value"] - truth) / p["std_dev"]), count + 1
+            row += [pm(p), truth]
+        body.append(row)
+    head = ["joint", "k_ct, N·m/A", "published", "k_fv, N·m·s/rad", "published", "k_fc, N·m", "published"]
+    return rows(head, body) + f"\n\n± is one standard deviation. All {count} constants lie within {worst:.1f} of them; the test asks for 4."
+
+
+# The paper's means of Tables 6 and 7: none, Stribeck, LuGre, sigmoid.
+PANDA = {
+    "rmse_train": ["0.3286", "–", "0.1904", "0.192", "0.1955"],
+    "rmse_validation": ["0.3285", "–", "0.1855", "0.1894", "0.1939"],
+    "mae_train": ["0.3151", "–", "0.1532", "0.1554", "0.1597"],
+    "mae_validation": ["0.316", "–", "0.1535", "0.1553", "0.164"],
+}
+LAWS = ["none", "this fit", "Stribeck", "LuGre", "sigmoid"]
+
+
+def panda_errors(figure):
+    contests = result("panda_friction/fit")["contests"][:7]
+    body, sums = [], [0.0] * len(LAWS)
+    for k, contest in enumerate(contests, 1):
+        models = {m["name"]: m[figure] for m in contest["models"]}
+        row = [k]
+        for law, name in enumerate(LAWS):
+            value, (low, high) = models[name]["value"], models[name]["ci95"]
+            sums[law] += value / len(contests)
+            row.append(f"{digits(value)} ({digits(low)} .. {digits(high)})")
+        body.append(row)
+    body.append(["mean", *map(digits, sums)])
+    body.append(["paper's mean", *PANDA[figure]])
+    return rows(["joint", "none", "Coulomb-viscous", "Stribeck", "LuGre", "sigmoid"], body)
+
+
+# The truth of the hand: problems/panda_friction/hand.toml.
+HAND = [("mass, kg", "mass", 0.73), ("com_x, m", "com_x", -0.01), ("com_y, m", "com_y", 0.0), ("com_z, m", "com_z", 0.137)]
+HAND += [("inertia_xx, kg·m²", "inertia_xx", 0.001), ("inertia_xy, kg·m²", "inertia_xy", 0.0), ("inertia_xz, kg·m²", "inertia_xz", 0.0)]
+HAND += [("inertia_yy, kg·m²", "inertia_yy", 0.0025), ("inertia_yz, kg·m²", "inertia_yz", 0.0), ("inertia_zz, kg·m²", "inertia_zz", 0.0017)]
+
+
+def panda_hand():
+    runs = [parameters(f"panda_hand/{run}") for run in ("fit", "together")]
+    body = []
+    for label, name, truth in HAND:
+        cells = [run[f"payload.{name}"] for run in runs]
+        body.append([label, f"{truth:g}", *(f"{p['value']:.5f} ({p['ci95'][0]:.5f} .. {p['ci95'][1]:.5f})" for p in cells)])
+    return rows(["parameter", "truth", "difference of two fits, 95 % interval", "one estimate of arm and hand, 95 % interval"], body)
+
+
+TABLES = {
+    "h4_parallel": {"parameters": h4_parameters, "errors": h4_errors, "gains": h4_gains},
+    "puma562_reaction": {"parameters": puma_table, "both": puma_both},
+    "ur5_motors": {"constants": ur5_constants},
+    "panda_friction": {figure: lambda figure=figure: panda_errors(figure) for figure in PANDA} | {"hand": panda_hand},
+}
+
+
+def fill(page):
+    path = ROOT / page / "README.md"
+    text = path.read_text()
+    for name, table in TABLES[page].items():
+        mark = f"<!-- table: {name} -->\n"
+        before, after = text.split(mark)
+        _, after = after.split("<!-- end -->", 1)
+        text = f"{before}{mark}\n{table()}\n\n<!-- end -->{after}"
+    path.write_text(text)
+
+
+for page in sys.argv[1:]:
+    fill(page)
