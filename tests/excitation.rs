@@ -9,6 +9,7 @@ use exid::design::columns::Columns;
 use exid::design::criterion::Criterion;
 use exid::design::criterion::a_optimal::AOptimal;
 use exid::design::criterion::d_optimal::DOptimal;
+use exid::design::designed::End;
 use exid::design::expected::Recorded;
 use exid::design::hold;
 use exid::design::limits::{self, Ends};
@@ -191,7 +192,7 @@ fn assert_feasible(seed: u64) {
         Ends::AtRest
     };
     let rows = limits::rows(&experiment.joints, &experiment.bounds, ends);
-    let (found, margins) = designed(&experiment, &rows, 1);
+    let hold::Held { found, margins } = designed(&experiment, &rows, 1);
     assert!(found.is_feasible(), "robot {seed}: {}", found.infeasibility);
     assert!(found.value.is_finite(), "robot {seed}");
     let violation = verify::violation(&margins);
@@ -328,7 +329,7 @@ fn invariant_a_designed_motion_beats_random_ones_threefold_in_the_worst_tenth_of
     let robot = seven_joints(&[]);
     let experiment = robot.experiment(&AOptimal, TEN_SECONDS);
     let rows = limits::rows(&experiment.joints, &experiment.bounds, Ends::Free);
-    let (found, _) = designed(&experiment, &rows, 2);
+    let hold::Held { found, .. } = designed(&experiment, &rows, 2);
     let own = worst_tenth(&experiment.information(&found.x));
     let problem = Excitation::new(&experiment, 1.0, 1.0);
     let starts = Starts::of(&experiment, &problem, &rows);
@@ -418,7 +419,7 @@ fn recovers_known_truth_with_the_spread_that_was_expected() {
     let robot = seven_joints(&EFFECTS);
     let experiment = robot.experiment(&DOptimal, TEN_SECONDS);
     let rows = limits::rows(&experiment.joints, &experiment.bounds, Ends::Free);
-    let (found, _) = designed(&experiment, &rows, 1);
+    let hold::Held { found, .. } = designed(&experiment, &rows, 1);
     let motion = Motion::of(&experiment.joints, &experiment.basis, &found.x);
     let recorded = Recorded {
         model: &robot.model,
@@ -461,7 +462,7 @@ fn invariant_every_parameter_of_a_load_comes_out_better_than_with_a_published_mo
     let overrides = ["design.starts=1".to_string()];
     let problem = ProblemFile::read(&path, &overrides, &ids).unwrap();
     let designed = task::run(&problem, 0, &Control::default(), |_| ()).unwrap();
-    assert_eq!(designed.end, task::End::Feasible);
+    assert_eq!(designed.end, End::Feasible);
     let reference = designed.design.reference.unwrap();
     let of_load = |name: &str| name.starts_with("payload.");
     let mut compared = 0;
