@@ -325,8 +325,10 @@ pub enum Target {
     Mjcf,
     /// Links, drives and load with their intervals
     Toml,
-    /// Source of the inverse dynamics in Rust
+    /// Source of inverse dynamics and drives in Rust
     Rust,
-    /// Source of the inverse dynamics in C
+    /// Source of inverse dynamics and drives in C
     C,
+    /// The same as a Python module that needs NumPy alone
+    Numpy,
 }

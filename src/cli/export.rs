@@ -75,6 +75,7 @@ impl From<Target> for Format {
             Target::Toml => Self::Toml,
             Target::Rust => Self::Rust,
             Target::C => Self::C,
+            Target::Numpy => Self::NumPy,
         }
     }
 }

@@ -1,14 +1,15 @@
-//! The identified robot in the formats of others: URDF, MJCF, TOML, and code of its inverse dynamics.
+//! The identified robot in the formats of others: URDF, MJCF, TOML, and code of its dynamics.
 //!
 //! Each format takes what it has a place for; what it has none for stands in a side file or in the notes,
 //! never silently left out.
 
 mod code;
 mod dress;
+mod drive;
 pub mod error;
 mod language;
-mod law;
 mod mjcf;
+mod program;
 mod regroup;
 mod side_file;
 mod symbol;
@@ -30,6 +31,7 @@ pub enum Format {
     Toml,
     Rust,
     C,
+    NumPy,
 }
 
 /// A file of an export.
@@ -62,8 +64,9 @@ pub fn export(outcome: &Outcome, format: Format) -> Result<Export, ExportError> 
         Format::Urdf => urdf::write(machine, name)?,
         Format::Mjcf => mjcf::write(machine, name),
         Format::Toml => table::write(machine, (name, &outcome.estimate.parameters))?,
-        Format::Rust => code::write(machine, (name, Language::Rust)),
-        Format::C => code::write(machine, (name, Language::C)),
+        Format::Rust => code::write(machine, (name, Language::Rust))?,
+        Format::C => code::write(machine, (name, Language::C))?,
+        Format::NumPy => code::write(machine, (name, Language::NumPy))?,
     };
     export.notes.extend(caveats(machine));
     Ok(export)

@@ -42,7 +42,7 @@ fn c_driver(functions: &[String], motion: &Motion) -> String {
 }
 
 /// Runs a compiler and the program it makes; `None`, recorded as a skip, where there is no such compiler.
-fn run(folder: &Path, compiler: &str, arguments: &[&str]) -> Option<Vec<Vec<f64>>> {
+pub fn run(folder: &Path, compiler: &str, arguments: &[&str]) -> Option<Vec<Vec<f64>>> {
     let compiled = Command::new(compiler)
         .current_dir(folder)
         .args(arguments)

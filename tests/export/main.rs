@@ -3,6 +3,7 @@
 //! The reference is the measurement chain itself, at states without symmetry.
 
 mod code;
+mod drives;
 #[path = "../common/mod.rs"]
 mod common;
 
