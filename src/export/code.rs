@@ -76,7 +76,8 @@ pub fn write(
     })
 }
 
-fn notes(machine: &Machine, drives: &Drives) -> Vec<String> {
+/// What a user of the code has to know of the drives.
+pub fn notes(machine: &Machine, drives: &Drives) -> Vec<String> {
     let mut notes = Vec::new();
     for (joint, drive) in machine.joints.iter().zip(&drives.drives) {
         let name = &joint.name;
@@ -98,6 +99,44 @@ fn notes(machine: &Machine, drives: &Drives) -> Vec<String> {
     notes
 }
 
+/// The source of a plugin: the drives in C, and `glue` that calls them, with its change of speed for slopes.
+///
+/// # Errors
+/// Effects or parameters that the result does not hold.
+pub fn plugin(
+    machine: &Machine,
+    (name, glue, change): (&str, &str, f64),
+) -> Result<String, ExportError> {
+    let drives = Drives::of(machine)?;
+    let layout = Layout::of(&drives);
+    let writer = Writer {
+        machine,
+        language: Language::C,
+        prefix: "exid",
+        drives: &drives,
+        layout: &layout,
+    };
+    let mut parts = vec![format!(
+        "/* Drives of {}, written by exid {VERSION}, as an actuator plugin of MuJoCo. Compile and load it:\n\n   \
+         MJ=$(python -c \"import mujoco, os; print(os.path.dirname(mujoco.__file__))\")\n   \
+         cc -O2 -shared -fPIC -I$MJ/include exid_drive.c -o libexid_drive.so -L$MJ \
+         -l:$(basename $MJ/libmujoco.so.?*) -lm\n   \
+         python -c \"import mujoco; mujoco.mj_loadPluginLibrary('./libexid_drive.so')\" */\n\n\
+         #include <math.h>\n#include <mujoco/mujoco.h>\n\n#define EXID_JOINTS {}\n#define EXID_STATES {}\n\
+         #define EXID_SPEED_CHANGE {change:?}\n\n{}",
+        in_comment(name),
+        writer.joints(),
+        layout.size,
+        Language::C.helpers()
+    )];
+    if !writer.members().is_empty() {
+        parts.push(writer.drive_miss());
+    }
+    parts.push(writer.drive_step());
+    parts.push(glue.to_string());
+    Ok(parts.join("\n"))
+}
+
 /// The name with everything that no identifier may hold replaced.
 fn identifier(name: &str) -> String {
     let clean = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
@@ -114,11 +153,17 @@ pub fn in_comment(name: &str) -> String {
     let plain = |c: char| match c {
         '"' => '\'',
         '\\' => '/',
-        c if c.is_control() || "\u{2028}\u{2029}".contains(c) => ' ',
+        c if is_invisible(c) => ' ',
         c => c,
     };
     let line: String = name.chars().map(plain).collect();
-    line.replace("*/", "* /").replace("/*", "/ *")
+    line.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?")
+}
+
+/// Ends of lines, and marks that turn the direction of a text around.
+fn is_invisible(c: char) -> bool {
+    let turns = matches!(c, '\u{200e}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}');
+    c.is_control() || turns
 }
 
 /// A name as a text of the language.
@@ -126,7 +171,7 @@ fn quoted(name: &str) -> String {
     let of = |c: char| match c {
         '"' => "\\\"".to_string(),
         '\\' => "\\\\".to_string(),
-        c if c.is_control() || "\u{2028}\u{2029}\u{feff}".contains(c) => " ".to_string(),
+        c if is_invisible(c) => " ".to_string(),
         c => c.to_string(),
     };
     let inner: String = name.chars().map(of).collect();
@@ -608,13 +653,15 @@ impl Writer<'_> {
             let bound = Expression::Number(drive.threshold.max(0.0));
             body.if_less(&bound, &size);
             let grown = with_current(&branch.torque, &high);
-            body.repeat(&format!("k{j}"), 1000);
+            body.repeat("_k", 1000);
             body.if_less(&grown, &size);
             body.assign(&high, &(name(&high) * 2.0));
+            body.otherwise();
+            body.leave();
             body.close();
             body.close();
             body.assign(&at, &name(&high));
-            body.repeat(&format!("k{j}"), 100);
+            body.repeat("_k", 100);
             let miss = body.bind(&format!("miss{j}"), &(of(&branch.torque) - size.clone()));
             body.if_less(&Expression::Number(0.0), &miss);
             body.assign(&high, &name(&at));
@@ -631,10 +678,10 @@ impl Writer<'_> {
             body.assign(&next, &halved);
             body.close();
             let moved = (name(&next) - name(&at)).magnitude();
-            body.variable(&format!("moved{j}"), &moved);
+            let moved = body.bind(&format!("moved{j}"), &moved);
             body.assign(&at, &name(&next));
             let last = name(&next) * (4.0 * f64::EPSILON);
-            body.if_less(&name(format!("moved{j}")), &last);
+            body.if_less(&moved, &last);
             body.leave();
             body.close();
             body.close();
@@ -771,7 +818,7 @@ impl Writer<'_> {
             before.iter().copied().chain([x, r]).collect()
         };
         body.call(function, &of("x", "r"));
-        body.repeat("newton", STEPS);
+        body.repeat("_newton", STEPS);
         body.repeat("c", n);
         body.repeat("k", n);
         body.assign("moved[k]", &name("x[k]"));
@@ -789,7 +836,7 @@ impl Writer<'_> {
         body.help("solve", &[&n.to_string(), "slopes", "step"]);
         body.variable("share", &Expression::Number(1.0));
         body.variable("closer", &Expression::Number(0.0));
-        body.repeat("h", HALVINGS);
+        body.repeat("_halving", HALVINGS);
         body.repeat("k", n);
         body.assign("moved[k]", &(name("x[k]") - name("share") * name("step[k]")));
         body.close();

@@ -29,9 +29,10 @@ const ROBOT: &str = r#"<robot name="three">
 </robot>"#;
 
 /// A robot with one effect beside rotors and friction, and what the chain says of it.
-struct Proof {
-    effect: &'static str,
-    outcome: Outcome,
+pub struct Proof {
+    pub effect: &'static str,
+    pub outcome: Outcome,
+    robot: Robot,
     /// Of the encoders, `[order][joint][sample]`.
     encoders: Motion,
     links: Motion,
@@ -44,6 +45,26 @@ struct Robot {
     model: Model,
     values: DVector<f64>,
     outcome: Outcome,
+}
+
+impl Proof {
+    /// Signals of the chain along a motion of the encoders with this time between samples.
+    pub fn predicted(&self, encoders: &Motion, step: f64) -> Vec<Vec<f64>> {
+        let inverse = self.robot.model.coupling(&self.robot.values).try_inverse().unwrap();
+        let mut motors = encoders.clone();
+        for (order, series) in motors.iter_mut().enumerate() {
+            for (j, to) in series.iter_mut().enumerate() {
+                for (k, to) in to.iter_mut().enumerate() {
+                    let from = |i: usize| {
+                        let offset = if order == 0 { self.robot.model.offset()[i] } else { 0.0 };
+                        encoders[order][i][k] - offset
+                    };
+                    *to = (0..encoders[order].len()).map(|i| inverse[(j, i)] * from(i)).sum();
+                }
+            }
+        }
+        along(&self.robot, &motors, (step, self.robot.model.payload().is_some()))
+    }
 }
 
 fn robot(effects: &[&str], head: &str) -> Robot {
@@ -100,15 +121,16 @@ fn course(n: usize) -> Motion {
     motion
 }
 
-fn along(robot: &Robot, [q, dq, ddq]: &Motion, loaded: bool) -> Vec<Vec<f64>> {
-    let time: Vec<f64> = (0..SAMPLES).map(|k| STEP * k as f64).collect();
-    let mut evaluator = Evaluator::along(&robot.model, &robot.values, &[], SAMPLES);
+fn along(robot: &Robot, [q, dq, ddq]: &Motion, (step, loaded): (f64, bool)) -> Vec<Vec<f64>> {
+    let samples = q[0].len();
+    let time: Vec<f64> = (0..samples).map(|k| step * k as f64).collect();
+    let mut evaluator = Evaluator::along(&robot.model, &robot.values, &[], samples);
     let segment = Segment {
         time: &time,
         ..Segment::states(Trajectory { q, dq, ddq }, loaded)
     };
     let block = evaluator.evaluate_course(segment);
-    (0..q.len()).map(|c| block.value(c)[..SAMPLES].to_vec()).collect()
+    (0..q.len()).map(|c| block.value(c)[..samples].to_vec()).collect()
 }
 
 /// The lag that resists with these torques, by bisection at every sample, and its rates by backward differences.
@@ -169,7 +191,7 @@ fn prove(id: &'static str, effects: &[&str], head: &str) -> Proof {
     let n = robot.model.tree().len();
     let motors = course(n);
     let loaded = robot.model.payload().is_some();
-    let signal = along(&robot, &motors, loaded);
+    let signal = along(&robot, &motors, (STEP, loaded));
     let machine = robot.outcome.machine().unwrap().clone();
     let coupling = robot.model.coupling(&robot.values);
     let mut encoders = motors.clone();
@@ -195,18 +217,10 @@ fn prove(id: &'static str, effects: &[&str], head: &str) -> Proof {
             bare.values[p] = robot.values[at];
         }
     }
-    if let Some(angles) = machine.tilt {
-        assert_eq!(angles, [0.2, -0.3]);
-        let text = format!("gravity = {:?}", machine.gravity);
-        assert_ne!(machine.gravity, [1.0, -2.0, -9.0], "{text}");
-    }
-    let torque = match machine.tilt {
-        None => along(&bare, &encoders, loaded),
-        Some(_) => torques_along(&machine, &encoders),
-    };
     let mut links = encoders.clone();
-    for j in 0..n {
-        if effects.iter().any(|id| ["joint_elasticity", "backlash"].contains(id)) {
+    if effects.iter().any(|id| ["joint_elasticity", "backlash"].contains(id)) {
+        let torque = along(&bare, &encoders, (STEP, loaded));
+        for j in 0..n {
             let lag = lags(&machine, j, &torque[j]);
             for (series, lag) in links.iter_mut().zip(lag) {
                 series[j].iter_mut().zip(lag).for_each(|(x, lag)| *x -= lag);
@@ -214,22 +228,18 @@ fn prove(id: &'static str, effects: &[&str], head: &str) -> Proof {
         }
     }
     // The torque of laws at the joint is between the drive and the bodies.
-    let bodies = torques_along_loaded(&machine, &links, loaded);
     Proof {
         effect: id,
-        outcome: robot.outcome,
+        outcome: robot.outcome.clone(),
+        robot,
         encoders,
+        torque: torques_along(&machine, &links, loaded),
         links,
         signal,
-        torque: bodies,
     }
 }
 
-fn torques_along(machine: &Machine, motion: &Motion) -> Vec<Vec<f64>> {
-    torques_along_loaded(machine, motion, false)
-}
-
-fn torques_along_loaded(machine: &Machine, [q, dq, ddq]: &Motion, loaded: bool) -> Vec<Vec<f64>> {
+fn torques_along(machine: &Machine, [q, dq, ddq]: &Motion, loaded: bool) -> Vec<Vec<f64>> {
     exid::robot::batch::torques(
         &machine.tree(loaded),
         &machine.tree(loaded).parameters(),
@@ -237,7 +247,7 @@ fn torques_along_loaded(machine: &Machine, [q, dq, ddq]: &Motion, loaded: bool) 
     )
 }
 
-fn proofs() -> Vec<Proof> {
+pub fn proofs() -> Vec<Proof> {
     let mut proofs: Vec<Proof> = EFFECTS.iter().map(|effect| proof(effect)).collect();
     let all: Vec<&str> = EFFECTS
         .iter()

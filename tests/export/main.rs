@@ -4,6 +4,7 @@
 
 mod code;
 mod drives;
+mod mujoco;
 #[path = "../common/mod.rs"]
 mod common;
 
