@@ -46,10 +46,7 @@ const CLOCK: usize = 2;
 ///
 /// # Errors
 /// Effects or parameters that the result does not hold.
-pub fn write(
-    machine: &Machine,
-    (name, language): (&str, Language),
-) -> Result<Export, ExportError> {
+pub fn write(machine: &Machine, (name, language): (&str, Language)) -> Result<Export, ExportError> {
     let prefix = identifier(name);
     let drives = Drives::of(machine)?;
     let layout = Layout::of(&drives);
@@ -157,7 +154,9 @@ pub fn in_comment(name: &str) -> String {
         c => c,
     };
     let line: String = name.chars().map(plain).collect();
-    line.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?")
+    line.replace("*/", "* /")
+        .replace("/*", "/ *")
+        .replace("??", "? ?")
 }
 
 /// Ends of lines, and marks that turn the direction of a text around.
@@ -289,7 +288,12 @@ impl Writer<'_> {
     }
 
     fn title(&self, title: &str) -> String {
-        let names: Vec<String> = self.machine.joints.iter().map(|j| in_comment(&j.name)).collect();
+        let names: Vec<String> = self
+            .machine
+            .joints
+            .iter()
+            .map(|j| in_comment(&j.name))
+            .collect();
         let signal = if self.has_currents() { "A" } else { "N·m (N)" };
         format!(
             "{}: inverse dynamics and drives, written by exid {VERSION}. Arrays have one entry per joint, rad and N·m (m and N\n\
@@ -304,9 +308,19 @@ impl Writer<'_> {
         let text = self.title(title);
         let (count, states) = (self.joints(), self.layout.size);
         let helpers = self.language.helpers();
-        let names: Vec<String> = self.machine.joints.iter().map(|j| quoted(&j.name)).collect();
+        let names: Vec<String> = self
+            .machine
+            .joints
+            .iter()
+            .map(|j| quoted(&j.name))
+            .collect();
         let names = names.join(", ");
-        let delays: Vec<String> = self.drives.drives.iter().map(|d| self.language.number(d.delay)).collect();
+        let delays: Vec<String> = self
+            .drives
+            .drives
+            .iter()
+            .map(|d| self.language.number(d.delay))
+            .collect();
         let delays = delays.join(", ");
         match self.language {
             Language::Rust => format!(
@@ -331,7 +345,12 @@ impl Writer<'_> {
 
     fn header(&self, title: &str) -> String {
         let guard = self.prefix.to_uppercase();
-        let delays: Vec<String> = self.drives.drives.iter().map(|d| self.language.number(d.delay)).collect();
+        let delays: Vec<String> = self
+            .drives
+            .drives
+            .iter()
+            .map(|d| self.language.number(d.delay))
+            .collect();
         let mut text = format!(
             "/* {} */\n\n#ifndef {guard}_H\n#define {guard}_H\n\n#define {guard}_JOINTS {}\n\
              /* Entries of what the drives remember, all zero at the start. */\n#define {guard}_STATES {}\n\
@@ -473,7 +492,11 @@ impl Writer<'_> {
     fn bind_motors(&self, body: &mut Body, series: [&str; 3]) {
         for j in 0..self.joints() {
             let row: Vec<f64> = self.drives.inverse.row(j).iter().copied().collect();
-            let shift: f64 = row.iter().zip(&self.drives.offset).map(|(w, o)| w * o).sum();
+            let shift: f64 = row
+                .iter()
+                .zip(&self.drives.offset)
+                .map(|(w, o)| w * o)
+                .sum();
             let position = combination(&row, |k| name(format!("{}[{k}]", series[0])));
             let position = match shift {
                 0.0 => position,
@@ -595,7 +618,10 @@ impl Writer<'_> {
         }
         for j in 0..self.joints() {
             let column = self.drives.coupling.column(j);
-            body.bind(&format!("load{j}"), &of_column(column, |k| name(format!("tau[{k}]"))));
+            body.bind(
+                &format!("load{j}"),
+                &of_column(column, |k| name(format!("tau[{k}]"))),
+            );
             self.bind_states(body, j);
             let mut torque = self.before_losses(j);
             if let Some(laws) = self.laws(j) {
@@ -627,7 +653,10 @@ impl Writer<'_> {
         self.become_signals(&mut body);
         self.function(
             body,
-            (&format!("motor_current{suffix}"), "Currents of the motors, A."),
+            (
+                &format!("motor_current{suffix}"),
+                "Currents of the motors, A.",
+            ),
             (&self.motion_arguments(), Visibility::Public),
         )
     }
@@ -696,16 +725,16 @@ impl Writer<'_> {
 
     /// Binds the time and the rate at which a backward difference weighs the value at the end of the step.
     fn bind_clock(&self, body: &mut Body) {
-        let began = |then: Expression| {
-            name("state[1]").if_less(0.5, 0.0, then)
-        };
+        let began = |then: Expression| name("state[1]").if_less(0.5, 0.0, then);
         body.bind("now", &began(name("state[0]") + name("dt")));
         body.bind("rate", &began(Expression::Number(1.5) / name("dt")));
     }
 
     /// Binds `lag{j}`, `dlag{j}` and `ddlag{j}` of a member whose lag has this name.
     fn bind_lag(&self, body: &mut Body, (j, lag): (usize, &str)) {
-        let Some(at) = self.layout.lags[j] else { return };
+        let Some(at) = self.layout.lags[j] else {
+            return;
+        };
         let past = |first: usize| {
             let [last, before] = [first, first + 1].map(|k| name(format!("state[{k}]")));
             (before - last * 4.0) * (name("rate") / 3.0)
@@ -731,14 +760,19 @@ impl Writer<'_> {
 
     /// Keeps the lag of a member and its rate.
     fn keep_lag(&self, body: &mut Body, j: usize) {
-        let Some(at) = self.layout.lags[j] else { return };
+        let Some(at) = self.layout.lags[j] else {
+            return;
+        };
         // Before a first sample the link was where it is, at rest.
         body.if_less(&name("state[1]"), &Expression::Number(0.5));
         body.assign(&format!("state[{at}]"), &name(format!("lag{j}")));
         body.close();
         body.assign(&format!("state[{}]", at + 1), &name(format!("state[{at}]")));
         body.assign(&format!("state[{at}]"), &name(format!("lag{j}")));
-        body.assign(&format!("state[{}]", at + 3), &name(format!("state[{}]", at + 2)));
+        body.assign(
+            &format!("state[{}]", at + 3),
+            &name(format!("state[{}]", at + 2)),
+        );
         body.assign(&format!("state[{}]", at + 2), &name(format!("dlag{j}")));
     }
 
@@ -787,7 +821,10 @@ impl Writer<'_> {
         self.bind_clock(&mut body);
         self.move_links(&mut body, |f| format!("x[{f}]"));
         body.array("tau", self.joints());
-        body.call(&format!("joint_torque{suffix}"), &["lq", "ldq", "lddq", "tau"]);
+        body.call(
+            &format!("joint_torque{suffix}"),
+            &["lq", "ldq", "lddq", "tau"],
+        );
         for (f, &j) in self.members().iter().enumerate() {
             let mut miss = self.contact(j) - name(format!("tau[{j}]"));
             if let Some(laws) = self.at_joint(j, &format!("lq[{j}]")) {
@@ -808,7 +845,14 @@ impl Writer<'_> {
     /// Newton's method for `function(before.., x, r) = 0` with n unknowns, whose slopes are measured over `change`.
     fn newton(&self, body: &mut Body, (function, before): (&str, &[&str]), change: &[Expression]) {
         let n = change.len();
-        for (array, size) in [("r", n), ("tried", n), ("moved", n), ("step", n), ("change", n), ("slopes", n * n)] {
+        for (array, size) in [
+            ("r", n),
+            ("tried", n),
+            ("moved", n),
+            ("step", n),
+            ("change", n),
+            ("slopes", n * n),
+        ] {
             body.array(array, size);
         }
         for (k, change) in change.iter().enumerate() {
@@ -838,7 +882,10 @@ impl Writer<'_> {
         body.variable("closer", &Expression::Number(0.0));
         body.repeat("_halving", HALVINGS);
         body.repeat("k", n);
-        body.assign("moved[k]", &(name("x[k]") - name("share") * name("step[k]")));
+        body.assign(
+            "moved[k]",
+            &(name("x[k]") - name("share") * name("step[k]")),
+        );
         body.close();
         body.call(function, &of("moved", "tried"));
         let squares = |of: &str| name(format!("squares({n}, {of})"));
@@ -904,7 +951,9 @@ impl Writer<'_> {
             let torque = match &drive.current {
                 Some(branch) => {
                     let size = body.bind(&format!("size{j}"), &read.clone().magnitude());
-                    let Expression::Name(size) = size else { continue };
+                    let Expression::Name(size) = size else {
+                        continue;
+                    };
                     read.call(Function::Signum) * with_current(&branch.torque, &size)
                 }
                 None => read,
@@ -1038,7 +1087,10 @@ impl Writer<'_> {
         let reached = name(format!("age{j}"));
         // A delay of whole steps is met in spite of rounding.
         body.if_less(&reached, &(name("dt") * 1e-6 + delay));
-        body.assign(&format!("acting[{j}]"), &name(format!("state[{first} + k]")));
+        body.assign(
+            &format!("acting[{j}]"),
+            &name(format!("state[{first} + k]")),
+        );
         body.close();
         body.assign(&format!("age{j}"), &(reached + name("dt")));
         body.close();
@@ -1057,7 +1109,9 @@ impl Writer<'_> {
             // Losses are proportional to the load on either side of zero: their share at loads of one and minus one.
             let share = |load: f64| {
                 let of = self.before_losses(j);
-                of.replaced(&|e| (*e == name(format!("load{j}"))).then_some(Expression::Number(load)))
+                of.replaced(&|e| {
+                    (*e == name(format!("load{j}"))).then_some(Expression::Number(load))
+                })
             };
             let left = name(format!("left{j}"));
             let load = match self.drives.drives[j].losses.is_empty() {
@@ -1116,7 +1170,10 @@ impl Writer<'_> {
                     "Torques at the motors, at joint scale: what moves the joints, losses, rotor inertia, friction, offsets.",
                 ));
                 if self.has_currents() {
-                    of_motion.push((format!("motor_current{suffix}"), "Currents of the motors, A."));
+                    of_motion.push((
+                        format!("motor_current{suffix}"),
+                        "Currents of the motors, A.",
+                    ));
                 }
             }
             for (function, words) in of_motion {
@@ -1166,7 +1223,10 @@ fn with_current(of: &Expression, current: &str) -> Expression {
 
 /// `Σ factor · of(k)` without the terms that are zero.
 fn combination(factors: &[f64], of: impl Fn(usize) -> Expression) -> Expression {
-    let terms = factors.iter().enumerate().filter(|(_, factor)| **factor != 0.0);
+    let terms = factors
+        .iter()
+        .enumerate()
+        .filter(|(_, factor)| **factor != 0.0);
     let terms = terms.map(|(k, factor)| match *factor {
         1.0 => of(k),
         factor => of(k) * factor,

@@ -58,11 +58,7 @@ impl Drives {
         };
         let inverse = coupling.clone().try_inverse();
         Ok(Self {
-            drives: machine
-                .joints
-                .iter()
-                .map(drive)
-                .collect::<Result<_, _>>()?,
+            drives: machine.joints.iter().map(drive).collect::<Result<_, _>>()?,
             // The model of the fit has refused couplings without inverse.
             inverse: inverse.unwrap_or_else(|| coupling.clone()),
             coupling,

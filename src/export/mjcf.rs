@@ -111,7 +111,12 @@ fn couplings(machine: &Machine, text: &mut String) {
     }
 }
 
-fn bodies((machine, natives): (&Machine, &[Native]), parent: Option<usize>, indent: &str, text: &mut String) {
+fn bodies(
+    (machine, natives): (&Machine, &[Native]),
+    parent: Option<usize>,
+    indent: &str,
+    text: &mut String,
+) {
     let children = machine.joints.iter().enumerate();
     for (k, joint) in children.filter(|(_, joint)| joint.parent == parent) {
         let inner = format!("{indent}  ");
@@ -187,7 +192,10 @@ fn moving(joint: &MachineJoint, native: &Native) -> String {
     };
     let spring = match native.stiffness {
         0.0 => String::new(),
-        stiffness => format!(" stiffness=\"{stiffness:?}\" springref=\"{:?}\"", native.rest),
+        stiffness => format!(
+            " stiffness=\"{stiffness:?}\" springref=\"{:?}\"",
+            native.rest
+        ),
     };
     format!(
         "<joint name=\"{}\" type=\"{kind}\" axis=\"{}\"{range} armature=\"{:?}\" damping=\"{:?}\" \

@@ -21,8 +21,8 @@ mod xml;
 
 use crate::export::error::ExportError;
 use crate::export::language::Language;
-use crate::outcome::{Outcome, Part};
 use crate::outcome::machine::Machine;
+use crate::outcome::{Outcome, Part};
 
 /// Formats of `--to`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

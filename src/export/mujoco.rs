@@ -73,7 +73,8 @@ fn take(joint: &mut MachineJoint, one: bool) -> Native {
     };
     let mut native = Native::default();
     let mut taken: Vec<&str> = Vec::new();
-    if let (Some(stiffness), Some(rest)) = (value("joint_spring", "k"), value("joint_spring", "q0")) {
+    if let (Some(stiffness), Some(rest)) = (value("joint_spring", "k"), value("joint_spring", "q0"))
+    {
         if stiffness >= 0.0 && joint.locked.is_none() {
             (native.stiffness, native.rest) = (stiffness, rest);
             taken.push("joint_spring");
@@ -85,19 +86,27 @@ fn take(joint: &mut MachineJoint, one: bool) -> Native {
             taken.push("rotor_inertia");
         }
     }
-    if let (true, Some(damping), false) = (one, value("viscous_friction", "Fv"), is_lent("viscous_friction")) {
+    if let (true, Some(damping), false) = (
+        one,
+        value("viscous_friction", "Fv"),
+        is_lent("viscous_friction"),
+    ) {
         if damping >= 0.0 {
             native.damping = damping;
             taken.push("viscous_friction");
         }
     }
     let signed = |id: &str| {
-        effect::find(id).is_some_and(|e| matches!(e.law, Law::Motor(_)) && e.id != "coulomb_friction")
+        effect::find(id)
+            .is_some_and(|e| matches!(e.law, Law::Motor(_)) && e.id != "coulomb_friction")
     };
     let alone = !joint.effects.iter().any(|e| signed(&e.id));
-    if let (true, true, Some(friction), Some(0.0)) =
-        (one, alone, value("coulomb_friction", "Fc"), value("coulomb_friction", "w"))
-    {
+    if let (true, true, Some(friction), Some(0.0)) = (
+        one,
+        alone,
+        value("coulomb_friction", "Fc"),
+        value("coulomb_friction", "w"),
+    ) {
         native.friction = friction;
         taken.push("coulomb_friction");
     }

@@ -41,7 +41,10 @@ pub struct Head<'a> {
 #[derive(Debug)]
 enum Line {
     /// A value by name, which is left out where nothing reads it.
-    Binding { name: String, text: String },
+    Binding {
+        name: String,
+        text: String,
+    },
     Other(String),
 }
 

@@ -157,7 +157,11 @@ fn names_cannot_leave_a_comment_or_a_text() {
         "/* \r #error \u{2028} {} %s ??/",
     ];
     for (format, compiler, arguments) in [
-        (Format::C, "cc".into(), vec!["-std=c99", "-pedantic", "-Wall", "-c", "robot.c"]),
+        (
+            Format::C,
+            "cc".into(),
+            vec!["-std=c99", "-pedantic", "-Wall", "-c", "robot.c"],
+        ),
         (
             Format::Rust,
             "rustc".into(),

@@ -50,20 +50,35 @@ struct Robot {
 impl Proof {
     /// Signals of the chain along a motion of the encoders with this time between samples.
     pub fn predicted(&self, encoders: &Motion, step: f64) -> Vec<Vec<f64>> {
-        let inverse = self.robot.model.coupling(&self.robot.values).try_inverse().unwrap();
+        let inverse = self
+            .robot
+            .model
+            .coupling(&self.robot.values)
+            .try_inverse()
+            .unwrap();
         let mut motors = encoders.clone();
         for (order, series) in motors.iter_mut().enumerate() {
             for (j, to) in series.iter_mut().enumerate() {
                 for (k, to) in to.iter_mut().enumerate() {
                     let from = |i: usize| {
-                        let offset = if order == 0 { self.robot.model.offset()[i] } else { 0.0 };
+                        let offset = if order == 0 {
+                            self.robot.model.offset()[i]
+                        } else {
+                            0.0
+                        };
                         encoders[order][i][k] - offset
                     };
-                    *to = (0..encoders[order].len()).map(|i| inverse[(j, i)] * from(i)).sum();
+                    *to = (0..encoders[order].len())
+                        .map(|i| inverse[(j, i)] * from(i))
+                        .sum();
                 }
             }
         }
-        along(&self.robot, &motors, (step, self.robot.model.payload().is_some()))
+        along(
+            &self.robot,
+            &motors,
+            (step, self.robot.model.payload().is_some()),
+        )
     }
 }
 
@@ -107,7 +122,13 @@ fn course(n: usize) -> Motion {
     let mut rng = generator(31);
     let mut motion: Motion = std::array::from_fn(|_| vec![Vec::new(); n]);
     for j in 0..n {
-        let waves = [9.0, 31.0].map(|w| (w, (1.0 + symmetric(&mut rng, 0.5)) / w, symmetric(&mut rng, 3.0)));
+        let waves = [9.0, 31.0].map(|w| {
+            (
+                w,
+                (1.0 + symmetric(&mut rng, 0.5)) / w,
+                symmetric(&mut rng, 3.0),
+            )
+        });
         for k in 0..SAMPLES {
             let t = STEP * k as f64;
             let sum = |f: &dyn Fn(f64, f64, f64) -> f64| -> f64 {
@@ -130,7 +151,9 @@ fn along(robot: &Robot, [q, dq, ddq]: &Motion, (step, loaded): (f64, bool)) -> V
         ..Segment::states(Trajectory { q, dq, ddq }, loaded)
     };
     let block = evaluator.evaluate_course(segment);
-    (0..q.len()).map(|c| block.value(c)[..samples].to_vec()).collect()
+    (0..q.len())
+        .map(|c| block.value(c)[..samples].to_vec())
+        .collect()
 }
 
 /// The lag that resists with these torques, by bisection at every sample, and its rates by backward differences.
@@ -150,7 +173,11 @@ fn lags(machine: &Machine, j: usize, torque: &[f64]) -> [Vec<f64>; 3] {
     for (k, torque) in torque.iter().enumerate() {
         let before = |order: usize, back: usize| {
             let series: &Vec<f64> = &out[order];
-            series.get(k.wrapping_sub(back)).or(series.first()).copied().unwrap_or(0.0)
+            series
+                .get(k.wrapping_sub(back))
+                .or(series.first())
+                .copied()
+                .unwrap_or(0.0)
         };
         let weight = if k == 0 { 0.0 } else { 1.5 / STEP };
         let past = |order| weight / 3.0 * (before(order, 2) - 4.0 * before(order, 1));
@@ -173,10 +200,15 @@ fn lags(machine: &Machine, j: usize, torque: &[f64]) -> [Vec<f64>; 3] {
 }
 
 fn proof(effect: &'static Effect) -> Proof {
-    let (mut head, mut drive) = (String::new(), "[drive]\ntorque_constant = [13.0, -12.0, 8.0]\n".to_string());
+    let (mut head, mut drive) = (
+        String::new(),
+        "[drive]\ntorque_constant = [13.0, -12.0, 8.0]\n".to_string(),
+    );
     match effect.law {
         Law::Body => head.push_str("payload = \"last\"\n"),
-        Law::Coupling => drive.push_str("coupling = [[1, 0, 0], [0.2, 1, 0], [0.03, -0.1, 1]]\noffset = [0.1, 0.0, -0.2]\n"),
+        Law::Coupling => drive.push_str(
+            "coupling = [[1, 0, 0], [0.2, 1, 0], [0.03, -0.1, 1]]\noffset = [0.1, 0.0, -0.2]\n",
+        ),
         _ => {}
     }
     let mut effects = vec!["rotor_inertia", "viscous_friction", "coulomb_friction"];
@@ -199,7 +231,12 @@ fn prove(id: &'static str, effects: &[&str], head: &str) -> Proof {
         for k in 0..SAMPLES {
             for (i, to) in series.iter_mut().enumerate() {
                 let moved: f64 = (0..n).map(|j| coupling[(i, j)] * motors[order][j][k]).sum();
-                to[k] = moved + if order == 0 { robot.model.offset()[i] } else { 0.0 };
+                to[k] = moved
+                    + if order == 0 {
+                        robot.model.offset()[i]
+                    } else {
+                        0.0
+                    };
             }
         }
     }
@@ -207,10 +244,22 @@ fn prove(id: &'static str, effects: &[&str], head: &str) -> Proof {
     let lagging: Vec<&str> = effects
         .iter()
         .copied()
-        .filter(|id| ["joint_elasticity", "backlash", "joint_spring", "external_contact"].contains(id))
+        .filter(|id| {
+            [
+                "joint_elasticity",
+                "backlash",
+                "joint_spring",
+                "external_contact",
+            ]
+            .contains(id)
+        })
         .collect();
     let bare_head = head.replace("torque_constant = [13.0, -12.0, 8.0]\n", "");
-    let bare_head: String = bare_head.lines().filter(|l| !l.starts_with("coupling") && !l.starts_with("offset")).map(|l| format!("{l}\n")).collect();
+    let bare_head: String = bare_head
+        .lines()
+        .filter(|l| !l.starts_with("coupling") && !l.starts_with("offset"))
+        .map(|l| format!("{l}\n"))
+        .collect();
     let mut bare = self::robot(&lagging, &bare_head);
     for (p, parameter) in bare.model.parameters().iter().enumerate() {
         if let Ok(at) = robot.model.find(&parameter.name) {
@@ -218,7 +267,10 @@ fn prove(id: &'static str, effects: &[&str], head: &str) -> Proof {
         }
     }
     let mut links = encoders.clone();
-    if effects.iter().any(|id| ["joint_elasticity", "backlash"].contains(id)) {
+    if effects
+        .iter()
+        .any(|id| ["joint_elasticity", "backlash"].contains(id))
+    {
         let torque = along(&bare, &encoders, (STEP, loaded));
         for j in 0..n {
             let lag = lags(&machine, j, &torque[j]);
@@ -296,7 +348,11 @@ fn assert_proofs(format: Format, run: impl Fn(&Path, &[Proof]) -> Option<Vec<Vec
     }
     let mut failures = Vec::new();
     for (proof, [signal, torque]) in proofs.iter().zip(&found) {
-        let late = if proof.effect == "time_delay" { LATE } else { 0 };
+        let late = if proof.effect == "time_delay" {
+            LATE
+        } else {
+            0
+        };
         let begin = late.unsigned_abs();
         let chosen = begin..SAMPLES - begin;
         let largest = |of: &[Vec<f64>]| of.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
@@ -306,8 +362,12 @@ fn assert_proofs(format: Format, run: impl Fn(&Path, &[Proof]) -> Option<Vec<Vec
         ] {
             let size = largest(expected);
             let mut worst = 0.0_f64;
-            for (found, expected) in found.iter().zip(expected) {
+            for (j, (found, expected)) in found.iter().zip(expected).enumerate() {
                 for k in chosen.clone() {
+                    // Below the torque at which current flows a current of zero does not say what the torque is.
+                    if what == "torque" && proof.signal[j][k] == 0.0 {
+                        continue;
+                    }
                     let expected = expected[(k as isize + late) as usize];
                     // Not a number counts as worst.
                     worst = worst.max((found[k] - expected).abs() / size);
@@ -332,10 +392,16 @@ fn invariant_every_effect_in_rust_code_is_that_of_the_chain() {
         let mut main = String::from("fn main() {\n");
         for (p, proof) in proofs.iter().enumerate() {
             text.push_str(&format!("mod robot{p};\n"));
-            main.push_str(&format!("  {{ use robot{p}::*; let mut out = [0.0; JOINTS];\n"));
+            main.push_str(&format!(
+                "  {{ use robot{p}::*; let mut out = [0.0; JOINTS];\n"
+            ));
             for inverse in [true, false] {
                 main.push_str("    let mut state = [0.0; STATES];\n");
-                let motion = if inverse { &proof.encoders } else { &proof.links };
+                let motion = if inverse {
+                    &proof.encoders
+                } else {
+                    &proof.links
+                };
                 for k in 0..SAMPLES {
                     let [q, dq, ddq] = [0, 1, 2].map(|order: usize| row(&motion[order], k));
                     main.push_str(&match inverse {
@@ -354,7 +420,11 @@ fn invariant_every_effect_in_rust_code_is_that_of_the_chain() {
             main.push_str("  }\n");
         }
         fs::write(folder.join("driver.rs"), format!("{text}{main}}}\n")).unwrap();
-        code::run(folder, "rustc", &["--edition", "2021", "driver.rs", "-o", "driver"])
+        code::run(
+            folder,
+            "rustc",
+            &["--edition", "2021", "driver.rs", "-o", "driver"],
+        )
     });
 }
 
@@ -364,14 +434,28 @@ fn invariant_every_effect_in_c_code_is_that_of_the_chain() {
         let mut text = String::from("#include <stdio.h>\n#include <string.h>\n");
         let mut main = String::from("int main(void) {\n");
         let mut sources = Vec::new();
-        let array = |x: Vec<f64>| format!("(double[]){{{}}}", x.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", "));
+        let array = |x: Vec<f64>| {
+            format!(
+                "(double[]){{{}}}",
+                x.iter()
+                    .map(|x| format!("{x:?}"))
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            )
+        };
         for (p, proof) in proofs.iter().enumerate() {
             text.push_str(&format!("#include \"robot{p}.h\"\n"));
             sources.push(format!("robot{p}.c"));
-            main.push_str(&format!("  {{ double out[ROBOT{p}_JOINTS], state[ROBOT{p}_STATES];\n"));
+            main.push_str(&format!(
+                "  {{ double out[ROBOT{p}_JOINTS], state[ROBOT{p}_STATES];\n"
+            ));
             for inverse in [true, false] {
                 main.push_str("    memset(state, 0, sizeof state);\n");
-                let motion = if inverse { &proof.encoders } else { &proof.links };
+                let motion = if inverse {
+                    &proof.encoders
+                } else {
+                    &proof.links
+                };
                 for k in 0..SAMPLES {
                     let [q, dq, ddq] = [0, 1, 2].map(|order: usize| array(row(&motion[order], k)));
                     main.push_str(&match inverse {
@@ -389,7 +473,11 @@ fn invariant_every_effect_in_c_code_is_that_of_the_chain() {
             }
             main.push_str("  }\n");
         }
-        fs::write(folder.join("driver.c"), format!("{text}{main}  return 0;\n}}\n")).unwrap();
+        fs::write(
+            folder.join("driver.c"),
+            format!("{text}{main}  return 0;\n}}\n"),
+        )
+        .unwrap();
         let mut arguments = vec!["-std=c99", "-Wall", "-Wextra", "-pedantic", "driver.c"];
         arguments.extend(sources.iter().map(String::as_str));
         arguments.extend(["-o", "driver", "-lm"]);
@@ -422,11 +510,19 @@ fn invariant_every_effect_in_numpy_code_is_that_of_the_chain() {
         );
         fs::write(folder.join("driver.py"), driver).unwrap();
         let python = python()?;
-        let output = Command::new(python).current_dir(folder).arg("driver.py").output().unwrap();
+        let output = Command::new(python)
+            .current_dir(folder)
+            .arg("driver.py")
+            .output()
+            .unwrap();
         let words = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success() && words.is_empty(), "{words}");
         let text = String::from_utf8(output.stdout).unwrap();
-        Some(text.lines().map(|line| serde_json::from_str(line).unwrap()).collect())
+        Some(
+            text.lines()
+                .map(|line| serde_json::from_str(line).unwrap())
+                .collect(),
+        )
     });
 }
 

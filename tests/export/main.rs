@@ -3,10 +3,10 @@
 //! The reference is the measurement chain itself, at states without symmetry.
 
 mod code;
-mod drives;
-mod mujoco;
 #[path = "../common/mod.rs"]
 mod common;
+mod drives;
+mod mujoco;
 
 use exid::chain::evaluate::{Evaluator, Segment};
 use exid::chain::model::Model;

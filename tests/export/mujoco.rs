@@ -71,7 +71,9 @@ fn miss(proof: &Proof, run: &Value, step: f64) -> f64 {
 
 #[test]
 fn invariant_mujoco_with_the_plugin_moves_as_the_chain_says() {
-    let Some(python) = drives::python() else { return };
+    let Some(python) = drives::python() else {
+        return;
+    };
     let has = |program: &std::ffi::OsStr, arguments: &[&str]| {
         let asked = Command::new(program).args(arguments).output();
         asked.is_ok_and(|output| output.status.success())
@@ -88,16 +90,27 @@ fn invariant_mujoco_with_the_plugin_moves_as_the_chain_says() {
         }
         let output = Command::new(&python)
             .current_dir(folder.path())
-            .args(["-c", SCRIPT, &json!(STEPS).to_string(), &DURATION.to_string()])
+            .args([
+                "-c",
+                SCRIPT,
+                &json!(STEPS).to_string(),
+                &DURATION.to_string(),
+            ])
             .output()
             .unwrap();
         let words = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{}: {words}", proof.effect);
         let runs: Vec<Value> = serde_json::from_slice(&output.stdout).unwrap();
-        let misses: Vec<f64> = runs.iter().zip(STEPS).map(|(run, h)| miss(&proof, run, h)).collect();
+        let misses: Vec<f64> = runs
+            .iter()
+            .zip(STEPS)
+            .map(|(run, h)| miss(&proof, run, h))
+            .collect();
         println!("MuJoCo {}: {misses:.1e?}", proof.effect);
         // Of first order: a quarter of the error with a quarter of the step, less where friction turns over.
-        let [first, _, last] = misses[..] else { panic!("three") };
+        let [first, _, last] = misses[..] else {
+            panic!("three")
+        };
         if !(last <= 0.4 * first && last <= 0.02) {
             failures.push(format!("{}: {misses:.1e?}", proof.effect));
         }
