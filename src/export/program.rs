@@ -108,7 +108,8 @@ impl Body {
     pub fn array(&mut self, name: &str, size: usize) {
         self.push(&match self.language {
             Language::Rust => format!("let {name} = &mut [0.0_f64; {size}];"),
-            Language::C => format!("double {name}[{size}] = {{0.0}};"),
+            // Laws may read none of it.
+            Language::C => format!("double {name}[{size}] = {{0.0}}; (void){name};"),
             Language::NumPy => format!("{name} = [0.0] * {size}"),
         });
     }
