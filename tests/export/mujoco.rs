@@ -106,13 +106,13 @@ fn invariant_mujoco_with_the_plugin_moves_as_the_chain_says() {
             .zip(STEPS)
             .map(|(run, h)| miss(&proof, run, h))
             .collect();
-        println!("MuJoCo {}: {misses:.1e?}", proof.effect);
+        println!("MuJoCo {}: {misses:?}", proof.effect);
         // Of first order: a quarter of the error with a quarter of the step, less where friction turns over.
         let [first, _, last] = misses[..] else {
             panic!("three")
         };
         if !(last <= 0.4 * first && last <= 0.02) {
-            failures.push(format!("{}: {misses:.1e?}", proof.effect));
+            failures.push(format!("{}: {misses:?}", proof.effect));
         }
     }
     assert!(failures.is_empty(), "{failures:#?}");
