@@ -91,7 +91,8 @@ const TRIALS_EXAMPLES: &str = "Examples:
   exid trials --seed 1 --only 57 --keep trials";
 const EXPORT_EXAMPLES: &str = "Examples:
   exid export results/arm6/fit --to urdf
-  exid export results/arm6/fit --to c --out controller";
+  exid export results/arm6/fit --to c --out controller
+  exid export results/arm6/diagnose --to mujoco --out simulator";
 const REPEAT_EXAMPLES: &str = "Examples:
   exid repeat results/arm6/fit
   exid repeat results/arm6/fit --threads 1 --out again";
@@ -331,10 +332,14 @@ pub enum Target {
     Urdf,
     /// MuJoCo model
     Mjcf,
+    /// MuJoCo model with the source of an actuator plugin that has all of the drives
+    Mujoco,
     /// Links, drives and load with their intervals
     Toml,
-    /// Source of the inverse dynamics in Rust
+    /// Source of inverse dynamics and drives in Rust
     Rust,
-    /// Source of the inverse dynamics in C
+    /// Source of inverse dynamics and drives in C
     C,
+    /// The same as a Python module that needs NumPy alone
+    Numpy,
 }

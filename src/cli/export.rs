@@ -72,9 +72,11 @@ impl From<Target> for Format {
         match target {
             Target::Urdf => Self::Urdf,
             Target::Mjcf => Self::Mjcf,
+            Target::Mujoco => Self::Mujoco,
             Target::Toml => Self::Toml,
             Target::Rust => Self::Rust,
             Target::C => Self::C,
+            Target::Numpy => Self::NumPy,
         }
     }
 }

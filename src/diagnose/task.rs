@@ -21,6 +21,7 @@ use crate::diagnose::selection::stepwise::{Rules, Selection};
 use crate::diagnose::stage::Stage;
 use crate::estimate::bandwidth;
 use crate::estimate::figures::{Predictions, noise_rms};
+use crate::estimate::task::machine;
 use crate::outcome::check::Finding as Mistake;
 use crate::outcome::diagnose::Diagnosis;
 use crate::outcome::estimate::Estimate;
@@ -91,6 +92,9 @@ pub fn run(
     let estimated = &reported.diagnosis.outcome.parameters;
     let differences = setup::declared::differences(problem, &robot, &model, estimated);
     reported.diagnosis.notes.extend(differences);
+    if let (None, Some(fit)) = (&robot.mechanism, &mut reported.diagnosis.fit) {
+        fit.machine = Some(machine((problem, &robot), &reported.fitted));
+    }
     Ok(DiagnoseRun {
         diagnosis: reported.diagnosis,
         mistakes,

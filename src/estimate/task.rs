@@ -103,7 +103,7 @@ pub fn run(
         fitted.fit.joint_torque_parameters = theta_d;
     }
     if robot.mechanism.is_none() {
-        fitted.fit.machine = Some(machine(problem, &robot, &fitted));
+        fitted.fit.machine = Some(machine((problem, &robot), &fitted));
     }
     if !problem.fit.compare.is_empty() {
         watch(Step::Comparing);
@@ -244,7 +244,7 @@ fn stopped(estimate: &mut Estimate, stop: Stop) {
 }
 
 /// The identified robot, with the bodies of the realization where there is one.
-fn machine(problem: &ProblemFile, robot: &Robot, fitted: &Fitted) -> Machine {
+pub fn machine(described: (&ProblemFile, &Robot), fitted: &Fitted) -> Machine {
     let mut values = fitted.values.clone();
     for realized in &fitted.fit.realization {
         if let Ok(position) = fitted.model.find(&realized.name) {
@@ -252,7 +252,7 @@ fn machine(problem: &ProblemFile, robot: &Robot, fitted: &Fitted) -> Machine {
         }
     }
     let feasible = fitted.fit.feasible;
-    setup::machine::record((problem, robot), &fitted.model, &values, feasible)
+    setup::machine::record(described, &fitted.model, &values, feasible)
 }
 
 /// Fits by the estimator of the problem file.

@@ -10,6 +10,10 @@ use std::path::Path;
 pub enum ExportError {
     /// The verb identifies no robot, or the result is of a version that did not keep it.
     NoRobot { name: String, verb: &'static str },
+    /// An effect that this version does not know.
+    UnknownEffect { joint: String, effect: String },
+    /// The result lacks a parameter.
+    Incomplete { joint: String, parameter: String },
     /// The robot file in the result does not read.
     Description(Box<RobotError>),
     /// The document cannot be encoded.
@@ -29,7 +33,18 @@ impl ExportError {
             Self::NoRobot { name, verb } => Description::new(
                 "no-robot-in-result",
                 format!("`{name}`, a result of `{verb}`, holds no identified robot"),
-                "give the results folder of `exid fit`, made by this version",
+                "give the results folder of `exid fit` or `exid diagnose`; of a result that an earlier version made, run the \
+                 verb again",
+            ),
+            Self::UnknownEffect { joint, effect } => Description::new(
+                "unknown-effect",
+                format!("{joint} has the effect `{effect}`, which this version does not know"),
+                "run the verb of the result again with this version, or export with the version that made it",
+            ),
+            Self::Incomplete { joint, parameter } => Description::new(
+                "incomplete-robot",
+                format!("the result holds no value of {parameter} of {joint}"),
+                "run the verb of the result again with this version (`exid repeat` on the results folder does)",
             ),
             Self::Description(error) => error.describe(),
             Self::NotEncodable { reason, .. } => Description::new(

@@ -12,10 +12,53 @@ const KEPT: &[(&str, &[&str])] = &[
     ("rotor_inertia", &["Jm"]),
     ("viscous_friction", &["Fv"]),
     ("coulomb_friction", &["Fc"]),
+    ("joint_spring", &["k", "q0"]),
 ];
+
+/// What of a drive stands in the joint.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Native {
+    pub armature: f64,
+    pub damping: f64,
+    pub friction: f64,
+    pub stiffness: f64,
+    /// Position without torque of the spring.
+    pub rest: f64,
+}
+
+/// What drives the joints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Actuation {
+    None,
+    /// The plugin `exid.drive`, one actuator per joint.
+    Plugin,
+}
 
 /// The robot as MJCF, the load on its link where there is one.
 pub fn write(machine: &Machine, name: &str) -> Export {
+    let natives: Vec<Native> = machine.joints.iter().map(of_joint).collect();
+    Export {
+        files: vec![File {
+            name: format!("{name}.xml"),
+            text: document(machine, &natives, Actuation::None),
+        }],
+        notes: lost(machine),
+    }
+}
+
+fn of_joint(joint: &MachineJoint) -> Native {
+    let value = |effect, parameter| joint.value(effect, parameter).unwrap_or(0.0);
+    Native {
+        armature: value("rotor_inertia", "Jm"),
+        damping: value("viscous_friction", "Fv"),
+        friction: value("coulomb_friction", "Fc"),
+        stiffness: value("joint_spring", "k"),
+        rest: value("joint_spring", "q0"),
+    }
+}
+
+/// The text of the model.
+pub fn document(machine: &Machine, natives: &[Native], actuation: Actuation) -> String {
     let gravity = Vector3::from(machine.gravity);
     let mut text = format!(
         "<mujoco model=\"{}\">\n  <compiler angle=\"radian\" inertiafromgeom=\"false\" boundmass=\"0\" \
@@ -23,18 +66,29 @@ pub fn write(machine: &Machine, name: &str) -> Export {
         escaped(&machine.name),
         triple(&gravity)
     );
+    if actuation == Actuation::Plugin {
+        let extension = "  <extension>\n    <plugin plugin=\"exid.drive\">\n      <instance name=\"drives\"/>\n    \
+                         </plugin>\n  </extension>\n  <worldbody>\n";
+        text = text.replace("  <worldbody>\n", extension);
+    }
     sites(machine, None, "    ", &mut text);
-    bodies(machine, None, "    ", &mut text);
+    bodies((machine, natives), None, "    ", &mut text);
     text.push_str("  </worldbody>\n");
     couplings(machine, &mut text);
-    text.push_str("</mujoco>\n");
-    Export {
-        files: vec![File {
-            name: format!("{name}.xml"),
-            text,
-        }],
-        notes: lost(machine),
+    if actuation == Actuation::Plugin {
+        text.push_str("  <actuator>\n");
+        for joint in &machine.joints {
+            let name = escaped(&joint.name);
+            // A text takes whatever is written to it.
+            let _ = writeln!(
+                text,
+                "    <plugin name=\"{name}\" joint=\"{name}\" plugin=\"exid.drive\" instance=\"drives\"/>"
+            );
+        }
+        text.push_str("  </actuator>\n");
     }
+    text.push_str("</mujoco>\n");
+    text
 }
 
 /// Joints that follow others.
@@ -57,7 +111,12 @@ fn couplings(machine: &Machine, text: &mut String) {
     }
 }
 
-fn bodies(machine: &Machine, parent: Option<usize>, indent: &str, text: &mut String) {
+fn bodies(
+    (machine, natives): (&Machine, &[Native]),
+    parent: Option<usize>,
+    indent: &str,
+    text: &mut String,
+) {
     let children = machine.joints.iter().enumerate();
     for (k, joint) in children.filter(|(_, joint)| joint.parent == parent) {
         let inner = format!("{indent}  ");
@@ -74,9 +133,9 @@ fn bodies(machine: &Machine, parent: Option<usize>, indent: &str, text: &mut Str
             None => Inertia(joint.body),
         };
         let _ = writeln!(text, "{inner}{}", inertial(&body));
-        let _ = writeln!(text, "{inner}{}", moving(joint));
+        let _ = writeln!(text, "{inner}{}", moving(joint, &natives[k]));
         sites(machine, Some(k), &inner, text);
-        bodies(machine, Some(k), &inner, text);
+        bodies((machine, natives), Some(k), &inner, text);
         let _ = writeln!(text, "{indent}</body>");
     }
 }
@@ -120,7 +179,7 @@ fn inertial(body: &Inertia) -> String {
     )
 }
 
-fn moving(joint: &MachineJoint) -> String {
+fn moving(joint: &MachineJoint, native: &Native) -> String {
     let kind = match joint.motion {
         Motion::Revolute => "hinge",
         Motion::Prismatic => "slide",
@@ -131,15 +190,21 @@ fn moving(joint: &MachineJoint) -> String {
         }
         _ => " limited=\"false\"".to_string(),
     };
-    let value = |effect, parameter| joint.value(effect, parameter).unwrap_or(0.0);
+    let spring = match native.stiffness {
+        0.0 => String::new(),
+        stiffness => format!(
+            " stiffness=\"{stiffness:?}\" springref=\"{:?}\"",
+            native.rest
+        ),
+    };
     format!(
         "<joint name=\"{}\" type=\"{kind}\" axis=\"{}\"{range} armature=\"{:?}\" damping=\"{:?}\" \
-         frictionloss=\"{:?}\"/>",
+         frictionloss=\"{:?}\"{spring}/>",
         escaped(&joint.name),
         triple(&Vector3::from(joint.axis)),
-        value("rotor_inertia", "Jm"),
-        value("viscous_friction", "Fv"),
-        value("coulomb_friction", "Fc")
+        native.armature,
+        native.damping,
+        native.friction
     )
 }
 

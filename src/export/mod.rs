@@ -1,14 +1,16 @@
-//! The identified robot in the formats of others: URDF, MJCF, TOML, and code of its inverse dynamics.
+//! The identified robot in the formats of others: URDF, MJCF, TOML, and code of its dynamics.
 //!
 //! Each format takes what it has a place for; what it has none for stands in a side file or in the notes,
 //! never silently left out.
 
 mod code;
 mod dress;
+mod drive;
 pub mod error;
 mod language;
-mod law;
 mod mjcf;
+mod mujoco;
+mod program;
 mod regroup;
 mod side_file;
 mod symbol;
@@ -19,17 +21,19 @@ mod xml;
 
 use crate::export::error::ExportError;
 use crate::export::language::Language;
-use crate::outcome::Outcome;
 use crate::outcome::machine::Machine;
+use crate::outcome::{Outcome, Part};
 
 /// Formats of `--to`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     Urdf,
     Mjcf,
+    Mujoco,
     Toml,
     Rust,
     C,
+    NumPy,
 }
 
 /// A file of an export.
@@ -57,16 +61,47 @@ pub fn export(outcome: &Outcome, format: Format) -> Result<Export, ExportError> 
         name: outcome.name.clone(),
         verb: outcome.part.verb(),
     })?;
+    let tilted = outcome.estimate.parameters.iter().find(|p| p.name == TILT);
+    if let (Some(tilt), None) = (tilted, &machine.tilt) {
+        return Err(ExportError::Incomplete {
+            joint: "the base".to_string(),
+            parameter: tilt.name.clone(),
+        });
+    }
     let name = outcome.name.as_str();
     let mut export = match format {
         Format::Urdf => urdf::write(machine, name)?,
         Format::Mjcf => mjcf::write(machine, name),
+        Format::Mujoco => mujoco::write(machine, name)?,
         Format::Toml => table::write(machine, (name, &outcome.estimate.parameters))?,
-        Format::Rust => code::write(machine, (name, Language::Rust)),
-        Format::C => code::write(machine, (name, Language::C)),
+        Format::Rust => code::write(machine, (name, Language::Rust))?,
+        Format::C => code::write(machine, (name, Language::C))?,
+        Format::NumPy => code::write(machine, (name, Language::NumPy))?,
     };
     export.notes.extend(caveats(machine));
+    export.notes.extend(nameless(outcome));
     Ok(export)
+}
+
+/// The parameter of a tilted base, whose angles results of earlier versions did not keep with their robots.
+const TILT: &str = "base_tilt.roll";
+
+/// What a diagnosis calls a finding that has no law.
+const UNNAMED: &str = "unnamed";
+
+/// What a diagnosis found and has no law for.
+fn nameless(outcome: &Outcome) -> Option<String> {
+    let Part::Diagnose(diagnosis) = &outcome.part else {
+        return None;
+    };
+    let found = diagnosis.findings.iter().filter(|f| f.effect == UNNAMED);
+    let joints: Vec<String> = found.flat_map(|f| f.joints.clone()).collect();
+    (!joints.is_empty()).then(|| {
+        format!(
+            "{}: what the recordings show beyond the laws of the vocabulary has no name and is not in the export",
+            joints.join(", ")
+        )
+    })
 }
 
 /// What holds of the model in every format.

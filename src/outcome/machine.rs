@@ -16,8 +16,12 @@ pub struct Machine {
     pub name: String,
     /// Name of the base link.
     pub base: String,
-    /// m/s², in the base frame.
+    /// m/s², in the base frame as it stands.
     pub gravity: [f64; 3],
+    /// Roll and pitch of the base, rad, by which `gravity` differs from the declared one; absent where no tilt is in
+    /// the model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tilt: Option<[f64; 2]>,
     pub joints: Vec<MachineJoint>,
     /// Frames that are fixed to a link or to the base.
     pub frames: Vec<MachineFrame>,

@@ -89,6 +89,7 @@ impl Outcome {
     pub fn machine(&self) -> Option<&machine::Machine> {
         match &self.part {
             Part::Fit(fit) => fit.machine.as_ref(),
+            Part::Diagnose(diagnosis) => diagnosis.fit.as_ref()?.machine.as_ref(),
             _ => None,
         }
     }

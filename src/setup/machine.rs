@@ -1,5 +1,6 @@
 //! The identified robot as a record: geometry of the tree, bodies and drives at parameter values.
 
+use crate::chain::effect::base_tilt;
 use crate::chain::model::{Model, Signal};
 use crate::outcome::machine::{
     Machine, MachineEffect, MachineFrame, MachineJoint, MachineLeader, MachineLoad, MachineValue,
@@ -25,6 +26,9 @@ pub fn record(
         pose: Pose::of(&frame.placement),
     });
     let joints = (0..tree.len()).map(|j| joint(robot, model, values, j));
+    let tilt = model.tilt().map(|at| [values[at], values[at + 1]]);
+    let declared = tree.gravity();
+    let gravity = tilt.map_or(declared, |angles| base_tilt::tilted(&declared, angles));
     let coupling = model.coupling(values);
     let rows = coupling
         .row_iter()
@@ -32,7 +36,8 @@ pub fn record(
     Machine {
         name: tree.name().to_string(),
         base: tree.base().to_string(),
-        gravity: tree.gravity().into(),
+        gravity: gravity.into(),
+        tilt,
         joints: joints.collect(),
         frames: frames.collect(),
         coupling: (!model.is_uncoupled()).then(|| rows.collect()),

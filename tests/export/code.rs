@@ -42,7 +42,7 @@ fn c_driver(functions: &[String], motion: &Motion) -> String {
 }
 
 /// Runs a compiler and the program it makes; `None`, recorded as a skip, where there is no such compiler.
-fn run(folder: &Path, compiler: &str, arguments: &[&str]) -> Option<Vec<Vec<f64>>> {
+pub fn run(folder: &Path, compiler: &str, arguments: &[&str]) -> Option<Vec<Vec<f64>>> {
     let compiled = Command::new(compiler)
         .current_dir(folder)
         .args(arguments)
@@ -151,12 +151,26 @@ fn invariant_c_code_gives_the_signal() {
 
 #[test]
 fn names_cannot_leave_a_comment_or_a_text() {
+    let names = [
+        "*/ #error \"\n#error\\",
+        "\"\"\"\nraise SystemExit(1)\n\"\"\" # ' \\",
+        "/* \r #error \u{2028} {} %s ??/",
+    ];
     for (format, compiler, arguments) in [
-        (Format::C, "cc", ["-std=c99", "-pedantic", "-c", "robot.c"]),
+        (
+            Format::C,
+            "cc".into(),
+            vec!["-std=c99", "-pedantic", "-Wall", "-c", "robot.c"],
+        ),
         (
             Format::Rust,
-            "rustc",
-            ["--crate-type", "lib", "-Adead_code", "robot.rs"],
+            "rustc".into(),
+            vec!["--crate-type", "lib", "-Adead_code", "robot.rs"],
+        ),
+        (
+            Format::NumPy,
+            drives::python().unwrap_or_else(|| "no Python".into()),
+            vec!["-W", "error", "robot.py"],
         ),
     ] {
         let [mut case, ..] = cases();
@@ -164,19 +178,21 @@ fn names_cannot_leave_a_comment_or_a_text() {
             panic!("a fit")
         };
         let machine = fit.machine.as_mut().unwrap();
-        machine.joints[0].name = "*/ #error \"\n#error\\".to_string();
-        case.outcome.name = "*/\n#error \"".to_string();
+        for (joint, name) in machine.joints.iter_mut().zip(names) {
+            joint.name = name.to_string();
+        }
+        case.outcome.name = "*/\n#error \"\"\" \\".to_string();
         let (_, first) = case.export(format);
-        let arguments = arguments.map(|a| match a.split_once('.') {
+        let arguments = arguments.into_iter().map(|a| match a.split_once('.') {
             Some(("robot", ending)) => first.with_extension(ending).display().to_string(),
             _ => a.to_string(),
         });
-        let compiled = Command::new(compiler)
+        let compiled = Command::new(&compiler)
             .current_dir(case.folder.path())
             .args(arguments)
             .output();
         match compiled {
-            Err(_) => common::skip(&format!("no {compiler} on this machine")),
+            Err(_) => common::skip(&format!("no {compiler:?} on this machine")),
             Ok(output) => {
                 let words = String::from_utf8_lossy(&output.stderr);
                 assert!(output.status.success() && words.is_empty(), "{words}");

@@ -5,6 +5,8 @@
 mod code;
 #[path = "../common/mod.rs"]
 mod common;
+mod drives;
+mod mujoco;
 
 use exid::chain::evaluate::{Evaluator, Segment};
 use exid::chain::model::Model;
@@ -403,7 +405,7 @@ fn a_results_folder_is_all_that_an_export_needs() {
     assert!(arm.fit("out", &[]).status().unwrap().success());
     fs::remove_file(arm.path("arm.urdf")).unwrap();
     fs::remove_file(arm.path("problem.toml")).unwrap();
-    for format in ["urdf", "mjcf", "toml", "rust", "c"] {
+    for format in ["urdf", "mjcf", "mujoco", "toml", "rust", "c", "numpy"] {
         let output = Command::new(env!("CARGO_BIN_EXE_exid"))
             .current_dir(arm.folder())
             .args(["export", "out", "--to", format, "--json"])

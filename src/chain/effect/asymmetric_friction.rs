@@ -1,5 +1,6 @@
 //! Friction that differs between the two directions: `dFc + dFv·|v|`.
 
+use crate::chain::effect::expression::{Expression, Variable};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Power,
     Samples, Search, TorqueLaw, Unit,
@@ -57,5 +58,10 @@ impl TorqueLaw for AsymmetricFriction {
 
     fn power(&self) -> Power {
         Power::Exchanges
+    }
+
+    fn torque(&self) -> Expression {
+        let [dfc, dfv] = [0, 1].map(Expression::parameter);
+        dfc + dfv * Expression::from(Variable::Velocity).magnitude()
     }
 }

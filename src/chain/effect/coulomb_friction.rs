@@ -1,5 +1,6 @@
 //! Coulomb friction: `Fc·v/(|v| + w)`.
 
+use crate::chain::effect::expression::{Expression, Variable};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Power,
     Samples, Search, TorqueLaw, Unit,
@@ -81,5 +82,9 @@ impl TorqueLaw for CoulombFriction {
 
     fn power(&self) -> Power {
         Power::Dissipates
+    }
+
+    fn torque(&self) -> Expression {
+        Expression::parameter(FC) * Variable::Sign
     }
 }

@@ -1,5 +1,6 @@
 //! A torque from one time to another: `torque·(S((t − from)/r) − S((t − to)/r))`, S the logistic function.
 
+use crate::chain::effect::expression::{self, Expression, Variable};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Lasts, Law, Memory, Needs, ParameterInfo, Power,
     Samples, Search, TorqueLaw, Unit,
@@ -75,5 +76,11 @@ impl TorqueLaw for Contact {
 
     fn power(&self) -> Power {
         Power::Exchanges
+    }
+
+    fn torque(&self) -> Expression {
+        let [torque, from, to] = [0, 1, 2].map(Expression::parameter);
+        let since = |at| (Expression::from(Variable::Time) - at) / RISE;
+        torque * (expression::logistic(since(from)) - expression::logistic(since(to)))
     }
 }

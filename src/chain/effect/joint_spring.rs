@@ -1,5 +1,6 @@
 //! A spring at the joint: `k·(q − q0)`.
 
+use crate::chain::effect::expression::{Expression, Variable};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
     Search, TorqueLaw, Unit,
@@ -53,5 +54,10 @@ impl TorqueLaw for Spring {
 
     fn power(&self) -> Power {
         Power::Exchanges
+    }
+
+    fn torque(&self) -> Expression {
+        let [stiffness, rest] = [0, 1].map(Expression::parameter);
+        stiffness * (Expression::from(Variable::Position) - rest)
     }
 }

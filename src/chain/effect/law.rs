@@ -1,5 +1,7 @@
 //! What a law sees of the motion, and where it puts its torque and derivatives.
 
+use crate::chain::effect::expression::{Expression, StateLaw};
+
 /// One joint over successive samples, as a torque law sees it.
 #[derive(Debug, Clone, Copy)]
 pub struct Samples<'a> {
@@ -35,6 +37,14 @@ pub trait TorqueLaw: Sync + std::fmt::Debug {
 
     /// What the law does with mechanical power.
     fn power(&self) -> Power;
+
+    /// The same torque as a formula.
+    fn torque(&self) -> Expression;
+
+    /// How the state in the formula goes on; `None` of a law without memory.
+    fn state(&self) -> Option<StateLaw> {
+        None
+    }
 }
 
 /// Where a law of the transmission puts its torque and derivatives.
@@ -66,6 +76,9 @@ pub fn size(x: f64, s: f64) -> (f64, f64) {
 pub trait TransmissionLaw: Sync + std::fmt::Debug {
     /// Adds what the motor has to exert beyond `load` = τ_M, where `sign` is the smoothed sign of ṁ.
     fn add(&self, load: &[f64], sign: &[f64], parameters: &[f64], out: &mut Transmitted<'_>);
+
+    /// What the law adds as a formula, which is proportional to the load on either side of zero.
+    fn added(&self) -> Expression;
 }
 
 /// What a law does with mechanical power.

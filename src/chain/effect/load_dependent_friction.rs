@@ -1,5 +1,6 @@
 //! Friction in proportion to the transmitted torque: `mu·|τ_M|·sign(v)`.
 
+use crate::chain::effect::expression::{Expression, Variable};
 use crate::chain::effect::law::size;
 use crate::chain::effect::{
     Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Search, TransmissionLaw,
@@ -40,5 +41,10 @@ impl TransmissionLaw for LoadFriction {
             out.by_parameter[0][k] = size * sign;
             out.by_sign[k] += mu * size;
         }
+    }
+
+    fn added(&self) -> Expression {
+        let size = Expression::from(Variable::Load).magnitude();
+        Expression::parameter(0) * size * Variable::Sign
     }
 }

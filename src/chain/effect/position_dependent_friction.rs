@@ -1,5 +1,6 @@
 //! Friction that is larger or smaller around one position: `dF·exp(−((m − m0)/width)²)·sign(v)`.
 
+use crate::chain::effect::expression::{Expression, Variable};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
     Search, TorqueLaw, Unit,
@@ -59,5 +60,11 @@ impl TorqueLaw for Spot {
     /// dF may be negative, as long as Coulomb friction is larger.
     fn power(&self) -> Power {
         Power::Exchanges
+    }
+
+    fn torque(&self) -> Expression {
+        let [df, q0, width] = [0, 1, 2].map(Expression::parameter);
+        let ratio = (Expression::from(Variable::Position) - q0) / width;
+        df * (-ratio.squared()).exponential() * Variable::Sign
     }
 }

@@ -13,6 +13,7 @@
 //! Gilbert, Maina and Byiringiro 2024 eq. 12 has a linear filter for z, which does not bound it by g;
 //! its eqs 16 and 21 have the wrong signs. The law here is the one of Canudas de Wit, Olsson, Åström and Lischinsky.
 
+use crate::chain::effect::expression::{Expression, Function, StateLaw, Variable};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Memory, Needs, ParameterInfo, Power,
     Samples, Search, TorqueLaw, Unit,
@@ -203,6 +204,39 @@ impl TorqueLaw for Bristles {
     fn power(&self) -> Power {
         Power::Exchanges
     }
+
+    fn torque(&self) -> Expression {
+        let [sigma0, sigma1] = [0, 1].map(Expression::parameter);
+        let velocity = || Expression::from(Variable::Velocity);
+        let rate = sigma0.clone() * velocity().magnitude() / level_formula();
+        let bending = velocity() - rate * Variable::State;
+        sigma0 * Variable::State + sigma1 * bending
+    }
+
+    fn state(&self) -> Option<StateLaw> {
+        let sigma0 = || Expression::parameter(0);
+        let velocity = || Expression::from(Variable::Velocity);
+        let rate = sigma0() * velocity().magnitude() / level_formula();
+        let bent = rate * Variable::Duration;
+        let small = Expression::from(1.0) - bent.clone() * 0.5 + bent.clone().squared() / 6.0;
+        let large = (Expression::from(1.0) - (-bent.clone()).exponential()) / bent.clone();
+        let fill = bent.clone().if_less(1e-4, small, large);
+        Some(StateLaw {
+            start: velocity().call(Function::Signum) * level_formula() / sigma0(),
+            advance: Expression::from(Variable::State) * (-bent).exponential()
+                + velocity() * Variable::Duration * fill,
+            parts: PARTS,
+        })
+    }
+}
+
+/// [`level`] as a formula.
+fn level_formula() -> Expression {
+    let [fs, vs, fc] = [2, 3, 4].map(Expression::parameter);
+    let ratio = Expression::from(Variable::Velocity) / vs;
+    let g = fc.clone() + fs.clone() * (-ratio.squared()).exponential();
+    let least = (fc.magnitude() + fs.magnitude()) * LEAST_LEVEL + f64::MIN_POSITIVE;
+    g.call_with(Function::Larger, least)
 }
 
 /// Torque and derivatives of one sample.

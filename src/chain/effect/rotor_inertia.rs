@@ -1,5 +1,6 @@
 //! Rotor inertia: `Jm·m̈`.
 
+use crate::chain::effect::expression::{Expression, Variable};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Power,
     Samples, Search, TorqueLaw, Unit,
@@ -44,5 +45,9 @@ impl TorqueLaw for RotorInertia {
 
     fn power(&self) -> Power {
         Power::Exchanges
+    }
+
+    fn torque(&self) -> Expression {
+        Expression::parameter(0) * Variable::Acceleration
     }
 }

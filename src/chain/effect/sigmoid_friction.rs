@@ -1,5 +1,6 @@
 //! Sigmoid friction: `ψ1/(1 + exp(−ψ2 (v + ψ3))) − ψ1/(1 + exp(−ψ2 ψ3))`.
 
+use crate::chain::effect::expression::{self, Expression, Variable};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
     Search, TorqueLaw, Unit,
@@ -79,5 +80,11 @@ impl TorqueLaw for Sigmoid {
     /// For psi1 and psi2 of one sign the torque has the sign of v, whatever the shift.
     fn power(&self) -> Power {
         Power::Dissipates
+    }
+
+    fn torque(&self) -> Expression {
+        let [psi1, psi2, psi3] = [0, 1, 2].map(Expression::parameter);
+        let moving = psi2.clone() * (Expression::from(Variable::Velocity) + psi3.clone());
+        psi1 * (expression::logistic(moving) - expression::logistic(psi2 * psi3))
     }
 }

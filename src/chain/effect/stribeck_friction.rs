@@ -3,6 +3,7 @@
 //! Gilbert, Maina and Byiringiro 2024 eq. 13 writes `exp(−|v|·ks/vs)` with two parameters of which only
 //! the quotient has an effect; here vs alone sets the scale, and the exponent is the square of Armstrong-Hélouvry.
 
+use crate::chain::effect::expression::{Expression, Variable};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
     Search, TorqueLaw, Unit,
@@ -69,5 +70,11 @@ impl TorqueLaw for Stribeck {
     /// Fs may be negative where friction falls at low speed, as long as Coulomb friction is larger.
     fn power(&self) -> Power {
         Power::Exchanges
+    }
+
+    fn torque(&self) -> Expression {
+        let [fs, vs] = [0, 1].map(Expression::parameter);
+        let ratio = Expression::from(Variable::Velocity) / vs;
+        fs * (-ratio.squared()).exponential() * Variable::Sign
     }
 }

@@ -1,5 +1,6 @@
 //! Warming up: viscous friction changes by `gain·(1 − exp(−t/T))` of its value at the start.
 
+use crate::chain::effect::expression::{Expression, Variable};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Lasts, Law, Memory, Needs, ParameterInfo, Power,
     Samples, Search, TorqueLaw, Unit,
@@ -60,5 +61,11 @@ impl TorqueLaw for Warming {
     /// Beside viscous friction; alone it may give power.
     fn power(&self) -> Power {
         Power::Exchanges
+    }
+
+    fn torque(&self) -> Expression {
+        let [gain, constant, viscous] = [0, 1, 2].map(Expression::parameter);
+        let left = (-(Expression::from(Variable::Time) / constant)).exponential();
+        viscous * gain * (Expression::from(1.0) - left) * Variable::Velocity
     }
 }

@@ -4,6 +4,7 @@
 //! A model predicts the current that a torque takes, so the polynomial is inverted. Below c0 there is no
 //! current; where the polynomial would stop to rise, it goes on with a slope of [`LEAST_SLOPE`] · c1.
 
+use crate::chain::effect::expression::{Expression, Function, Variable};
 use crate::chain::effect::law::signum;
 use crate::chain::effect::{
     Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Search, Unit,
@@ -163,6 +164,44 @@ fn last_rising(c: [f64; COEFFICIENTS], least: f64) -> f64 {
         .into_iter()
         .filter(|x| x.is_finite() && *x > 0.0)
         .fold(f64::INFINITY, f64::min)
+}
+
+/// The rising branch as a formula of the size of the current: torque and slope, and what they rest on.
+#[derive(Debug, Clone)]
+pub struct Branch {
+    pub torque: Expression,
+    pub slope: Expression,
+    /// Current at which the polynomial is left; infinite where it never is.
+    pub end: f64,
+}
+
+/// [`rising`] for given coefficients.
+pub fn branch(c: [f64; COEFFICIENTS]) -> Branch {
+    let least = LEAST_SLOPE * c[1];
+    let end = last_rising(c, least);
+    let inside = || Expression::from(Variable::Current).call_with(Function::Smaller, end);
+    let value = ((inside() * c[3] + c[2]) * inside() + c[1]) * inside() + c[0];
+    let slope = (inside() * (3.0 * c[3]) + 2.0 * c[2]) * inside() + c[1];
+    match end.is_finite() {
+        true => {
+            let beyond = Expression::from(Variable::Current) - end;
+            Branch {
+                torque: value + beyond.call_with(Function::Larger, 0.0) * least,
+                slope,
+                end,
+            }
+        }
+        false => {
+            let unbounded = |of: &Expression| {
+                of.replaced(&|e| (*e == inside()).then(|| Variable::Current.into()))
+            };
+            Branch {
+                torque: unbounded(&value),
+                slope: unbounded(&slope),
+                end,
+            }
+        }
+    }
 }
 
 #[cfg(test)]

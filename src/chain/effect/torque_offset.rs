@@ -1,5 +1,6 @@
 //! A constant torque: zero error of sensor or amplifier.
 
+use crate::chain::effect::expression::Expression;
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Power,
     Samples, Search, TorqueLaw, Unit,
@@ -44,5 +45,9 @@ impl TorqueLaw for TorqueOffset {
 
     fn power(&self) -> Power {
         Power::Exchanges
+    }
+
+    fn torque(&self) -> Expression {
+        Expression::parameter(0)
     }
 }

@@ -1,5 +1,6 @@
 //! Torque ripple: `amplitude·sin(order·m + phase) + amplitude2·sin(2·order·m + phase2)`.
 
+use crate::chain::effect::expression::{Expression, Function, Variable};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
     Search, TorqueLaw, Unit,
@@ -74,5 +75,13 @@ impl TorqueLaw for Ripple {
 
     fn power(&self) -> Power {
         Power::Exchanges
+    }
+
+    fn torque(&self) -> Expression {
+        let [order, amplitude, phase, amplitude2, phase2] =
+            [0, 1, 2, 3, 4].map(Expression::parameter);
+        let turned = order * Variable::Position;
+        amplitude * (turned.clone() + phase).call(Function::Sine)
+            + amplitude2 * (turned * 2.0 + phase2).call(Function::Sine)
     }
 }

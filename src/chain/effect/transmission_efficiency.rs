@@ -9,6 +9,7 @@
 //! lies. A search rounds |τ_M| off over a width that shrinks below the noise
 //! (see `crate::estimate::rounded`); predictions and simulations have the law itself.
 
+use crate::chain::effect::expression::{Expression, Variable};
 use crate::chain::effect::law::size;
 use crate::chain::effect::{
     Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Search, TransmissionLaw,
@@ -51,5 +52,13 @@ impl TransmissionLaw for Efficiency {
             out.by_parameter[0][k] = mean_slope * load + half_slope * size * sign;
             out.by_sign[k] += half * size;
         }
+    }
+
+    fn added(&self) -> Expression {
+        let r = || Expression::parameter(0);
+        let inverse = || Expression::from(1.0) / r();
+        let (mean, half) = ((inverse() + r()) * 0.5, (inverse() - r()) * 0.5);
+        let load = || Expression::from(Variable::Load);
+        (mean - 1.0) * load() + half * load().magnitude() * Variable::Sign
     }
 }

@@ -1,5 +1,6 @@
 //! Viscous friction: `Fv·v`.
 
+use crate::chain::effect::expression::{Expression, Variable};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Power,
     Samples, Search, TorqueLaw, Unit,
@@ -44,5 +45,9 @@ impl TorqueLaw for ViscousFriction {
 
     fn power(&self) -> Power {
         Power::Dissipates
+    }
+
+    fn torque(&self) -> Expression {
+        Expression::parameter(0) * Variable::Velocity
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! p < 1 with Fn > 0 saturates, p > 1 grows; p = 1 is viscous friction itself.
 
+use crate::chain::effect::expression::{Expression, Function, Variable};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
     Search, TorqueLaw, Unit, law,
@@ -65,5 +66,12 @@ impl TorqueLaw for PowerLaw {
     /// Fn is negative where friction saturates beside viscous friction.
     fn power(&self) -> Power {
         Power::Exchanges
+    }
+
+    fn torque(&self) -> Expression {
+        let [size, power] = [0, 1].map(Expression::parameter);
+        let velocity = Expression::from(Variable::Velocity);
+        let speed = velocity.clone().magnitude();
+        size * speed.call_with(Function::Power, power) * velocity.call(Function::Signum)
     }
 }

@@ -13,20 +13,13 @@
 //! [`march`]: super::march
 
 use crate::chain::effect::law::signum;
-use crate::chain::effect::{Contribution, Law};
+use crate::chain::effect::{Contribution, Law, flank};
 use crate::chain::evaluate::bodies::{KnownBodies, Slopes};
 use crate::chain::evaluate::contact_march::solve_with;
 use crate::chain::evaluate::march::{Coefficients, Course, March, largest};
 use crate::chain::evaluate::rigid::at_joint;
 use crate::chain::evaluate::{Evaluator, Segment};
 use crate::robot::batch::torques;
-
-/// Stiffness of the flanks where only play is in the model, N·m/rad or N/m: links of robots swing on it
-/// above 20 Hz, and a usual load bends it by less than a tenth of a usual play.
-const FLANK_STIFFNESS: f64 = 1e6;
-
-/// Damping of the flanks, N·m·s/rad or N·s/m: about critical for a link of 1 kg·m².
-const FLANK_DAMPING: f64 = 1e3;
 
 /// Passes over the course; the matrices change little with δ, so that those about the motion without lag usually do.
 const PASSES: usize = 24;
@@ -39,9 +32,6 @@ const FAST: f64 = 0.1;
 
 /// Passes end when δ moves by less than this share of its largest value.
 const PASS_TOLERANCE: f64 = 1e-11;
-
-/// Width over which a flank comes into contact, rad or m: a small part of any play that matters.
-const FLANK_WIDTH: f64 = 1e-4;
 
 /// A joint that lags.
 #[derive(Debug, Clone, Copy)]
@@ -70,12 +60,12 @@ impl Lagging {
     fn contact(&self, lag: f64, rate: f64) -> Contact {
         let g = self.half_gap;
         let (near, far) = (lag - g, lag + g);
-        let root = |x: f64| (x * x + FLANK_WIDTH * FLANK_WIDTH).sqrt();
+        let root = |x: f64| (x * x + flank::WIDTH * flank::WIDTH).sqrt();
         let (s, r) = (root(near), root(far));
         let (near_share, far_share) = (near / s, far / r);
         let (near_bend, far_bend) = (
-            FLANK_WIDTH.powi(2) / s.powi(3),
-            FLANK_WIDTH.powi(2) / r.powi(3),
+            flank::WIDTH.powi(2) / s.powi(3),
+            flank::WIDTH.powi(2) / r.powi(3),
         );
         let stretch = 0.5 * (near + s) + 0.5 * (far - r);
         let slope = 1.0 + 0.5 * (near_share - far_share);
@@ -287,7 +277,7 @@ impl Evaluator<'_> {
                 if elastic.is_none() && gap.is_none() {
                     return None;
                 }
-                let [stiffness, damping] = elastic.unwrap_or([FLANK_STIFFNESS, FLANK_DAMPING]);
+                let [stiffness, damping] = elastic.unwrap_or([flank::STIFFNESS, flank::DAMPING]);
                 Some(Lagging {
                     joint: j,
                     stiffness,

@@ -1,0 +1,203 @@
+//! Laws as expressions: what a program in another language has to compute.
+//!
+//! An effect states its law once as an [`Expression`] in the variables of the motion and its own parameters; whoever
+//! writes source code puts names or numbers in their places.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// What a law depends on beside its parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Variable {
+    /// m of the motor at joint scale, or q for a law at the joint.
+    Position,
+    Velocity,
+    Acceleration,
+    /// `ṁ/(|ṁ| + w)`.
+    Sign,
+    /// s from the start of the recording.
+    Time,
+    /// τ_M, what the gear transmits.
+    Load,
+    /// Size of the current, A.
+    Current,
+    /// The state of a law with memory.
+    State,
+    /// s over which the state goes on.
+    Duration,
+    /// Lag δ of the link behind the motor, and its rate.
+    Lag,
+    LagRate,
+}
+
+/// A function of one or two arguments.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Function {
+    Sine,
+    Cosine,
+    Exponential,
+    HyperbolicTangent,
+    Magnitude,
+    SquareRoot,
+    /// `sgn x`, 0 at 0.
+    Signum,
+    Power,
+    Smaller,
+    Larger,
+}
+
+/// An arithmetic operation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Operator {
+    Sum,
+    Difference,
+    Product,
+    Quotient,
+}
+
+/// A formula.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Expression {
+    Number(f64),
+    /// A parameter of the effect by its position, borrowed ones behind its own.
+    Parameter(usize),
+    Variable(Variable),
+    /// A name of the program that the formula is written into.
+    Name(String),
+    Negative(Box<Expression>),
+    Binary(Operator, Box<[Expression; 2]>),
+    Call(Function, Vec<Expression>),
+    /// The third where the first is less than the second, else the fourth.
+    Less(Box<[Expression; 4]>),
+}
+
+/// How the state of a law with memory goes on from one sample to the next.
+#[derive(Debug, Clone)]
+pub struct StateLaw {
+    /// The state at the first sample, from its velocity.
+    pub start: Expression,
+    /// The state after a part of a step, from the one before, the velocity in the middle of the part and its duration.
+    pub advance: Expression,
+    /// Parts of a step, along which the velocity changes evenly.
+    pub parts: usize,
+}
+
+impl Expression {
+    /// The parameter at a position of the effect's own list.
+    pub fn parameter(position: usize) -> Self {
+        Self::Parameter(position)
+    }
+
+    pub fn name(name: impl Into<String>) -> Self {
+        Self::Name(name.into())
+    }
+
+    pub fn call(self, function: Function) -> Self {
+        Self::Call(function, vec![self])
+    }
+
+    pub fn call_with(self, function: Function, second: impl Into<Self>) -> Self {
+        Self::Call(function, vec![self, second.into()])
+    }
+
+    pub fn squared(self) -> Self {
+        self.clone() * self
+    }
+
+    pub fn exponential(self) -> Self {
+        self.call(Function::Exponential)
+    }
+
+    pub fn magnitude(self) -> Self {
+        self.call(Function::Magnitude)
+    }
+
+    /// `if self < bound { then } else { otherwise }`.
+    pub fn if_less(
+        self,
+        bound: impl Into<Self>,
+        then: impl Into<Self>,
+        otherwise: impl Into<Self>,
+    ) -> Self {
+        Self::Less(Box::new([
+            self,
+            bound.into(),
+            then.into(),
+            otherwise.into(),
+        ]))
+    }
+
+    /// The formula with other expressions in the places of some.
+    pub fn replaced(&self, by: &dyn Fn(&Self) -> Option<Self>) -> Self {
+        if let Some(other) = by(self) {
+            return other;
+        }
+        let inner = |of: &Self| of.replaced(by);
+        match self {
+            Self::Number(_) | Self::Parameter(_) | Self::Variable(_) | Self::Name(_) => {
+                self.clone()
+            }
+            Self::Negative(of) => Self::Negative(Box::new(inner(of))),
+            Self::Binary(operator, pair) => {
+                Self::Binary(*operator, Box::new([inner(&pair[0]), inner(&pair[1])]))
+            }
+            Self::Call(function, of) => Self::Call(*function, of.iter().map(inner).collect()),
+            Self::Less(four) => Self::Less(Box::new([0, 1, 2, 3].map(|k| inner(&four[k])))),
+        }
+    }
+}
+
+impl From<f64> for Expression {
+    fn from(value: f64) -> Self {
+        Self::Number(value)
+    }
+}
+
+impl From<Variable> for Expression {
+    fn from(variable: Variable) -> Self {
+        Self::Variable(variable)
+    }
+}
+
+fn binary(operator: Operator, a: Expression, b: impl Into<Expression>) -> Expression {
+    Expression::Binary(operator, Box::new([a, b.into()]))
+}
+
+impl<T: Into<Expression>> Add<T> for Expression {
+    type Output = Self;
+    fn add(self, other: T) -> Self {
+        binary(Operator::Sum, self, other)
+    }
+}
+
+impl<T: Into<Expression>> Sub<T> for Expression {
+    type Output = Self;
+    fn sub(self, other: T) -> Self {
+        binary(Operator::Difference, self, other)
+    }
+}
+
+impl<T: Into<Expression>> Mul<T> for Expression {
+    type Output = Self;
+    fn mul(self, other: T) -> Self {
+        binary(Operator::Product, self, other)
+    }
+}
+
+impl<T: Into<Expression>> Div<T> for Expression {
+    type Output = Self;
+    fn div(self, other: T) -> Self {
+        binary(Operator::Quotient, self, other)
+    }
+}
+
+impl Neg for Expression {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self::Negative(Box::new(self))
+    }
+}
+
+/// `1/(1 + e^(−x))`, without overflow.
+pub fn logistic(x: Expression) -> Expression {
+    (x * 0.5).call(Function::HyperbolicTangent) * 0.5 + 0.5
+}

@@ -1,0 +1,182 @@
+//! Drives with the formulas of their laws, numbers in the places of parameters.
+
+use crate::chain::effect::expression::{Expression, StateLaw};
+use crate::chain::effect::torque_current_nonlinearity::{Branch, COEFFICIENTS, branch};
+use crate::chain::effect::{self, Effect, Law, flank};
+use crate::export::error::ExportError;
+use crate::outcome::machine::{Machine, MachineJoint};
+use nalgebra::DMatrix;
+
+/// The drives of a robot, one per joint, and what mixes their motions.
+#[derive(Debug)]
+pub struct Drives {
+    pub drives: Vec<Drive>,
+    /// V of `q = V m + offset`.
+    pub coupling: DMatrix<f64>,
+    pub inverse: DMatrix<f64>,
+    pub offset: Vec<f64>,
+}
+
+/// The drive of a joint.
+#[derive(Debug, Default)]
+pub struct Drive {
+    /// Transition speed w of the regularised sign.
+    pub width: f64,
+    pub motor: Vec<MotorLaw>,
+    /// Torques at the joint.
+    pub joint: Vec<Expression>,
+    /// What the gear loses.
+    pub losses: Vec<Expression>,
+    /// Torque at the motor over the reading of the signal, where it is proportional.
+    pub factor: f64,
+    pub current: Option<Branch>,
+    /// Torque at which the current begins to flow.
+    pub threshold: f64,
+    /// What resists the lag of the link.
+    pub contact: Option<Expression>,
+    /// s by which the signal is late.
+    pub delay: f64,
+}
+
+/// A torque at the motor.
+#[derive(Debug)]
+pub struct MotorLaw {
+    pub torque: Expression,
+    pub state: Option<StateLaw>,
+}
+
+impl Drives {
+    /// The drives of a machine.
+    ///
+    /// # Errors
+    /// An effect or a parameter that the machine does not hold, as in results of other versions.
+    pub fn of(machine: &Machine) -> Result<Self, ExportError> {
+        let n = machine.joints.len();
+        let coupling = match &machine.coupling {
+            Some(rows) => DMatrix::from_fn(n, n, |r, c| rows[r][c]),
+            None => DMatrix::identity(n, n),
+        };
+        let inverse = coupling.clone().try_inverse();
+        Ok(Self {
+            drives: machine.joints.iter().map(drive).collect::<Result<_, _>>()?,
+            // The model of the fit has refused couplings without inverse.
+            inverse: inverse.unwrap_or_else(|| coupling.clone()),
+            coupling,
+            offset: machine.joints.iter().map(|j| j.offset).collect(),
+        })
+    }
+
+    /// Joints whose links lag their motors.
+    pub fn lagging(&self) -> Vec<usize> {
+        let drives = self.drives.iter().enumerate();
+        let lagging = drives.filter(|(_, drive)| drive.contact.is_some());
+        lagging.map(|(j, _)| j).collect()
+    }
+
+    /// Whether one state of motion says what the signal is.
+    pub fn is_memoryless(&self) -> bool {
+        let remembers = |law: &MotorLaw| law.state.is_some();
+        let free = |drive: &Drive| {
+            drive.contact.is_none() && !drive.motor.iter().any(remembers) && !drive.knows_time()
+        };
+        self.drives.iter().all(free)
+    }
+}
+
+impl Drive {
+    fn knows_time(&self) -> bool {
+        let laws = self.motor.iter().map(|law| &law.torque);
+        laws.chain(&self.joint).any(|law| {
+            let found = std::cell::Cell::new(false);
+            law.replaced(&|e| {
+                let time = effect::expression::Variable::Time;
+                found.set(found.get() || *e == Expression::Variable(time));
+                None
+            });
+            found.get()
+        })
+    }
+}
+
+fn drive(joint: &MachineJoint) -> Result<Drive, ExportError> {
+    let mut drive = Drive {
+        factor: joint.torque_constant.unwrap_or(1.0),
+        ..Drive::default()
+    };
+    let effects = joint.effects.iter().map(|found| {
+        effect::find(&found.id).ok_or_else(|| ExportError::UnknownEffect {
+            joint: joint.name.clone(),
+            effect: found.id.clone(),
+        })
+    });
+    let effects = effects.collect::<Result<Vec<_>, _>>()?;
+    let is_replaced = |id: &str| effects.iter().any(|e| e.needs.replaces == Some(id));
+    let mut play = None;
+    let mut elastic = None;
+    for effect in &effects {
+        let values = values(joint, effect)?;
+        let with_values = |law: &Expression| {
+            law.replaced(&|e| match e {
+                Expression::Parameter(at) => Some(Expression::Number(values[*at])),
+                _ => None,
+            })
+        };
+        if effect.id == effect::coulomb_friction::EFFECT.id {
+            drive.width = values[effect::coulomb_friction::WIDTH];
+        }
+        match effect.law {
+            Law::Motor(_) if is_replaced(effect.id) => {}
+            Law::Motor(law) => drive.motor.push(MotorLaw {
+                torque: with_values(&law.torque()),
+                state: law.state().map(|state| StateLaw {
+                    start: with_values(&state.start),
+                    advance: with_values(&state.advance),
+                    parts: state.parts,
+                }),
+            }),
+            Law::Joint(law) if joint.locked.is_none() => {
+                drive.joint.push(with_values(&law.torque()));
+            }
+            Law::Joint(_) => {}
+            Law::Transmission(law) => drive.losses.push(with_values(&law.added())),
+            Law::Gain => drive.factor *= values[0],
+            Law::Current => {
+                let c: [f64; COEFFICIENTS] = std::array::from_fn(|k| values[k]);
+                drive.current = Some(branch(c));
+                drive.threshold = c[0];
+            }
+            Law::Spring => elastic = Some([values[0], values[1]]),
+            Law::Play => play = Some(values[0]),
+            Law::Delay => drive.delay = values[0],
+            // They stand in V, in the load and in gravity.
+            Law::Coupling | Law::Body | Law::Tilt => {}
+        }
+    }
+    if drive.current.is_some() {
+        drive.factor /= joint.torque_constant.unwrap_or(1.0);
+    }
+    if joint.locked.is_none() && (play.is_some() || elastic.is_some()) {
+        let [stiffness, damping] = elastic.unwrap_or([flank::STIFFNESS, flank::DAMPING]);
+        let of = [stiffness, damping, 0.5 * play.unwrap_or(0.0)];
+        drive.contact = Some(flank::torque().replaced(&|e| match e {
+            Expression::Parameter(at) => Some(Expression::Number(of[*at])),
+            _ => None,
+        }));
+    }
+    Ok(drive)
+}
+
+/// Parameters of an effect of a joint, borrowed ones behind its own.
+pub fn values(joint: &MachineJoint, effect: &Effect) -> Result<Vec<f64>, ExportError> {
+    let own = effect.parameters.iter().map(|info| (effect.id, info.name));
+    let all = own.chain(effect.needs.borrows.iter().copied());
+    all.map(|(id, name)| {
+        joint
+            .value(id, name)
+            .ok_or_else(|| ExportError::Incomplete {
+                joint: joint.name.clone(),
+                parameter: format!("{id}.{name}"),
+            })
+    })
+    .collect()
+}

@@ -1,0 +1,115 @@
+//! MuJoCo, complete: the bodies with what MJCF has laws for as `model.xml`, and the drives as the C source of an actuator
+//! plugin, `exid.drive`.
+
+use crate::chain::effect::{self, Law};
+use crate::export::code;
+use crate::export::drive::Drives;
+use crate::export::error::ExportError;
+use crate::export::mjcf::{self, Actuation, Native};
+use crate::export::{Export, File};
+use crate::outcome::machine::{Machine, MachineJoint};
+
+/// The glue between the drives and the simulator.
+const PLUGIN: &str = include_str!("exid_drive.c");
+
+/// Change of a speed over which slopes of torques are measured, rad/s (m/s).
+const SPEED_CHANGE: f64 = 1e-7;
+
+/// The model and the plugin.
+///
+/// # Errors
+/// Effects or parameters that the result does not hold.
+pub fn write(machine: &Machine, name: &str) -> Result<Export, ExportError> {
+    let drives = Drives::of(machine)?;
+    let lagging = drives.lagging();
+    let mut driven = machine.clone();
+    let mut natives = Vec::new();
+    for (j, joint) in driven.joints.iter_mut().enumerate() {
+        let straight = machine.coupling.is_none() && !lagging.contains(&j);
+        let lossless = drives.drives[j].losses.is_empty();
+        natives.push(take(joint, straight && lossless));
+    }
+    let text = mjcf::document(&driven, &natives, Actuation::Plugin);
+    let source = code::plugin(&driven, (name, PLUGIN, SPEED_CHANGE))?;
+    let mut notes = vec![
+        "compile exid_drive.c as its first lines say, and load the library before the model: \
+         mujoco.mj_loadPluginLibrary(\"./libexid_drive.so\"); ctrl holds the signals of the motors"
+            .to_string(),
+        "values of drives that MJCF has no place for are constants of exid_drive.c: two robots in one program need two \
+         names of the plugin"
+            .to_string(),
+        "the drives act with the velocity at the end of a step of the Euler or implicitfast integrators; with RK4 they are \
+         those of the end of the step at every stage"
+            .to_string(),
+        "shapes and meshes are not written".to_string(),
+    ];
+    if machine.payload.is_some() {
+        notes.push("the load is part of the link that carries it".to_string());
+    }
+    notes.extend(code::notes(machine, &drives));
+    Ok(Export {
+        files: vec![
+            File {
+                name: "model.xml".to_string(),
+                text,
+            },
+            File {
+                name: "exid_drive.c".to_string(),
+                text: source,
+            },
+        ],
+        notes,
+    })
+}
+
+/// Takes from a joint what MuJoCo has the same law for: springs at the joint, and where motor and joint are one also
+/// rotors, damping and dry friction without a transition.
+fn take(joint: &mut MachineJoint, one: bool) -> Native {
+    let value = |effect, parameter| joint.value(effect, parameter);
+    let is_lent = |id: &str| {
+        let effects = joint.effects.iter();
+        let mut effects = effects.filter_map(|e| effect::find(&e.id));
+        effects.any(|e| e.needs.borrows.iter().any(|(lender, _)| *lender == id))
+    };
+    let mut native = Native::default();
+    let mut taken: Vec<&str> = Vec::new();
+    if let (Some(stiffness), Some(rest)) = (value("joint_spring", "k"), value("joint_spring", "q0"))
+    {
+        if stiffness >= 0.0 && joint.locked.is_none() {
+            (native.stiffness, native.rest) = (stiffness, rest);
+            taken.push("joint_spring");
+        }
+    }
+    if let (true, Some(inertia)) = (one, value("rotor_inertia", "Jm")) {
+        if inertia >= 0.0 {
+            native.armature = inertia;
+            taken.push("rotor_inertia");
+        }
+    }
+    if let (true, Some(damping), false) = (
+        one,
+        value("viscous_friction", "Fv"),
+        is_lent("viscous_friction"),
+    ) {
+        if damping >= 0.0 {
+            native.damping = damping;
+            taken.push("viscous_friction");
+        }
+    }
+    let signed = |id: &str| {
+        effect::find(id)
+            .is_some_and(|e| matches!(e.law, Law::Motor(_)) && e.id != "coulomb_friction")
+    };
+    let alone = !joint.effects.iter().any(|e| signed(&e.id));
+    if let (true, true, Some(friction), Some(0.0)) = (
+        one,
+        alone,
+        value("coulomb_friction", "Fc"),
+        value("coulomb_friction", "w"),
+    ) {
+        native.friction = friction;
+        taken.push("coulomb_friction");
+    }
+    joint.effects.retain(|e| !taken.contains(&e.id.as_str()));
+    native
+}
