@@ -3,6 +3,7 @@
 use crate::chain::dataset::Prepared;
 use crate::chain::evaluate::Evaluator;
 use crate::chain::forward::{Accuracy, Driven, Forward, NoInertia, NotForward, State};
+use crate::robot::tree::JointKind;
 use crate::rollout::candidate::Candidate;
 use nalgebra::DMatrix;
 
@@ -164,11 +165,7 @@ impl<'a> Course<'a> {
         let limits: Vec<f64> = forward
             .motors()
             .iter()
-            .map(|&j| {
-                LOST[usize::from(
-                    model.joints()[j].kind == crate::robot::tree::JointKind::Prismatic,
-                )]
-            })
+            .map(|&j| LOST[usize::from(model.joints()[j].kind == JointKind::Prismatic)])
             .collect();
         let mut track = Track {
             errors: Vec::with_capacity((rows + 1) * motors),

@@ -17,6 +17,7 @@ mod noise;
 pub mod spread;
 
 use crate::chain::dataset::{Dataset, Prepared};
+use crate::chain::effect::{EFFECTS, Lasts};
 use crate::chain::forward::{Accuracy, Forward, NotForward};
 use crate::diagnose::fit::held_out;
 use crate::estimate::bandwidth;
@@ -34,6 +35,7 @@ use crate::rollout::error::RolloutError;
 use crate::rollout::noise::{ChannelNoise, draw, stream};
 use crate::rollout::spread::spread;
 use crate::setup;
+use crate::stats::robust::median;
 use rayon::prelude::*;
 
 /// Times after a start at which errors are told, s.
@@ -506,8 +508,7 @@ impl Summary<'_> {
             }
             of_noise.push(after / joint.noise.median.unwrap_or(f64::INFINITY));
         }
-        let middle =
-            |values: &[f64]| crate::stats::robust::median(values).filter(|x| x.is_finite());
+        let middle = |values: &[f64]| median(values).filter(|x| x.is_finite());
         let windows = self
             .rolled
             .iter()
@@ -582,9 +583,9 @@ impl Summary<'_> {
                     .to_string(),
             );
         }
-        let transient = crate::chain::effect::EFFECTS
+        let transient = EFFECTS
             .iter()
-            .filter(|e| e.needs.lasts == crate::chain::effect::Lasts::OneRecording);
+            .filter(|e| e.needs.lasts == Lasts::OneRecording);
         let transient: Vec<&str> = transient
             .filter(|e| {
                 let joints = self.candidates.after.model.joints().iter();

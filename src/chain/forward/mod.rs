@@ -16,36 +16,21 @@
 
 mod drive;
 mod rosenbrock;
+mod state;
 
 use crate::chain::effect::base_tilt::tilted;
-use crate::chain::effect::{Contribution, Law, Samples};
+use crate::chain::effect::{Contribution, Effect, Law, Samples};
 use crate::chain::evaluate::bodies;
 use crate::chain::flank::Flank;
 use crate::chain::forward::drive::Drive;
 use crate::chain::forward::rosenbrock::Rosenbrock;
+use crate::chain::forward::state::Lagging;
 use crate::chain::model::{Model, Signal};
 use crate::robot::forward_dynamics::ForwardDynamics;
 use crate::robot::tree::Tree;
 use nalgebra::{DMatrix, DVector};
 
-/// Motions of the motors and of what lags behind them.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct State {
-    /// Motors that move at joint scale, then lags, rad (m).
-    pub position: Vec<f64>,
-    pub velocity: Vec<f64>,
-    /// Internal state of the law of each motor that has one, 0 for the others.
-    pub memory: Vec<f64>,
-}
-
-/// What moves the motors over a step.
-#[derive(Debug, Clone, Copy)]
-pub enum Driven<'a> {
-    /// Torques of the motors at joint scale at both ends, N·m (N), linear between them.
-    Torque { from: &'a [f64], to: &'a [f64] },
-    /// Their accelerations, rad/s² (m/s²), whatever it takes: what lags and what has a memory follow.
-    Motion { acceleration: &'a [f64] },
-}
+pub use crate::chain::forward::state::{Driven, State};
 
 /// How finely is integrated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,13 +82,6 @@ pub enum NotForward {
 pub struct NoInertia {
     /// Index of the joint.
     pub joint: usize,
-}
-
-/// A link behind an elastic gear or one with play.
-#[derive(Debug, Clone, Copy)]
-struct Lagging {
-    joint: usize,
-    flank: Flank,
 }
 
 /// Least inertia of a motor in front of a lag, as a share of that of its link: without any, its acceleration would not
@@ -387,7 +365,7 @@ impl<'m> Forward<'m> {
 
 /// Torque of the laws at a joint.
 fn at_joint(
-    effects: &[(&'static crate::chain::effect::Effect, usize)],
+    effects: &[(&'static Effect, usize)],
     values: &DVector<f64>,
     (q, dq): (f64, f64),
 ) -> f64 {

@@ -13,7 +13,7 @@
 //! it takes.
 
 use crate::chain::forward::drive::Drive;
-use crate::chain::forward::{Driven, Lagging, State};
+use crate::chain::forward::state::{Driven, Lagging, State};
 
 /// γ = 1 − 1/√2: ROS2 is L-stable.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
