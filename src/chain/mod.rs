@@ -8,7 +8,8 @@
 //! ```
 //!
 //! A [`model::Model`] lists every parameter with its name, unit and state; [`evaluate`] predicts the
-//! signal and its derivatives with respect to any of them; [`effect`] is the table of the physics.
+//! signal and its derivatives with respect to any of them; [`forward`] turns the chain round, from the
+//! signal to the motion; [`effect`] is the table of the physics.
 
 mod assemble;
 pub mod base_parameters;
@@ -16,6 +17,8 @@ pub mod dataset;
 pub mod effect;
 pub mod error;
 pub mod evaluate;
+pub mod flank;
+pub mod forward;
 pub mod illustration;
 pub mod model;
 pub mod parameter;

@@ -42,6 +42,9 @@ pub enum Verb {
     /// The identified robot as URDF, MJCF, TOML, or code of its inverse dynamics
     #[command(after_help = EXPORT_EXAMPLES)]
     Export(Conversion),
+    /// The models of a result simulated forward beside the held-out recording: error of position over horizon
+    #[command(after_help = ROLLOUT_EXAMPLES)]
+    Rollout(Simulation),
     /// Render the HTML report of a result again
     #[command(after_help = "Example:\n  exid report results/arm6/fit")]
     Report(Rendering),
@@ -93,6 +96,14 @@ const EXPORT_EXAMPLES: &str = "Examples:
   exid export results/arm6/fit --to urdf
   exid export results/arm6/fit --to c --out controller
   exid export results/arm6/diagnose --to mujoco --out simulator";
+const ROLLOUT_EXAMPLES: &str = "Examples:
+  exid rollout results/arm6_gearbox/diagnose
+  exid rollout results/arm6/fit --seed 1 --out results/arm6/rollout_1
+  exid rollout results/arm6/fit --json | jq '.horizons[2].joints[] | {joint, after: .after.median, noise: .noise.median}'
+
+From starts all over the recordings that were not fitted, at the recorded position and speed, the motion is integrated under the
+recorded torques for up to two seconds, by the model before and after, and by the final model under its own torques with the
+noise of the signal: what a right model would reach.";
 const REPEAT_EXAMPLES: &str = "Examples:
   exid repeat results/arm6/fit
   exid repeat results/arm6/fit --threads 1 --out again";
@@ -250,6 +261,27 @@ pub struct Repetition {
     /// Number of threads [default: all processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    #[command(flatten)]
+    pub printing: Printing,
+}
+
+/// A result whose models are to be simulated forward.
+#[derive(Args, Debug)]
+pub struct Simulation {
+    /// The results folder of `fit` or `diagnose`
+    pub result: PathBuf,
+    /// Results folder [default: results/<name>/rollout]
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Override a key of the problem that the result keeps, for example --set recordings.differentiation.cutoff_hz=8
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Number of threads [default: all processors]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Seed of the noise
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub seed: u64,
     #[command(flatten)]
     pub printing: Printing,
 }

@@ -10,6 +10,7 @@ use crate::outcome::check::Finding;
 use crate::outcome::error::OutcomeError;
 use crate::problem_file::ProblemFileError;
 use crate::report::text;
+use crate::rollout::error::RolloutError;
 use crate::simulate::error::SimulateError;
 use thiserror::Error;
 
@@ -28,6 +29,8 @@ pub enum CliError {
     Diagnose(#[from] DiagnoseError),
     #[error(transparent)]
     Simulate(#[from] SimulateError),
+    #[error(transparent)]
+    Rollout(#[from] RolloutError),
     #[error(transparent)]
     Init(#[from] InitError),
     #[error(transparent)]
@@ -79,6 +82,8 @@ impl CliError {
             }
             Self::Simulate(error) if error.is_interrupt() => Self::INTERRUPTED,
             Self::Simulate(error) => of_files(error.concerns_data()),
+            Self::Rollout(error) if error.is_interrupt() => Self::INTERRUPTED,
+            Self::Rollout(error) => of_files(error.concerns_data()),
             Self::Init(error) => of_files(error.concerns_data()),
             Self::Mistakes(_) | Self::ChangedInputs(_) => Self::WRONG_DATA,
             Self::Output(_) => Self::NOT_PRINTED,

@@ -21,6 +21,7 @@ mod predictions;
 mod progress;
 mod render;
 mod repeat;
+mod rollout;
 mod schema;
 mod simulate;
 mod trials;
@@ -64,6 +65,7 @@ fn dispatch(verb: &Verb) -> Result<u8, CliError> {
         Verb::Trials(campaign) => trials::run(campaign),
         Verb::Effects(query) => effects::run(query),
         Verb::Export(query) => export::run(query),
+        Verb::Rollout(query) => rollout::run(query),
         Verb::Report(query) => render::run(query),
         Verb::Repeat(query) => repeat::run(query),
         Verb::Compare(query) => compare::run(query),

@@ -1,13 +1,14 @@
 //! `exid repeat`: the same run again, from the problem kept in the result, and whether it gives the same.
 
 use crate::chain::effect;
-use crate::cli::args::{Campaign, Printing, Repetition, Run};
+use crate::cli::args::{Campaign, Printing, Repetition, Run, Simulation};
 use crate::cli::error::CliError;
 use crate::cli::output::{self, print};
-use crate::cli::{check, design, diagnose, fit, simulate, trials};
+use crate::cli::{check, design, diagnose, fit, rollout, simulate, trials};
 use crate::outcome::difference::{Difference, differences};
 use crate::outcome::document::answer;
 use crate::outcome::input::Input;
+use crate::outcome::rollout::Rollout;
 use crate::outcome::run::VERSION;
 use crate::outcome::trials::Trials;
 use crate::outcome::{Outcome, Part, REPORT_FILE, RESULT_FILE};
@@ -34,8 +35,9 @@ pub fn run(query: &Repetition) -> Result<u8, CliError> {
     let mut notes = notes_before(&earlier);
     let code = match &earlier.part {
         Part::Trials(made) => trials::run(&campaign(query, &earlier, made, out.clone()))?,
+        Part::Rollout(made) => rollout::run(&simulation(query, &earlier, made, out.clone()))?,
         part => {
-            let mut problem = prepare(&earlier, &mut notes)?;
+            let mut problem = prepare(&earlier, &[], &mut notes)?;
             // What has been read once is not too long.
             output::bound(&mut problem, Some(u64::MAX));
             let run = Run {
@@ -55,7 +57,9 @@ pub fn run(query: &Repetition) -> Result<u8, CliError> {
                 Part::Check(_) => check::run(&run, &problem)?,
                 Part::Simulate(_) => simulate::run(&run, &problem)?,
                 Part::Design(_) => design::run(&run, &problem)?,
-                Part::Diagnose(_) | Part::Trials(_) => diagnose::run(&run, &problem)?,
+                Part::Diagnose(_) | Part::Trials(_) | Part::Rollout(_) => {
+                    diagnose::run(&run, &problem)?
+                }
             }
         }
     };
@@ -185,7 +189,11 @@ fn notes_before(earlier: &Outcome) -> Vec<String> {
 }
 
 /// The problem of a result, its inputs as they were; the process moves to the folder from which they are found.
-fn prepare(earlier: &Outcome, notes: &mut Vec<String>) -> Result<ProblemFile, CliError> {
+pub(super) fn prepare(
+    earlier: &Outcome,
+    overrides: &[String],
+    notes: &mut Vec<String>,
+) -> Result<ProblemFile, CliError> {
     let Some((problem, inputs)) = earlier.run.inputs.split_first() else {
         return Err(CliError::WrongUse(
             "the result names no problem file; only results of runs can be repeated".to_owned(),
@@ -215,6 +223,7 @@ fn prepare(earlier: &Outcome, notes: &mut Vec<String>) -> Result<ProblemFile, Cl
     Ok(ProblemFile::kept(
         path,
         &earlier.run.problem,
+        overrides,
         &effect::ids(),
     )?)
 }
@@ -259,7 +268,21 @@ fn campaign(query: &Repetition, earlier: &Outcome, made: &Trials, out: PathBuf) 
     }
 }
 
-fn absolute(path: &Path) -> Result<PathBuf, CliError> {
+/// The same rollout of the same result.
+fn simulation(query: &Repetition, earlier: &Outcome, made: &Rollout, out: PathBuf) -> Simulation {
+    let source = PathBuf::from(&made.source);
+    let recorded = Path::new(&earlier.run.provenance.directory).join(&source);
+    Simulation {
+        result: if source.exists() { source } else { recorded },
+        out: Some(out),
+        set: made.set.clone(),
+        threads: query.threads,
+        seed: earlier.run.seed,
+        printing: Printing::SILENT,
+    }
+}
+
+pub(super) fn absolute(path: &Path) -> Result<PathBuf, CliError> {
     std::path::absolute(path)
         .map_err(|e| CliError::WrongUse(format!("{}: {e}; give another folder", path.display())))
 }

@@ -13,7 +13,7 @@
 use crate::chain::base_parameters::scan_order;
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::{Channel, JointModel, Model};
-use crate::chain::parameter::Role;
+use crate::chain::parameter::{Parameter, Role};
 use crate::chain::prior::Prior;
 use crate::estimate::coarse;
 use crate::estimate::covariance::of_unknowns;
@@ -31,7 +31,9 @@ use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::Weights;
 use crate::linalg::triangular::{ColumnScaling, Triangular};
 use crate::outcome::estimate::{Estimate, Solver};
-use crate::outcome::fit::{BaseParameter, Combination, Fit, Posterior, Realized, Term};
+use crate::outcome::fit::{
+    BaseParameter, Combination, Fit, FittedModel, Posterior, Realized, Term,
+};
 use crate::problem::form::{Form, Structure};
 use crate::problem::solution::{Control, Solution};
 use crate::problem::view::LeastSquares;
@@ -327,6 +329,23 @@ pub fn outcome_with(
         predictions: predicted,
         model: model.clone(),
         values,
+    }
+}
+
+/// A model at values of its parameters as a result keeps it, beside what its problem declares.
+pub fn in_full(model: &Model, values: &DVector<f64>) -> FittedModel {
+    let of = |(parameter, value): (&Parameter, &f64)| Realized {
+        name: parameter.name.clone(),
+        value: *value,
+    };
+    FittedModel {
+        added: Vec::new(),
+        values: model
+            .parameters()
+            .iter()
+            .zip(values.iter())
+            .map(of)
+            .collect(),
     }
 }
 

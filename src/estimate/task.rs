@@ -8,7 +8,7 @@ use crate::estimate::contest::{self, Entrant};
 use crate::estimate::difference;
 use crate::estimate::error::EstimateError;
 use crate::estimate::feasible::{self, Form};
-use crate::estimate::fit::{Estimator, Fitted, fit};
+use crate::estimate::fit::{Estimator, Fitted, fit, in_full};
 use crate::estimate::load;
 use crate::estimate::noisy_fit;
 use crate::estimate::reactions;
@@ -105,6 +105,7 @@ pub fn run(
     if robot.mechanism.is_none() {
         fitted.fit.machine = Some(machine((problem, &robot), &fitted));
     }
+    fitted.fit.model = Some(in_full(&fitted.model, &fitted.values));
     if !problem.fit.compare.is_empty() {
         watch(Step::Comparing);
         let compared = guarded(|| compare(problem, &robot, (&mut fitted, &data), control));

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::outcome::fit::{Fit, Preprocessing};
+use crate::outcome::fit::{Fit, FittedModel, Preprocessing};
 use crate::outcome::joint::JointFigures;
 use crate::outcome::number;
 use crate::outcome::parameter::Parameter;
@@ -72,6 +72,9 @@ impl Verdict {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Baseline {
     pub joints: Vec<JointFigures>,
+    /// The model in full.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<FittedModel>,
 }
 
 /// The model with all findings.

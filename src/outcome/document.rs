@@ -99,7 +99,10 @@ struct Written<'a> {
 
 impl Serialize for Outcome {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let looks_for_mistakes = !matches!(self.part, Part::Check(_) | Part::Trials(_));
+        let looks_for_mistakes = !matches!(
+            self.part,
+            Part::Check(_) | Part::Trials(_) | Part::Rollout(_)
+        );
         Written {
             name: &self.name,
             verb: self.part.verb(),
@@ -134,6 +137,9 @@ impl<'de> Deserialize<'de> for Outcome {
             "simulate" => Deserialize::deserialize(&value).map(Part::Simulate),
             "trials" => Deserialize::deserialize(&value).map(Part::Trials),
             "design" => Deserialize::deserialize(&value).map(Part::Design),
+            "rollout" => {
+                Deserialize::deserialize(&value).map(|rollout| Part::Rollout(Box::new(rollout)))
+            }
             "diagnose" => Deserialize::deserialize(&value)
                 .map(|diagnosis| Part::Diagnose(Box::new(diagnosis))),
             other => {

@@ -53,6 +53,9 @@ pub struct Fit {
     /// The identified robot, with the bodies of the realization: what exports are made from.
     #[serde(default)]
     pub machine: Option<Machine>,
+    /// The model in full: what forward simulations are made from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<FittedModel>,
     /// What was done to the recordings before the fit.
     #[serde(default)]
     pub preprocessing: Vec<Preprocessing>,
@@ -118,7 +121,25 @@ pub struct Comparison {
     pub joints: Vec<JointFigures>,
 }
 
-/// One value of the feasible realization, in SI units.
+/// A fitted model beside the problem that declares it: every value, and the effects that the problem does not have.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct FittedModel {
+    pub added: Vec<AddedEffect>,
+    /// Every parameter as the program has it, in SI units: masses, first moments, inertias about the origin, effects.
+    pub values: Vec<Realized>,
+}
+
+/// An effect that a problem does not declare.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AddedEffect {
+    pub effect: String,
+    pub joints: Vec<String>,
+    /// Of a kinematic coupling: the joint whose motor moves the other too.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub other: Option<String>,
+}
+
+/// One value of the feasible realization, or of a model, in SI units.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Realized {
     pub name: String,

@@ -24,6 +24,7 @@ pub mod number;
 pub mod parameter;
 pub mod predictions;
 pub mod provenance;
+pub mod rollout;
 pub mod run;
 pub mod simulation;
 pub mod trials;
@@ -37,6 +38,7 @@ use crate::outcome::design::Design;
 use crate::outcome::diagnose::Diagnosis;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::fit::Fit;
+use crate::outcome::rollout::Rollout;
 use crate::outcome::run::Run;
 use crate::outcome::simulation::Simulation;
 use crate::outcome::trials::Trials;
@@ -46,6 +48,9 @@ pub const RESULT_FILE: &str = "result.json";
 
 /// Name of the table of recorded and predicted signals in the results folder.
 pub const PREDICTIONS_FILE: &str = "predictions.csv";
+
+/// Name of the table of windows, sample by sample, in the folder of a rollout.
+pub const WINDOWS_FILE: &str = "rollouts.csv";
 
 /// Name of the rendered report in the results folder.
 pub const REPORT_FILE: &str = "report.html";
@@ -82,6 +87,7 @@ pub enum Part {
     Design(Design),
     Diagnose(Box<Diagnosis>),
     Trials(Trials),
+    Rollout(Box<Rollout>),
 }
 
 impl Outcome {
@@ -105,6 +111,7 @@ impl Part {
             Part::Design(_) => "design",
             Part::Diagnose(_) => "diagnose",
             Part::Trials(_) => "trials",
+            Part::Rollout(_) => "rollout",
         }
     }
 }

@@ -120,16 +120,18 @@ impl ProblemFile {
         Self::from_root(path, &root, effect_ids)
     }
 
-    /// The problem that a result keeps, [`Self::json`], of the file at `path`.
+    /// The problem that a result keeps, [`Self::json`], of the file at `path`, with overrides.
     ///
     /// # Errors
     /// As [`Self::read`], without lines and columns.
     pub fn kept(
         path: &Path,
         json: &serde_json::Value,
+        overrides: &[String],
         effect_ids: &[&str],
     ) -> Result<Self, ProblemFileError> {
-        let root = Node::from_json(json, Place::file(path));
+        let mut root = Node::from_json(json, Place::file(path));
+        overrides::apply(&mut root, overrides)?;
         Self::from_root(path, &root, effect_ids)
     }
 

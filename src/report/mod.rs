@@ -16,6 +16,7 @@ mod section;
 mod table;
 mod terminal;
 mod terminal_parameters;
+mod terminal_rollout;
 
 use std::path::Path;
 

@@ -194,6 +194,7 @@ fn arm() -> Outcome {
             contests: Vec::new(),
             joint_torque_parameters: Vec::new(),
             realization: Vec::new(),
+            model: None,
             machine: None,
             preprocessing: vec![Preprocessing {
                 recording: "train.csv".to_string(),

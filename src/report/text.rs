@@ -18,6 +18,7 @@ use crate::report::facts;
 use crate::report::number::{optional, percent, significant};
 use crate::report::terminal::{GAP, align};
 use crate::report::terminal_parameters::{self, LOAD};
+use crate::report::terminal_rollout;
 
 /// The summary of an outcome whose report is at `report`; ends with a newline.
 pub fn summary(outcome: &Outcome, report: Option<&Path>) -> String {
@@ -28,6 +29,7 @@ pub fn summary(outcome: &Outcome, report: Option<&Path>) -> String {
         Part::Design(design) => design_lines(&outcome.estimate, design),
         Part::Diagnose(diagnosis) => diagnosis_lines(diagnosis),
         Part::Trials(trials) => trial_lines(trials),
+        Part::Rollout(rollout) => terminal_rollout::lines(rollout),
     };
     let mut head = vec![format!("{}: {}", outcome.name, outcome.part.verb())];
     head.extend(mistake_lines(&outcome.mistakes));

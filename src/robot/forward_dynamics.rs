@@ -22,6 +22,15 @@ pub struct ForwardDynamics {
     factor: Vec<f64>,
 }
 
+/// `M(q) q̈ + h(q, q̇) = τ` at one state.
+#[derive(Clone, Copy, Debug)]
+pub struct EquationOfMotion<'a> {
+    /// Lower triangle of M, row after row of n values.
+    pub mass: &'a [f64],
+    /// h, n values.
+    pub bias: &'a [f64],
+}
+
 /// The mass matrix is not positive definite: the parameters are not those of bodies.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
@@ -47,6 +56,23 @@ impl ForwardDynamics {
         }
     }
 
+    /// M and h at (q, q̇).
+    pub fn equation(
+        &mut self,
+        tree: &Tree,
+        parameters: &[f64],
+        [q, dq]: [&[f64]; 2],
+    ) -> EquationOfMotion<'_> {
+        let state = [q, dq, &self.zero];
+        self.dynamics
+            .torque(tree, parameters, state, &mut self.bias);
+        self.mass_matrix(tree, parameters);
+        EquationOfMotion {
+            mass: &self.mass,
+            bias: &self.bias,
+        }
+    }
+
     /// Accelerations into `ddq` for joint torques `torque` at (q, q̇); `added_inertia` is added to the
     /// diagonal of the mass matrix (reflected rotor inertias, kg·m²; zeros where there are none).
     pub fn acceleration(
@@ -56,10 +82,7 @@ impl ForwardDynamics {
         [q, dq, torque, added_inertia]: [&[f64]; 4],
         ddq: &mut [f64],
     ) -> Result<(), SingularMass> {
-        let state = [q, dq, &self.zero];
-        self.dynamics
-            .torque(tree, parameters, state, &mut self.bias);
-        self.mass_matrix(tree, parameters);
+        self.equation(tree, parameters, [q, dq]);
         let n = tree.len();
         for i in 0..n {
             ddq[i] = torque[i] - self.bias[i];

@@ -45,6 +45,31 @@ pub trait TorqueLaw: Sync + std::fmt::Debug {
     fn state(&self) -> Option<StateLaw> {
         None
     }
+
+    /// The law as a differential equation, where its torque depends on a state of its own.
+    fn dynamics(&self) -> Option<&dyn LawDynamics> {
+        None
+    }
+}
+
+/// A law with an internal state z: `ż = f(z, v)`, `torque = g(z, v)`.
+pub trait LawDynamics: Sync + std::fmt::Debug {
+    /// z after a long motion at one velocity; `parameters` as for [`TorqueLaw::add`].
+    fn settled(&self, parameters: &[f64], velocity: f64) -> f64;
+
+    /// Rate and torque at (z, v).
+    fn flow(&self, parameters: &[f64], state: f64, velocity: f64) -> Flow;
+}
+
+/// ż and torque of a law with an internal state, and their derivatives.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Flow {
+    pub rate: f64,
+    pub rate_by_state: f64,
+    pub rate_by_velocity: f64,
+    pub torque: f64,
+    pub torque_by_state: f64,
+    pub torque_by_velocity: f64,
 }
 
 /// Where a law of the transmission puts its torque and derivatives.

@@ -32,7 +32,9 @@ pub mod unmodelled_payload;
 pub mod viscous_friction;
 pub mod viscous_nonlinearity;
 
-pub use law::{Contribution, Power, Samples, TorqueLaw, TransmissionLaw, Transmitted};
+pub use law::{
+    Contribution, Flow, LawDynamics, Power, Samples, TorqueLaw, TransmissionLaw, Transmitted,
+};
 pub use unit::Unit;
 
 /// A physical effect of the vocabulary.

@@ -14,9 +14,10 @@
 //! its eqs 16 and 21 have the wrong signs. The law here is the one of Canudas de Wit, Olsson, Åström and Lischinsky.
 
 use crate::chain::effect::expression::{Expression, Function, StateLaw, Variable};
+use crate::chain::effect::law::signum;
 use crate::chain::effect::{
-    Confounder, Contribution, Dependence, Effect, Law, Memory, Needs, ParameterInfo, Power,
-    Samples, Search, TorqueLaw, Unit,
+    Confounder, Contribution, Dependence, Effect, Flow, Law, LawDynamics, Memory, Needs,
+    ParameterInfo, Power, Samples, Search, TorqueLaw, Unit,
 };
 
 /// From a wrist whose bristles bend by tenths of a radian to the first axis of a large arm; half a decade apart where
@@ -227,6 +228,39 @@ impl TorqueLaw for Bristles {
                 + velocity() * Variable::Duration * fill,
             parts: PARTS,
         })
+    }
+
+    fn dynamics(&self) -> Option<&dyn LawDynamics> {
+        Some(self)
+    }
+}
+
+impl LawDynamics for Bristles {
+    fn settled(&self, parameters: &[f64], velocity: f64) -> f64 {
+        let p = <&[f64; COUNT]>::try_from(parameters);
+        p.map_or(0.0, |p| State::sliding(p, velocity).z)
+    }
+
+    fn flow(&self, parameters: &[f64], state: f64, velocity: f64) -> Flow {
+        let Ok(p) = <&[f64; COUNT]>::try_from(parameters) else {
+            return Flow::default();
+        };
+        let ([sigma0, sigma1, ..], z, v) = (*p, state, velocity);
+        let level = level(p, v);
+        // ∂g/∂v, by way of ∂g/∂vs: both enter as v/vs alone.
+        let slope = -level.by[3] * p[3] / v;
+        let slope = if slope.is_finite() { slope } else { 0.0 };
+        let decay = sigma0 * v.abs() / level.g;
+        let rate_by_velocity = 1.0 - sigma0 * z / level.g * (signum(v) - v.abs() * slope / level.g);
+        let rate = v - decay * z;
+        Flow {
+            rate,
+            rate_by_state: -decay,
+            rate_by_velocity,
+            torque: sigma0 * z + sigma1 * rate,
+            torque_by_state: sigma0 - sigma1 * decay,
+            torque_by_velocity: sigma1 * rate_by_velocity,
+        }
     }
 }
 

@@ -13,12 +13,13 @@
 //! [`march`]: super::march
 
 use crate::chain::effect::law::signum;
-use crate::chain::effect::{Contribution, Law, flank};
+use crate::chain::effect::{Contribution, Law};
 use crate::chain::evaluate::bodies::{KnownBodies, Slopes};
 use crate::chain::evaluate::contact_march::solve_with;
 use crate::chain::evaluate::march::{Coefficients, Course, March, largest};
 use crate::chain::evaluate::rigid::at_joint;
 use crate::chain::evaluate::{Evaluator, Segment};
+use crate::chain::flank::Flank;
 use crate::robot::batch::torques;
 
 /// Passes over the course; the matrices change little with δ, so that those about the motion without lag usually do.
@@ -37,52 +38,9 @@ const PASS_TOLERANCE: f64 = 1e-11;
 #[derive(Debug, Clone, Copy)]
 struct Lagging {
     joint: usize,
-    stiffness: f64,
-    damping: f64,
-    half_gap: f64,
+    flank: Flank,
     /// Positions of K, D and gap among the columns.
     columns: [Option<usize>; 3],
-}
-
-/// c and its derivatives.
-#[derive(Debug, Clone, Copy)]
-struct Contact {
-    torque: f64,
-    by_lag: f64,
-    by_rate: f64,
-    /// ∂c/∂K, ∂c/∂D, ∂c/∂gap.
-    by_parameters: [f64; 3],
-}
-
-impl Lagging {
-    /// `c = K z + D z′ δ̇` with the smooth dead zone
-    /// `z = ½(δ − g + s₋) − ½(−δ − g + s₊)`, `s∓ = √((δ ∓ g)² + ε²)`, g half the play: δ itself for g = 0.
-    fn contact(&self, lag: f64, rate: f64) -> Contact {
-        let g = self.half_gap;
-        let (near, far) = (lag - g, lag + g);
-        let root = |x: f64| (x * x + flank::WIDTH * flank::WIDTH).sqrt();
-        let (s, r) = (root(near), root(far));
-        let (near_share, far_share) = (near / s, far / r);
-        let (near_bend, far_bend) = (
-            flank::WIDTH.powi(2) / s.powi(3),
-            flank::WIDTH.powi(2) / r.powi(3),
-        );
-        let stretch = 0.5 * (near + s) + 0.5 * (far - r);
-        let slope = 1.0 + 0.5 * (near_share - far_share);
-        let bend = 0.5 * (near_bend - far_bend);
-        let by_half_gap = -0.5 * (near_share + far_share);
-        let slope_by_half_gap = -0.5 * (near_bend + far_bend);
-        Contact {
-            torque: self.stiffness * stretch + self.damping * slope * rate,
-            by_lag: self.stiffness * slope + self.damping * bend * rate,
-            by_rate: self.damping * slope,
-            by_parameters: [
-                stretch,
-                slope * rate,
-                0.5 * (self.stiffness * by_half_gap + self.damping * slope_by_half_gap * rate),
-            ],
-        }
-    }
 }
 
 /// The lag along a course, and what carries derivatives through it.
@@ -123,7 +81,9 @@ impl Lag {
         let mut coefficients = self.bodies();
         for k in 0..self.samples() {
             for (f, member) in self.members.iter().enumerate() {
-                let contact = member.contact(self.motion[0][f][k], self.motion[1][f][k]);
+                let contact = member
+                    .flank
+                    .contact(self.motion[0][f][k], self.motion[1][f][k]);
                 let at = coefficients.at(k, (f, f));
                 coefficients.stiffness[at] += contact.by_lag;
                 coefficients.damping[at] += contact.by_rate;
@@ -134,12 +94,16 @@ impl Lag {
 
     /// δ where the bodies stay linearised about the present one; `None` where there is no solution.
     fn next(&self, torque: &[Vec<f64>], (step, cyclic): (f64, bool)) -> Option<Course> {
-        if self.members.iter().all(|member| member.half_gap == 0.0) {
+        if self
+            .members
+            .iter()
+            .all(|member| member.flank.half_gap == 0.0)
+        {
             let march = self.equation(step, cyclic)?;
             return Some(march.solve(&self.drive(torque, true)));
         }
         let resistance = |f: usize, lag: f64, rate: f64| {
-            let contact = self.members[f].contact(lag, rate);
+            let contact = self.members[f].flank.contact(lag, rate);
             [contact.torque, contact.by_lag, contact.by_rate]
         };
         let source = self.drive(torque, false);
@@ -160,7 +124,7 @@ impl Lag {
                 let [lag, rate, _] = [0, 1, 2].map(|order: usize| self.motion[order][f][k]);
                 let mut drive = *torque;
                 if with_contact {
-                    let contact = member.contact(lag, rate);
+                    let contact = member.flank.contact(lag, rate);
                     drive += contact.by_lag * lag + contact.by_rate * rate - contact.torque;
                 }
                 for (slope, motion) in self.slopes.by.iter().zip(&self.motion) {
@@ -178,11 +142,11 @@ impl Lag {
     /// With play, the flank on which the torque of the motion without lag rests.
     fn rest_on_flanks(&mut self, torque: &[Vec<f64>]) {
         for (f, member) in self.members.iter().enumerate() {
-            if member.half_gap == 0.0 {
+            if member.flank.half_gap == 0.0 {
                 continue;
             }
             for (lag, torque) in self.motion[0][f].iter_mut().zip(&torque[f]) {
-                *lag = member.half_gap * signum(*torque) + torque / member.stiffness;
+                *lag = member.flank.half_gap * signum(*torque) + torque / member.flank.stiffness;
             }
         }
     }
@@ -270,19 +234,9 @@ impl Evaluator<'_> {
         joints
             .filter(|(_, joint)| !joint.locked)
             .filter_map(|(j, joint)| {
-                let elastic = joint
-                    .elasticity
-                    .map(|at| [self.values[at], self.values[at + 1]]);
-                let gap = joint.backlash.map(|at| self.values[at]);
-                if elastic.is_none() && gap.is_none() {
-                    return None;
-                }
-                let [stiffness, damping] = elastic.unwrap_or([flank::STIFFNESS, flank::DAMPING]);
                 Some(Lagging {
                     joint: j,
-                    stiffness,
-                    damping,
-                    half_gap: 0.5 * gap.unwrap_or(0.0),
+                    flank: Flank::of_joint(joint, &self.values)?,
                     columns: [
                         joint.elasticity.and_then(|at| self.column[at]),
                         joint.elasticity.and_then(|at| self.column[at + 1]),
@@ -388,7 +342,9 @@ impl Evaluator<'_> {
                     if let Some(which) = member.columns.iter().position(|c| *c == Some(column)) {
                         present = true;
                         for (k, to) in source.iter_mut().enumerate() {
-                            let contact = member.contact(lag.motion[0][f][k], lag.motion[1][f][k]);
+                            let contact = member
+                                .flank
+                                .contact(lag.motion[0][f][k], lag.motion[1][f][k]);
                             *to -= contact.by_parameters[which];
                         }
                     }

@@ -1,5 +1,6 @@
 //! The report of a search: findings, verdict, figures of the declared and of the final model.
 
+use crate::chain::model::Model;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::findings::compared::Compared;
 use crate::diagnose::findings::corrections::Corrections;
@@ -11,7 +12,7 @@ use crate::diagnose::findings::verdict;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::contexts::Contexts;
 use crate::diagnose::fit::fitting::fit_declared;
-use crate::diagnose::fit::hypothesis::Hypothesis;
+use crate::diagnose::fit::hypothesis::{Hypothesis, joint_names};
 use crate::diagnose::residuals::additive_model::AdditiveModel;
 use crate::diagnose::residuals::location;
 use crate::diagnose::residuals::noise_level::{self, NoiseLevel};
@@ -21,9 +22,10 @@ use crate::diagnose::selection::rival_models::{Ambiguity, RivalComparison, ambig
 use crate::diagnose::selection::stepwise::Rules;
 use crate::estimate::covariance::of_unknowns;
 use crate::estimate::figures::{Predictions, predictions};
-use crate::estimate::fit::{Fitted, outcome, outcome_with};
+use crate::estimate::fit::{Fitted, in_full, outcome, outcome_with};
 use crate::estimate::task::{notes, preprocessing};
 use crate::outcome::diagnose::{Baseline, Diagnosis, Final, Finding, Unattested, Verdict};
+use crate::outcome::fit::{AddedEffect, Fit, FittedModel};
 use crate::outcome::parameter::Parameter;
 use crate::recording::split::Split;
 
@@ -90,6 +92,7 @@ impl Reporting<'_> {
             spoiled: verdict::biased(&before.estimate.parameters, &parameters),
             baseline: Baseline {
                 joints: before.estimate.joints,
+                model: Some(in_full(&before.model, &before.values)),
             },
             outcome: Final {
                 joints: after.estimate.joints.clone(),
@@ -101,7 +104,17 @@ impl Reporting<'_> {
                 .into_iter()
                 .chain(unmeasured)
                 .collect(),
-            fit: Some(after.fit.clone()),
+            fit: Some(Fit {
+                model: Some(FittedModel {
+                    added: full
+                        .hypotheses
+                        .iter()
+                        .map(|h| added(&full.model, h))
+                        .collect(),
+                    ..in_full(&full.model, &full.values)
+                }),
+                ..after.fit.clone()
+            }),
             evidence: finding::tried_hypotheses(&explanation.tried),
         };
         Ok(Reported {
@@ -173,6 +186,18 @@ impl Reporting<'_> {
         let mut left: Vec<String> = left.map(str::to_string).collect();
         left.dedup();
         left
+    }
+}
+
+/// A hypothesis as a result keeps it.
+fn added(model: &Model, hypothesis: &Hypothesis) -> AddedEffect {
+    let other = hypothesis
+        .other
+        .map(|other| model.joints()[other].name.clone());
+    AddedEffect {
+        effect: hypothesis.effect.id.to_string(),
+        joints: joint_names(model, &hypothesis.joints),
+        other,
     }
 }
 

@@ -176,6 +176,11 @@ pub(super) fn before_and_after(source: &Source) -> Option<Section> {
     );
     let caption = format!("<b>Held-out RMSE in multiples of the noise</b>{legend}");
     let plot = figure(&caption, &bars(&rows, Some(1.0), "RMSE / noise"));
-    let body = format!("<div class=\"plots\">{plot}</div>\n{}", table.html());
+    let hint = "<p class=\"hint\">How far either model strays from the robot when it is simulated forward: <code>exid \
+                rollout</code> with this results folder.</p>";
+    let body = format!(
+        "<div class=\"plots\">{plot}</div>\n{}{hint}\n",
+        table.html()
+    );
     Some(Section::new("before-and-after", "Before and after", body))
 }

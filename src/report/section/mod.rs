@@ -13,6 +13,7 @@ mod motors;
 mod notes;
 mod parameters;
 mod preprocessing;
+mod rollout;
 mod signals;
 mod simulation;
 mod solver;
@@ -65,7 +66,7 @@ impl<'a> Source<'a> {
 }
 
 /// Every section in the order of the page; each is absent where it has nothing to say.
-const SECTIONS: [fn(&Source) -> Option<Section>; 21] = [
+const SECTIONS: [fn(&Source) -> Option<Section>; 22] = [
     summary::section,
     diagnosis::missing,
     diagnosis::before_and_after,
@@ -83,6 +84,7 @@ const SECTIONS: [fn(&Source) -> Option<Section>; 21] = [
     simulation::section,
     trials::section,
     design::section,
+    rollout::section,
     preprocessing::section,
     notes::section,
     solver::section,

@@ -11,6 +11,7 @@ pub(super) fn section(source: &Source) -> Option<Section> {
         Part::Design(design) => &design.notes,
         Part::Diagnose(diagnosis) => &diagnosis.notes,
         Part::Trials(trials) => &trials.notes,
+        Part::Rollout(rollout) => &rollout.notes,
         Part::Check(_) => return None,
     };
     if notes.is_empty() {

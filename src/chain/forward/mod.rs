@@ -1,0 +1,395 @@
+//! Forward dynamics of the chain: from the torque of the motors to the motion.
+//!
+//! ```text
+//! x = (m, δ)                     motors at joint scale, lags of links behind elastic gears and gears with play
+//! q = V m + offset − E δ = B x + constant
+//! A ẍ = r(x, ẋ, z, t),           A = (1 + ∂losses/∂τ) Bᵀ M B + J
+//! motors:  r = τ_mot − laws(m, ṁ, z) − (losses − ∂losses/∂τ · τ) − (1 + ∂losses/∂τ) (Bᵀ h)
+//! lags:    r = −c(δ, δ̇) − (Bᵀ h)
+//! bristles and the like:  ż = f(z, ṁ)
+//! ```
+//!
+//! Friction near standstill, flanks and bristles are stiff, links are not. So M(q) and h(q, q̇) are taken once for each
+//! [step](Forward::advance), at its middle, and the rest is integrated within it by as many steps as it asks for of ROS2,
+//! an L-stable Rosenbrock method that is of order two for any approximate Jacobian (Verwer, Spee, Blom and Hundsdorfer
+//! 1999, eq. 1.3). Both are of order two.
+
+mod drive;
+mod rosenbrock;
+mod state;
+
+use crate::chain::effect::base_tilt::tilted;
+use crate::chain::effect::{Contribution, Effect, Law, Samples};
+use crate::chain::evaluate::bodies;
+use crate::chain::flank::Flank;
+use crate::chain::forward::drive::Drive;
+use crate::chain::forward::rosenbrock::Rosenbrock;
+use crate::chain::forward::state::Lagging;
+use crate::chain::model::{Model, Signal};
+use crate::robot::forward_dynamics::ForwardDynamics;
+use crate::robot::tree::Tree;
+use nalgebra::{DMatrix, DVector};
+
+pub use crate::chain::forward::state::{Driven, State};
+
+/// How finely is integrated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Accuracy {
+    /// Longest step between two evaluations of M and h, s.
+    pub step: f64,
+    /// Largest difference of a velocity from the method of order one over one step, rad/s (m/s).
+    pub tolerance: f64,
+}
+
+impl Default for Accuracy {
+    /// Links of robots turn by less than a hundredth of a radian within a millisecond; and a reversal passes a transition
+    /// speed of 0.004 rad/s in twenty steps.
+    fn default() -> Self {
+        Self {
+            step: 1e-3,
+            tolerance: 2e-4,
+        }
+    }
+}
+
+impl Accuracy {
+    /// Half of the steps, whose errors of order two are a quarter.
+    pub fn halved(self) -> Self {
+        Self {
+            step: 0.5 * self.step,
+            tolerance: 0.25 * self.tolerance,
+        }
+    }
+}
+
+/// Why a model cannot be simulated forward.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum NotForward {
+    #[error(
+        "joints close loops; only robots whose joints are a tree can be simulated forward from torques"
+    )]
+    Loops,
+    #[error(
+        "the signal is a base wrench, which no motion follows from; record motor currents or torques too"
+    )]
+    NoTorque,
+    #[error("every joint is locked; release one")]
+    NothingMoves,
+}
+
+/// The inertia that accelerates is not positive: these are no bodies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NoInertia {
+    /// Index of the joint.
+    pub joint: usize,
+}
+
+/// Least inertia of a motor in front of a lag, as a share of that of its link: without any, its acceleration would not
+/// be a number.
+const LEAST_ROTOR: f64 = 1e-4;
+
+/// A model whose motion follows from the torques of its motors.
+#[derive(Debug)]
+pub struct Forward<'m> {
+    model: &'m Model,
+    values: DVector<f64>,
+    tree: Tree,
+    bodies: Vec<f64>,
+    dynamics: ForwardDynamics,
+    /// Joints whose motors move.
+    motors: Vec<usize>,
+    lags: Vec<Lagging>,
+    /// B, joints x (motors and lags).
+    map: DMatrix<f64>,
+    /// B is the identity.
+    direct: bool,
+    /// Positions of the joints while x vanishes.
+    constant: Vec<f64>,
+    drives: Vec<Drive>,
+    solver: Rosenbrock,
+    accuracy: Accuracy,
+    /// Mean of ẍ over the last step.
+    acceleration: Vec<f64>,
+    joints: [Vec<f64>; 2],
+    middle: [Vec<f64>; 2],
+}
+
+impl<'m> Forward<'m> {
+    /// The model at parameter values, with or without its load. Effects that belong to one recording do not act.
+    ///
+    /// # Errors
+    /// Where the model has no forward dynamics.
+    pub fn new(
+        model: &'m Model,
+        values: &DVector<f64>,
+        loaded: bool,
+        accuracy: Accuracy,
+    ) -> Result<Self, NotForward> {
+        if model.mechanism().is_some() {
+            return Err(NotForward::Loops);
+        }
+        if model.signal() == Signal::BaseWrench {
+            return Err(NotForward::NoTorque);
+        }
+        let joints = model.joints();
+        let n = joints.len();
+        let motors: Vec<usize> = (0..n).filter(|&j| !joints[j].locked).collect();
+        if motors.is_empty() {
+            return Err(NotForward::NothingMoves);
+        }
+        let lagging = |&j: &usize| {
+            let flank = Flank::of_joint(&joints[j], values)?;
+            Some(Lagging { joint: j, flank })
+        };
+        let lags: Vec<Lagging> = motors.iter().filter_map(lagging).collect();
+        let coupling = model.coupling(values);
+        let size = motors.len() + lags.len();
+        let map = DMatrix::from_fn(n, size, |i, k| match k.checked_sub(motors.len()) {
+            None => coupling[(i, motors[k])],
+            Some(lag) => -f64::from(u8::from(lags[lag].joint == i)),
+        });
+        let tree = match model.tilt() {
+            None => model.tree().clone(),
+            Some(at) => {
+                let gravity = tilted(&model.tree().gravity(), [values[at], values[at + 1]]);
+                model.tree().clone().with_gravity(gravity.into())
+            }
+        };
+        let drives: Vec<Drive> = motors
+            .iter()
+            .map(|&j| Drive::new(&joints[j], values, model.signal()))
+            .collect();
+        Ok(Self {
+            dynamics: ForwardDynamics::new(&tree),
+            bodies: bodies(model, values, loaded),
+            direct: size == n && map.is_identity(0.0),
+            constant: model.offset().iter().copied().collect(),
+            solver: Rosenbrock::new(size, motors.len(), accuracy.tolerance),
+            acceleration: vec![0.0; size],
+            joints: [vec![0.0; n], vec![0.0; n]],
+            middle: [vec![0.0; size], vec![0.0; size]],
+            values: values.clone(),
+            model,
+            tree,
+            motors,
+            lags,
+            map,
+            drives,
+            accuracy,
+        })
+    }
+
+    /// Joints whose motors move, in the order of torques and states.
+    pub fn motors(&self) -> &[usize] {
+        &self.motors
+    }
+
+    /// Number of lags behind the motors in a state.
+    pub fn lags(&self) -> usize {
+        self.lags.len()
+    }
+
+    /// Whether a law of some motor has a state of its own.
+    pub fn has_memory(&self) -> bool {
+        self.drives.iter().any(Drive::has_memory)
+    }
+
+    /// Torque of a motor at joint scale that its signal stands for, N·m (N).
+    pub fn motor_torque(&self, motor: usize, signal: f64) -> f64 {
+        self.drives[motor].torque(signal)
+    }
+
+    /// s by which the channel of a motor is recorded late.
+    pub fn delay(&self, motor: usize) -> f64 {
+        let joint = &self.model.joints()[self.motors[motor]];
+        joint.delay.map_or(0.0, |at| self.values[at])
+    }
+
+    /// Where motors that stand still are, `[joint]` at joint scale; others are passed over.
+    pub fn hold(&mut self, motors: &[f64]) {
+        let coupling = self.model.coupling(&self.values);
+        for (i, constant) in self.constant.iter_mut().enumerate() {
+            let held = (0..motors.len()).filter(|j| !self.motors.contains(j));
+            *constant =
+                self.model.offset()[i] + held.map(|j| coupling[(i, j)] * motors[j]).sum::<f64>();
+        }
+    }
+
+    /// Positions of the drives' side of all joints that move, `V m + offset`.
+    pub fn joint_positions(&self, position: &[f64], out: &mut [f64]) {
+        for (slot, &j) in out.iter_mut().zip(&self.motors) {
+            let own = (0..self.motors.len()).map(|k| self.map[(j, k)] * position[k]);
+            *slot = self.constant[j] + own.sum::<f64>();
+        }
+    }
+
+    /// The entry of V of a joint and a motor, by their places among those that move.
+    pub fn coupling_entry(&self, joint: usize, motor: usize) -> f64 {
+        self.map[(self.motors[joint], motor)]
+    }
+
+    /// A state of given motors: links rest where their flanks bear the torque at rest, and bristles as after a long
+    /// motion at the same velocity.
+    pub fn settled(&mut self, position: &[f64], velocity: &[f64]) -> State {
+        let size = self.motors.len() + self.lags.len();
+        let mut state = State {
+            position: position.to_vec(),
+            velocity: velocity.to_vec(),
+            memory: Vec::new(),
+        };
+        state.position.resize(size, 0.0);
+        state.velocity.resize(size, 0.0);
+        self.linearise(&state.position, &state.velocity);
+        for (f, lag) in self.lags.iter().enumerate() {
+            let at = self.motors.len() + f;
+            let torque = -self.solver.bias[at];
+            state.position[at] =
+                torque / lag.flank.stiffness + lag.flank.half_gap * torque.signum();
+        }
+        let drives = self.drives.iter().zip(velocity);
+        state.memory = drives.map(|(drive, v)| drive.settled(*v)).collect();
+        self.begin();
+        state
+    }
+
+    /// Forgets the accelerations of another motion.
+    pub fn begin(&mut self) {
+        self.acceleration.fill(0.0);
+        self.solver.begin();
+    }
+
+    /// Advances a state by `duration`, s, in equal steps that are no longer than the accuracy allows.
+    ///
+    /// # Errors
+    /// Where the inertia is not positive.
+    pub fn advance(
+        &mut self,
+        state: &mut State,
+        driven: Driven<'_>,
+        duration: f64,
+    ) -> Result<(), NoInertia> {
+        // A share of a step more is rounding of the rate.
+        let steps = (duration / self.accuracy.step - 1e-9).ceil().max(1.0);
+        let h = duration / steps;
+        for step in 0..steps as usize {
+            let ends = [step as f64 / steps, (step + 1) as f64 / steps];
+            self.step(state, driven, (h, ends))?;
+        }
+        Ok(())
+    }
+
+    /// One step, from and to shares of the whole over which the torque is linear.
+    fn step(
+        &mut self,
+        state: &mut State,
+        driven: Driven<'_>,
+        (h, ends): (f64, [f64; 2]),
+    ) -> Result<(), NoInertia> {
+        let mut middle = std::mem::take(&mut self.middle);
+        for k in 0..state.position.len() {
+            let (v, a) = (state.velocity[k], self.acceleration[k]);
+            middle[0][k] = state.position[k] + 0.5 * h * (v + 0.25 * h * a);
+            middle[1][k] = v + 0.5 * h * a;
+        }
+        self.linearise(&middle[0], &middle[1]);
+        self.middle = middle;
+        self.acceleration.copy_from_slice(&state.velocity);
+        let solved =
+            self.solver
+                .integrate(state, (&mut self.drives, &self.lags), driven, (h, ends));
+        for (a, v) in self.acceleration.iter_mut().zip(&state.velocity) {
+            *a = (v - *a) / h;
+        }
+        solved.map_err(|at| NoInertia {
+            joint: match at.checked_sub(self.motors.len()) {
+                None => self.motors[at],
+                Some(lag) => self.lags[lag].joint,
+            },
+        })
+    }
+
+    /// Bᵀ M B and Bᵀ h at (x, ẋ), torques of laws at the joints among h.
+    fn linearise(&mut self, position: &[f64], velocity: &[f64]) {
+        let n = self.constant.len();
+        let size = position.len();
+        let [q, dq] = &mut self.joints;
+        if self.direct {
+            for j in 0..n {
+                q[j] = self.constant[j] + position[j];
+                dq[j] = velocity[j];
+            }
+        } else {
+            for i in 0..n {
+                let along = |x: &[f64]| (0..size).map(|k| self.map[(i, k)] * x[k]).sum::<f64>();
+                q[i] = self.constant[i] + along(position);
+                dq[i] = along(velocity);
+            }
+        }
+        let equation = self.dynamics.equation(&self.tree, &self.bodies, [q, dq]);
+        let entry = |i: usize, j: usize| equation.mass[i.max(j) * n + i.min(j)];
+        let (mass, bias) = (&mut self.solver.mass, &mut self.solver.bias);
+        let laws = &self.model.joints();
+        let joint_torque =
+            |j: usize| equation.bias[j] + at_joint(&laws[j].effects, &self.values, (q[j], dq[j]));
+        if self.direct {
+            for i in 0..n {
+                for j in 0..n {
+                    mass[i * n + j] = entry(i, j);
+                }
+                bias[i] = joint_torque(i);
+            }
+            return;
+        }
+        let full = DMatrix::from_fn(n, n, entry);
+        let torque = DVector::from_fn(n, |j, _| joint_torque(j));
+        let (projected, load) = (
+            self.map.tr_mul(&(full * &self.map)),
+            self.map.tr_mul(&torque),
+        );
+        for i in 0..size {
+            for j in 0..size {
+                mass[i * size + j] = projected[(i, j)];
+            }
+            bias[i] = load[i];
+        }
+        for (f, lag) in self.lags.iter().enumerate() {
+            let motor = self.motors.iter().position(|&m| m == lag.joint);
+            let (Some(k), at) = (motor, self.motors.len() + f) else {
+                continue;
+            };
+            let least = LEAST_ROTOR * mass[at * size + at];
+            mass[k * size + k] += (least - self.drives[k].inertia).max(0.0);
+        }
+    }
+}
+
+/// Torque of the laws at a joint.
+fn at_joint(
+    effects: &[(&'static Effect, usize)],
+    values: &DVector<f64>,
+    (q, dq): (f64, f64),
+) -> f64 {
+    let mut torque = [0.0];
+    for &(effect, first) in effects {
+        let Law::Joint(law) = effect.law else {
+            continue;
+        };
+        let count = effect.parameters.len();
+        let samples = Samples {
+            position: &[q],
+            velocity: &[dq],
+            acceleration: &[0.0],
+            sign: &[dq],
+            time: &[],
+            cyclic: false,
+        };
+        let mut out = Contribution {
+            torque: &mut torque,
+            by_parameter: &mut vec![vec![0.0]; count],
+            by_sign: &mut [0.0],
+            by_position: &mut [0.0],
+        };
+        law.add(samples, &values.as_slice()[first..first + count], &mut out);
+    }
+    torque[0]
+}

@@ -1,0 +1,164 @@
+//! Forward simulations beside recordings: errors by horizon, and two windows sample by sample.
+
+use crate::outcome::Part;
+use crate::outcome::rollout::{ErrorCurve, Example, Rollout, Spread};
+use crate::report::html::escape;
+use crate::report::number::{optional, significant};
+use crate::report::plots::curves::{Curve, curves};
+use crate::report::plots::{PREDICTED, RECORDED, RESIDUAL, figure, key};
+use crate::report::section::{Section, Source};
+use crate::report::series::Point;
+use crate::report::table::{Cell, Table};
+use crate::report::terminal_rollout::quartiles;
+use plotters::style::RGBColor;
+
+pub(super) fn section(source: &Source) -> Option<Section> {
+    let Part::Rollout(rollout) = &source.outcome.part else {
+        return None;
+    };
+    let mut body = about(rollout);
+    body.push_str(&pictures(rollout));
+    body.push_str(&table(rollout));
+    for example in &rollout.examples {
+        body.push_str(&window(rollout, example));
+    }
+    Some(Section::new("rollout", "Simulated forward", body))
+}
+
+fn about(rollout: &Rollout) -> String {
+    let before = rollout.before.map_or(String::new(), |before| {
+        format!(" Before: {}.", before.words())
+    });
+    format!(
+        "<p>Models of <code>{}</code>, in {}.{} Noise alone: the final model under its own torques with the noise of the signal, \
+         from starts with the errors of the estimated motion. Integrated by {} with steps of at most {} s; halving: what half of \
+         the steps change in {} windows, RMS.</p>\n",
+        escape(&rollout.source),
+        rollout.held_out.words(),
+        escape(&before),
+        escape(&rollout.integrator.name),
+        significant(rollout.integrator.step),
+        rollout.integrator.checked,
+    )
+}
+
+/// Medians and quartiles of every joint over the time since the start.
+fn pictures(rollout: &Rollout) -> String {
+    let mut out = format!(
+        "<h3>Error of position over the horizon</h3>\n<p class=\"hint\">{}{}{}medians with quartiles over windows</p>\n<div class=\"plots\">\n",
+        if rollout.before.is_some() {
+            key(RESIDUAL, "before")
+        } else {
+            String::new()
+        },
+        key(PREDICTED, "after"),
+        key(RECORDED, "noise alone"),
+    );
+    for curve in &rollout.curves {
+        let caption = format!("<b>{}</b> [{}]", escape(&curve.joint), escape(&curve.unit));
+        let mut lines = spread_lines(curve, &curve.noise, RECORDED);
+        lines.extend(spread_lines(curve, &curve.before, RESIDUAL));
+        lines.extend(spread_lines(curve, &curve.after, PREDICTED));
+        let label = format!("error of {} over the horizon", curve.joint);
+        out.push_str(&figure(&caption, &curves(&lines, &[], "t [s]", &label)));
+    }
+    out.push_str("</div>\n");
+    out
+}
+
+fn spread_lines(curve: &ErrorCurve, spreads: &[Spread], colour: RGBColor) -> Vec<Curve> {
+    let along = |of: &dyn Fn(&Spread) -> Option<f64>| {
+        let points = curve.t.iter().zip(spreads);
+        let points: Vec<Point> = points
+            .map(|(t, spread)| (*t, of(spread).unwrap_or(f64::NAN)))
+            .collect();
+        Curve::new(points, colour)
+    };
+    vec![
+        along(&|s| s.lower_quartile),
+        along(&|s| s.median),
+        along(&|s| s.upper_quartile),
+    ]
+}
+
+fn table(rollout: &Rollout) -> String {
+    let columns = [
+        "Joint",
+        "Horizon [s]",
+        "Unit",
+        "Before",
+        "Quartiles",
+        "RMS",
+        "Lost",
+        "After",
+        "Quartiles",
+        "RMS",
+        "Lost",
+        "Noise alone",
+        "RMS",
+        "Halving",
+        "Windows",
+    ];
+    let mut table = Table::new(&columns);
+    let names = rollout.horizons.first().map_or(0, |h| h.joints.len());
+    for joint in 0..names {
+        table.begin_group();
+        for horizon in &rollout.horizons {
+            let Some(errors) = horizon.joints.get(joint) else {
+                continue;
+            };
+            let before = errors.before.unwrap_or_default();
+            table.row(vec![
+                Cell::name(&errors.joint),
+                Cell::Number(significant(horizon.horizon)),
+                Cell::text(&errors.unit),
+                Cell::Number(optional(before.median)),
+                Cell::text(quartiles(&before)),
+                Cell::Number(optional(before.rms)),
+                Cell::Number(before.lost.to_string()),
+                Cell::Number(optional(errors.after.median)),
+                Cell::text(quartiles(&errors.after)),
+                Cell::Number(optional(errors.after.rms)),
+                Cell::Number(errors.after.lost.to_string()),
+                Cell::Number(optional(errors.noise.median)),
+                Cell::Number(optional(errors.noise.rms)),
+                Cell::Number(significant(errors.integration)),
+                Cell::Number(errors.after.windows.to_string()),
+            ]);
+        }
+    }
+    format!("<h3>By horizon</h3>\n{}", table.html())
+}
+
+/// Positions of the joints in one window.
+fn window(rollout: &Rollout, example: &Example) -> String {
+    let mut out = format!(
+        "<h3>The {} window</h3>\n<p class=\"hint\">{}{}{}from {} s of <code>{}</code></p>\n<div class=\"plots\">\n",
+        escape(&example.kind),
+        key(RECORDED, "recorded"),
+        if rollout.before.is_some() {
+            key(RESIDUAL, "before")
+        } else {
+            String::new()
+        },
+        key(PREDICTED, "after"),
+        significant(example.start),
+        escape(&example.recording),
+    );
+    for joint in &example.joints {
+        let line = |series: &[f64], colour: RGBColor| {
+            let points = example.t.iter().copied().zip(series.iter().copied());
+            Curve::new(points.collect(), colour)
+        };
+        let lines = [
+            line(&joint.before, RESIDUAL),
+            line(&joint.recorded, RECORDED),
+            line(&joint.after, PREDICTED),
+        ];
+        let caption = format!("<b>{}</b> [{}]", escape(&joint.joint), escape(&joint.unit));
+        let label = format!("position of {} in the {} window", joint.joint, example.kind);
+        out.push_str(&figure(&caption, &curves(&lines, &[], "t [s]", &label)));
+    }
+    out.push_str("</div>\n");
+    out
+}

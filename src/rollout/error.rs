@@ -1,0 +1,51 @@
+//! Why the models of a result are not rolled out.
+
+use crate::chain::forward::NotForward;
+use crate::setup::error::SetupError;
+use thiserror::Error;
+
+/// A rollout that cannot start or finish.
+#[derive(Debug, Error)]
+pub enum RolloutError {
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    #[error(
+        "a result of `{verb}` holds no robot that was identified; give the results folder of `exid fit` or `exid diagnose`"
+    )]
+    NoRobot { verb: &'static str },
+    #[error(
+        "the result does not hold its model in full, as results of this version do; make it again: exid {verb} {problem}"
+    )]
+    Incomplete { verb: &'static str, problem: String },
+    #[error(
+        "the result was made with motor constants from constant speed, which is no model of a motion; fit with another estimator"
+    )]
+    ConstantVelocity,
+    #[error("no forward simulation: {0}")]
+    Forward(#[from] NotForward),
+    #[error(
+        "no held-out recording has {seconds} s without gaps, which is the shortest window; record for longer, or mask less"
+    )]
+    NoWindow { seconds: f64 },
+    #[error("interrupted; nothing is written")]
+    Interrupted,
+}
+
+impl RolloutError {
+    pub fn is_interrupt(&self) -> bool {
+        match self {
+            Self::Interrupted => true,
+            Self::Setup(error) => error.is_interrupt(),
+            _ => false,
+        }
+    }
+
+    /// Whether a recording or robot file is at fault, and not the command line.
+    pub fn concerns_data(&self) -> bool {
+        match self {
+            Self::Setup(error) => error.concerns_data(),
+            Self::NoWindow { .. } => true,
+            _ => false,
+        }
+    }
+}
