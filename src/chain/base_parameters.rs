@@ -151,6 +151,7 @@ pub fn scan_order(model: &Model) -> Vec<usize> {
             if id == "rotor_inertia" { 3 } else { 4 }
         }
         Role::Coupling { .. } | Role::Tilt { .. } => 5,
+        Role::Controller { .. } => 6,
     };
     let mut unknowns: Vec<usize> = (0..model.parameters().len())
         .filter(|&p| model.parameters()[p].is_linear_unknown())

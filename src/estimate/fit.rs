@@ -182,7 +182,7 @@ pub(super) fn searched(
 /// coupled motors as those of the joints that they move, `τ = V⁻ᵀ τ_M`.
 fn ordinary_weights(model: &Model, recordings: &[&Prepared]) -> Weights {
     let of = |(k, c): (usize, &Channel)| match (c.joint, model.platform().accuracy) {
-        (Some(j), _) if c.active => model.joints()[j].torque_constant.abs(),
+        (Some(j), _) if c.active => torque_per_signal(model, j),
         (None, Some(accuracy)) => 1.0 / (accuracy * root_mean_square(recordings, k)),
         _ => 1.0,
     };
@@ -201,6 +201,13 @@ fn ordinary_weights(model: &Model, recordings: &[&Prepared]) -> Weights {
         }
         _ => Weights::PerChannel(factors),
     }
+}
+
+/// Torque at joint scale per unit of a joint's signal.
+fn torque_per_signal(model: &Model, joint: usize) -> f64 {
+    let joint = &model.joints()[joint];
+    let gain = joint.controller.map(|kp| model.parameters()[kp].value);
+    gain.unwrap_or(joint.torque_constant).abs()
 }
 
 /// Root mean square of a channel over all rows, 1 where it is zero.

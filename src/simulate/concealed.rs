@@ -195,7 +195,7 @@ fn owner(model: &Model, reference: Reference) -> Option<(usize, &'static str)> {
         Reference::Body(first, _) if first < PER_LINK * model.tree().len() => None,
         Reference::Body(..) => load,
         Reference::Parameter(p) => match model.parameters()[p].role {
-            Role::Inertial { .. } | Role::Tare { .. } => None,
+            Role::Inertial { .. } | Role::Tare { .. } | Role::Controller { .. } => None,
             Role::Payload { .. } => load,
             Role::Effect { joint, effect, .. } => {
                 Some((joint, model.joints()[joint].effects[effect].0.id))
