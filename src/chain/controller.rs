@@ -154,7 +154,9 @@ impl<'a> CommandsFrom<'a> {
     }
 
     fn of(self, series: &'a [Vec<f64>], joint: usize) -> &'a [f64] {
-        let own = series.get(joint).and_then(|series| series.get(self.start..));
+        let own = series
+            .get(joint)
+            .and_then(|series| series.get(self.start..));
         own.unwrap_or(&[])
     }
 }

@@ -22,6 +22,7 @@ use crate::estimate::figures::{Predictions, figures, predictions};
 use crate::estimate::noise::{counting_rows, row_covariance};
 use crate::estimate::physical::{Estimated, report};
 use crate::estimate::problem::{FitProblem, NoiseSource};
+use crate::estimate::ratios;
 use crate::estimate::realization;
 use crate::estimate::reweight::{by_periods, reweighted, robust};
 use crate::estimate::rounded::{accumulate, search};
@@ -284,6 +285,8 @@ pub fn outcome_with(
         Some(of_constants) => &covariance + of_constants,
         None => covariance.clone(),
     };
+    let open = ratios::find(problem, &solution.x, &total);
+    let marked = ratios::without_scaled(total.clone(), &open);
     let from_prior = determined_by_prior(problem, data);
     let at_bound: Vec<usize> = (0..count)
         .filter(|&k| bounds::side_of(&problem.form().variables[k], solution.x[k]).is_some())
@@ -292,7 +295,7 @@ pub fn outcome_with(
         model,
         unknowns,
         values: &values,
-        covariance: &total,
+        covariance: &marked,
         statistical: of_constants.as_ref().map(|_| &covariance),
         from_prior: &from_prior,
         at_bound: &at_bound,
@@ -301,18 +304,24 @@ pub fn outcome_with(
     let predicted = predictions(model, &values, data);
     let member = realization::find(model, unknowns, &values);
     let fit = Fit {
-        base_parameters: base_parameters(problem, &solution.x, &total),
+        base_parameters: ratios::in_ratio(
+            base_parameters(problem, &solution.x, &total),
+            problem,
+            (&solution.x, &total),
+            &open,
+        ),
         rank: count,
         unknowns: unknown_count(model),
         notes: noise_note(problem)
             .into_iter()
             .chain(load_from_currents(problem, &solution.x, &estimated))
+            .chain(ratios::notes(model, &open, &unknowns.positions()))
             .collect(),
         condition_number: condition_number(problem, &solution.x),
         feasible: member.as_ref().map(|m| m.feasible),
         min_pseudo_inertia_eigenvalue: member.as_ref().map(|m| m.smallest_eigenvalue),
         realization: member.map_or_else(Vec::new, |m| named(model, &m.values)),
-        posterior: posterior(problem, &solution.x, &total),
+        posterior: posterior(problem, &solution.x, &marked),
         ..Fit::default()
     };
     let estimate = Estimate {

@@ -221,7 +221,11 @@ fn into_si(recording: &mut Recording, map: &ColumnMap, joints: &[RecordedJoint],
         _ => vec![&map.torque],
     };
     scale(&mut recording.position, &map.position);
-    for (series, column) in recording.signal.chunks_mut(joints.len().max(1)).zip(signals) {
+    for (series, column) in recording
+        .signal
+        .chunks_mut(joints.len().max(1))
+        .zip(signals)
+    {
         scale(series, column);
     }
     if let Some(velocity) = &mut recording.velocity {

@@ -32,7 +32,10 @@ pub(super) fn of_joints(
         };
         let what = "a position command as the signal of a mechanism with closed loops".to_string();
         let instead = "give currents or torques".to_string();
-        return Err(SetupError::mismatch(&place, Mismatch::NotYet { what, instead }));
+        return Err(SetupError::mismatch(
+            &place,
+            Mismatch::NotYet { what, instead },
+        ));
     }
     let gains = declared(problem, robot)?;
     let gain = |declared: Declared| match declared {
@@ -73,8 +76,12 @@ fn declared(problem: &ProblemFile, robot: &Robot) -> Result<Vec<JointGains>, Set
             })
         };
         JointGains {
-            kp: kp.as_ref().map_or_else(|| from_file(|s| s.kp), |all| all[joint]),
-            kd: kd.as_ref().map_or_else(|| from_file(|s| s.kv), |all| all[joint]),
+            kp: kp
+                .as_ref()
+                .map_or_else(|| from_file(|s| s.kp), |all| all[joint]),
+            kd: kd
+                .as_ref()
+                .map_or_else(|| from_file(|s| s.kv), |all| all[joint]),
         }
     };
     Ok((0..robot.tree.len()).map(of).collect())

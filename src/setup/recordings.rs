@@ -16,8 +16,8 @@ use crate::problem_file::{FilePath, Located, ProblemFile, RecordingsTable};
 use crate::recording::apart::read_apart;
 use crate::recording::clock::evened;
 use crate::recording::column_map::{Column, ColumnMap};
-use crate::recording::command::Commanded;
 use crate::recording::columns::{RecordedJoint, Recording, read_within};
+use crate::recording::command::Commanded;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::experiment::{Bandwidth, Experiment, Noise, prepare};
 use crate::recording::held::thinned;
@@ -427,10 +427,12 @@ fn to_motors(
         {
             mix(&mut experiment.signal, &inverse);
             mix(&mut experiment.raw.signal, &inverse);
-            experiment.white_noise.iter_mut().for_each(|noise| *noise = None);
+            experiment
+                .white_noise
+                .iter_mut()
+                .for_each(|noise| *noise = None);
             if let Some(noise) = &mut experiment.noise {
-                noise.signal_covariance =
-                    &inverse * &noise.signal_covariance * inverse.transpose();
+                noise.signal_covariance = &inverse * &noise.signal_covariance * inverse.transpose();
             }
         }
     }

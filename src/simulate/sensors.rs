@@ -252,7 +252,9 @@ impl Sensors {
     ) -> Vec<Vec<f64>> {
         let mut out = self.exact_position(model, motors);
         for (channel, errors) in self.channels.iter().zip(noise) {
-            if let (Some(_), Some(joint)) = (&channel.command, model.channels()[channel.index].joint) {
+            if let (Some(_), Some(joint)) =
+                (&channel.command, model.channels()[channel.index].joint)
+            {
                 let pairs = out[joint].iter_mut().zip(errors);
                 pairs.for_each(|(x, e)| *x += e);
             }
@@ -279,12 +281,7 @@ impl Sensors {
     }
 
     /// Commanded positions on the side of the encoders: `m + s` of the motors.
-    fn commands(
-        &self,
-        model: &Model,
-        motors: &[Vec<f64>],
-        signals: &[Vec<f64>],
-    ) -> Vec<Vec<f64>> {
+    fn commands(&self, model: &Model, motors: &[Vec<f64>], signals: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let mut commanded = motors.to_vec();
         for (channel, errors) in self.channels.iter().zip(signals) {
             if let Some(joint) = model.channels()[channel.index].joint {

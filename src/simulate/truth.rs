@@ -102,7 +102,10 @@ fn all_known(problem: &ProblemFile) -> ProblemFile {
     known.fit.bounds.clear();
     if let Some(controller) = &mut known.controller {
         let gains = [&mut controller.value.kp, &mut controller.value.kd];
-        gains.into_iter().flatten().for_each(|gains| gains.value.trust());
+        gains
+            .into_iter()
+            .flatten()
+            .for_each(|gains| gains.value.trust());
     }
     known
 }

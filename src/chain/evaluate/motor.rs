@@ -161,7 +161,9 @@ impl Evaluator<'_> {
         if let Some(commands) = commands {
             let pairs = rate.iter_mut().zip(commands.velocity(j));
             pairs.for_each(|(rate, commanded)| *rate -= commanded);
-            let pairs = self.block.values[j].iter_mut().zip(commands.feed_forward(j));
+            let pairs = self.block.values[j]
+                .iter_mut()
+                .zip(commands.feed_forward(j));
             pairs.for_each(|(torque, fed)| *torque -= fed);
         }
         let pairs = self.block.values[j].iter_mut().zip(&rate);

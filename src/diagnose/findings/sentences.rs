@@ -241,6 +241,10 @@ fn tilt(found: &Found<'_>) -> String {
 /// A torque sensor has no torque constant.
 fn gain(who: &str, signal: Signal, found: &Found<'_>) -> String {
     let factor = found.quantity("gain");
+    if signal == Signal::PositionCommand {
+        let factor = factor.map_or_else(|| "not one times".to_string(), |f| format!("{f} times"));
+        return format!("The gains of the controller of {who} are {factor} the declared ones");
+    }
     let is_current = signal == Signal::Current;
     match (is_current, factor) {
         (true, Some(factor)) => {
