@@ -2,8 +2,7 @@
 
 use crate::problem_file::document::{Node, NodeValue};
 use crate::problem_file::error::{ProblemFileError, ValueFault};
-use crate::problem_file::fit::PRIOR_VALUE_KEYS;
-use crate::problem_file::key::{Form, Key, Length, Range};
+use crate::problem_file::key::{Form, Key, Length, REQUIRED, Range};
 use crate::problem_file::located::{Located, check_length};
 use crate::problem_file::reader::Reader;
 use crate::problem_file::values;
@@ -11,20 +10,38 @@ use crate::problem_file::values;
 /// Keys of `[controller]`.
 #[rustfmt::skip]
 pub(crate) const KEYS: &[Key] = &[
-    Key { name: "kp", form: GAINS, unit: "N·m/rad (N/m)", default: "the robot file's, or else \"estimate\"", example: "[20.0, { value = 20.0, std_dev = 2.0 }, \"estimate\"]", meaning: "Proportional gains at the joint side, one for all joints or one for each: known, known up to a standard deviation, or estimated" },
-    Key { name: "kd", form: GAINS, unit: "N·m·s/rad (N·s/m)", default: "the robot file's, or else \"estimate\"", example: "1.5", meaning: "Derivative gains, in the same forms" },
+    Key { name: "kp", form: KP, unit: "N·m/rad (N/m)", default: "the robot file's, or else \"estimate\"", example: "[20.0, { value = 20.0, std_dev = 2.0 }, \"estimate\"]", meaning: "Proportional gains at the joint side, one for all joints or one for each: known, known up to a standard deviation, or estimated" },
+    Key { name: "kd", form: KD, unit: "N·m·s/rad (N·s/m)", default: "the robot file's, or else \"estimate\"", example: "1.5", meaning: "Derivative gains, in the same forms" },
 ];
 
-const GAIN: Form = Form::Either(&[
-    Form::Number(Range::NonNegative),
+/// Keys of a gain that is known up to a standard deviation.
+#[rustfmt::skip]
+pub(crate) const GAIN_KEYS: &[Key] = &[
+    Key { name: "value", form: Form::Number(Range::Positive), unit: "the gain's own", default: REQUIRED, example: "20.0", meaning: "The gain expected" },
+    Key { name: "std_dev", form: Form::Number(Range::Positive), unit: "the gain's own", default: REQUIRED, example: "2.0", meaning: "How far to trust it: its standard deviation" },
+];
+
+const KP: Form = Form::Either(&[
+    Form::Number(Range::Positive),
     Form::Words(estimated),
-    Form::Table(PRIOR_VALUE_KEYS),
+    Form::Table(GAIN_KEYS),
+    Form::List(&KP_OF_JOINT, Length::Some),
 ]);
-const GAINS: Form = Form::Either(&[
+const KP_OF_JOINT: Form = Form::Either(&[
+    Form::Number(Range::Positive),
+    Form::Words(estimated),
+    Form::Table(GAIN_KEYS),
+]);
+const KD: Form = Form::Either(&[
     Form::Number(Range::NonNegative),
     Form::Words(estimated),
-    Form::Table(PRIOR_VALUE_KEYS),
-    Form::List(&GAIN, Length::Some),
+    Form::Table(GAIN_KEYS),
+    Form::List(&KD_OF_JOINT, Length::Some),
+]);
+const KD_OF_JOINT: Form = Form::Either(&[
+    Form::Number(Range::NonNegative),
+    Form::Words(estimated),
+    Form::Table(GAIN_KEYS),
 ]);
 
 /// The word for a gain that nothing is known of.
@@ -132,8 +149,8 @@ fn gain(node: &Node, number: Number) -> Result<Gain, ProblemFileError> {
             },
         )),
         NodeValue::Table(_) => {
-            let reader = Reader::open(node, PRIOR_VALUE_KEYS)?;
-            let value = reader.required("value", "state the gain expected", number)?;
+            let reader = Reader::open(node, GAIN_KEYS)?;
+            let value = reader.required("value", "state the gain expected", values::positive)?;
             let remedy = "state how far to trust it";
             let std_dev = reader.required("std_dev", remedy, values::positive)?;
             Ok(Gain::Uncertain {

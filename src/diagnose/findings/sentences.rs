@@ -96,6 +96,11 @@ pub fn sentence(hypothesis: &Hypothesis, model: &Model, parameters: &[Parameter]
         "time_delay" => {
             let delay = found.scaled("delay", "ms", |s| 1e3 * s);
             let delay = delay.map_or_else(String::new, |delay| format!(" by {delay}"));
+            if model.signal() == Signal::PositionCommand {
+                return format!(
+                    "The command acts on {who} late{delay}; the model took it to act at once"
+                );
+            }
             format!(
                 "The torque signal of {who} is late{delay}; the model took motion and signal for simultaneous (this may be a mistake of the recording)"
             )
