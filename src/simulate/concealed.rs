@@ -69,11 +69,16 @@ pub(super) fn add(declared: &ProblemFile, robot: &Robot) -> Result<Acting, Simul
 }
 
 impl Acting {
-    /// Sets values of laws between torque and current apart and lists their effects.
+    /// Sets values of laws between torque and current, and gains of controllers, apart and lists their effects.
     fn take_currents(&mut self, robot: &Robot) -> Result<(), SimulateError> {
         let sensed = with_all_effects(&self.problem, robot)?;
         for entry in std::mem::take(&mut self.values) {
             let found = sensed.find(&entry.name).ok();
+            let is_gain = |p| matches!(sensed.parameters()[p].role, Role::Controller { .. });
+            if found.is_some_and(is_gain) {
+                self.currents.push(entry);
+                continue;
+            }
             let own = found.and_then(|p| owner(&sensed, Reference::Parameter(p)));
             match own {
                 Some((joint, effect)) if effect == torque_current_nonlinearity::EFFECT.id => {

@@ -83,6 +83,18 @@ pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateErro
             parameters.push(Parameter::known(&known.name, &known.unit, known.value));
         }
     }
+    for joint in recorded.joints().iter().filter(|joint| !joint.locked) {
+        let gains = joint.controller.map_or(0..0, |kp| kp..kp + 2);
+        let unknown = gains
+            .map(|p| &recorded.parameters()[p])
+            .filter(|p| p.is_free());
+        let missing: Vec<String> = unknown.map(|p| p.name.clone()).collect();
+        if !missing.is_empty() {
+            let effect = format!("{}.controller", joint.name);
+            let kind = SimulateErrorKind::NoValue { effect, missing };
+            return Err(SimulateError::new(&place, kind));
+        }
+    }
     Ok(Truth {
         parameters,
         hidden_load: problem.robot.payload.is_none(),
