@@ -74,7 +74,7 @@ impl Acting {
         let sensed = with_all_effects(&self.problem, robot)?;
         for entry in std::mem::take(&mut self.values) {
             let found = sensed.find(&entry.name).ok();
-            let is_gain = |p| matches!(sensed.parameters()[p].role, Role::Controller { .. });
+            let is_gain = |p: usize| matches!(sensed.parameters()[p].role, Role::Controller { .. });
             if found.is_some_and(is_gain) {
                 self.currents.push(entry);
                 continue;
