@@ -32,6 +32,7 @@ fn companions(path: &str) -> (&'static str, &'static [&'static str]) {
         "recordings.loaded" => (BASE, &["robot.payload=last"]),
         "fit.feasible_by" | "fit.prior.kind" => (BASE, &["fit.estimator=feasible"]),
         "fit.prior.strength" => (BASE, &["fit.estimator=feasible", "fit.prior.kind=entropic"]),
+        path if path.starts_with("controller") => (BASE, &["recordings.signal=position_command"]),
         path if path.starts_with("recordings.platform.") => (BASE, &["recordings.platform={}"]),
         _ => (BASE, &[]),
     }

@@ -66,6 +66,7 @@ pub(super) fn joint_model(
         width: None,
         gain: None,
         polynomial: None,
+        controller: None,
         delay: None,
         elasticity: None,
         backlash: None,
@@ -84,6 +85,23 @@ pub(super) fn joint_model(
     }
     lend(&mut model, parameters)?;
     Ok(model)
+}
+
+/// Gives joints that move their controllers.
+pub(super) fn controlled(
+    settings: &ModelSettings,
+    mut joints: Vec<JointModel>,
+    parameters: &mut Vec<Parameter>,
+) -> Vec<JointModel> {
+    let controllers = settings.controllers.iter().flatten();
+    for (j, controller) in controllers.enumerate() {
+        if settings.locked[j] {
+            continue;
+        }
+        joints[j].controller = Some(parameters.len());
+        parameters.extend(controller.parameters(&settings.tree.joints()[j], j));
+    }
+    joints
 }
 
 fn torque_constant(settings: &ModelSettings, j: usize) -> f64 {
@@ -301,6 +319,7 @@ pub(super) fn channels(settings: &ModelSettings) -> Vec<Channel> {
     let of_joints = settings.tree.joints().iter().enumerate().map(|(j, joint)| {
         let unit = match settings.signal {
             Signal::Current => "A",
+            Signal::PositionCommand => joint.kind.position_unit(),
             _ => joint.kind.effort_unit(),
         };
         Channel {

@@ -6,6 +6,7 @@
 //! `β = π_kept + C π_dependent` (Gautier 1990, numerical QR; here without pivoting, which would make the
 //! basis depend on rounding). States come from a fixed seed, so the basis is the same on every machine.
 
+use crate::chain::controller::Commands;
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
@@ -151,6 +152,7 @@ pub fn scan_order(model: &Model) -> Vec<usize> {
             if id == "rotor_inertia" { 3 } else { 4 }
         }
         Role::Coupling { .. } | Role::Tilt { .. } => 5,
+        Role::Controller { .. } => 6,
     };
     let mut unknowns: Vec<usize> = (0..model.parameters().len())
         .filter(|&p| model.parameters()[p].is_linear_unknown())
@@ -194,6 +196,24 @@ fn states(model: &Model, rng: &mut ChaCha8Rng) -> [Vec<Vec<f64>>; 3] {
     motion
 }
 
+/// Random commands of controllers, where there are any: recordings without them merge what only they tell apart.
+fn commands(model: &Model, rng: &mut ChaCha8Rng) -> Option<Commands> {
+    let is_controlled = model
+        .joints()
+        .iter()
+        .any(|joint| joint.controller.is_some());
+    is_controlled.then(|| {
+        let mut series = |range| -> Vec<Vec<f64>> {
+            let samples = |_| (0..BLOCK).map(|_| symmetric(rng, range)).collect();
+            model.joints().iter().map(samples).collect()
+        };
+        Commands {
+            velocity: series(RANGES[1]),
+            feed_forward: Vec::new(),
+        }
+    })
+}
+
 fn generic_factor(model: &Model, unknowns: &[usize], loads: &[bool]) -> Triangular {
     let mut rng = generator(0);
     let blocks = 1 + 3 * unknowns.len() / BLOCK;
@@ -203,8 +223,12 @@ fn generic_factor(model: &Model, unknowns: &[usize], loads: &[bool]) -> Triangul
     for _ in 0..blocks {
         let motion = states(model, &mut rng);
         let [q, dq, ddq] = &motion;
+        let commands = commands(model, &mut rng);
         for &loaded in loads {
-            let segment = Segment::states(Trajectory { q, dq, ddq }, loaded);
+            let segment = Segment {
+                commands: commands.as_ref().map(|all| all.from_sample(0)),
+                ..Segment::states(Trajectory { q, dq, ddq }, loaded)
+            };
             let block = evaluator.evaluate(segment, 0..BLOCK);
             for (c, channel) in model.channels().iter().enumerate() {
                 if channel.active {

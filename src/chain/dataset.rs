@@ -1,6 +1,7 @@
 //! Recordings as estimates use them: motor motion at joint scale, signal, weights of rows, the way back
 //! to every recorded sample.
 
+use crate::chain::controller::Commands;
 use crate::chain::evaluate::{KnownBodies, Segment};
 use crate::recording::experiment::Experiment;
 use crate::recording::split::Split;
@@ -23,6 +24,8 @@ pub struct Prepared {
     pub stride: usize,
     /// Known forces on the links along their joints, `[joint][row of the experiment]`; none where empty.
     forces: Vec<Vec<f64>>,
+    /// What controllers are told beside the position, in rows of the experiment.
+    commands: Option<Commands>,
     /// What the bodies do in rows of the experiment, where it is known.
     bodies: Option<KnownBodies>,
     rows: Option<Rows>,
@@ -32,6 +35,7 @@ pub struct Prepared {
 struct Rows {
     t: Vec<f64>,
     forces: Vec<Vec<f64>>,
+    commands: Option<Commands>,
     bodies: Option<KnownBodies>,
     motion: [Vec<Vec<f64>>; 3],
     signal: Vec<Vec<f64>>,
@@ -53,6 +57,7 @@ impl Prepared {
             experiment: Arc::new(experiment),
             stride: 1,
             forces: Vec::new(),
+            commands: None,
             bodies: None,
             rows: None,
         }
@@ -66,6 +71,7 @@ impl Prepared {
         let rows = (stride > 1).then(|| Rows {
             t: experiment.t.iter().step_by(stride).copied().collect(),
             forces: every(&self.forces),
+            commands: self.commands.as_ref().map(|all| all.thinned(stride)),
             bodies: self.bodies.as_ref().map(|b| b.thinned(stride)),
             motion: [
                 every(&experiment.motion.position),
@@ -81,6 +87,7 @@ impl Prepared {
             experiment: Arc::clone(experiment),
             stride,
             forces: self.forces.clone(),
+            commands: self.commands.clone(),
             bodies: self.bodies.clone(),
             rows,
         }
@@ -101,6 +108,20 @@ impl Prepared {
             rows.forces = thinned(&self.forces, self.stride);
         }
         self
+    }
+
+    /// With what controllers are told beside the position, in rows of the experiment.
+    pub fn with_commands(mut self, commands: Option<Commands>) -> Self {
+        if let Some(rows) = &mut self.rows {
+            rows.commands = commands.as_ref().map(|all| all.thinned(self.stride));
+        }
+        self.commands = commands;
+        self
+    }
+
+    /// What controllers are told beside the position, in rows of the experiment.
+    pub fn commands(&self) -> Option<&Commands> {
+        self.commands.as_ref()
     }
 
     /// With what the bodies do in rows of the experiment, which no evaluation along it changes.
@@ -158,12 +179,14 @@ impl Prepared {
             Some(Rows {
                 t,
                 forces,
+                commands,
                 bodies,
                 motion: [q, dq, ddq],
                 ..
             }) => Segment {
                 motors: Trajectory { q, dq, ddq },
                 forces,
+                commands: commands.as_ref().map(|all| all.from_sample(0)),
                 bodies: bodies.as_ref(),
                 time: t,
                 cyclic: false,
@@ -182,6 +205,7 @@ impl Prepared {
                 ddq: &motion.acceleration,
             },
             forces: &self.forces,
+            commands: self.commands.as_ref().map(|all| all.from_sample(0)),
             bodies: self.bodies.as_ref(),
             time: &self.experiment.t,
             cyclic: self.experiment.periods.is_some(),

@@ -5,6 +5,7 @@
 //! τ = Y(q, q̇, q̈) π  (+ payload)         joint torque;  τ_M = Vᵀ τ
 //! τ_mot = τ_M + Σ laws(m, ṁ, m̈)         rotor inertia, friction, offsets
 //! s = τ_mot / (k · gain)                 current (k: torque constant) or torque (k = 1)
+//! s = (τ_mot / gain + kd (ṁ − v_c) − u) / kp     error of a position controller, see [`controller`]
 //! ```
 //!
 //! A [`model::Model`] lists every parameter with its name, unit and state; [`evaluate`] predicts the
@@ -13,6 +14,7 @@
 
 mod assemble;
 pub mod base_parameters;
+pub mod controller;
 pub mod dataset;
 pub mod effect;
 pub mod error;

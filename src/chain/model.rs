@@ -1,6 +1,7 @@
 //! A model of a robot with its drives: every parameter by name, known or free.
 
 use crate::chain::assemble;
+use crate::chain::controller::Controller;
 use crate::chain::effect::{Effect, Law, Memory, ParameterInfo, torque_current_nonlinearity};
 use crate::chain::error::ModelError;
 use crate::chain::parameter::{Parameter, Role, State};
@@ -26,13 +27,15 @@ pub enum Signal {
     BaseWrench,
     /// Motor torques, then base wrench.
     Both,
+    /// Errors of position controllers, command minus position, rad or m.
+    PositionCommand,
 }
 
 impl Signal {
     /// Rows of the rigid-body regressor that the signal needs.
     pub fn rows(self) -> Rows {
         match self {
-            Self::Current | Self::Torque | Self::LinkTorque => Rows::Torque,
+            Self::Current | Self::Torque | Self::LinkTorque | Self::PositionCommand => Rows::Torque,
             Self::BaseWrench => Rows::Base,
             Self::Both => Rows::Both,
         }
@@ -97,6 +100,8 @@ pub struct ModelSettings {
     pub tree: Tree,
     pub signal: Signal,
     pub inertials: Inertials,
+    /// Position controllers, where the signal is their error.
+    pub controllers: Option<Vec<Controller>>,
     /// N·m/A at joint scale; `None` where the signal is a torque.
     pub torque_constant: Option<Vec<f64>>,
     /// Relative standard deviations of the torque constants.
@@ -122,6 +127,7 @@ impl ModelSettings {
             tree,
             signal,
             inertials: Inertials::Estimate,
+            controllers: None,
             torque_constant: None,
             torque_constant_std: None,
             current_polynomial: None,
@@ -156,6 +162,8 @@ pub struct JointModel {
     pub gain: Option<usize>,
     /// Position of c0 of the current's polynomial, if the joint has one.
     pub polynomial: Option<usize>,
+    /// Position of the proportional gain of the controller (the derivative gain is behind it), if the joint has one.
+    pub controller: Option<usize>,
     /// Position of the delay, if the joint has one.
     pub delay: Option<usize>,
     /// Position of the stiffness (the damping is behind it), if the joint is elastic.
@@ -216,7 +224,8 @@ impl Model {
         }
         let joints = (0..n)
             .map(|j| assemble::joint_model(&settings, j, &mut parameters))
-            .collect::<Result<_, _>>()?;
+            .collect::<Result<Vec<_>, _>>()?;
+        let joints = assemble::controlled(&settings, joints, &mut parameters);
         assemble::coupling_parameters(&settings, &coupling, &mut parameters);
         let tilt = assemble::tilt_parameters(&settings, &mut parameters);
         let payload = settings.payload.map(|payload| {

@@ -21,6 +21,17 @@ pub enum Role {
     Tilt { angle: usize },
     /// What a component of the base wrench reads without the robot.
     Tare { component: usize },
+    /// Gain of a joint's position controller.
+    Controller { joint: usize, gain: ControllerGain },
+}
+
+/// A gain of a position controller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ControllerGain {
+    /// Torque per error of the position.
+    Proportional,
+    /// Torque per error of the speed.
+    Derivative,
 }
 
 impl Role {

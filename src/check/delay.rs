@@ -5,6 +5,7 @@
 //! variance σ² and J the sum of squares, `var d = 2 σ² κ / J''`, κ the long-run variance of the residual
 //! over its variance.
 
+use crate::chain::model::Signal;
 use crate::check::finding;
 use crate::check::regression::{Columns, Sampled, columns, factor, rest};
 use crate::check::setting::Ready;
@@ -47,8 +48,9 @@ struct Delay {
 }
 
 pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
-    // Where columns are mixed up, the residual has other reasons.
-    if !ready.other_reading.is_empty() {
+    // Where columns are mixed up, the residual has other reasons; a command that acts late is no error of the position that
+    // is late.
+    if !ready.other_reading.is_empty() || ready.model.signal() == Signal::PositionCommand {
         return Vec::new();
     }
     let experiment = &ready.prepared.experiment;

@@ -112,8 +112,12 @@ fn velocity(ready: &Ready<'_>, joint: usize) -> Option<Finding> {
 fn effort(ready: &Ready<'_>, joint: usize) -> Option<Finding> {
     let description = &ready.model.tree().joints()[joint];
     let limit = description.limits.effort.filter(|limit| *limit > 0.0)?;
-    // A coupled motor carries the torque of several joints.
-    if ready.model.signal() == Signal::BaseWrench || !ready.model.is_uncoupled() {
+    // A coupled motor carries the torque of several joints; an error of the position is no effort.
+    let is_effort = !matches!(
+        ready.model.signal(),
+        Signal::BaseWrench | Signal::PositionCommand
+    );
+    if !is_effort || !ready.model.is_uncoupled() {
         return None;
     }
     let constant = ready.model.joints()[joint].torque_constant;

@@ -13,7 +13,8 @@ const BOTH_WAYS: f64 = 0.1;
 const LEAST_JOINTS: usize = 2;
 
 pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
-    let of_base = read.setting.table.signal.value == Signal::BaseWrench;
+    let kind = read.setting.table.signal.value;
+    let other = matches!(kind, Signal::BaseWrench | Signal::PositionCommand);
     let joints = 0..read.setting.moving.len();
     let turning: Vec<usize> = joints.filter(|&j| moves_both_ways(read, j)).collect();
     let series = |joint: usize| read.recording.signal.get(joint);
@@ -22,7 +23,7 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
             |s: &Vec<f64>| s.iter().all(|x| *x >= 0.0) && s.iter().any(|x| *x > 0.0);
         series(*joint).is_some_and(never_negative)
     };
-    if of_base || turning.len() < LEAST_JOINTS || !turning.iter().all(is_magnitude) {
+    if other || turning.len() < LEAST_JOINTS || !turning.iter().all(is_magnitude) {
         return Vec::new();
     }
     vec![finding(

@@ -225,11 +225,18 @@ fn torques(declared: &Model, prepared: &Prepared, sampled: &Sampled) -> Vec<Vec<
         .map(|(c, channel)| {
             let constant = channel
                 .joint
-                .map_or(1.0, |j| declared.joints()[j].torque_constant);
+                .map_or(1.0, |j| torque_per_signal(declared, j));
             let signal = &prepared.experiment.signal[c];
             sampled.rows.iter().map(|&k| constant * signal[k]).collect()
         })
         .collect()
+}
+
+/// Torque of a joint per unit of its signal; of a controller, the part that its error makes.
+fn torque_per_signal(declared: &Model, joint: usize) -> f64 {
+    let joint = &declared.joints()[joint];
+    let gain = joint.controller.map(|kp| declared.parameters()[kp].value);
+    gain.unwrap_or(joint.torque_constant)
 }
 
 /// The robot of a model with all its inertial parameters and simple drives free.
@@ -244,10 +251,11 @@ pub(super) fn with_tree(declared: &Model, tree: Tree) -> Model {
     let settings = ModelSettings {
         tree,
         signal: match declared.signal() {
-            Signal::Current => Signal::Torque,
+            Signal::Current | Signal::PositionCommand => Signal::Torque,
             other => other,
         },
         inertials: Inertials::Estimate,
+        controllers: None,
         torque_constant: None,
         torque_constant_std: None,
         current_polynomial: None,

@@ -30,10 +30,10 @@ pub(super) struct Factor {
 }
 
 pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
-    // A sensor behind the gears has no constant that could be mistaken.
+    // A sensor behind the gears has no constant that could be mistaken, and gains of controllers may be unknown.
     let has_constant = !matches!(
         ready.model.signal(),
-        Signal::BaseWrench | Signal::LinkTorque
+        Signal::BaseWrench | Signal::LinkTorque | Signal::PositionCommand
     );
     if !has_constant || !ready.other_reading.is_empty() {
         return Vec::new();

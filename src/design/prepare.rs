@@ -73,7 +73,7 @@ impl Prepared {
             }
             DesignKind::Fourier => setup::model::build(problem, &robot)?,
         };
-        let prior = setup::prior::build(problem, &mut model)?;
+        let prior = setup::prior::build(problem, &robot, &mut model)?;
         if matches!(model.signal(), Signal::BaseWrench | Signal::Both) {
             let place = problem.recordings.as_ref().map(|r| r.signal.place.clone());
             return Err(SetupError::mismatch(

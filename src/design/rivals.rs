@@ -219,6 +219,7 @@ impl Rivals<'_> {
                     time: &time,
                     cyclic: true,
                     forces: &[],
+                    commands: None,
                     bodies: None,
                     loaded,
                 };

@@ -62,7 +62,7 @@ pub fn run(
     watch(Stage::Reading);
     let robot = setup::robot::open(problem)?;
     let mut model = setup::model::build(problem, &robot)?;
-    let prior = setup::prior::build(problem, &mut model)?;
+    let prior = setup::prior::build(problem, &robot, &mut model)?;
     let data = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
     let (data, held_out) = held_out::with_held_out(standstill::left_out(&model, data));
     watch(Stage::Checking);

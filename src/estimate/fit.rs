@@ -22,6 +22,7 @@ use crate::estimate::figures::{Predictions, figures, predictions};
 use crate::estimate::noise::{counting_rows, row_covariance};
 use crate::estimate::physical::{Estimated, report};
 use crate::estimate::problem::{FitProblem, NoiseSource};
+use crate::estimate::ratios;
 use crate::estimate::realization;
 use crate::estimate::reweight::{by_periods, reweighted, robust};
 use crate::estimate::rounded::{accumulate, search};
@@ -184,7 +185,7 @@ pub(super) fn searched(
 /// coupled motors as those of the joints that they move, `τ = V⁻ᵀ τ_M`.
 fn ordinary_weights(model: &Model, recordings: &[&Prepared]) -> Weights {
     let of = |(k, c): (usize, &Channel)| match (c.joint, model.platform().accuracy) {
-        (Some(j), _) if c.active => model.joints()[j].torque_constant.abs(),
+        (Some(j), _) if c.active => torque_per_signal(model, j),
         (None, Some(accuracy)) => 1.0 / (accuracy * root_mean_square(recordings, k)),
         _ => 1.0,
     };
@@ -203,6 +204,13 @@ fn ordinary_weights(model: &Model, recordings: &[&Prepared]) -> Weights {
         }
         _ => Weights::PerChannel(factors),
     }
+}
+
+/// Torque at joint scale per unit of a joint's signal.
+fn torque_per_signal(model: &Model, joint: usize) -> f64 {
+    let joint = &model.joints()[joint];
+    let gain = joint.controller.map(|kp| model.parameters()[kp].value);
+    gain.unwrap_or(joint.torque_constant).abs()
 }
 
 /// Root mean square of a channel over all rows, 1 where it is zero.
@@ -279,6 +287,8 @@ pub fn outcome_with(
         Some(of_constants) => &covariance + of_constants,
         None => covariance.clone(),
     };
+    let open = ratios::find(problem, &solution.x, &total);
+    let marked = ratios::without_scaled(total.clone(), &open);
     let from_prior = determined_by_prior(problem, data);
     let at_bound: Vec<usize> = (0..count)
         .filter(|&k| bounds::side_of(&problem.form().variables[k], solution.x[k]).is_some())
@@ -287,7 +297,7 @@ pub fn outcome_with(
         model,
         unknowns,
         values: &values,
-        covariance: &total,
+        covariance: &marked,
         statistical: of_constants.as_ref().map(|_| &covariance),
         from_prior: &from_prior,
         at_bound: &at_bound,
@@ -296,18 +306,24 @@ pub fn outcome_with(
     let predicted = predictions(model, &values, data);
     let member = realization::find(model, unknowns, &values);
     let fit = Fit {
-        base_parameters: base_parameters(problem, &solution.x, &total),
+        base_parameters: ratios::in_ratio(
+            base_parameters(problem, &solution.x, &total),
+            problem,
+            (&solution.x, &total),
+            &open,
+        ),
         rank: count,
         unknowns: unknown_count(model),
         notes: noise_note(problem)
             .into_iter()
             .chain(load_from_currents(problem, &solution.x, &estimated))
+            .chain(ratios::notes(model, &open, &unknowns.positions()))
             .collect(),
         condition_number: condition_number(problem, &solution.x),
         feasible: member.as_ref().map(|m| m.feasible),
         min_pseudo_inertia_eigenvalue: member.as_ref().map(|m| m.smallest_eigenvalue),
         realization: member.map_or_else(Vec::new, |m| named(model, &m.values)),
-        posterior: posterior(problem, &solution.x, &total),
+        posterior: posterior(problem, &solution.x, &marked),
         ..Fit::default()
     };
     let estimate = Estimate {

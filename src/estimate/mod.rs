@@ -18,6 +18,7 @@ pub mod noise;
 pub mod noisy_fit;
 pub mod physical;
 pub mod problem;
+pub(crate) mod ratios;
 pub mod reach;
 pub mod reactions;
 pub mod realization;

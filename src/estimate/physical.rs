@@ -169,6 +169,7 @@ fn meaning(model: &Model, parameter: &Parameter) -> String {
             let (effect, _) = model.joints()[joint].effects[effect];
             effect.parameters[parameter].meaning.to_string()
         }
+        Role::Controller { gain, .. } => gain.meaning().to_string(),
         Role::Tilt { angle } => base_tilt::EFFECT.parameters[angle].meaning.to_string(),
         _ => "speed of this joint per speed of the other joint's motor".to_string(),
     }

@@ -13,6 +13,7 @@ use crate::chain::model::Model;
 use crate::chain::parameter::Role;
 use crate::estimate::error::EstimateError;
 use crate::estimate::fit::{ITERATIONS_PER_ROUND, solve};
+use crate::estimate::noise::predict;
 use crate::estimate::problem::FitProblem;
 use crate::estimate::reach::Motion;
 use crate::estimate::shapes::{Others, Point, Shapes};
@@ -50,25 +51,77 @@ pub(super) fn find(
     }
     let joints = 0..problem.model.joints().len();
     let grids: Vec<Vec<Point>> = joints.clone().map(|joint| grid(problem, joint)).collect();
-    let declared = at(problem, &[], control)?;
+    let gains = gains(problem);
+    let declared = at(problem, std::slice::from_ref(&gains), control)?;
     if grids.iter().all(|grid| grid.len() <= 1) {
         return Ok(declared);
     }
     let laws: Vec<Vec<usize>> = joints.map(|joint| of_motor(problem, joint)).collect();
     let alone = Shapes::new(problem, &declared, (&laws, Others::Free));
-    let (_, best): (Vec<f64>, Vec<Point>) = best_ends(&alone, &grids).into_iter().unzip();
+    let (_, mut best): (Vec<f64>, Vec<Point>) = best_ends(&alone, &grids).into_iter().unzip();
+    best.push(gains);
     let mut x = at(problem, &best, control)?;
     for _ in 0..REVISIONS {
         x = solve(problem, &x, (ITERATIONS_BETWEEN, control))?.x;
         if control.is_interrupted() {
             break;
         }
-        let Some(better) = revised(problem, &x, (&laws, &grids)) else {
+        let Some(mut better) = revised(problem, &x, (&laws, &grids)) else {
             break;
         };
+        better.push(gains_at(problem, &x));
         x = at(problem, &better, control)?;
     }
     Ok(x)
+}
+
+/// Gains of controllers that are unknown and that nothing is known of beforehand.
+fn unknown_gains(problem: &FitProblem<'_>) -> Vec<(usize, usize)> {
+    let joints = problem.model.joints().iter().enumerate();
+    let gains = joints.filter_map(|(j, joint)| Some((j, joint.controller?)));
+    let open = |&(_, gain): &(usize, usize)| {
+        let prior = problem.prior.rows().column(gain);
+        problem.unknowns.nonlinear.contains(&gain) && prior.iter().all(|row| *row == 0.0)
+    };
+    gains.filter(open).collect()
+}
+
+/// Unknown gains from which a search is sure to rise to the optimum: the signal goes with 1/kp, on which Newton's step
+/// from below doubles kp at most, and from above twice the optimum leads below zero. Half of what makes the signals of a
+/// model with usual values as large as those that were recorded.
+fn gains(problem: &FitProblem<'_>) -> Point {
+    let open = unknown_gains(problem);
+    if open.is_empty() {
+        return Vec::new();
+    }
+    let (model, values) = (problem.model, problem.model.generic_values());
+    let squares = |series: &[f64]| series.iter().map(|x| x * x).sum::<f64>();
+    let mut sums = vec![[0.0; 2]; model.channels().len()];
+    for recording in problem.recordings {
+        let predicted = predict(model, &values, recording);
+        for (c, sums) in sums.iter_mut().enumerate() {
+            sums[0] += squares(&predicted[c]);
+            sums[1] += squares(recording.signal(c));
+        }
+    }
+    let of = |(joint, gain): (usize, usize)| {
+        let [predicted, recorded] = sums[joint];
+        let factor = 0.5 * (predicted / recorded).sqrt();
+        let usable = factor.is_finite() && factor > 0.0;
+        usable.then_some((gain, factor * values[gain]))
+    };
+    open.into_iter().filter_map(of).collect()
+}
+
+/// The same gains at x.
+fn gains_at(problem: &FitProblem<'_>, x: &DVector<f64>) -> Point {
+    let positions = problem.unknowns.positions();
+    let gains = unknown_gains(problem).into_iter();
+    let value = |(_, gain): (usize, usize)| {
+        let k = positions.iter().position(|&p| p == gain)?;
+        Some((gain, x[k]))
+    };
+    gains.filter_map(value).collect()
 }
 
 /// The shapes at x, of every joint with the best end of searches from its grid where that leaves less of what all

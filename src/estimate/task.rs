@@ -79,7 +79,7 @@ pub fn run(
 ) -> Result<FitRun, FitError> {
     let robot = setup::robot::open_any(problem)?;
     let mut model = setup::model::build(problem, &robot)?;
-    let prior = setup::prior::build(problem, &mut model)?;
+    let prior = setup::prior::build(problem, &robot, &mut model)?;
     watch(Step::Reading);
     let data = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
     watch(Step::Fitting);
@@ -199,7 +199,7 @@ fn compare(
             break;
         }
         let mut other = setup::model::build_compared(problem, robot, &compared.effects.value)?;
-        let prior = setup::prior::build(problem, &mut other)?;
+        let prior = setup::prior::build(problem, robot, &mut other)?;
         let result = estimate(problem, &other, (data, &prior), control)?
             .map_err(|error| failed(problem, error))?;
         let effects = compared.effects.value.iter().map(|e| e.value.clone());

@@ -105,7 +105,8 @@ fn determined_nonlinear(
 /// Whether a parameter is a factor of a joint's whole torque.
 fn scales_torque(model: &Model, parameter: usize) -> bool {
     let joints = model.joints().iter();
-    let mut factors = joints.flat_map(|j| [j.gain, j.polynomial.map(|first| first + 1)]);
+    let mut factors =
+        joints.flat_map(|j| [j.gain, j.polynomial.map(|first| first + 1), j.controller]);
     factors.any(|p| p == Some(parameter))
 }
 

@@ -2,6 +2,7 @@
 
 use crate::init::error::InitError;
 use crate::recording::column_map::{Column, ColumnsAt, Factors};
+use crate::recording::columns::SignalKind;
 use crate::recording::units::{self, Quantity};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -122,8 +123,9 @@ pub(super) struct Channels {
     pub time: Option<Channel>,
     pub position: Channel,
     pub velocity: Option<Channel>,
-    /// Currents or torques.
+    /// Currents, torques or commanded positions.
     pub signal: Channel,
+    pub kind: SignalKind,
 }
 
 impl Channels {
@@ -132,7 +134,8 @@ impl Channels {
     /// # Errors
     /// No positions, or neither torques nor currents.
     pub fn of(file: &Path, present: &[String], joints: &[String]) -> Result<Self, InitError> {
-        let families = families(present, joints);
+        let families_of = |of| families(present, joints, of);
+        let families = families_of(quantity);
         let find = |quantity| best(&families, quantity);
         let missing = |what| InitError::NoChannel {
             file: file.to_path_buf(),
@@ -142,12 +145,19 @@ impl Channels {
         };
         let position = find(Quantity::Position).ok_or_else(|| missing("positions"))?;
         // A torque needs no torque constant.
-        let signal = find(Quantity::Torque).or_else(|| find(Quantity::Current));
-        let signal = signal.ok_or_else(|| missing("currents or torques"))?;
+        let torque = find(Quantity::Torque).map(|channel| (SignalKind::Torque, channel));
+        let current = || Some((SignalKind::Current, find(Quantity::Current)?));
+        let command = || {
+            let asked = best(&families_of(commanded_position), Quantity::Position)?;
+            Some((SignalKind::PositionCommand, asked))
+        };
+        let signal = torque.or_else(current).or_else(command);
+        let what = "currents, torques or commanded positions";
+        let (kind, signal) = signal.ok_or_else(|| missing(what))?;
         let same = |channel: &Channel| channel.joints == position.joints;
         if !same(&signal) {
             return Err(missing(
-                "currents or torques of the same joints as positions",
+                "currents, torques or commanded positions of the same joints as positions",
             ));
         }
         Ok(Self {
@@ -155,6 +165,7 @@ impl Channels {
             velocity: find(Quantity::Velocity).filter(same),
             position,
             signal,
+            kind,
         })
     }
 
@@ -189,7 +200,7 @@ fn time(present: &[String]) -> Option<Channel> {
 }
 
 /// Columns that differ by the name or the number of a joint alone.
-fn families(present: &[String], joints: &[String]) -> Vec<Channel> {
+fn families(present: &[String], joints: &[String], of: QuantityOf) -> Vec<Channel> {
     // By what is left without the name or number: the joint, or the number as it is written, and the column.
     let mut by_name: BTreeMap<String, Vec<(usize, String)>> = BTreeMap::new();
     let mut by_number: BTreeMap<String, Vec<(String, String)>> = BTreeMap::new();
@@ -213,16 +224,22 @@ fn families(present: &[String], joints: &[String]) -> Vec<Channel> {
             &pattern,
             ColumnsAt::Pattern(pattern.clone()),
             members,
+            of,
         ));
     }
     for (pattern, members) in by_number {
-        families.extend(numbered(&pattern, members, joints.len()));
+        families.extend(numbered(&pattern, members, joints.len(), of));
     }
     families
 }
 
 /// Columns by numbers, from 1 on as a pattern, from 0 on as a list of names.
-fn numbered(pattern: &str, members: Vec<(String, String)>, count: usize) -> Option<Channel> {
+fn numbered(
+    pattern: &str,
+    members: Vec<(String, String)>,
+    count: usize,
+    of: QuantityOf,
+) -> Option<Channel> {
     let mut joints = Vec::new();
     for (written, column) in members {
         joints.push((written.parse::<usize>().ok()?, written, column));
@@ -247,12 +264,17 @@ fn numbered(pattern: &str, members: Vec<(String, String)>, count: usize) -> Opti
         true => ColumnsAt::Names(members.iter().map(|(_, column)| column.clone()).collect()),
         false => ColumnsAt::Pattern(pattern.to_owned()),
     };
-    family(pattern, at, members)
+    family(pattern, at, members, of)
 }
 
-fn family(pattern: &str, at: ColumnsAt, members: Vec<(usize, String)>) -> Option<Channel> {
+fn family(
+    pattern: &str,
+    at: ColumnsAt,
+    members: Vec<(usize, String)>,
+    of: QuantityOf,
+) -> Option<Channel> {
     let name = pattern.replace("{joint}", " ").replace("{n}", " ");
-    let quantity = quantity(&words(&name)).filter(|q| *q != Quantity::Time)?;
+    let quantity = of(&words(&name)).filter(|q| *q != Quantity::Time)?;
     let (joints, columns) = members.into_iter().unzip();
     Some(Channel {
         quantity,
@@ -308,6 +330,17 @@ fn words(name: &str) -> Vec<String> {
     }
     words.retain(|word| !word.is_empty());
     words
+}
+
+/// What the words of a name say that a column holds.
+type QuantityOf = fn(&[String]) -> Option<Quantity>;
+
+/// A position where it is one that was asked for, and nothing of anything else.
+fn commanded_position(words: &[String]) -> Option<Quantity> {
+    let (asked, rest): (Vec<String>, Vec<String>) =
+        (words.iter().cloned()).partition(|word| ASKED.contains(&word.as_str()));
+    let is_position = rest.is_empty() || quantity(&rest) == Some(Quantity::Position);
+    (!asked.is_empty() && is_position).then_some(Quantity::Position)
 }
 
 /// What words say; nothing of what was asked for and not measured.

@@ -97,19 +97,17 @@ fn open(file: &Path, channels: &Channels, names: &[String]) -> Result<Recording,
     });
     let joints: Vec<RecordedJoint> = joints.collect();
     let signal = Some(channels.signal.column());
-    let (kind, current, torque) = match channels.signal.quantity {
-        Quantity::Current => (SignalKind::Current, signal, None),
-        _ => (SignalKind::Torque, None, signal),
-    };
+    let only = |kind| signal.clone().filter(|_| channels.kind == kind);
     let map = ColumnMap {
         time: channels.time.as_ref().map(|c| c.column()),
         position: Some(channels.position.column()),
         velocity: channels.velocity.as_ref().map(|c| c.column()),
-        current,
-        torque,
+        current: only(SignalKind::Current),
+        torque: only(SignalKind::Torque),
+        command: only(SignalKind::PositionCommand),
         ..ColumnMap::default()
     };
-    Ok(read(file, &map, &joints, kind)?)
+    Ok(read(file, &map, &joints, channels.kind)?)
 }
 
 /// The median step of time stamps.

@@ -19,9 +19,9 @@ use crate::init::error::InitError;
 use crate::outcome::check::Finding;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
+use crate::recording::columns::SignalKind;
 use crate::recording::reading::Reading;
 use crate::recording::table::format_of;
-use crate::recording::units::Quantity;
 use crate::robot::tree::Tree;
 use crate::robot::{mdh, mjcf, urdf};
 use std::ffi::OsStr;
@@ -209,8 +209,13 @@ impl<'a> Guess<'a> {
                 self.locked.join(", ")
             ));
         }
-        match self.channels.signal.quantity {
-            Quantity::Current => all.push(
+        match self.channels.kind {
+            SignalKind::PositionCommand => all.push(
+                "no torque channel: torques follow from commanded positions and the gains of the controllers; state these under \
+                 controller.kp and controller.kd, or say robot.inertials = \"known\" to estimate them"
+                    .into(),
+            ),
+            SignalKind::Current => all.push(
                 "torque constants are not known: with 1 N·m/A, parameters come out divided by the true ones; state those of the \
                  robot under drive.torque_constant"
                     .into(),
@@ -235,8 +240,9 @@ impl<'a> Guess<'a> {
 
     /// The channels that the problem file names, with the keys under which it does.
     fn named(&self) -> Vec<(&'static str, &Channel)> {
-        let signal = match self.channels.signal.quantity {
-            Quantity::Current => "current",
+        let signal = match self.channels.kind {
+            SignalKind::PositionCommand => "command",
+            SignalKind::Current => "current",
             _ => "torque",
         };
         let mut named: Vec<(&str, &Channel)> = Vec::new();

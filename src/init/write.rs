@@ -4,7 +4,6 @@ use crate::init::channels::Channel;
 use crate::init::{Form, Guess, Sources};
 use crate::problem_file::choices::{Choice, Signal};
 use crate::recording::column_map::ColumnsAt;
-use crate::recording::units::Quantity;
 use std::path::{Path, PathBuf};
 
 /// Friction, offsets and rotors: what drives have, all linear in their parameters but for the speed at which friction turns.
@@ -51,16 +50,13 @@ pub(super) fn toml(sources: &Sources, guess: &Guess<'_>) -> String {
         String::new(),
         "[drive]".into(),
     ]);
-    let signal = match guess.channels.signal.quantity {
-        Quantity::Current => {
-            let ones = vec!["1.0"; guess.tree.len()].join(", ");
-            lines.push(format!(
-                "torque_constant = [{ones}]    # N·m/A at the joint: not known, state the robot's"
-            ));
-            Signal::Current
-        }
-        _ => Signal::Torque,
-    };
+    let signal = guess.channels.kind;
+    if signal == Signal::Current {
+        let ones = vec!["1.0"; guess.tree.len()].join(", ");
+        lines.push(format!(
+            "torque_constant = [{ones}]    # N·m/A at the joint: not known, state the robot's"
+        ));
+    }
     lines.extend([
         format!("effects = {EFFECTS}"),
         String::new(),
@@ -87,6 +83,14 @@ pub(super) fn toml(sources: &Sources, guess: &Guess<'_>) -> String {
             .into_iter()
             .map(|(key, channel)| format!("{key} = {}", column(channel))),
     );
+    if signal == Signal::PositionCommand {
+        lines.extend([
+            String::new(),
+            "[controller]".into(),
+            "kp = \"estimate\"    # N·m/rad (N/m): state those of the robot, or { value, std_dev }; masses or gains have to be known".into(),
+            "kd = \"estimate\"    # N·m·s/rad (N·s/m)".into(),
+        ]);
+    }
     lines.join("\n") + "\n"
 }
 

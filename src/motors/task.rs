@@ -41,7 +41,7 @@ pub fn run(problem: &ProblemFile) -> Result<MotorRun, MotorsError> {
     check_names(problem, &robot)?;
     let mut model = setup::model::build(&setup::model::with_unit_constant(problem), &robot)?;
     // Bodies of an earlier fit become those of the model; priors of torque constants have a table of their own.
-    setup::prior::build(problem, &mut model)?;
+    setup::prior::build(problem, &robot, &mut model)?;
     let rule = Steadiness {
         least_speed: problem.fit.constant_velocity.least_speed.value,
         ..Steadiness::default()

@@ -31,6 +31,7 @@ impl Choice for Signal {
         ("link_torque", Self::LinkTorque),
         ("base_wrench", Self::BaseWrench),
         ("both", Self::Both),
+        ("position_command", Self::PositionCommand),
     ];
 }
 

@@ -5,6 +5,7 @@
 //! can still turn out wrong is therefore a [`Located`] value, which knows its line and key.
 
 pub mod choices;
+pub mod controller;
 pub mod design;
 pub mod diagnose;
 pub mod drive;
@@ -30,6 +31,7 @@ use std::path::{Path, PathBuf};
 
 use crate::fault::Place;
 
+pub use controller::ControllerTable;
 pub use design::DesignTable;
 pub use diagnose::DiagnoseTable;
 pub use drive::DriveTable;
@@ -52,6 +54,7 @@ pub const KEYS: &[Key] = &[
     Key { name: "robot", form: Form::Table(robot::KEYS), unit: "", default: REQUIRED, example: "", meaning: "The kinematics, what is known of it, and what is to be estimated" },
     Key { name: "drive", form: Form::Table(drive::KEYS), unit: "", default: "a rigid body without losses", example: "", meaning: "The motors, what is known of them, and the physics between motor and joint; lists have one value per joint and belong to the motor with that joint's index" },
     Key { name: "recordings", form: Form::Table(recordings::KEYS), unit: "", default: "nothing is read", example: "", meaning: "The files, what they hold, and how positions give velocities and accelerations" },
+    Key { name: "controller", form: Form::Table(controller::KEYS), unit: "", default: "the keys' own defaults", example: "", meaning: "The position controllers, where recordings.signal is \"position_command\": torque = kp·(command − position) + kd·(velocity_command − velocity) + feed_forward" },
     Key { name: "fit", form: Form::Table(fit::KEYS), unit: "", default: "the keys' own defaults", example: "", meaning: "The estimator, what is known before the data, and fits to compare with" },
     Key { name: "design", form: Form::Table(design::KEYS), unit: "", default: "the keys' own defaults", example: "", meaning: "The motions among which an excitation is sought, what makes one good, and its limits" },
     Key { name: "simulate", form: Form::Table(simulate::KEYS), unit: "", default: "the keys' own defaults", example: "", meaning: "The trajectory, how it is recorded, and the truth behind it" },
@@ -70,6 +73,8 @@ pub struct ProblemFile {
     pub drive: DriveTable,
     /// Absent where nothing is read, as for `design` and `simulate`; see [`Self::recordings`].
     pub recordings: Option<RecordingsTable>,
+    /// The position controllers; absent where there are none, or nothing is said of them.
+    pub controller: Option<Located<ControllerTable>>,
     pub fit: FitTable,
     pub design: DesignTable,
     pub simulate: SimulateTable,
@@ -152,6 +157,13 @@ impl ProblemFile {
             Some(node) => Some(RecordingsTable::from_node(node, context)?),
             None => None,
         };
+        let controller = match reader.node("controller") {
+            Some(node) => Some(Located {
+                value: ControllerTable::from_node(node)?,
+                place: node.place.clone(),
+            }),
+            None => None,
+        };
         Ok(Self {
             path: path.to_path_buf(),
             name,
@@ -161,6 +173,7 @@ impl ProblemFile {
             )?,
             drive: DriveTable::from_node(&reader.table("drive"), context)?,
             recordings,
+            controller,
             fit: FitTable::from_node(&reader.table("fit"), context)?,
             design: DesignTable::from_node(&reader.table("design"), context)?,
             simulate: SimulateTable::from_node(&reader.table("simulate"), context)?,
@@ -184,8 +197,19 @@ impl ProblemFile {
         })
     }
 
-    /// Recordings with a load ask for a load in the model.
+    /// Recordings with a load ask for a load in the model, and controllers for what they are told.
     fn check_across_tables(&self) -> Result<(), ProblemFileError> {
+        if let (Some(controller), Some(recordings)) = (&self.controller, &self.recordings)
+            && recordings.signal.value != choices::Signal::PositionCommand
+        {
+            return Err(ProblemFileError::new(
+                &controller.place,
+                KeyFault::Conflict {
+                    found: "gains of a controller, but recordings.signal is not \"position_command\"".into(),
+                    remedy: "say signal = \"position_command\" under [recordings], or leave [controller] out".into(),
+                },
+            ));
+        }
         let loaded = self.recordings.as_ref().and_then(|r| r.loaded.first());
         match (loaded, &self.robot.payload) {
             (Some(loaded), None) => Err(ProblemFileError::new(

@@ -19,7 +19,7 @@ pub(crate) const KEYS: &[Key] = &[
     Key { name: "train", form: RECORDINGS, unit: "", default: "required, unless there are loaded ones", example: "[\"train.csv\"]", meaning: "Recordings that are fitted" },
     Key { name: "validation", form: RECORDINGS, unit: "", default: "[]", example: "[\"validation.csv\"]", meaning: "Recordings that are held out; without them held-out figures are null" },
     Key { name: "loaded", form: RECORDINGS, unit: "", default: "[]", example: "[\"with_load.csv\"]", meaning: "Recordings that are fitted with the load on; the others are then without it. Needs robot.payload; where none is listed, every recording carries the load" },
-    Key { name: "signal", form: Form::Words(words::<Signal>), unit: "", default: "\"current\"", example: "\"torque\"", meaning: "What the recordings hold: motor currents, motor torques at the joint side or at the motor side, torques of sensors behind the gears, the force and moment under the base, or torques and those" },
+    Key { name: "signal", form: Form::Words(words::<Signal>), unit: "", default: "\"current\"", example: "\"torque\"", meaning: "What the recordings hold: motor currents, motor torques at the joint side or at the motor side, torques of sensors behind the gears, the force and moment under the base, torques and those, or what a position controller is told, from whose error and gains the torque follows" },
     Key { name: "position_side", form: Form::Words(words::<PositionSide>), unit: "", default: "\"joint\"", example: "\"motor\"", meaning: "Where the encoder sits: on the motor in joint units, on the motor in its own turns, or behind the gear" },
     Key { name: "rate", form: Form::Number(Range::Positive), unit: "Hz", default: "from the time stamps", example: "200.0", meaning: "Samples per second" },
     Key { name: "period", form: Form::Number(Range::Positive), unit: "s", default: "found in the motion, where it repeats", example: "12.0", meaning: "The motion repeats after this time; recordings are averaged over their periods" },
@@ -57,6 +57,9 @@ pub(crate) const COLUMNS_KEYS: &[Key] = &[
     Key { name: "acceleration", form: Form::Either(&[Form::Text, Form::Table(ACCELERATION_KEYS)]), unit: "rad/s² (m/s²)", default: "the usual names, if there", example: "\"ddq{n}\"", meaning: "Accelerations of the joints" },
     Key { name: "current", form: Form::Either(&[Form::Text, Form::Table(CURRENT_KEYS)]), unit: "A", default: "the usual names", example: "\"i{n}\"", meaning: "Motor currents" },
     Key { name: "torque", form: Form::Either(&[Form::Text, Form::Table(TORQUE_KEYS)]), unit: "N·m (N)", default: "the usual names", example: "\"tau{n}\"", meaning: "Torques, on the side of the gear that recordings.signal says" },
+    Key { name: "command", form: Form::Either(&[Form::Text, Form::Table(POSITION_KEYS)]), unit: "rad (m)", default: "the usual names", example: "\"q_cmd_{n}\"", meaning: "Commanded positions, for the signal \"position_command\"" },
+    Key { name: "velocity_command", form: Form::Either(&[Form::Text, Form::Table(VELOCITY_KEYS)]), unit: "rad/s (m/s)", default: "the usual names, if there; otherwise the controller damps the speed itself", example: "\"dq_cmd_{n}\"", meaning: "Commanded speeds" },
+    Key { name: "feed_forward", form: Form::Either(&[Form::Text, Form::Table(TORQUE_KEYS)]), unit: "N·m (N)", default: "the usual names, if there", example: "\"tau_ff_{n}\"", meaning: "Torques at the joint side that the controller adds" },
     Key { name: "wrench", form: Form::List(&Form::Text, Length::Exactly(6)), unit: "N, N·m", default: "fx, fy, fz, mx, my and mz", example: "[\"fx\", \"fy\", \"fz\", \"mx\", \"my\", \"mz\"]", meaning: "Forces along x, y, z, then moments" },
     Key { name: "temperature", form: Form::Either(&[Form::Text, Form::Table(BARE_KEYS)]), unit: "°C", default: "the usual names, if there", example: "\"temp{n}\"", meaning: "Temperatures of the drives" },
     Key { name: "mask", form: Form::Either(&[Form::Text, Form::Table(BARE_KEYS)]), unit: "", default: "every sample counts", example: "\"valid\"", meaning: "Samples with 0 are left out" },
@@ -327,6 +330,12 @@ pub struct ColumnsTable {
     pub current: Option<Located<Column>>,
     /// N·m (N).
     pub torque: Option<Located<Column>>,
+    /// Commanded positions, rad (m).
+    pub command: Option<Located<Column>>,
+    /// Commanded speeds, rad/s (m/s).
+    pub velocity_command: Option<Located<Column>>,
+    /// Torques that are fed forward, N·m (N).
+    pub feed_forward: Option<Located<Column>>,
     /// Forces along x, y, z in N, then moments in N·m.
     pub wrench: Option<Located<[String; 6]>>,
     /// °C.
@@ -486,6 +495,9 @@ impl ColumnsTable {
             &self.acceleration,
             &self.current,
             &self.torque,
+            &self.command,
+            &self.velocity_command,
+            &self.feed_forward,
             &self.temperature,
         ];
         for entry in given.into_iter().flatten() {
@@ -523,6 +535,15 @@ impl ColumnsTable {
             })?,
             torque: reader
                 .optional("torque", |n| column(n, TORQUE_KEYS, Some(Quantity::Torque)))?,
+            command: reader.optional("command", |n| {
+                column(n, POSITION_KEYS, Some(Quantity::Position))
+            })?,
+            velocity_command: reader.optional("velocity_command", |n| {
+                column(n, VELOCITY_KEYS, Some(Quantity::Velocity))
+            })?,
+            feed_forward: reader.optional("feed_forward", |n| {
+                column(n, TORQUE_KEYS, Some(Quantity::Torque))
+            })?,
             wrench: reader.optional("wrench", |n| {
                 values::array(
                     n,

@@ -11,6 +11,12 @@ pub struct ColumnMap {
     pub acceleration: Option<Column>,
     pub current: Option<Column>,
     pub torque: Option<Column>,
+    /// Commanded positions.
+    pub command: Option<Column>,
+    /// Commanded speeds.
+    pub velocity_command: Option<Column>,
+    /// Torques that are fed forward.
+    pub feed_forward: Option<Column>,
     /// Force x, y, z and moment x, y, z.
     pub wrench: Option<[String; 6]>,
     pub temperature: Option<Column>,

@@ -52,6 +52,30 @@ pub(super) const TORQUE: &[&str] = &[
     "torque{n}",
     "torque_{n}",
 ];
+pub(super) const COMMAND: &[&str] = &[
+    "command_{joint}",
+    "{joint}_command",
+    "q_cmd_{joint}",
+    "q_command_{joint}",
+    "command{n}",
+    "command_{n}",
+    "q_cmd{n}",
+    "q_cmd_{n}",
+];
+pub(super) const VELOCITY_COMMAND: &[&str] = &[
+    "velocity_command_{joint}",
+    "{joint}_velocity_command",
+    "dq_cmd_{joint}",
+    "dq_cmd{n}",
+    "dq_cmd_{n}",
+];
+pub(super) const FEED_FORWARD: &[&str] = &[
+    "feed_forward_{joint}",
+    "{joint}_feed_forward",
+    "tau_ff_{joint}",
+    "tau_ff{n}",
+    "tau_ff_{n}",
+];
 pub(super) const TEMPERATURE: &[&str] = &[
     "temp_{joint}",
     "{joint}_temperature",

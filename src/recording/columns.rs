@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 use crate::fault::Place;
 use crate::recording::column_map::{Column, ColumnMap, ColumnsAt, expand};
 use crate::recording::column_names::{
-    ACCELERATION, CURRENT, POSITION, TEMPERATURE, TIME, TORQUE, VELOCITY, WRENCH,
+    ACCELERATION, COMMAND, CURRENT, FEED_FORWARD, POSITION, TEMPERATURE, TIME, TORQUE, VELOCITY,
+    VELOCITY_COMMAND, WRENCH,
 };
+use crate::recording::command::Commanded;
 use crate::recording::error::{MissingColumn, RecordingError, RecordingErrorKind};
 use crate::recording::held::Held;
 use crate::recording::missing::{Bridged, MissingValues, Roles, bridge, require_complete};
@@ -29,10 +31,13 @@ pub enum SignalKind {
     BaseWrench,
     /// Motor torques at the joint side, then the reaction of the base.
     Both,
+    /// Commanded positions, rad (m), less the positions; then commanded speeds, rad/s (m/s), and torques that are fed
+    /// forward, N·m (N), where there are columns of them.
+    PositionCommand,
 }
 
 impl SignalKind {
-    /// Channels of the signal of so many joints.
+    /// Channels of the signal of so many joints; what controllers are told beside the position is none of it.
     pub fn channels(self, joints: usize) -> usize {
         match self {
             Self::BaseWrench => 6,
@@ -60,6 +65,8 @@ pub struct Recording {
     pub acceleration: Option<Vec<Vec<f64>>>,
     /// `signal[c][k]`: channel c (joints, six of a wrench, or joints and then six), sample k.
     pub signal: Vec<Vec<f64>>,
+    /// What of the signal controllers are told beside the position.
+    pub commanded: Commanded,
     /// °C, if measured.
     pub temperature: Option<Vec<Vec<f64>>>,
     /// false: the sample is left out.
@@ -90,6 +97,7 @@ impl Recording {
             velocity: None,
             acceleration: None,
             signal,
+            commanded: Commanded::default(),
             temperature: None,
             mask: None,
             held: None,
@@ -179,6 +187,7 @@ pub(super) fn read_parts(
         Parts::All => finder.choose(map, kind)?,
         Parts::WithoutPosition => Names {
             signal: finder.signal(map, kind)?,
+            commanded: finder.commanded(map, kind),
             mask: finder.one(&map.mask, "mask")?,
             ..Names::empty(finder.time(map)?)
         },
@@ -189,6 +198,7 @@ pub(super) fn read_parts(
     };
     let table = (format.read)(path, &names.all(path)?, reading)?;
     let mut recording = names.assemble(path, bridge(path, table, names.roles())?);
+    recording.commanded = names.commanded;
     into_si(&mut recording, map, joints, kind);
     Ok(recording)
 }
@@ -204,13 +214,20 @@ fn into_si(recording: &mut Recording, map: &ColumnMap, joints: &[RecordedJoint],
             }
         }
     };
-    let torque = match kind {
-        SignalKind::Current => &map.current,
-        SignalKind::BaseWrench => &None,
-        _ => &map.torque,
+    let signals = match kind {
+        SignalKind::Current => vec![&map.current],
+        SignalKind::BaseWrench => Vec::new(),
+        SignalKind::PositionCommand => recording.commanded.columns(map),
+        _ => vec![&map.torque],
     };
     scale(&mut recording.position, &map.position);
-    scale(&mut recording.signal, torque);
+    for (series, column) in recording
+        .signal
+        .chunks_mut(joints.len().max(1))
+        .zip(signals)
+    {
+        scale(series, column);
+    }
     if let Some(velocity) = &mut recording.velocity {
         scale(velocity, &map.velocity);
     }
@@ -253,6 +270,7 @@ struct Names {
     velocity: Option<Vec<String>>,
     acceleration: Option<Vec<String>>,
     signal: Vec<String>,
+    commanded: Commanded,
     temperature: Option<Vec<String>>,
     mask: Option<String>,
 }
@@ -265,6 +283,7 @@ impl Names {
             velocity: None,
             acceleration: None,
             signal: Vec::new(),
+            commanded: Commanded::default(),
             temperature: None,
             mask: None,
         }
@@ -360,6 +379,7 @@ impl<'a> Finder<'a> {
             velocity: optional(&map.velocity, VELOCITY, "velocity")?,
             acceleration: optional(&map.acceleration, ACCELERATION, "acceleration")?,
             signal: self.signal(map, kind)?,
+            commanded: self.commanded(map, kind),
             temperature: optional(&map.temperature, TEMPERATURE, "temperature")?,
             mask: self.one(&map.mask, "mask")?,
         })
@@ -430,8 +450,36 @@ impl<'a> Finder<'a> {
         self.joints.iter().map(of).collect()
     }
 
+    /// Which commands beside the position a file has: those that a map names, or under their usual names where it names
+    /// no command at all.
+    fn commanded(&self, map: &ColumnMap, kind: SignalKind) -> Commanded {
+        if kind != SignalKind::PositionCommand {
+            return Commanded::default();
+        }
+        let has = |column: &Option<Column>, usual| match column {
+            Some(_) => true,
+            None => self.conventional && self.joints_by_convention(usual).is_some(),
+        };
+        Commanded {
+            velocity: has(&map.velocity_command, VELOCITY_COMMAND),
+            feed_forward: has(&map.feed_forward, FEED_FORWARD),
+        }
+    }
+
     fn signal(&self, map: &ColumnMap, kind: SignalKind) -> Result<Vec<String>, RecordingError> {
         match kind {
+            SignalKind::PositionCommand => {
+                let commanded = self.commanded(map, kind);
+                let mut names = self.required(&map.command, COMMAND, "command")?;
+                if commanded.velocity {
+                    let column = &map.velocity_command;
+                    names.extend(self.required(column, VELOCITY_COMMAND, "velocity_command")?);
+                }
+                if commanded.feed_forward {
+                    names.extend(self.required(&map.feed_forward, FEED_FORWARD, "feed_forward")?);
+                }
+                Ok(names)
+            }
             SignalKind::Current => self.required(&map.current, CURRENT, "current"),
             SignalKind::BaseWrench => self.wrench(map),
             SignalKind::Both => {

@@ -9,9 +9,11 @@ use std::path::Path;
 use crate::fault::Place;
 use crate::recording::column_map::{Column, ColumnMap};
 use crate::recording::column_names::{
-    ACCELERATION, CURRENT, POSITION, TEMPERATURE, TORQUE, VELOCITY,
+    ACCELERATION, COMMAND, CURRENT, FEED_FORWARD, POSITION, TEMPERATURE, TORQUE, VELOCITY,
+    VELOCITY_COMMAND,
 };
 use crate::recording::columns::{Finder, RecordedJoint, Recording, SignalKind};
+use crate::recording::command::Commanded;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::missing::{Bridged, MissingValues, Roles, bridge};
 use crate::recording::reading::Reading;
@@ -98,6 +100,21 @@ impl Channel {
         column: |map| &map.torque,
         usual: TORQUE,
         what: "torque",
+    };
+    const COMMAND: Self = Self {
+        column: |map| &map.command,
+        usual: COMMAND,
+        what: "command",
+    };
+    const VELOCITY_COMMAND: Self = Self {
+        column: |map| &map.velocity_command,
+        usual: VELOCITY_COMMAND,
+        what: "velocity_command",
+    };
+    const FEED_FORWARD: Self = Self {
+        column: |map| &map.feed_forward,
+        usual: FEED_FORWARD,
+        what: "feed_forward",
     };
     const TEMPERATURE: Self = Self {
         column: |map| &map.temperature,
@@ -227,13 +244,29 @@ impl Files<'_> {
         }
     }
 
-    fn signal(&self, kind: SignalKind) -> Result<Vec<Pick>, RecordingError> {
-        Ok(match kind {
+    fn commands(&self) -> Result<Signals, RecordingError> {
+        let mut signals = Signals::of(self.required(&Channel::COMMAND)?);
+        if let Some(speeds) = self.optional(&Channel::VELOCITY_COMMAND)? {
+            signals.picks.extend(speeds);
+            signals.commanded.velocity = true;
+        }
+        if let Some(torques) = self.optional(&Channel::FEED_FORWARD)? {
+            signals.picks.extend(torques);
+            signals.commanded.feed_forward = true;
+        }
+        Ok(signals)
+    }
+
+    fn signal(&self, kind: SignalKind) -> Result<Signals, RecordingError> {
+        if kind == SignalKind::PositionCommand {
+            return self.commands();
+        }
+        Ok(Signals::of(match kind {
             SignalKind::Current => self.required(&Channel::CURRENT)?,
             SignalKind::BaseWrench => self.wrench()?,
             SignalKind::Both => [self.required(&Channel::TORQUE)?, self.wrench()?].concat(),
             _ => self.required(&Channel::TORQUE)?,
-        })
+        }))
     }
 
     fn wrench(&self) -> Result<Vec<Pick>, RecordingError> {
@@ -404,12 +437,28 @@ fn brackets(stamps: &[f64], times: &[f64]) -> Vec<(usize, f64)> {
     times.iter().map(bracket).collect()
 }
 
+/// The columns of the signal.
+struct Signals {
+    picks: Vec<Pick>,
+    commanded: Commanded,
+}
+
+impl Signals {
+    /// Without commands beside those of the position.
+    fn of(picks: Vec<Pick>) -> Self {
+        Self {
+            picks,
+            commanded: Commanded::default(),
+        }
+    }
+}
+
 /// The columns of all channels.
 struct Chosen {
     position: Vec<Pick>,
     velocity: Option<Vec<Pick>>,
     acceleration: Option<Vec<Pick>>,
-    signal: Vec<Pick>,
+    signal: Signals,
     temperature: Option<Vec<Pick>>,
     mask: Vec<Pick>,
 }
@@ -417,7 +466,7 @@ struct Chosen {
 impl Chosen {
     fn all(&self) -> Vec<&Vec<Pick>> {
         let optional = [&self.velocity, &self.acceleration, &self.temperature];
-        let always = [&self.position, &self.signal, &self.mask];
+        let always = [&self.position, &self.signal.picks, &self.mask];
         always
             .into_iter()
             .chain(optional.into_iter().flatten())
@@ -502,11 +551,12 @@ impl Chosen {
             temperature: self.temperature.as_ref().map(|picks| all(picks, Way::Line)),
             mask: mask.contains(&false).then_some(mask),
             missing: first.missing.clone(),
+            commanded: self.signal.commanded,
             remarks,
             ..Recording::of_samples(
                 path,
                 all(&self.position, Way::Spline),
-                all(&self.signal, Way::Line),
+                all(&self.signal.picks, Way::Line),
             )
         }
         .at(times))

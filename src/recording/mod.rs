@@ -9,6 +9,7 @@ pub mod clock;
 pub mod column_map;
 mod column_names;
 pub mod columns;
+pub mod command;
 pub mod copies;
 pub mod csv;
 mod cutoff;

@@ -215,6 +215,7 @@ pub fn resample(recording: Recording, grid: Grid) -> Recording {
         velocity: recording.velocity.map(channels),
         acceleration: recording.acceleration.map(channels),
         signal: channels(recording.signal),
+        commanded: recording.commanded,
         temperature: recording.temperature.map(channels),
         mask,
         held: recording.held,

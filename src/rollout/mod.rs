@@ -113,7 +113,7 @@ pub fn run(
     let candidates = Candidates::of(task.outcome, problem, &robot)?;
     watch("reading and differentiating the recordings");
     let mut declared = setup::model::build(problem, &robot)?;
-    let prior = setup::prior::build(problem, &mut declared)?;
+    let prior = setup::prior::build(problem, &robot, &mut declared)?;
     let data = bandwidth::prepared(problem, &robot, &declared, &prior, control)?;
     let (data, held_out) = held_out_part(data, &task.outcome.part);
     watch("simulating forward");

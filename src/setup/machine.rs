@@ -55,6 +55,7 @@ fn word(signal: Signal) -> &'static str {
         Signal::LinkTorque => "link_torque",
         Signal::BaseWrench => "base_wrench",
         Signal::Both => "both",
+        Signal::PositionCommand => "position_command",
     }
 }
 

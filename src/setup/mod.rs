@@ -1,6 +1,7 @@
 //! From a problem file to what tasks work on: robot, model, recordings, priors.
 
 pub mod combined_limits;
+mod controllers;
 pub mod declared;
 pub mod error;
 pub mod known;

@@ -10,6 +10,7 @@ use crate::problem_file::choices::{Inertials, PositionSide, Signal};
 use crate::problem_file::drive::CurrentLaw;
 use crate::problem_file::robot::PayloadPlace;
 use crate::problem_file::{Located, PerJoint, ProblemFile};
+use crate::setup::controllers;
 use crate::setup::declared;
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::known::{bound_all, fix_all, zero_parameters};
@@ -83,6 +84,7 @@ fn build_with(
         } else {
             model::Inertials::Estimate
         },
+        controllers: controllers::of_joints(problem, robot)?,
         torque_constant: torque_constant(problem, robot)?,
         torque_constant_std: robot.per_joint(&problem.drive.torque_constant_std)?,
         current_polynomial: current_polynomial(problem, robot)?,
@@ -206,6 +208,7 @@ fn effects_of_joints(
 pub(super) fn signal(problem: &ProblemFile) -> Result<model::Signal, SetupError> {
     let Some(recordings) = &problem.recordings else {
         return Ok(match problem.drive.current_law {
+            _ if problem.controller.is_some() => model::Signal::PositionCommand,
             Some(_) => model::Signal::Current,
             None => model::Signal::Torque,
         });
@@ -216,6 +219,7 @@ pub(super) fn signal(problem: &ProblemFile) -> Result<model::Signal, SetupError>
         Signal::LinkTorque => model::Signal::LinkTorque,
         Signal::BaseWrench => model::Signal::BaseWrench,
         Signal::Both => model::Signal::Both,
+        Signal::PositionCommand => model::Signal::PositionCommand,
     })
 }
 

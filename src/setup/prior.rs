@@ -7,13 +7,15 @@ use crate::outcome::fit::Posterior;
 use crate::outcome::{Outcome, Part};
 use crate::problem_file::ProblemFile;
 use crate::problem_file::choices::Inertials;
+use crate::setup::controllers;
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::known::single;
+use crate::setup::robot::Robot;
 use nalgebra::{DMatrix, DVector};
 
 /// The prior of a problem file; values of an earlier fit go into the model as starts, or as known values
 /// where the inertials are known.
-pub fn build(problem: &ProblemFile, model: &mut Model) -> Result<Prior, SetupError> {
+pub fn build(problem: &ProblemFile, robot: &Robot, model: &mut Model) -> Result<Prior, SetupError> {
     let mut prior = Prior::none(model.parameters().len());
     if let Some(path) = &problem.robot.parameters {
         let earlier =
@@ -29,7 +31,8 @@ pub fn build(problem: &ProblemFile, model: &mut Model) -> Result<Prior, SetupErr
         prior = prior.and(from_posterior(model, &fit.posterior));
     }
     let single = single_values(problem, model)?;
-    Ok(prior.and(single))
+    let gains = controllers::prior(problem, robot, model)?;
+    Ok(prior.and(single).and(gains))
 }
 
 /// Values of the earlier fit: starts of free parameters, or known inertials.

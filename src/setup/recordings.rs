@@ -6,6 +6,7 @@
 //! position_side = "link"    m = V⁻¹ (q_enc − offset)
 //! ```
 
+use crate::chain::controller::Commands;
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
 use crate::fault::Place;
@@ -16,6 +17,7 @@ use crate::recording::apart::read_apart;
 use crate::recording::clock::evened;
 use crate::recording::column_map::{Column, ColumnMap};
 use crate::recording::columns::{RecordedJoint, Recording, read_within};
+use crate::recording::command::Commanded;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::experiment::{Bandwidth, Experiment, Noise, prepare};
 use crate::recording::held::thinned;
@@ -100,8 +102,10 @@ fn prepared(
     settings: &Preparation,
     (table, robot, model): (&RecordingsTable, &Robot, &Model),
 ) -> Result<Prepared, SetupError> {
+    let commanded = recording.commanded;
     let kept = robot.mechanism.is_some().then(|| recording.clone());
     let experiment = prepare(recording, settings).map_err(|e| at_request(table, named.path, e))?;
+    let (experiment, commands) = without_commands(experiment, commanded, (table, robot, model))?;
     let mut experiment = to_motors(experiment, (table, robot, model))?;
     let mut forces = Vec::new();
     if let (Some(mechanism), Some(recording)) = (&robot.mechanism, kept) {
@@ -111,7 +115,8 @@ fn prepared(
         forces = sensed.forces;
     }
     let (name, split) = (named.path.written.clone(), named.split);
-    Ok(Prepared::new(name, split, named.loaded, experiment).with_forces(&forces))
+    let prepared = Prepared::new(name, split, named.loaded, experiment);
+    Ok(prepared.with_forces(&forces).with_commands(commands))
 }
 
 /// The recordings in the order of the problem file; one that is listed twice counts once. A load, where the
@@ -198,6 +203,10 @@ pub fn read_one(
         _ => read_joined(&sources, &joints, (kind, reading)),
     };
     let rate = table.rate.as_ref().map(|rate| rate.value);
+    let recording = recording.map(|recording| match kind {
+        Signal::PositionCommand => recording.with_position_errors(),
+        _ => recording,
+    });
     let recording = recording.and_then(|recording| thinned(recording, rate));
     let recording = recording.map(evened);
     recording.map_err(|e| at_request(table, path, e))
@@ -230,6 +239,9 @@ fn place_of_request(table: &RecordingsTable, columns: &ColumnsTable, key: Option
         ("acceleration", &columns.acceleration),
         ("current", &columns.current),
         ("torque", &columns.torque),
+        ("command", &columns.command),
+        ("velocity_command", &columns.velocity_command),
+        ("feed_forward", &columns.feed_forward),
         ("temperature", &columns.temperature),
         ("mask", &columns.mask),
     ];
@@ -257,6 +269,9 @@ fn column_map(columns: &ColumnsTable) -> ColumnMap {
         acceleration: given(&columns.acceleration),
         current: given(&columns.current),
         torque: given(&columns.torque),
+        command: given(&columns.command),
+        velocity_command: given(&columns.velocity_command),
+        feed_forward: given(&columns.feed_forward),
         wrench: columns.wrench.as_ref().map(|e| e.value.clone()),
         temperature: given(&columns.temperature),
         mask: given(&columns.mask),
@@ -307,8 +322,58 @@ fn scale(table: &RecordingsTable, ratio: Option<Vec<f64>>, n: usize) -> Result<S
         } else {
             one.clone()
         },
-        signal: if torque { ratio } else { one },
+        signal: match (torque, table.signal.value) {
+            (true, _) => ratio,
+            (false, Signal::PositionCommand) if motor => ratio.iter().map(|r| 1.0 / r).collect(),
+            _ => one,
+        },
     })
+}
+
+/// Takes what controllers are told beside the position out of the signal of an experiment of the moving joints, for all
+/// motors at joint scale.
+fn without_commands(
+    mut experiment: Experiment,
+    commanded: Commanded,
+    (table, robot, model): (&RecordingsTable, &Robot, &Model),
+) -> Result<(Experiment, Option<Commands>), SetupError> {
+    if table.signal.value != Signal::PositionCommand || commanded == Commanded::default() {
+        return Ok((experiment, None));
+    }
+    let n = robot.tree.len();
+    let moving: Vec<usize> = (0..n).filter(|&k| robot.locked[k].is_none()).collect();
+    let rows = experiment.rows();
+    let mut series = experiment.signal.split_off(moving.len()).into_iter();
+    experiment.raw.signal.truncate(moving.len());
+    experiment.white_noise.truncate(moving.len());
+    if let Some(noise) = &mut experiment.noise {
+        let covariance = &noise.signal_covariance;
+        noise.signal_covariance = covariance.view((0, 0), (moving.len(), moving.len())).into();
+        noise.autocovariance.truncate(moving.len());
+    }
+    let mut of_motors = |there: bool| {
+        let mut all = vec![vec![0.0; rows]; if there { n } else { 0 }];
+        if there {
+            for (&k, series) in moving.iter().zip(&mut series) {
+                all[k] = series;
+            }
+        }
+        all
+    };
+    let mut commands = Commands {
+        velocity: of_motors(commanded.velocity),
+        feed_forward: of_motors(commanded.feed_forward),
+    };
+    let scale = scale(table, robot.ratio.clone(), n)?;
+    for (series, factor) in commands.velocity.iter_mut().zip(&scale.position) {
+        multiply(series, *factor);
+    }
+    if commanded.velocity && table.position_side.value != PositionSide::Motor {
+        if let Some(inverse) = to_motors_of(model) {
+            mix(&mut commands.velocity, &inverse);
+        }
+    }
+    Ok((experiment, Some(commands)))
 }
 
 /// Brings an experiment of the moving joints to all motors at joint scale; locked ones stand at zero.
@@ -357,8 +422,40 @@ fn to_motors(
     }
     if table.position_side.value != PositionSide::Motor {
         from_joints(&mut experiment, model);
+        if table.signal.value == Signal::PositionCommand
+            && let Some(inverse) = to_motors_of(model)
+        {
+            mix(&mut experiment.signal, &inverse);
+            mix(&mut experiment.raw.signal, &inverse);
+            experiment
+                .white_noise
+                .iter_mut()
+                .for_each(|noise| *noise = None);
+            if let Some(noise) = &mut experiment.noise {
+                noise.signal_covariance = &inverse * &noise.signal_covariance * inverse.transpose();
+            }
+        }
     }
     Ok(experiment)
+}
+
+/// V⁻¹, where it is not the identity; joints that are locked stand still.
+fn to_motors_of(model: &Model) -> Option<DMatrix<f64>> {
+    let coupling = model.coupling(&model.values());
+    let n = coupling.nrows();
+    let inverse = coupling.try_inverse()?;
+    (inverse != DMatrix::identity(n, n)).then_some(inverse)
+}
+
+/// Series of motors from those of joints.
+fn mix(series: &mut [Vec<f64>], inverse: &DMatrix<f64>) {
+    for row in 0..series.first().map_or(0, Vec::len) {
+        let joints = DVector::from_iterator(series.len(), series.iter().map(|s| s[row]));
+        let motors = inverse * joints;
+        for (series, motor) in series.iter_mut().zip(motors.iter()) {
+            series[row] = *motor;
+        }
+    }
 }
 
 fn multiply(series: &mut [f64], factor: f64) {

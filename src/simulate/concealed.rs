@@ -69,11 +69,16 @@ pub(super) fn add(declared: &ProblemFile, robot: &Robot) -> Result<Acting, Simul
 }
 
 impl Acting {
-    /// Sets values of laws between torque and current apart and lists their effects.
+    /// Sets values of laws between torque and current, and gains of controllers, apart and lists their effects.
     fn take_currents(&mut self, robot: &Robot) -> Result<(), SimulateError> {
         let sensed = with_all_effects(&self.problem, robot)?;
         for entry in std::mem::take(&mut self.values) {
             let found = sensed.find(&entry.name).ok();
+            let is_gain = |p: usize| matches!(sensed.parameters()[p].role, Role::Controller { .. });
+            if found.is_some_and(is_gain) {
+                self.currents.push(entry);
+                continue;
+            }
             let own = found.and_then(|p| owner(&sensed, Reference::Parameter(p)));
             match own {
                 Some((joint, effect)) if effect == torque_current_nonlinearity::EFFECT.id => {
@@ -195,7 +200,7 @@ fn owner(model: &Model, reference: Reference) -> Option<(usize, &'static str)> {
         Reference::Body(first, _) if first < PER_LINK * model.tree().len() => None,
         Reference::Body(..) => load,
         Reference::Parameter(p) => match model.parameters()[p].role {
-            Role::Inertial { .. } | Role::Tare { .. } => None,
+            Role::Inertial { .. } | Role::Tare { .. } | Role::Controller { .. } => None,
             Role::Payload { .. } => load,
             Role::Effect { joint, effect, .. } => {
                 Some((joint, model.joints()[joint].effects[effect].0.id))

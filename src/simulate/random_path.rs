@@ -218,6 +218,7 @@ pub(super) fn torques(
     let segment = Segment {
         motors,
         forces: &[],
+        commands: None,
         bodies: None,
         time: &time,
         cyclic: course.cyclic,

@@ -6,6 +6,7 @@
 //! position_side = "motor"   q_rec = ratio · m
 //! position_side = "link"    q_rec = V m + offset
 //! signal = "motor_torque"   τ_rec = τ / ratio
+//! signal = "position_command"  q_cmd = q + s, of the true q; the noise is the encoder's, and added to q_rec
 //! noise_correlation = ρ     x_k = ρ x_{k−1} + √(1 − ρ²) e_k  added to the signal, e_k independent and normal
 //! ```
 
@@ -48,7 +49,10 @@ struct Recorded {
 /// A channel of the signal.
 #[derive(Debug, Clone)]
 pub struct Channel {
+    /// The column that has the noise.
     pub column: String,
+    /// The column of the command that makes a signal which is an error of the position.
+    command: Option<Column>,
     pub unit: String,
     /// Index in the model.
     pub index: usize,
@@ -125,15 +129,18 @@ impl Sensors {
         robot: &Robot,
         model: &Model,
     ) -> Result<Vec<Channel>, SimulateError> {
-        let is_current = model.signal() == crate::chain::model::Signal::Current;
+        use crate::chain::model::Signal as Kind;
         let table = problem.recordings.as_ref();
         let at_motor = table.is_some_and(|t| t.signal.value == Signal::MotorTorque);
         let noise = Noise::read(problem, robot, model)?;
         let columns = self.columns.as_ref();
-        let column = match is_current {
-            true => given(columns.and_then(|c| c.current.as_ref()), "i{n}"),
-            false => given(columns.and_then(|c| c.torque.as_ref()), "tau{n}"),
+        let column = match model.signal() {
+            Kind::Current => given(columns.and_then(|c| c.current.as_ref()), "i{n}"),
+            Kind::PositionCommand => given(columns.and_then(|c| c.position.as_ref()), "q{n}"),
+            _ => given(columns.and_then(|c| c.torque.as_ref()), "tau{n}"),
         };
+        let command = given(columns.and_then(|c| c.command.as_ref()), "q_cmd{n}");
+        let is_command = model.signal() == Kind::PositionCommand;
         let all = model.channels();
         let mut channels = Vec::new();
         for joint in &self.joints {
@@ -142,6 +149,7 @@ impl Sensors {
             };
             channels.push(Channel {
                 column: label(&column, joint),
+                command: is_command.then(|| command.clone()),
                 factor: column.factor(joint.number),
                 unit: all[channel].unit.to_string(),
                 index: channel,
@@ -157,6 +165,7 @@ impl Sensors {
         let of_base = all.iter().enumerate().filter(|(_, c)| c.joint.is_none());
         for (component, (index, channel)) in of_base.enumerate() {
             channels.push(Channel {
+                command: None,
                 column: wrench.map_or(WRENCH[component].to_string(), |w| w[component].clone()),
                 unit: channel.unit.to_string(),
                 index,
@@ -189,21 +198,29 @@ impl Sensors {
         let times = (0..rows).map(|k| k as f64 / rate / unit);
         table.push(time.label("", 1).unwrap_or_default(), times.collect());
         let position = given(named(|c| &c.position), "q{n}");
-        self.push_motion(&mut table, &position, self.position(model, &motion[0]));
+        let errors = |(number, channel): (usize, &Channel)| {
+            let mut errors = normal(noise(number), channel.noise, rows);
+            correlate(&mut errors, self.correlation);
+            errors
+        };
+        let added: Vec<Vec<f64>> = self.channels.iter().enumerate().map(errors).collect();
+        let positions = self.position(model, (&motion[0], &added));
+        self.push_motion(&mut table, &position, positions);
         let rates = [named(|c| &c.velocity), named(|c| &c.acceleration)];
         for (asked, series) in rates.into_iter().zip(&motion[1..]) {
             if let Some(column) = asked {
                 self.push_motion(&mut table, &column.value, self.on_side(model, series));
             }
         }
-        let mut added = Vec::with_capacity(signals.len());
-        for (number, (channel, mut series)) in self.channels.iter().zip(signals).enumerate() {
-            let mut errors = normal(noise(number), channel.noise, rows);
-            correlate(&mut errors, self.correlation);
-            let pairs = series.iter_mut().zip(&errors);
-            pairs.for_each(|(x, e)| *x = (channel.scale * *x + e) / channel.factor);
-            table.push(channel.column.clone(), series);
-            added.push(errors);
+        let commands = self.commands(model, &motion[0], &signals);
+        if let Some(command) = self.channels.iter().find_map(|c| c.command.as_ref()) {
+            self.push_motion(&mut table, command, commands);
+        } else {
+            for ((channel, mut series), errors) in self.channels.iter().zip(signals).zip(&added) {
+                let pairs = series.iter_mut().zip(errors);
+                pairs.for_each(|(x, e)| *x = (channel.scale * *x + e) / channel.factor);
+                table.push(channel.column.clone(), series);
+            }
         }
         if let Some(column) = named(|c| &c.temperature) {
             let warm = vec![vec![ROOM_TEMPERATURE; rows]; model.tree().len()];
@@ -227,12 +244,19 @@ impl Sensors {
         }
     }
 
-    /// Positions as the encoders give them.
-    fn position(&self, model: &Model, motors: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let mut out = self.on_side(model, motors);
-        if self.side != PositionSide::Motor {
-            for (series, offset) in out.iter_mut().zip(model.offset().iter()) {
-                series.iter_mut().for_each(|x| *x += offset);
+    /// Positions as the encoders give them, with noise where the signal is an error of the position.
+    fn position(
+        &self,
+        model: &Model,
+        (motors, noise): (&[Vec<f64>], &[Vec<f64>]),
+    ) -> Vec<Vec<f64>> {
+        let mut out = self.exact_position(model, motors);
+        for (channel, errors) in self.channels.iter().zip(noise) {
+            if let (Some(_), Some(joint)) =
+                (&channel.command, model.channels()[channel.index].joint)
+            {
+                let pairs = out[joint].iter_mut().zip(errors);
+                pairs.for_each(|(x, e)| *x += e);
             }
         }
         if let Some(steps) = &self.step {
@@ -243,6 +267,29 @@ impl Sensors {
             }
         }
         out
+    }
+
+    /// Positions of the motors on the side of the encoders.
+    fn exact_position(&self, model: &Model, motors: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let mut out = self.on_side(model, motors);
+        if self.side != PositionSide::Motor {
+            for (series, offset) in out.iter_mut().zip(model.offset().iter()) {
+                series.iter_mut().for_each(|x| *x += offset);
+            }
+        }
+        out
+    }
+
+    /// Commanded positions on the side of the encoders: `m + s` of the motors.
+    fn commands(&self, model: &Model, motors: &[Vec<f64>], signals: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let mut commanded = motors.to_vec();
+        for (channel, errors) in self.channels.iter().zip(signals) {
+            if let Some(joint) = model.channels()[channel.index].joint {
+                let pairs = commanded[joint].iter_mut().zip(errors);
+                pairs.for_each(|(m, s)| *m += s);
+            }
+        }
+        self.exact_position(model, &commanded)
     }
 
     /// Motions of the motors on the side of the encoders, without offset.
@@ -350,6 +397,7 @@ fn require_names(columns: &ColumnsTable, joints: &[Recorded]) -> Result<(), Setu
         &columns.acceleration,
         &columns.current,
         &columns.torque,
+        &columns.command,
         &columns.temperature,
         &columns.mask,
     ];

@@ -83,6 +83,18 @@ pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateErro
             parameters.push(Parameter::known(&known.name, &known.unit, known.value));
         }
     }
+    for joint in recorded.joints().iter().filter(|joint| !joint.locked) {
+        let gains = joint.controller.map_or(0..0, |kp| kp..kp + 2);
+        let unknown = gains
+            .map(|p| &recorded.parameters()[p])
+            .filter(|p| p.is_free());
+        let missing: Vec<String> = unknown.map(|p| p.name.clone()).collect();
+        if !missing.is_empty() {
+            let effect = format!("{}.controller", joint.name);
+            let kind = SimulateErrorKind::NoValue { effect, missing };
+            return Err(SimulateError::new(&place, kind));
+        }
+    }
     Ok(Truth {
         parameters,
         hidden_load: problem.robot.payload.is_none(),
@@ -100,6 +112,13 @@ fn all_known(problem: &ProblemFile) -> ProblemFile {
     known.robot.zero.clear();
     known.drive.values.clear();
     known.fit.bounds.clear();
+    if let Some(controller) = &mut known.controller {
+        let gains = [&mut controller.value.kp, &mut controller.value.kd];
+        gains
+            .into_iter()
+            .flatten()
+            .for_each(|gains| gains.value.trust());
+    }
     known
 }
 
@@ -107,6 +126,7 @@ fn all_known(problem: &ProblemFile) -> ProblemFile {
 pub(super) fn commanded(problem: &ProblemFile) -> ProblemFile {
     let mut torque = problem.clone();
     torque.drive.current_law = None;
+    torque.controller = None;
     if let Some(recordings) = &mut torque.recordings {
         recordings.signal.value = Signal::Torque;
     }
@@ -187,6 +207,7 @@ fn initially_assigned(model: &Model, problem: &ProblemFile) -> Vec<bool> {
         Role::Payload { .. } => false,
         Role::Coupling { .. } => coupling.is_some(),
         Role::Tilt { .. } => false,
+        Role::Controller { .. } => !parameter.is_free(),
         Role::Effect { joint, effect, .. } => {
             rotor.is_some() && model.joints()[joint].effects[effect].0.id == "rotor_inertia"
         }
@@ -377,7 +398,7 @@ fn named(model: &Model) -> Vec<Parameter> {
     let effects = model.parameters().iter().filter(|p| match p.role {
         Role::Effect { joint, .. } => !model.joints()[joint].locked,
         Role::Coupling { row, .. } => !model.joints()[row].locked,
-        Role::Tilt { .. } => true,
+        Role::Tilt { .. } | Role::Controller { .. } => true,
         _ => false,
     });
     out.extend(effects.map(|p| Parameter::known(&p.name, &p.unit, p.value)));

@@ -98,7 +98,7 @@ impl Opened {
         let problem = ProblemFile::read(path, &[], &effect::ids())?;
         let robot = setup::robot::open(&problem)?;
         let mut model = setup::model::build(&problem, &robot)?;
-        let prior = setup::prior::build(&problem, &mut model)?;
+        let prior = setup::prior::build(&problem, &robot, &mut model)?;
         let prepared = bandwidth::prepared(&problem, &robot, &model, &prior, control)?;
         let data = standstill::left_out(&model, prepared);
         Ok(Self {

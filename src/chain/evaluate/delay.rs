@@ -1,6 +1,13 @@
 //! Channels that are recorded late: `s(t) = s_true(t − delay)`, from the motion at t − delay.
+//!
+//! A command that acts late is answered by the motion at t + delay: with the error ŝ that this motion asks for
+//!
+//! ```text
+//! m_c(t) = (m + ŝ)(t + delay),   s(t) = m_c(t) − m(t)
+//! ```
 
 use crate::chain::evaluate::{Evaluator, Segment};
+use crate::chain::model::Signal;
 use crate::robot::batch::Trajectory;
 use crate::stats::range::within;
 
@@ -13,9 +20,13 @@ impl Evaluator<'_> {
     pub(super) fn delayed(&mut self, segment: Segment<'_>) {
         let samples = segment.motors.len();
         let channels = self.model.channels();
+        let ahead = match self.model.signal() {
+            Signal::PositionCommand => -1.0,
+            _ => 1.0,
+        };
         let of_joint = |joint: usize| {
             let delay = self.model.joints()[joint].delay;
-            delay.map_or((0.0, None), |at| (self.values[at], self.column[at]))
+            delay.map_or((0.0, None), |at| (ahead * self.values[at], self.column[at]))
         };
         let wanted: Vec<(f64, Option<usize>)> = channels
             .iter()
@@ -51,12 +62,12 @@ impl Evaluator<'_> {
                 continue;
             }
             let step = STEP * (segment.time[1] - segment.time[0]);
-            let ahead = self.shifted_values(segment, delay + step);
-            let behind = self.shifted_values(segment, delay - step);
+            let late = self.shifted_values(segment, delay + step);
+            let early = self.shifted_values(segment, delay - step);
             for (c, column) in columns {
                 let series = whole.series(c, column);
                 for (k, to) in series[..samples].iter_mut().enumerate() {
-                    *to += (ahead[c][k] - behind[c][k]) / (2.0 * step);
+                    *to += ahead * (late[c][k] - early[c][k]) / (2.0 * step);
                 }
             }
         }
@@ -83,6 +94,13 @@ impl Evaluator<'_> {
             ..segment
         };
         self.states(moved, 0..samples);
+        for (j, joint) in self.model.joints().iter().enumerate() {
+            if joint.controller.is_some() && self.wanted[j] {
+                let moved = q[j].iter().zip(&segment.motors.q[j]);
+                let pairs = self.block.values[j].iter_mut().zip(moved);
+                pairs.for_each(|(error, (then, now))| *error += then - now);
+            }
+        }
     }
 
     fn shifted_values(&mut self, segment: Segment<'_>, delay: f64) -> Vec<Vec<f64>> {

@@ -23,6 +23,7 @@ mod rigid;
 pub use block::Block;
 pub use bodies::KnownBodies;
 
+use crate::chain::controller::CommandsFrom;
 use crate::chain::effect::base_tilt::tilted;
 use crate::chain::effect::{Law, Memory};
 use crate::chain::model::{JointModel, Model, Signal};
@@ -46,6 +47,8 @@ pub struct Segment<'a> {
     /// Known forces of the surroundings on the links along their joints, `[joint][sample]`, N·m (N); empty
     /// where there are none.
     pub forces: &'a [Vec<f64>],
+    /// What controllers are told beside the position; `None` where there is nothing.
+    pub commands: Option<CommandsFrom<'a>>,
     /// What the bodies do, where it is known already.
     pub bodies: Option<&'a KnownBodies>,
     /// s from the start of the recording, one per sample; empty for states that stand alone.
@@ -62,6 +65,7 @@ impl<'a> Segment<'a> {
         Self {
             motors,
             forces: &[],
+            commands: None,
             bodies: None,
             time: &[],
             cyclic: false,
@@ -219,6 +223,7 @@ impl<'m> Evaluator<'m> {
                         ddq: &ddq,
                     },
                     time: segment.times(range.clone()),
+                    commands: segment.commands.map(|all| all.later(range.start)),
                     ..segment
                 };
                 self.states_of_motors(moved, 0..range.len());
@@ -272,7 +277,7 @@ impl<'m> Evaluator<'m> {
                 self.transmission(j, samples);
                 self.motor_laws(j, segment, range.clone());
                 self.width_column(j, segment.motors, range.clone());
-                self.carry_to_signal(j, samples);
+                self.carry_to_signal(j, segment, range.clone());
             }
         }
     }

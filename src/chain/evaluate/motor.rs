@@ -122,8 +122,9 @@ impl Evaluator<'_> {
         }
     }
 
-    /// `s = τ_mot / (k · gain)`, or the current at which the polynomial gives τ_mot / gain.
-    pub(super) fn carry_to_signal(&mut self, j: usize, samples: usize) {
+    /// `s = τ_mot / (k · gain)`, the current at which the polynomial gives τ_mot / gain, or the error at which the
+    /// controller does.
+    pub(super) fn carry_to_signal(&mut self, j: usize, segment: Segment<'_>, range: Range<usize>) {
         let joint = &self.model.joints()[j];
         let gain = joint.gain.map_or(1.0, |at| self.values[at]);
         if let Some(column) = joint.gain.and_then(|at| self.column[at]) {
@@ -145,7 +146,39 @@ impl Evaluator<'_> {
             }
         }
         if let Some(first) = joint.polynomial {
-            self.currents(j, first, samples);
+            self.currents(j, first, range.len());
+        }
+        if let Some(kp) = joint.controller {
+            self.errors(j, kp, (segment, range));
+        }
+    }
+
+    /// Torques become errors of the controller: `s = (τ + kd (ṁ − v_c) − u) / kp`.
+    fn errors(&mut self, j: usize, at: usize, (segment, range): (Segment<'_>, Range<usize>)) {
+        let (kp, kd) = (self.values[at], self.values[at + 1]);
+        let mut rate = segment.motors.dq[j][range.clone()].to_vec();
+        let commands = segment.commands.map(|all| all.later(range.start));
+        if let Some(commands) = commands {
+            let pairs = rate.iter_mut().zip(commands.velocity(j));
+            pairs.for_each(|(rate, commanded)| *rate -= commanded);
+            let pairs = self.block.values[j]
+                .iter_mut()
+                .zip(commands.feed_forward(j));
+            pairs.for_each(|(torque, fed)| *torque -= fed);
+        }
+        let pairs = self.block.values[j].iter_mut().zip(&rate);
+        pairs.for_each(|(torque, rate)| *torque += kd * rate);
+        if let Some(column) = self.column[at + 1] {
+            self.block.add_scaled((j, column), 1.0, &rate);
+        }
+        if let Some(column) = self.column[at] {
+            let values = std::mem::take(&mut self.block.values[j]);
+            self.block.add_scaled((j, column), -1.0 / kp, &values);
+            self.block.values[j] = values;
+        }
+        self.block.values[j].iter_mut().for_each(|x| *x /= kp);
+        for series in self.block.written(j) {
+            series.iter_mut().for_each(|x| *x /= kp);
         }
     }
 

@@ -97,6 +97,11 @@ pub fn sentence(hypothesis: &Hypothesis, model: &Model, parameters: &[Parameter]
         "time_delay" => {
             let delay = found.scaled("delay", "ms", |s| 1e3 * s);
             let delay = delay.map_or_else(String::new, |delay| format!(" by {delay}"));
+            if model.signal() == Signal::PositionCommand {
+                return format!(
+                    "The command acts on {who} late{delay}; the model took it to act at once"
+                );
+            }
             format!(
                 "The torque signal of {who} is late{delay}; the model took motion and signal for simultaneous (this may be a mistake of the recording)"
             )
@@ -242,6 +247,10 @@ fn tilt(found: &Found<'_>) -> String {
 /// A torque sensor has no torque constant.
 fn gain(who: &str, signal: Signal, found: &Found<'_>) -> String {
     let factor = found.quantity("gain");
+    if signal == Signal::PositionCommand {
+        let factor = factor.map_or_else(|| "not one times".to_string(), |f| format!("{f} times"));
+        return format!("The gains of the controller of {who} are {factor} the declared ones");
+    }
     let is_current = signal == Signal::Current;
     match (is_current, factor) {
         (true, Some(factor)) => {

@@ -74,7 +74,7 @@ impl<'a> Context<'a> {
     pub fn model(&self, hypotheses: &[Hypothesis]) -> Result<(Model, Prior), SetupError> {
         let mut model =
             model::build_with_addition(self.problem, self.robot, &addition(hypotheses))?;
-        let prior = prior::build(self.problem, &mut model)?;
+        let prior = prior::build(self.problem, self.robot, &mut model)?;
         Ok((model, prior))
     }
 

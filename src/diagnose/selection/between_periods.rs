@@ -38,7 +38,9 @@ pub fn unrolled(data: &Dataset) -> Dataset {
                 None => Prepared::with_all_rows,
             };
             let name = recording.name.clone();
-            prepare(name, recording.split, recording.loaded, experiment)
+            let rows = experiment.rows();
+            let commands = recording.commands().map(|all| all.repeated(rows));
+            prepare(name, recording.split, recording.loaded, experiment).with_commands(commands)
         }
         None => recording.clone(),
     };
