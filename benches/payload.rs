@@ -73,6 +73,7 @@ fn model(file: &Path, further: &[&str]) -> Option<Model> {
         tree: urdf::read(file).ok()?,
         signal: Signal::Torque,
         inertials: Inertials::Known,
+        controllers: None,
         torque_constant: None,
         torque_constant_std: None,
         current_polynomial: None,

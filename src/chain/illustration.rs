@@ -247,6 +247,7 @@ impl ReferenceMotion {
         let segment = Segment {
             motors: Trajectory { q, dq, ddq },
             forces: &[],
+            commands: None,
             bodies: None,
             time: &self.time,
             cyclic: false,

@@ -19,6 +19,7 @@ fn settings(tree: Tree, (effects, signal): (&[&'static Effect], Signal)) -> Mode
     ModelSettings {
         signal,
         inertials: Inertials::Estimate,
+        controllers: None,
         torque_constant: (signal == Signal::Current).then(|| vec![11.0; n]),
         torque_constant_std: None,
         current_polynomial: None,
@@ -134,6 +135,7 @@ fn assert_derivatives(effects: &[&'static Effect], signal: Signal, seed: u64) {
             ddq: &ddq,
         },
         forces: &[],
+        commands: None,
         bodies: None,
         time: &time,
         cyclic: seed.is_multiple_of(2),

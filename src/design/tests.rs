@@ -39,6 +39,7 @@ fn model(effects: &[&str]) -> Model {
     let mut model = Model::new(ModelSettings {
         signal: Signal::Current,
         inertials: Inertials::Estimate,
+        controllers: None,
         torque_constant: Some(vec![11.0, 7.0, 5.0]),
         torque_constant_std: None,
         current_polynomial: None,
