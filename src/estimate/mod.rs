@@ -32,3 +32,6 @@ pub mod task;
 pub mod torque_constants;
 pub mod unknowns;
 pub mod weights;
+
+#[cfg(test)]
+mod tests;

@@ -13,6 +13,8 @@ use crate::trials::run::{Opened, PROBLEM, prepare};
 use crate::trials::tally::tally;
 use crate::trials::{conceal, longer};
 
+mod evidence;
+
 #[test]
 fn every_effect_that_is_not_declared_is_concealed_in_some_trial() {
     let scope = Scope::all(3);
