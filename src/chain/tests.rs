@@ -13,6 +13,8 @@ use nalgebra::{DMatrix, DVector, Isometry3, Vector3};
 use rand_chacha::ChaCha8Rng;
 use std::path::Path;
 
+mod laws;
+
 /// The same effects on every joint.
 fn settings(tree: Tree, (effects, signal): (&[&'static Effect], Signal)) -> ModelSettings {
     let n = tree.len();

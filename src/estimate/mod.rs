@@ -33,3 +33,6 @@ pub mod task;
 pub mod torque_constants;
 pub mod unknowns;
 pub mod weights;
+
+#[cfg(test)]
+mod tests;

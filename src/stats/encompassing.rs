@@ -423,4 +423,36 @@ mod tests {
         // 20 are expected with a standard deviation of 4.4.
         assert!((rejected as f64 - 20.0).abs() < 3.0 * 4.4, "{rejected}");
     }
+
+    /// Where models differ equally in three blocks, the ratio is Student's t of the three means, of two degrees of freedom,
+    /// whose upper tail is 1/2 − t/(2 √(2 + t²)).
+    #[test]
+    fn matches_the_t_test_of_block_means() {
+        const BLOCKS: usize = 24;
+        let means = [0.9, 2.1, 1.2];
+        let mut poorer = noise(BLOCKS * LEAST_BLOCK, 5);
+        let mut richer = poorer.clone();
+        for (block, mean) in means.into_iter().enumerate() {
+            let rows = 8 * block * LEAST_BLOCK..(8 * block + 1) * LEAST_BLOCK;
+            let off = mean - poorer[rows.clone()].iter().sum::<f64>() / LEAST_BLOCK as f64;
+            for row in rows {
+                poorer[row] += off;
+                richer[row] = poorer[row] - 1.0;
+            }
+        }
+        assert_eq!(block_length(&[richer.clone()]), LEAST_BLOCK);
+        let pair = ResidualPair {
+            poorer: &[poorer],
+            richer: &[richer],
+        };
+        let found = pair.encompassing(None, ResidualRows::Filtered);
+        let mean = means.iter().sum::<f64>() / 3.0;
+        let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / 2.0;
+        let t = mean / (variance / 3.0).sqrt();
+        let tail = 0.5 - t / (2.0 * (2.0 + t * t).sqrt());
+        assert!((found.slope - mean).abs() < 1e-12, "{found:?}");
+        assert!((found.freedom - 2.0).abs() < 1e-12, "{found:?}");
+        assert!((found.ratio - t).abs() < 1e-12, "{found:?}, {t}");
+        assert!((found.p_value - tail).abs() < 1e-9, "{found:?}, {tail}");
+    }
 }

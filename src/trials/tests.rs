@@ -14,6 +14,8 @@ use crate::trials::run::run;
 use crate::trials::tally::tally;
 use crate::trials::{conceal, longer};
 
+mod evidence;
+
 #[test]
 fn every_effect_that_is_not_declared_is_concealed_in_some_trial() {
     let scope = Scope::all(3);

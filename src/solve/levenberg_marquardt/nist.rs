@@ -1,379 +1,364 @@
-//! Nonlinear regression problems of the NIST Statistical Reference Datasets, with their certified values.
+//! The 27 nonlinear regression problems of the NIST Statistical Reference Datasets, with their certified values.
 //!
-//! Data and values: <https://www.itl.nist.gov/div898/strd/nls/nls_main.shtml>, in the public domain.
-//! Pass rule: from both of NIST's starting points, every parameter agrees with the certified value to
-//! seven digits and the residual sum of squares to nine. The starts in `LOST` lead down a valley without
-//! end; there the run must not claim to have converged.
+//! Files as NIST publishes them, in the public domain: <https://www.itl.nist.gov/div898/strd/nls/nls_main.shtml>.
+//! Pass rule: from both of NIST's starting points of every problem, with one setting for all of them, the run converges and
+//! every parameter agrees with the certified value to [`LEAST_DIGITS`]; the mean of the correct digits of the worst parameter,
+//! at most the eleven that are certified, over all 54 runs is above [`MEAN_DIGITS`]. One run fails and counts there with the
+//! digits that it has, which are none: [`LOST`], which must not claim to have converged.
+
+use std::fs;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::path::Path;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::problem::Problem;
 use crate::problem::examples::{TestProblem, least_squares_form, sum_of_squares};
 use crate::problem::form::Structure;
-use crate::problem::solution::Control;
+use crate::problem::solution::{Control, Solution};
 use crate::problem::view::LeastSquares;
+use crate::problem::{OutsideDomain, Problem};
 use crate::solve::levenberg_marquardt::{Settings, minimize};
 
-/// Value and gradient over b of a model y(x; b).
-type Model = fn(&[f64], f64) -> (f64, Vec<f64>);
+/// Digits that NIST certifies.
+const CERTIFIED_DIGITS: f64 = 11.0;
 
+/// Of every parameter from every start.
+const LEAST_DIGITS: f64 = 6.0;
+
+/// What the Ceres solver reports for the same problems and starts.
+const MEAN_DIGITS: f64 = 9.4;
+
+/// Problem and start from which the search creeps along a valley whose end it does not reach.
+const LOST: (&str, i32) = ("MGH10", 1);
+
+/// Parameters of one problem at most.
+const MOST: usize = 9;
+
+/// A number and its derivatives by the parameters.
+#[derive(Debug, Clone, Copy)]
+struct Dual {
+    value: f64,
+    slopes: [f64; MOST],
+}
+
+impl Dual {
+    fn variable(value: f64, index: usize) -> Self {
+        let mut slopes = [0.0; MOST];
+        slopes[index] = 1.0;
+        Self { value, slopes }
+    }
+
+    /// f(self), from f and f′ at its value.
+    fn chain(self, value: f64, slope: f64) -> Self {
+        Self {
+            value,
+            slopes: self.slopes.map(|s| s * slope),
+        }
+    }
+
+    fn exp(self) -> Self {
+        let e = self.value.exp();
+        self.chain(e, e)
+    }
+
+    fn sin(self) -> Self {
+        self.chain(self.value.sin(), self.value.cos())
+    }
+
+    fn cos(self) -> Self {
+        self.chain(self.value.cos(), -self.value.sin())
+    }
+
+    fn atan(self) -> Self {
+        let slope = 1.0 / (1.0 + self.value * self.value);
+        self.chain(self.value.atan(), slope)
+    }
+
+    fn ln(self) -> Self {
+        self.chain(self.value.ln(), 1.0 / self.value)
+    }
+
+    fn powi(self, n: i32) -> Self {
+        self.chain(self.value.powi(n), f64::from(n) * self.value.powi(n - 1))
+    }
+
+    /// For a base above zero.
+    fn pow(self, exponent: Self) -> Self {
+        (self.ln() * exponent).exp()
+    }
+}
+
+impl From<f64> for Dual {
+    fn from(value: f64) -> Self {
+        Self {
+            value,
+            slopes: [0.0; MOST],
+        }
+    }
+}
+
+impl<T: Into<Dual>> Add<T> for Dual {
+    type Output = Self;
+
+    fn add(self, other: T) -> Self {
+        let other = other.into();
+        Self {
+            value: self.value + other.value,
+            slopes: std::array::from_fn(|k| self.slopes[k] + other.slopes[k]),
+        }
+    }
+}
+
+impl<T: Into<Dual>> Sub<T> for Dual {
+    type Output = Self;
+
+    fn sub(self, other: T) -> Self {
+        self + (-other.into())
+    }
+}
+
+impl<T: Into<Dual>> Mul<T> for Dual {
+    type Output = Self;
+
+    fn mul(self, other: T) -> Self {
+        let other = other.into();
+        let slope = |k: usize| self.slopes[k] * other.value + self.value * other.slopes[k];
+        Self {
+            value: self.value * other.value,
+            slopes: std::array::from_fn(slope),
+        }
+    }
+}
+
+impl<T: Into<Dual>> Div<T> for Dual {
+    type Output = Self;
+
+    fn div(self, other: T) -> Self {
+        let other = other.into();
+        self * other.chain(1.0 / other.value, -1.0 / (other.value * other.value))
+    }
+}
+
+impl Neg for Dual {
+    type Output = Self;
+
+    fn neg(self) -> Self {
+        self.chain(-self.value, -1.0)
+    }
+}
+
+fn number(value: f64) -> Dual {
+    Dual::from(value)
+}
+
+/// What the model predicts from the parameters b and the predictors x.
+type Model = fn(&[Dual], &[f64]) -> Dual;
+
+fn saturation(b: &[Dual], x: &[f64]) -> Dual {
+    b[0] * (number(1.0) - (-b[1] * x[0]).exp())
+}
+
+fn exponential_over_line(b: &[Dual], x: &[f64]) -> Dual {
+    (-b[0] * x[0]).exp() / (b[1] + b[2] * x[0])
+}
+
+fn three_exponentials(b: &[Dual], x: &[f64]) -> Dual {
+    let term = |k: usize| b[k] * (-b[k + 1] * x[0]).exp();
+    term(0) + term(2) + term(4)
+}
+
+fn exponential_and_two_peaks(b: &[Dual], x: &[f64]) -> Dual {
+    let peak = |k: usize| b[k] * (-((number(x[0]) - b[k + 1]) / b[k + 2]).powi(2)).exp();
+    b[0] * (-b[1] * x[0]).exp() + peak(2) + peak(5)
+}
+
+fn cubic_ratio(b: &[Dual], x: &[f64]) -> Dual {
+    let x = x[0];
+    let above = b[0] + b[1] * x + b[2] * (x * x) + b[3] * (x * x * x);
+    above / (number(1.0) + b[4] * x + b[5] * (x * x) + b[6] * (x * x * x))
+}
+
+fn seasons(b: &[Dual], x: &[f64]) -> Dual {
+    let turns = number(std::f64::consts::TAU * x[0]);
+    let wave = |cycle: Dual, k: usize| {
+        let angle = turns / cycle;
+        b[k] * angle.cos() + b[k + 1] * angle.sin()
+    };
+    b[0] + wave(number(12.0), 1) + wave(b[3], 4) + wave(b[6], 7)
+}
+
+const MODELS: [(&str, Model); 27] = [
+    ("Bennett5", |b, x| {
+        b[0] * (b[1] + x[0]).pow(number(-1.0) / b[2])
+    }),
+    ("BoxBOD", saturation),
+    ("Chwirut1", exponential_over_line),
+    ("Chwirut2", exponential_over_line),
+    ("DanWood", |b, x| b[0] * number(x[0]).pow(b[1])),
+    ("ENSO", seasons),
+    ("Eckerle4", |b, x| {
+        let away = (number(x[0]) - b[2]) / b[1];
+        b[0] / b[1] * (away.powi(2) * -0.5).exp()
+    }),
+    ("Gauss1", exponential_and_two_peaks),
+    ("Gauss2", exponential_and_two_peaks),
+    ("Gauss3", exponential_and_two_peaks),
+    ("Hahn1", cubic_ratio),
+    ("Kirby2", |b, x| {
+        let (x, square) = (x[0], x[0] * x[0]);
+        (b[0] + b[1] * x + b[2] * square) / (number(1.0) + b[3] * x + b[4] * square)
+    }),
+    ("Lanczos1", three_exponentials),
+    ("Lanczos2", three_exponentials),
+    ("Lanczos3", three_exponentials),
+    ("MGH09", |b, x| {
+        let (x, square) = (x[0], x[0] * x[0]);
+        b[0] * (b[1] * x + square) / (b[2] * x + square + b[3])
+    }),
+    ("MGH10", |b, x| b[0] * (b[1] / (b[2] + x[0])).exp()),
+    ("MGH17", |b, x| {
+        b[0] + b[1] * (-b[3] * x[0]).exp() + b[2] * (-b[4] * x[0]).exp()
+    }),
+    ("Misra1a", saturation),
+    ("Misra1b", |b, x| {
+        b[0] * (number(1.0) - (b[1] * (0.5 * x[0]) + 1.0).powi(-2))
+    }),
+    ("Misra1c", |b, x| {
+        b[0] * (number(1.0) - (b[1] * (2.0 * x[0]) + 1.0).pow(number(-0.5)))
+    }),
+    ("Misra1d", |b, x| b[0] * b[1] * x[0] / (b[1] * x[0] + 1.0)),
+    ("Nelson", |b, x| b[0] - b[1] * x[0] * (-b[2] * x[1]).exp()),
+    ("Rat42", |b, x| b[0] / ((b[1] - b[2] * x[0]).exp() + 1.0)),
+    ("Rat43", |b, x| {
+        b[0] / ((b[1] - b[2] * x[0]).exp() + 1.0).pow(number(1.0) / b[3])
+    }),
+    ("Roszman1", |b, x| {
+        let angle = (b[2] / (number(x[0]) - b[3])).atan();
+        b[0] - b[1] * x[0] - angle / std::f64::consts::PI
+    }),
+    ("Thurber", cubic_ratio),
+];
+
+/// A problem as its file states it.
 struct Dataset {
     name: &'static str,
     model: Model,
-    starts: [&'static [f64]; 2],
-    certified: &'static [f64],
+    starts: [Vec<f64>; 2],
+    certified: Vec<f64>,
     sum_of_squares: f64,
-    x: &'static [f64],
-    y: &'static [f64],
+    /// y, then the predictors.
+    rows: Vec<Vec<f64>>,
 }
 
-/// b1 (1 - exp(-b2 x)).
-fn saturation(b: &[f64], x: f64) -> (f64, Vec<f64>) {
-    let e = (-b[1] * x).exp();
-    (b[0] * (1.0 - e), vec![1.0 - e, b[0] * x * e])
+fn numbers(text: &str) -> Vec<f64> {
+    text.split_whitespace().flat_map(str::parse).collect()
 }
 
-/// b1 x^b2.
-fn power(b: &[f64], x: f64) -> (f64, Vec<f64>) {
-    let p = x.powf(b[1]);
-    (b[0] * p, vec![p, b[0] * p * x.ln()])
-}
-
-/// b1 / (1 + exp(b2 - b3 x)).
-fn logistic(b: &[f64], x: f64) -> (f64, Vec<f64>) {
-    let e = (b[1] - b[2] * x).exp();
-    let q = 1.0 / (1.0 + e);
-    (b[0] * q, vec![q, -b[0] * q * q * e, b[0] * q * q * e * x])
-}
-
-/// b1 / b2 exp(-((x - b3) / b2)² / 2).
-fn gaussian(b: &[f64], x: f64) -> (f64, Vec<f64>) {
-    let u = (x - b[2]) / b[1];
-    let e = (-0.5 * u * u).exp() / b[1];
-    let y = b[0] * e;
-    (y, vec![e, y * (u * u - 1.0) / b[1], y * u / b[1]])
-}
-
-/// b1 (x² + b2 x) / (x² + b3 x + b4).
-fn quadratic_ratio(b: &[f64], x: f64) -> (f64, Vec<f64>) {
-    let (n, d) = (x * x + b[1] * x, x * x + b[2] * x + b[3]);
-    let y = b[0] * n / d;
-    (y, vec![n / d, b[0] * x / d, -y * x / d, -y / d])
-}
-
-/// b1 exp(b2 / (x + b3)).
-fn exponential_ratio(b: &[f64], x: f64) -> (f64, Vec<f64>) {
-    let s = x + b[2];
-    let e = (b[1] / s).exp();
-    let y = b[0] * e;
-    (y, vec![e, y / s, -y * b[1] / (s * s)])
-}
-
-/// b1 + b2 exp(-b4 x) + b3 exp(-b5 x).
-fn two_exponentials(b: &[f64], x: f64) -> (f64, Vec<f64>) {
-    let (e, f) = ((-b[3] * x).exp(), (-b[4] * x).exp());
-    let y = b[0] + b[1] * e + b[2] * f;
-    (y, vec![1.0, e, f, -b[1] * x * e, -b[2] * x * f])
-}
-
-/// (b1 + b2 x + b3 x² + b4 x³) / (1 + b5 x + b6 x² + b7 x³).
-fn cubic_ratio(b: &[f64], x: f64) -> (f64, Vec<f64>) {
-    let n = b[0] + x * (b[1] + x * (b[2] + x * b[3]));
-    let d = 1.0 + x * (b[4] + x * (b[5] + x * b[6]));
-    let y = n / d;
-    let powers = [1.0, x, x * x, x * x * x];
-    let upper = powers.iter().map(|p| p / d);
-    let lower = powers[1..].iter().map(|p| -y * p / d);
-    (y, upper.chain(lower).collect())
-}
-
-fn problem(data: &'static Dataset, start: &[f64]) -> TestProblem {
-    let names: Vec<String> = (1..=start.len()).map(|i| format!("b{i}")).collect();
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let mut form = least_squares_form(&names, data.x.len(), Structure::Smooth);
-    for (variable, start) in form.variables.iter_mut().zip(start) {
-        variable.scale = start.abs();
+impl Dataset {
+    fn read((name, model): (&'static str, Model)) -> Self {
+        let path =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/data/nist/{name}.dat"));
+        let text = fs::read_to_string(path).unwrap();
+        let (head, data) = text.rsplit_once("Data:").unwrap();
+        // "b1 = start 1, start 2, certified value, standard deviation".
+        let is_parameter = |line: &&str| line.trim_start().starts_with('b') && line.contains(" = ");
+        let table = head.lines().filter(is_parameter);
+        let table = table.map(|line| numbers(line.split_once('=').unwrap().1));
+        let table: Vec<Vec<f64>> = table.filter(|row| row.len() == 4).collect();
+        let column = |k: usize| table.iter().map(|row| row[k]).collect();
+        let squares = head.split_once("Residual Sum of Squares:").unwrap().1;
+        let mut rows: Vec<Vec<f64>> = data.lines().skip(1).map(numbers).collect();
+        rows.retain(|row| !row.is_empty());
+        // Nelson's model is of the logarithm of y.
+        if name == "Nelson" {
+            rows.iter_mut().for_each(|row| row[0] = row[0].ln());
+        }
+        Self {
+            name,
+            model,
+            starts: [column(0), column(1)],
+            certified: column(2),
+            sum_of_squares: numbers(squares.lines().next().unwrap())[0],
+            rows,
+        }
     }
-    TestProblem {
-        form,
-        model: Box::new(|b| {
-            let points: Vec<_> = data
-                .x
-                .iter()
-                .map(|x| (data.model)(b.as_slice(), *x))
-                .collect();
-            let residual = points.iter().zip(data.y).map(|((value, _), y)| value - y);
-            let residual = DVector::from_iterator(data.x.len(), residual);
-            let matrix = DMatrix::from_fn(data.x.len(), b.len(), |i, j| points[i].1[j]);
-            Ok(sum_of_squares(residual, matrix))
-        }),
-        spoil: None,
+
+    fn problem(&self, start: &[f64]) -> TestProblem {
+        let names: Vec<String> = (1..=start.len()).map(|i| format!("b{i}")).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let mut form = least_squares_form(&names, self.rows.len(), Structure::Smooth);
+        for (variable, start) in form.variables.iter_mut().zip(start) {
+            variable.scale = start.abs();
+        }
+        let (model, rows) = (self.model, self.rows.clone());
+        TestProblem {
+            form,
+            model: Box::new(move |b| {
+                let pairs = b.iter().enumerate();
+                let duals: Vec<Dual> = pairs.map(|(k, b)| Dual::variable(*b, k)).collect();
+                let points: Vec<Dual> = rows.iter().map(|row| model(&duals, &row[1..])).collect();
+                if points.iter().any(|point| !point.value.is_finite()) {
+                    return Err(OutsideDomain::new("a prediction"));
+                }
+                let residual = points.iter().zip(&rows).map(|(p, row)| p.value - row[0]);
+                let residual = DVector::from_iterator(rows.len(), residual);
+                let matrix = DMatrix::from_fn(rows.len(), b.len(), |i, j| points[i].slopes[j]);
+                Ok(sum_of_squares(residual, matrix))
+            }),
+            spoil: None,
+        }
+    }
+
+    fn run(&self, start: &[f64]) -> Solution {
+        let settings = Settings {
+            max_iterations: 3000,
+            // Eleven digits of parameters that are known to one or two need more than the default.
+            cost_tolerance: 0.0,
+            step_tolerance: 1e-12,
+            // Starts are far away: full steps would leave for valleys without end.
+            initial_damping: 300.0,
+            gradient_tolerance: 1e-15,
+            ..Settings::default()
+        };
+        let problem = self.problem(start);
+        let view = LeastSquares::try_from(&problem as &dyn Problem).unwrap();
+        let start = DVector::from_column_slice(start);
+        minimize(view, &start, &settings, &Control::default()).unwrap()
     }
 }
 
-/// Dataset and start from which the sum of squares falls towards a point at infinity.
-const LOST: [(&str, usize); 2] = [("BoxBOD", 1), ("MGH10", 1)];
-
-/// Digits in which two numbers agree.
+/// Digits in which two numbers agree, of those that are certified.
 fn digits(found: f64, certified: f64) -> f64 {
-    -((found - certified).abs() / certified.abs())
-        .max(1e-16)
-        .log10()
+    let error = (found - certified).abs() / certified.abs();
+    (-error.log10()).clamp(0.0, CERTIFIED_DIGITS)
 }
 
 #[test]
 fn matches_certified_values_of_nist_from_both_starts() {
-    let settings = Settings {
-        max_iterations: 1000,
-        // Seven digits of parameters that are known to one or two need more than the default.
-        cost_tolerance: 1e-18,
-        ..Settings::default()
-    };
-    let mut failures = Vec::new();
-    for data in &DATASETS {
-        for (number, start) in (1..).zip(data.starts) {
-            let problem = problem(data, start);
-            let view = LeastSquares::try_from(&problem as &dyn Problem).unwrap();
-            let start = DVector::from_column_slice(start);
-            let solution = minimize(view, &start, &settings, &Control::default()).unwrap();
-            if LOST.contains(&(data.name, number)) {
-                assert!(
-                    !solution.stop.converged(),
-                    "{}: {:?}",
-                    data.name,
-                    solution.stop
-                );
-                continue;
-            }
-            let agreed = solution
-                .x
-                .iter()
-                .zip(data.certified)
-                .map(|(b, c)| digits(*b, *c));
+    let (mut failures, mut all) = (Vec::new(), Vec::new());
+    for data in MODELS.map(Dataset::read) {
+        for (number, start) in (1..).zip(&data.starts) {
+            assert_eq!(start.len(), data.certified.len(), "{}", data.name);
+            let solution = data.run(start);
+            let pairs = solution.x.iter().zip(&data.certified);
+            let agreed = pairs.map(|(b, c)| digits(*b, *c));
             let agreed = agreed.fold(f64::INFINITY, f64::min);
             let squares = digits(2.0 * solution.cost, data.sum_of_squares);
-            if !(agreed >= 7.0 && squares >= 9.0 && solution.stop.converged()) {
-                failures.push(format!(
-                    "{} from start {number}: {agreed:.1} digits, {squares:.1} of the sum, {:?} after {} at {:?}",
-                    data.name, solution.stop, solution.iterations, solution.x.as_slice(),
-                ));
+            all.push(agreed);
+            let said = format!(
+                "{} from start {number}: {agreed:.1} digits, {squares:.1} of the sum, {:?} after {}",
+                data.name, solution.stop, solution.iterations,
+            );
+            let reached = agreed >= LEAST_DIGITS && solution.stop.converged();
+            let creeps = (data.name, number) == LOST && !solution.stop.converged();
+            if !(reached || creeps) {
+                failures.push(said);
             }
         }
     }
+    let mean = all.iter().sum::<f64>() / all.len() as f64;
+    eprintln!("{} runs, {mean:.2} digits on the average", all.len());
+    assert_eq!(all.len(), 54);
     assert!(failures.is_empty(), "{failures:#?}");
+    assert!(mean > MEAN_DIGITS, "{mean}");
 }
-
-static DATASETS: [Dataset; 10] = [
-    Dataset {
-        name: "Misra1a",
-        model: saturation,
-        starts: [&[500.0, 0.0001], &[250.0, 0.0005]],
-        certified: &[238.94212918, 0.00055015643181],
-        sum_of_squares: 0.12455138894,
-        x: &[
-            77.6, 114.9, 141.1, 190.8, 239.9, 289.0, 332.8, 378.4, 434.8, 477.3, 536.8, 593.1,
-            689.1, 760.0,
-        ],
-        y: &[
-            10.07, 14.73, 17.94, 23.93, 29.61, 35.18, 40.02, 44.82, 50.76, 55.05, 61.01, 66.4,
-            75.47, 81.78,
-        ],
-    },
-    Dataset {
-        name: "DanWood",
-        model: power,
-        starts: [&[1.0, 5.0], &[0.7, 4.0]],
-        certified: &[0.76886226176, 3.8604055871],
-        sum_of_squares: 0.0043173084083,
-        x: &[1.309, 1.471, 1.49, 1.565, 1.611, 1.68],
-        y: &[2.138, 3.421, 3.597, 4.34, 4.882, 5.66],
-    },
-    Dataset {
-        name: "BoxBOD",
-        model: saturation,
-        starts: [&[1.0, 1.0], &[100.0, 0.75]],
-        certified: &[213.80940889, 0.54723748542],
-        sum_of_squares: 1168.0088766,
-        x: &[1.0, 2.0, 3.0, 5.0, 7.0, 10.0],
-        y: &[109.0, 149.0, 149.0, 191.0, 213.0, 224.0],
-    },
-    Dataset {
-        name: "Rat42",
-        model: logistic,
-        starts: [&[100.0, 1.0, 0.1], &[75.0, 2.5, 0.07]],
-        certified: &[72.462237576, 2.6180768402, 0.067359200066],
-        sum_of_squares: 8.0565229338,
-        x: &[9.0, 14.0, 21.0, 28.0, 42.0, 57.0, 63.0, 70.0, 79.0],
-        y: &[8.93, 10.8, 18.59, 22.33, 39.35, 56.11, 61.73, 64.62, 67.08],
-    },
-    Dataset {
-        name: "Eckerle4",
-        model: gaussian,
-        starts: [&[1.0, 10.0, 500.0], &[1.5, 5.0, 450.0]],
-        certified: &[1.5543827178, 4.0888321754, 451.54121844],
-        sum_of_squares: 0.0014635887487,
-        x: &[
-            400.0, 405.0, 410.0, 415.0, 420.0, 425.0, 430.0, 435.0, 436.5, 438.0, 439.5, 441.0,
-            442.5, 444.0, 445.5, 447.0, 448.5, 450.0, 451.5, 453.0, 454.5, 456.0, 457.5, 459.0,
-            460.5, 462.0, 463.5, 465.0, 470.0, 475.0, 480.0, 485.0, 490.0, 495.0, 500.0,
-        ],
-        y: &[
-            0.0001575, 0.0001699, 0.000235, 0.0003102, 0.0004917, 0.000871, 0.0017418, 0.00464,
-            0.0065895, 0.0097302, 0.0149002, 0.023731, 0.0401683, 0.0712559, 0.1264458, 0.2073413,
-            0.2902366, 0.3445623, 0.3698049, 0.3668534, 0.3106727, 0.2078154, 0.1164354, 0.0616764,
-            0.03372, 0.0194023, 0.0117831, 0.0074357, 0.0022732, 0.00088, 0.0004579, 0.0002345,
-            0.0001586, 0.0001143, 7.1e-5,
-        ],
-    },
-    Dataset {
-        name: "MGH09",
-        model: quadratic_ratio,
-        starts: [&[25.0, 39.0, 41.5, 39.0], &[0.25, 0.39, 0.415, 0.39]],
-        certified: &[0.19280693458, 0.19128232873, 0.12305650693, 0.13606233068],
-        sum_of_squares: 0.00030750560385,
-        x: &[
-            4.0, 2.0, 1.0, 0.5, 0.25, 0.167, 0.125, 0.1, 0.0833, 0.0714, 0.0625,
-        ],
-        y: &[
-            0.1957, 0.1947, 0.1735, 0.16, 0.0844, 0.0627, 0.0456, 0.0342, 0.0323, 0.0235, 0.0246,
-        ],
-    },
-    Dataset {
-        name: "MGH10",
-        model: exponential_ratio,
-        starts: [&[2.0, 400000.0, 25000.0], &[0.02, 4000.0, 250.0]],
-        certified: &[0.005609636471, 6181.3463463, 345.22363462],
-        sum_of_squares: 87.945855171,
-        x: &[
-            50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0, 85.0, 90.0, 95.0, 100.0, 105.0, 110.0, 115.0,
-            120.0, 125.0,
-        ],
-        y: &[
-            34780.0, 28610.0, 23650.0, 19630.0, 16370.0, 13720.0, 11540.0, 9744.0, 8261.0, 7030.0,
-            6005.0, 5147.0, 4427.0, 3820.0, 3307.0, 2872.0,
-        ],
-    },
-    Dataset {
-        name: "MGH17",
-        model: two_exponentials,
-        starts: [
-            &[50.0, 150.0, -100.0, 1.0, 2.0],
-            &[0.5, 1.5, -1.0, 0.01, 0.02],
-        ],
-        certified: &[
-            0.37541005211,
-            1.9358469127,
-            -1.4646871366,
-            0.01286753464,
-            0.022122699662,
-        ],
-        sum_of_squares: 5.4648946975e-5,
-        x: &[
-            0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 110.0, 120.0, 130.0,
-            140.0, 150.0, 160.0, 170.0, 180.0, 190.0, 200.0, 210.0, 220.0, 230.0, 240.0, 250.0,
-            260.0, 270.0, 280.0, 290.0, 300.0, 310.0, 320.0,
-        ],
-        y: &[
-            0.844, 0.908, 0.932, 0.936, 0.925, 0.908, 0.881, 0.85, 0.818, 0.784, 0.751, 0.718,
-            0.685, 0.658, 0.628, 0.603, 0.58, 0.558, 0.538, 0.522, 0.506, 0.49, 0.478, 0.467,
-            0.457, 0.448, 0.438, 0.431, 0.424, 0.42, 0.414, 0.411, 0.406,
-        ],
-    },
-    Dataset {
-        name: "Thurber",
-        model: cubic_ratio,
-        starts: [
-            &[1000.0, 1000.0, 400.0, 40.0, 0.7, 0.3, 0.03],
-            &[1300.0, 1500.0, 500.0, 75.0, 1.0, 0.4, 0.05],
-        ],
-        certified: &[
-            1288.13968,
-            1491.0792535,
-            583.23836877,
-            75.416644291,
-            0.96629502864,
-            0.39797285797,
-            0.049727297349,
-        ],
-        sum_of_squares: 5642.7082397,
-        x: &[
-            -3.067, -2.981, -2.921, -2.912, -2.84, -2.797, -2.702, -2.699, -2.633, -2.481, -2.363,
-            -2.322, -1.501, -1.46, -1.274, -1.212, -1.1, -1.046, -0.915, -0.714, -0.566, -0.545,
-            -0.4, -0.309, -0.109, -0.103, 0.01, 0.119, 0.377, 0.79, 0.963, 1.006, 1.115, 1.572,
-            1.841, 2.047, 2.2,
-        ],
-        y: &[
-            80.574, 84.248, 87.264, 87.195, 89.076, 89.608, 89.868, 90.101, 92.405, 95.854,
-            100.696, 101.06, 401.672, 390.724, 567.534, 635.316, 733.054, 759.087, 894.206,
-            990.785, 1090.109, 1080.914, 1122.643, 1178.351, 1260.531, 1273.514, 1288.339,
-            1327.543, 1353.863, 1414.509, 1425.208, 1421.384, 1442.962, 1464.35, 1468.705,
-            1447.894, 1457.628,
-        ],
-    },
-    Dataset {
-        name: "Hahn1",
-        model: cubic_ratio,
-        starts: [
-            &[10.0, -1.0, 0.05, -1e-5, -0.05, 0.001, -1e-6],
-            &[1.0, -0.1, 0.005, -1e-6, -0.005, 0.0001, -1e-7],
-        ],
-        certified: &[
-            1.0776351733,
-            -0.12269296921,
-            0.004086375061,
-            -1.4262662514e-6,
-            -0.0057609940901,
-            0.00024053735503,
-            -1.2314450199e-7,
-        ],
-        sum_of_squares: 1.5324382854,
-        x: &[
-            24.41, 34.82, 44.09, 45.07, 54.98, 65.51, 70.53, 75.7, 89.57, 91.14, 96.4, 97.19,
-            114.26, 120.25, 127.08, 133.55, 133.61, 158.67, 172.74, 171.31, 202.14, 220.55, 221.05,
-            221.39, 250.99, 268.99, 271.8, 271.97, 321.31, 321.69, 330.14, 333.03, 333.47, 340.77,
-            345.65, 373.11, 373.79, 411.82, 419.51, 421.59, 422.02, 422.47, 422.61, 441.75, 447.41,
-            448.7, 472.89, 476.69, 522.47, 522.62, 524.43, 546.75, 549.53, 575.29, 576.0, 625.55,
-            20.15, 28.78, 29.57, 37.41, 39.12, 50.24, 61.38, 66.25, 73.42, 95.52, 107.32, 122.04,
-            134.03, 163.19, 163.48, 175.7, 179.86, 211.27, 217.78, 219.14, 262.52, 268.01, 268.62,
-            336.25, 337.23, 339.33, 427.38, 428.58, 432.68, 528.99, 531.08, 628.34, 253.24, 273.13,
-            273.66, 282.1, 346.62, 347.19, 348.78, 351.18, 450.1, 450.35, 451.92, 455.56, 552.22,
-            553.56, 555.74, 652.59, 656.2, 14.13, 20.41, 31.3, 33.84, 39.7, 48.83, 54.5, 60.41,
-            72.77, 75.25, 86.84, 94.88, 96.4, 117.37, 139.08, 147.73, 158.63, 161.84, 192.11,
-            206.76, 209.07, 213.32, 226.44, 237.12, 330.9, 358.72, 370.77, 372.72, 396.24, 416.59,
-            484.02, 495.47, 514.78, 515.65, 519.47, 544.47, 560.11, 620.77, 18.97, 28.93, 33.91,
-            40.03, 44.66, 49.87, 55.16, 60.9, 72.08, 85.15, 97.06, 119.63, 133.27, 143.84, 161.91,
-            180.67, 198.44, 226.86, 229.65, 258.27, 273.77, 339.15, 350.13, 362.75, 371.03, 393.32,
-            448.53, 473.78, 511.12, 524.7, 548.75, 551.64, 574.02, 623.86, 21.46, 24.33, 33.43,
-            39.22, 44.18, 55.02, 94.33, 96.44, 118.82, 128.48, 141.94, 156.92, 171.65, 190.0,
-            223.26, 223.88, 231.5, 265.05, 269.44, 271.78, 273.46, 334.61, 339.79, 349.52, 358.18,
-            377.98, 394.77, 429.66, 468.22, 487.27, 519.54, 523.03, 612.99, 638.59, 641.36, 622.05,
-            631.5, 663.97, 646.9, 748.29, 749.21, 750.14, 647.04, 646.89, 746.9, 748.43, 747.35,
-            749.27, 647.61, 747.78, 750.51, 851.37, 845.97, 847.54, 849.93, 851.61, 849.75, 850.98,
-            848.23,
-        ],
-        y: &[
-            0.591, 1.547, 2.902, 2.894, 4.703, 6.307, 7.03, 7.898, 9.47, 9.484, 10.072, 10.163,
-            11.615, 12.005, 12.478, 12.982, 12.97, 13.926, 14.452, 14.404, 15.19, 15.55, 15.528,
-            15.499, 16.131, 16.438, 16.387, 16.549, 16.872, 16.83, 16.926, 16.907, 16.966, 17.06,
-            17.122, 17.311, 17.355, 17.668, 17.767, 17.803, 17.765, 17.768, 17.736, 17.858, 17.877,
-            17.912, 18.046, 18.085, 18.291, 18.357, 18.426, 18.584, 18.61, 18.87, 18.795, 19.111,
-            0.367, 0.796, 0.892, 1.903, 2.15, 3.697, 5.87, 6.421, 7.422, 9.944, 11.023, 11.87,
-            12.786, 14.067, 13.974, 14.462, 14.464, 15.381, 15.483, 15.59, 16.075, 16.347, 16.181,
-            16.915, 17.003, 16.978, 17.756, 17.808, 17.868, 18.481, 18.486, 19.09, 16.062, 16.337,
-            16.345, 16.388, 17.159, 17.116, 17.164, 17.123, 17.979, 17.974, 18.007, 17.993, 18.523,
-            18.669, 18.617, 19.371, 19.33, 0.08, 0.248, 1.089, 1.418, 2.278, 3.624, 4.574, 5.556,
-            7.267, 7.695, 9.136, 9.959, 9.957, 11.6, 13.138, 13.564, 13.871, 13.994, 14.947,
-            15.473, 15.379, 15.455, 15.908, 16.114, 17.071, 17.135, 17.282, 17.368, 17.483, 17.764,
-            18.185, 18.271, 18.236, 18.237, 18.523, 18.627, 18.665, 19.086, 0.214, 0.943, 1.429,
-            2.241, 2.951, 3.782, 4.757, 5.602, 7.169, 8.92, 10.055, 12.035, 12.861, 13.436, 14.167,
-            14.755, 15.168, 15.651, 15.746, 16.216, 16.445, 16.965, 17.121, 17.206, 17.25, 17.339,
-            17.793, 18.123, 18.49, 18.566, 18.645, 18.706, 18.924, 19.1, 0.375, 0.471, 1.504,
-            2.204, 2.813, 4.765, 9.835, 10.04, 11.946, 12.596, 13.303, 13.922, 14.44, 14.951,
-            15.627, 15.639, 15.814, 16.315, 16.334, 16.43, 16.423, 17.024, 17.009, 17.165, 17.134,
-            17.349, 17.576, 17.848, 18.09, 18.276, 18.404, 18.519, 19.133, 19.074, 19.239, 19.28,
-            19.101, 19.398, 19.252, 19.89, 20.007, 19.929, 19.268, 19.324, 20.049, 20.107, 20.062,
-            20.065, 19.286, 19.972, 20.088, 20.743, 20.83, 20.935, 21.035, 20.93, 21.074, 21.085,
-            20.935,
-        ],
-    },
-];
