@@ -14,6 +14,7 @@ use crate::diagnose::residuals::noise_level::NoiseLevel;
 use crate::diagnose::selection::confirmation;
 use crate::diagnose::selection::explanation::Explaining;
 use crate::diagnose::selection::hypothesis_test::HypothesisTest;
+use crate::diagnose::selection::reached::Reached;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::diagnose::selection::stepwise::{Rules, Stepwise};
 use crate::diagnose::selection::weak_findings;
@@ -22,8 +23,10 @@ use crate::problem_file::ProblemFile;
 use crate::recording::split::Split;
 use crate::setup::robot::Robot;
 use crate::stats::encompassing::Encompassing;
+use crate::trials::files::{PROBLEM, prepare};
 use crate::trials::plan::{Plan, Scope};
-use crate::trials::run::{Opened, PROBLEM, prepare, run};
+use crate::trials::reference_fits::Opened;
+use crate::trials::run::run;
 use crate::{chain, setup};
 use std::sync::Arc;
 
@@ -312,6 +315,7 @@ fn a_search_withdraws_what_it_found_beside_something_larger() {
             significance: SIGNIFICANCE,
         },
         watch: &|_| (),
+        reached: &Reached::default(),
     };
     let declared = bench.declared(contexts.selection.data);
     let explanation = explaining.explain(declared).unwrap();
