@@ -16,6 +16,7 @@ use crate::chain::model::{Inertials, Model, ModelSettings, Payload, Signal};
 use crate::robot::batch::Trajectory;
 use crate::robot::inertia::{CentralInertia, Inertia};
 use crate::robot::tree::{Joint, JointKind, Limits, Tree};
+use crate::stats::range::within;
 use nalgebra::{DMatrix, Isometry3, Matrix3, Rotation3, Vector3};
 use std::f64::consts::TAU;
 
@@ -75,7 +76,7 @@ pub fn illustrate(effect: &'static Effect) -> Result<Illustration, ModelError> {
     let with_effect = extended(settings([rests_on, vec![effect]].concat()), effect);
     let first = &effect.parameters[0];
     for scale in SCALES {
-        let value = (scale * first.typical).clamp(first.lower, first.upper);
+        let value = within(scale * first.typical, [first.lower, first.upper]);
         let setting = Setting { effect, value };
         let model = with_typical_values(with_effect.clone(), Some(setting))?;
         curves.push(Curve {

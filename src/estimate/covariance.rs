@@ -127,10 +127,29 @@ fn counted(problem: &FitProblem<'_>, index: usize, residuals: &[Vec<f64>]) -> Co
         let all = 0..series.len();
         let own: Vec<f64> = all.map(factor).collect();
         counted.counts.push(own.iter().map(|f| *f != 0.0).collect());
-        let scaled = series.iter().zip(own).map(|(e, f)| e * f);
+        let influence = influence(&own);
+        let scaled = series.iter().zip(&own).map(|(e, f)| influence * e * f * f);
         counted.residuals.push(scaled.collect());
     }
     counted
+}
+
+/// `√(mean f²) / mean ψ′` over the rows that count: residuals f² e times this, beside derivatives times f, give the
+/// covariance of an M-estimator, `mean ψ² / (mean ψ′)² (XᵀX)⁻¹` (Huber and Ronchetti 2009, section 7.6). Of Tukey's biweight with
+/// f = 1 − (u/c)², ψ′ = f (5 f − 4); rows that are counted whole have f = 1, and all of them give 1.
+fn influence(factors: &[f64]) -> f64 {
+    let (mut weight, mut slope, mut rows) = (0.0, 0.0, 0.0);
+    for f in factors.iter().filter(|f| **f != 0.0) {
+        weight += f * f;
+        slope += f * (5.0 * f - 4.0);
+        rows += 1.0;
+    }
+    // More than half of the rows lie where ψ rises, by the scale that is their median deviation.
+    if slope > 0.0 {
+        (weight * rows).sqrt() / slope
+    } else {
+        1.0
+    }
 }
 
 #[derive(Default)]

@@ -86,9 +86,10 @@ const WAYS: [Way; 6] = [
 ];
 
 /// Ways and the correlation of neighbouring samples of noise; the periods tell maximum likelihood how noise is coloured.
-const CALIBRATED: [(Way, f64); 7] = [
+const CALIBRATED: [(Way, f64); 8] = [
     (Way::Free(Estimator::Ordinary), 0.0),
     (Way::Free(Estimator::Weighted), 0.0),
+    (Way::Free(Estimator::Robust), 0.0),
     (Way::Feasible(Form::Weighted), 0.0),
     (Way::Free(Estimator::MaximumLikelihood), 0.0),
     (Way::Free(Estimator::MaximumLikelihood), 0.7),

@@ -133,7 +133,9 @@ fn what_is_not_there_is_named_with_what_is() {
     );
     let text = of(&["t", "q1", "x1"]);
     assert!(
-        text.contains("currents or torques of the joints a1; it has t, q1, x1."),
+        text.contains(
+            "currents, torques or commanded positions of the joints a1; it has t, q1, x1."
+        ),
         "{text}"
     );
 }

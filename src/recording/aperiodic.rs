@@ -93,8 +93,9 @@ fn assembled(
     }
     if let Some(filter) = &parallel {
         signal.iter_mut().for_each(|series| filter.apply(series));
-        let edged = mask_edges(mask, rows.len(), inner);
-        mask = Some(mask_reach(edged, inner, &recording.file)?);
+        let all = mask.unwrap_or_else(|| vec![true; rows.len()]);
+        let apart = mask_reach(all, inner, &recording.file)?;
+        mask = Some(mask_edges(apart, inner));
     }
     let start = rows.start as f64 / rate_hz;
     raw.keep_span(&rows, start, &timing);
@@ -179,8 +180,8 @@ fn keep(channels: &mut [Vec<f64>], rows: &Range<usize>) {
 }
 
 /// Masks the rows at both ends in which the parallel filter knows too little.
-fn mask_edges(mask: Option<Vec<bool>>, rows: usize, edge: usize) -> Vec<bool> {
-    let mut mask = mask.unwrap_or_else(|| vec![true; rows]);
+fn mask_edges(mut mask: Vec<bool>, edge: usize) -> Vec<bool> {
+    let rows = mask.len();
     mask[..edge].fill(false);
     mask[rows - edge..].fill(false);
     mask

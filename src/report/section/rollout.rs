@@ -45,7 +45,7 @@ fn about(rollout: &Rollout) -> String {
 /// Medians and quartiles of every joint over the time since the start.
 fn pictures(rollout: &Rollout) -> String {
     let mut out = format!(
-        "<h3>Error of position over the horizon</h3>\n<p class=\"hint\">{}{}{}medians with quartiles over windows</p>\n<div class=\"plots\">\n",
+        "<h3>Error of position over the horizon</h3>\n<p class=\"hint\">{}{}{}: medians with quartiles over windows</p>\n<div class=\"plots\">\n",
         if rollout.before.is_some() {
             key(RESIDUAL, "before")
         } else {
