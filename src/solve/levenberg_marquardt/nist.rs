@@ -122,7 +122,7 @@ impl<T: Into<Dual>> Mul<T> for Dual {
 
     fn mul(self, other: T) -> Self {
         let other = other.into();
-        let slope = |k: usize| self.slopes[k] * other.value + self.value * other.slopes[k];
+        let slope = |k: usize| self.slopes[k].mul_add(other.value, self.value * other.slopes[k]);
         Self {
             value: self.value * other.value,
             slopes: std::array::from_fn(slope),
@@ -318,7 +318,6 @@ impl Dataset {
             // Starts are far away: full steps would leave for valleys without end.
             initial_damping: 300.0,
             gradient_tolerance: 1e-15,
-            ..Settings::default()
         };
         let problem = self.problem(start);
         let view = LeastSquares::try_from(&problem as &dyn Problem).unwrap();

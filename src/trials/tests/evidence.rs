@@ -2,7 +2,7 @@
 //! have, names that are withdrawn, rows that judge; and controls, which stay silent.
 
 use crate::chain::dataset::{Dataset, Prepared};
-use crate::chain::effect::find;
+use crate::chain::effect::{find, ids};
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::contexts::HeldOutHalves;
 use crate::diagnose::fit::held_out::{self, Purpose};
@@ -21,13 +21,12 @@ use crate::diagnose::selection::weak_findings;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::recording::split::Split;
-use crate::setup::robot::Robot;
+use crate::setup::robot::{Robot, open};
 use crate::stats::encompassing::Encompassing;
 use crate::trials::files::{PROBLEM, prepare};
 use crate::trials::plan::{Plan, Scope};
 use crate::trials::reference_fits::Opened;
 use crate::trials::run::run;
-use crate::{chain, setup};
 use std::sync::Arc;
 
 const SIGNIFICANCE: f64 = 0.001;
@@ -60,9 +59,9 @@ impl Bench {
         )
         .unwrap();
         let path = folder.path().join(PROBLEM);
-        let problem = ProblemFile::read(&path, &[], &chain::effect::ids()).unwrap();
+        let problem = ProblemFile::read(&path, &[], &ids()).unwrap();
         Self {
-            robot: setup::robot::open(&problem).unwrap(),
+            robot: open(&problem).unwrap(),
             opened: Opened::read(&path, &control).unwrap(),
             problem,
             control,
