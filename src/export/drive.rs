@@ -66,6 +66,12 @@ impl Drives {
         })
     }
 
+    /// Whether a law at a motor has a state of its own.
+    pub fn remember(&self) -> bool {
+        let mut laws = self.drives.iter().flat_map(|drive| &drive.motor);
+        laws.any(|law| law.state.is_some())
+    }
+
     /// Joints whose links lag their motors.
     pub fn lagging(&self) -> Vec<usize> {
         let drives = self.drives.iter().enumerate();

@@ -46,6 +46,13 @@ pub fn write(machine: &Machine, name: &str) -> Result<Export, ExportError> {
     if machine.payload.is_some() {
         notes.push("the load is part of the link that carries it".to_string());
     }
+    if !lagging.is_empty() || drives.remember() {
+        notes.push(
+            "elastic gears, play and bristles begin without twist, and only their laws have been compared with those of \
+             exid, not motions with them"
+                .to_string(),
+        );
+    }
     notes.extend(code::notes(machine, &drives));
     Ok(Export {
         files: vec![

@@ -24,7 +24,16 @@ fn joints(rollout: &Rollout, horizon: &Horizon) -> Vec<String> {
     let after = format!("after {} s", horizon.horizon);
     let mut headers = vec![after, "unit".to_string()];
     headers.extend(has_before.then(|| "before".to_string()));
-    headers.extend(["after", "quartiles", "RMS", "noise alone", "lost"].map(str::to_string));
+    headers.extend(
+        [
+            "after",
+            "quartiles",
+            "RMS",
+            "noise alone",
+            "lost before, after",
+        ]
+        .map(str::to_string),
+    );
     let mut rows = vec![headers];
     for joint in &horizon.joints {
         let mut row = vec![joint.joint.clone(), joint.unit.clone()];
