@@ -17,6 +17,9 @@ use crate::recording::table::LEAST_ROWS;
 use crate::recording::timing::{Grid, Timing, resample, take_stamps};
 use crate::recording::zero_phase::ZeroPhase;
 
+/// A piece between two gaps loses at most one part in so many on each side, so that at least a third of it counts.
+const SHARE_OF_NEIGHBOURS: usize = 3;
+
 pub(super) fn prepare(
     mut recording: Recording,
     preparation: &Preparation,
@@ -188,13 +191,19 @@ fn mask_edges(mut mask: Vec<bool>, edge: usize) -> Vec<bool> {
 }
 
 /// Masks the rows within the filter's reach of a gap: what bridges the signal there is not what the model makes of what
-/// bridges the motion, and the filter carries the difference to both sides.
+/// bridges the motion, and the filter carries the difference to both sides. Short pieces between gaps keep their middle.
 ///
 /// Errors: too few rows are left.
 fn mask_reach(mut mask: Vec<bool>, reach: usize, file: &Path) -> Result<Vec<bool>, RecordingError> {
     let rows = mask.len();
-    for gap in gaps(Some(&mask), (LONG_GAP * reach as f64) as usize) {
-        mask[gap.start.saturating_sub(reach)..(gap.end + reach).min(rows)].fill(false);
+    let long = gaps(Some(&mask), (LONG_GAP * reach as f64) as usize);
+    // The reach into what lies between a gap and the next one, or the end of the recording.
+    let within = |between: usize| reach.min(between / SHARE_OF_NEIGHBOURS);
+    for (k, gap) in long.iter().enumerate() {
+        let before = k.checked_sub(1).map_or(0, |k| long[k].end);
+        let after = long.get(k + 1).map_or(rows, |next| next.start);
+        let (start, end) = (within(gap.start - before), within(after - gap.end));
+        mask[gap.start - start..gap.end + end].fill(false);
     }
     if mask.iter().filter(|&&counts| counts).count() < LEAST_ROWS {
         let kind = RecordingErrorKind::NothingUnmasked;

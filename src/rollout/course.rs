@@ -5,6 +5,7 @@ use crate::chain::evaluate::Evaluator;
 use crate::chain::forward::{Accuracy, Driven, Forward, NoInertia, NotForward, State};
 use crate::robot::tree::JointKind;
 use crate::rollout::candidate::Candidate;
+use crate::stats::range::within;
 use nalgebra::DMatrix;
 
 /// Largest distance from the recording, rad or m by kind of joint, at which a model is not lost.
@@ -238,7 +239,7 @@ fn shifted(series: &[f64], rows: f64, cyclic: bool) -> Vec<f64> {
         let k = if cyclic {
             k.rem_euclid(count)
         } else {
-            k.clamp(0.0, count - 1.0)
+            within(k, [0.0, count - 1.0])
         };
         series[(k as usize).min(series.len() - 1)]
     };
