@@ -2,8 +2,8 @@
 
 use crate::check::finding;
 use crate::check::setting::{Read, extent};
-use crate::check::velocity::quantum;
 use crate::outcome::check::{Finding, Severity};
+use crate::recording::spikes::quantum;
 
 /// Samples in a row at the extreme value that make a plateau.
 const PLATEAU: usize = 4;

@@ -6,6 +6,7 @@ use crate::check::finding;
 use crate::check::setting::Read;
 use crate::check::units::DEGREES;
 use crate::outcome::check::{Finding, Severity};
+use crate::recording::spikes::quantum;
 use crate::stats::deviation::rms;
 
 /// Length T of the integrals, s: longer than the delay of a filter of velocities, shorter than a swing.
@@ -164,17 +165,6 @@ fn integrals(read: &Read<'_>, series: &[f64]) -> Vec<f64> {
     (0..count)
         .map(|m| (m * window..(m + 1) * window).map(area).sum())
         .collect()
-}
-
-/// Least change of a series between two samples: the quantum of an encoder.
-pub(super) fn quantum(series: &[f64]) -> f64 {
-    let steps = series.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let scale = series.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    // Differences of decimal numbers that should be zero are rounding.
-    let least = steps
-        .filter(|step| *step > 1e-12 * scale)
-        .fold(f64::INFINITY, f64::min);
-    if least.is_finite() { least } else { 0.0 }
 }
 
 fn product(a: &[f64], b: &[f64]) -> f64 {

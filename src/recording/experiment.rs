@@ -10,6 +10,7 @@ use crate::recording::columns::Recording;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::period::{self, Settled};
 use crate::recording::settings::{Method, Preparation};
+use crate::recording::spikes;
 use crate::recording::timing::{Grid, Timing, examine, mask_on};
 use crate::recording::zero_phase::ZeroPhase;
 use crate::recording::{aperiodic, clock, periodic};
@@ -155,9 +156,10 @@ pub struct Experiment {
 /// Errors: of the time base, of the settings, a recording that is too short, a mask that leaves
 /// too little.
 pub fn prepare(
-    recording: Recording,
+    mut recording: Recording,
     preparation: &Preparation,
 ) -> Result<Experiment, RecordingError> {
+    let spikes = spikes::replace(&mut recording);
     let timing = examine(&recording, preparation.rate)?;
     preparation.validate(&recording, &timing)?;
     let settled = period_of(&recording, preparation, &timing)?;
@@ -172,9 +174,11 @@ pub fn prepare(
         None => aperiodic::prepare(recording, preparation, timing),
     }?;
     experiment.remarks.extend(
-        joined
-            .into_iter()
-            .chain([missing, held, clock, settled.remark].into_iter().flatten()),
+        joined.into_iter().chain(
+            [missing, spikes, held, clock, settled.remark]
+                .into_iter()
+                .flatten(),
+        ),
     );
     Ok(experiment)
 }

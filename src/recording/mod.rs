@@ -39,6 +39,7 @@ pub mod row_faults;
 pub mod settings;
 mod smoother;
 mod spectrum;
+pub mod spikes;
 mod spline;
 pub mod split;
 pub mod survey;
