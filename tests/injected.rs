@@ -33,15 +33,24 @@ impl Table {
 
     /// Columns of the signal: currents, torques or voltages.
     fn signal(&self) -> Vec<usize> {
-        let is_signal = |name: &str| {
-            ["i", "tau", "taum", "voltage"].iter().any(|prefix| {
+        self.columns(&["i", "tau", "taum", "voltage"])
+    }
+
+    fn positions(&self) -> Vec<usize> {
+        self.columns(&["q", "qm"])
+    }
+
+    /// Columns whose names are one of the prefixes and a number.
+    fn columns(&self, prefixes: &[&str]) -> Vec<usize> {
+        let is_one = |name: &str| {
+            prefixes.iter().any(|prefix| {
                 let number = name.strip_prefix(prefix);
                 number.is_some_and(|n| n.parse::<usize>().is_ok())
             })
         };
         let names = self.rows[0].iter().enumerate();
         names
-            .filter(|(_, name)| is_signal(name))
+            .filter(|(_, name)| is_one(name))
             .map(|(k, _)| k)
             .collect()
     }
@@ -55,7 +64,10 @@ impl Table {
 enum Damage {
     EmptyCells,
     Gap,
+    /// Of signals.
     Outliers,
+    /// Of positions.
+    Glitches,
 }
 
 impl Damage {
@@ -63,7 +75,7 @@ impl Damage {
         match self {
             Self::EmptyCells => "missing-values",
             Self::Gap => "missing-samples",
-            Self::Outliers => "spikes",
+            Self::Outliers | Self::Glitches => "spikes",
         }
     }
 
@@ -85,27 +97,34 @@ impl Damage {
                 let (from, rows) = (table.rows.len() / 3, (0.4 / step).round() as usize);
                 table.rows.drain(from..from + rows);
             }
-            // One sample in a hundred, off by half to all of the channel's range.
-            Self::Outliers => {
-                for column in signal {
-                    let series: Vec<f64> = (1..table.rows.len())
-                        .map(|row| table.number(row, column))
-                        .collect();
-                    let ends = series
-                        .iter()
-                        .fold([f64::INFINITY, f64::NEG_INFINITY], |e, x| {
-                            [e[0].min(*x), e[1].max(*x)]
-                        });
-                    let range = ends[1] - ends[0];
-                    for _ in 0..series.len() / 100 {
-                        let row = random.random_range(0..series.len());
-                        let off = range
-                            * random.random_range(0.5..1.0)
-                            * [-1.0, 1.0][random.random_range(0..2)];
-                        table.rows[row + 1][column] = format!("{:e}", series[row] + off);
-                    }
-                }
+            Self::Outliers => throw_off(table, signal, [0.5, 1.0], &mut random),
+            Self::Glitches => {
+                let positions = table.positions();
+                assert!(!positions.is_empty(), "{:?}", table.rows[0]);
+                throw_off(table, positions, [0.1, 1.0], &mut random);
             }
+        }
+    }
+}
+
+/// One sample in a hundred of each column, off by a share of the channel's range between two ends.
+fn throw_off(table: &mut Table, columns: Vec<usize>, share: [f64; 2], random: &mut ChaCha8Rng) {
+    for column in columns {
+        let series: Vec<f64> = (1..table.rows.len())
+            .map(|row| table.number(row, column))
+            .collect();
+        let ends = series
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |e, x| {
+                [e[0].min(*x), e[1].max(*x)]
+            });
+        let range = ends[1] - ends[0];
+        for _ in 0..series.len() / 100 {
+            let row = random.random_range(0..series.len());
+            let off = range
+                * random.random_range(share[0]..share[1])
+                * [-1.0, 1.0][random.random_range(0..2)];
+            table.rows[row + 1][column] = format!("{:e}", series[row] + off);
         }
     }
 }
@@ -226,6 +245,7 @@ fn damaged_recordings_give_the_same_answers_within_their_intervals() {
             (Damage::Gap, None),
             (Damage::Outliers, None),
             (Damage::Outliers, Some("irls")),
+            (Damage::Glitches, None),
         ] {
             let mut table = Table::read(&train);
             damage.injure(&mut table);
@@ -258,9 +278,7 @@ fn damaged_recordings_give_the_same_answers_within_their_intervals() {
             );
             eprintln!("{words}");
             let is_said = found.said.iter().any(|code| code == damage.code());
-            // Far outliers pull least squares, and a filter spreads them: they are said, and their figures stated.
-            let moves = damage != Damage::Outliers && beyond > 0;
-            if moves || moved.is_empty() || !is_said {
+            if beyond > 0 || moved.is_empty() || !is_said {
                 wrong.push(format!("{words}, said: {is_said}"));
             }
         }

@@ -30,7 +30,6 @@ period = 5.0
 
 [simulate]
 trajectory = "random"
-mode = "closed_loop"
 periods = 4
 noise = [0.01, 0.01]
 encoder_counts = 524288

@@ -250,6 +250,19 @@ impl Dataset {
         self.recordings.iter().filter(move |r| r.split == split)
     }
 
+    /// The greatest speed of every joint in the training recordings, at joint scale.
+    pub fn fastest(&self) -> Vec<f64> {
+        let joints = self.recordings.first();
+        let joints = joints.map_or(0, |r| r.segment().motors.dq.len());
+        let of = |joint: usize| {
+            let speeds = self
+                .of(Split::Train)
+                .flat_map(|r| &r.segment().motors.dq[joint]);
+            speeds.fold(0.0, |fastest: f64, v| fastest.max(v.abs()))
+        };
+        (0..joints).map(of).collect()
+    }
+
     /// Loads with which the training recordings were made: without, with, or both.
     pub fn loads(&self) -> Vec<bool> {
         let made = |loaded: bool| self.of(Split::Train).any(|r| r.loaded == loaded);

@@ -2,7 +2,9 @@
 
 use crate::chain::assemble;
 use crate::chain::controller::Controller;
-use crate::chain::effect::{Effect, Law, Memory, ParameterInfo, torque_current_nonlinearity};
+use crate::chain::effect::{
+    Effect, Law, Memory, ParameterInfo, coulomb_friction, torque_current_nonlinearity,
+};
 use crate::chain::error::ModelError;
 use crate::chain::parameter::{Parameter, Role, State};
 use crate::chain::platform::Platform;
@@ -488,6 +490,23 @@ impl Model {
         (parameter.lower, parameter.upper) = (lower, upper);
         parameter.bounded = true;
         parameter.value = within(parameter.value, [lower, upper]);
+    }
+
+    /// Narrows the transitions of Coulomb friction to what motions show whose joints move at most so fast, rad/s or m/s at
+    /// joint scale: a friction that has not come to [`coulomb_friction::SEEN`] of Fc anywhere is none of constant size, and its
+    /// Fc would be extrapolated. Limits and values that were stated stay.
+    pub fn limit_transitions(&mut self, fastest: &[f64]) {
+        let widths = self.joints.iter().zip(fastest);
+        let widths: Vec<(usize, f64)> = widths
+            .filter_map(|(joint, fastest)| Some((joint.width?, coulomb_friction::widest(*fastest))))
+            .collect();
+        for (index, widest) in widths {
+            let parameter = &mut self.parameters[index];
+            if parameter.is_free() && !parameter.bounded {
+                parameter.upper = parameter.upper.min(widest);
+                parameter.value = within(parameter.value, [parameter.lower, parameter.upper]);
+            }
+        }
     }
 
     /// V at the given parameter values.

@@ -3,18 +3,18 @@
 use crate::check::finding;
 use crate::check::setting::Read;
 use crate::outcome::check::{Finding, Severity};
-use crate::recording::spikes::{SPIKE_SIGMA, spikes};
+use crate::recording::spikes::{Channel, SPIKE_SIGMA, spikes};
 
 /// Share of the samples up to which spikes cannot move an estimate by a standard deviation or two.
 const FEW: f64 = 0.0005;
 
 pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
     let signals = read.recording.signal.iter().enumerate();
-    let signals =
-        signals.filter_map(|(c, series)| Some((read.at_signal(c), "signal", of(read, series)?)));
+    let signals = signals
+        .filter_map(|(c, s)| Some((read.at_signal(c), "signal", of(read, s, Channel::Jumping)?)));
     let positions = read.recording.position.iter().enumerate();
-    let positions =
-        positions.filter_map(|(j, s)| Some((read.at_joint(j), "position", of(read, s)?)));
+    let positions = positions
+        .filter_map(|(j, s)| Some((read.at_joint(j), "position", of(read, s, Channel::Smooth)?)));
     let severity = |count: usize| {
         if count as f64 > FEW * read.samples() as f64 {
             Severity::Warning
@@ -37,10 +37,7 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
                         spikes.size,
                         read.time(spikes.at)
                     ),
-                    match what {
-                        "signal" => "the median of their neighbours takes their place; look for the cause".to_string(),
-                        _ => "leave them out with recordings.columns.mask".to_string(),
-                    },
+                    "what their neighbours say takes their place; look for the cause".to_string(),
                 ),
             )
         })
@@ -54,8 +51,8 @@ struct Spikes {
     size: f64,
 }
 
-fn of(read: &Read<'_>, series: &[f64]) -> Option<Spikes> {
-    let mut found = spikes(series);
+fn of(read: &Read<'_>, series: &[f64], channel: Channel) -> Option<Spikes> {
+    let mut found = spikes(series, channel);
     found.retain(|spike| read.counts(spike.at));
     let largest = found.iter().max_by(|a, b| a.size.total_cmp(&b.size))?;
     Some(Spikes {

@@ -82,6 +82,7 @@ pub fn run(
     let prior = setup::prior::build(problem, &robot, &mut model)?;
     watch(Step::Reading);
     let data = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
+    model.limit_transitions(&data.fastest());
     watch(Step::Fitting);
     let (mut fitted, mut defect) = or_before_defect(control, |control| {
         let fitted = match problem.fit.load.value {
@@ -200,6 +201,7 @@ fn compare(
         }
         let mut other = setup::model::build_compared(problem, robot, &compared.effects.value)?;
         let prior = setup::prior::build(problem, robot, &mut other)?;
+        other.limit_transitions(&data.fastest());
         let result = estimate(problem, &other, (data, &prior), control)?
             .map_err(|error| failed(problem, error))?;
         let effects = compared.effects.value.iter().map(|e| e.value.clone());

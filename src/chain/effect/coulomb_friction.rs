@@ -47,6 +47,16 @@ pub const EFFECT: Effect = Effect {
 pub const FC: usize = 0;
 pub const WIDTH: usize = 1;
 
+/// Share of Fc that a joint has to come to at its fastest, for Fc to be seen rather than extrapolated: the usual band within which
+/// a value counts as settled, 5 %.
+pub const SEEN: f64 = 0.95;
+
+/// The widest transition with which a joint that is so fast at most comes to that share, `v/(v + w) = 0.95`; never below the
+/// typical one, for what creeps tells nothing of it.
+pub fn widest(fastest: f64) -> f64 {
+    (fastest * (1.0 - SEEN) / SEEN).max(EFFECT.parameters[WIDTH].typical)
+}
+
 /// `sign(v) = v/(|v| + w)`, 0 at standstill; with w = 0 the sign of v.
 #[inline]
 pub fn sign(velocity: f64, width: f64) -> f64 {

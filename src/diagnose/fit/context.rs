@@ -75,6 +75,7 @@ impl<'a> Context<'a> {
         let mut model =
             model::build_with_addition(self.problem, self.robot, &addition(hypotheses))?;
         let prior = prior::build(self.problem, self.robot, &mut model)?;
+        model.limit_transitions(&self.data.fastest());
         Ok((model, prior))
     }
 
