@@ -31,11 +31,11 @@ pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
         .filter_map(|(channel, joint)| {
             let friction = friction(comparison, (channel, joint))?;
             let against_file = factors.iter().find(|f| f.channel == channel && f.value < 0.0);
-            let (severity, message) = match (friction.is_negative(), against_file) {
+            let (severity, reason) = match (friction.is_negative(), against_file) {
                 (true, _) => (
                     Severity::Error,
                     format!(
-                        "the signal has the wrong sign: friction would give the joint {:.3} W on the average instead \
+                        "friction would give the joint {:.3} W on the average instead \
                          of taking it ({:.0} standard deviations)",
                         -friction.power,
                         friction.deviations()
@@ -45,8 +45,7 @@ pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
                 (false, Some(f)) if friction.power <= 0.0 => (
                     Severity::Warning,
                     format!(
-                        "the signal has the wrong sign, or the robot file's inertials are not this robot's: the torque \
-                         is {:.3} times what they give",
+                        "the torque is {:.3} times what the robot file's inertials give, if these are right",
                         f.value
                     ),
                 ),
@@ -57,7 +56,7 @@ pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
                 ready.at_channel(channel),
                 (
                     "signal-sign",
-                    message,
+                    format!("the signal has the wrong sign: {reason}"),
                     "signals are what the motor exerts, positive along positive motion: change the sign of this \
                      channel (a negative torque constant does)"
                         .to_string(),
