@@ -37,7 +37,8 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
                         spikes.size,
                         read.time(spikes.at)
                     ),
-                    "what their neighbours say takes their place; look for the cause".to_string(),
+                    "where they come with nothing in the motion, what their neighbours say takes their place; look for the cause"
+                        .to_string(),
                 ),
             )
         })

@@ -159,10 +159,11 @@ pub fn prepare(
     mut recording: Recording,
     preparation: &Preparation,
 ) -> Result<Experiment, RecordingError> {
-    let spikes = spikes::replace(&mut recording);
     let timing = examine(&recording, preparation.rate)?;
     preparation.validate(&recording, &timing)?;
     let settled = period_of(&recording, preparation, &timing)?;
+    let period = settled.period.as_ref();
+    let spikes = spikes::replace(&mut recording, period.map(|(s, _)| s * timing.rate_hz));
     let held = recording.held.as_ref();
     let held = held.map(|held| held.words(&recording, &timing));
     let clock = clock::words(&recording, timing.rate_hz);

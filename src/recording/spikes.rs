@@ -8,7 +8,8 @@
 //! quarter of its range where it can jump, as torques do where friction turns; where it cannot, as positions, four times what
 //! it moves between two samples, since a motion is nowhere farther from the median of five samples than two such steps. One
 //! spike moves a least-squares estimate by as much as its whole size, and a filter spreads it over its neighbours. Before any
-//! filter the median of these takes its place, and in positions the cubic through them.
+//! filter the median of these takes its place, and in positions the cubic through those that are none, unless the machine made it: impacts
+//! are spikes of the signal too, and come again in every period, or where speed or torque turn over.
 
 use crate::recording::columns::Recording;
 use crate::stats::robust::mad_scale;
@@ -31,6 +32,15 @@ const SPIKE_QUANTA: f64 = 8.0;
 /// Half the width of the median's window: follows every monotone change of three samples or more.
 const HALF: usize = 2;
 
+/// Samples within which two spikes have the same phase of a period.
+const SAME_PHASE: f64 = 2.0;
+
+/// Spikes below which nothing tells whether they come with the motion.
+const LEAST_SPIKES: usize = 12;
+
+/// Standard deviations from which their ranks are none of chance: one such mean in a thousand.
+const RANDOM_SIGMA: f64 = 3.3;
+
 /// A sample that stands out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spike {
@@ -51,7 +61,10 @@ pub enum Channel {
 
 /// The spikes of a series, in its order.
 pub fn spikes(series: &[f64], channel: Channel) -> Vec<Spike> {
-    let deviations: Vec<f64> = (HALF..series.len().saturating_sub(HALF))
+    if series.len() <= 2 * HALF {
+        return Vec::new();
+    }
+    let deviations: Vec<f64> = (0..series.len())
         .map(|k| series[k] - around(series, k))
         .collect();
     // Most samples of a smooth channel are their own median: the scale is that of the others.
@@ -68,10 +81,7 @@ pub fn spikes(series: &[f64], channel: Channel) -> Vec<Spike> {
         .max(SPIKE_QUANTA * quantum(series));
     let standing_out = deviations.iter().enumerate();
     let standing_out = standing_out.filter(|(_, d)| d.abs() > threshold);
-    let spike = |(k, d): (usize, &f64)| Spike {
-        at: k + HALF,
-        size: d.abs(),
-    };
+    let spike = |(at, d): (usize, &f64)| Spike { at, size: d.abs() };
     standing_out.map(spike).collect()
 }
 
@@ -92,61 +102,122 @@ fn own_step(series: &[f64]) -> f64 {
     steps.get(at).copied().unwrap_or(0.0)
 }
 
-/// Puts what its neighbours say in the place of every spike of signals, positions and velocities; says how many there were.
-pub(super) fn replace(recording: &mut Recording) -> Option<String> {
+/// Puts what its neighbours say in the place of spikes that the recorder made; says how many there were. Those of positions
+/// all are, for nothing jumps and comes back; those of signals and velocities where the machine has no part in them.
+pub(super) fn replace(recording: &mut Recording, period: Option<f64>) -> Option<String> {
     let mut replaced = Vec::new();
-    let kinds = [
-        ("signal", Channel::Jumping, Some(&mut recording.signal)),
-        ("position", Channel::Smooth, Some(&mut recording.position)),
-        ("velocity", Channel::Jumping, recording.velocity.as_mut()),
+    let mut note = |what: &str, number: usize, count: usize| {
+        if count > 0 {
+            replaced.push(format!("{count} of {what} {}", number + 1));
+        }
+    };
+    for (joint, series) in recording.position.iter_mut().enumerate() {
+        let found = spikes(series, Channel::Smooth);
+        repair(series, &found, Channel::Smooth);
+        note("position", joint, found.len());
+    }
+    let joints = recording.position.len();
+    let jumping = [
+        ("signal", Some(&mut recording.signal)),
+        ("velocity", recording.velocity.as_mut()),
     ];
-    for (what, channel, columns) in kinds {
-        for (number, series) in columns.into_iter().flatten().enumerate() {
-            let found = spikes(series, channel);
-            let repaired: Vec<f64> = (found.iter())
-                .map(|spike| repaired(series, spike.at, channel))
-                .collect();
-            for (spike, value) in found.iter().zip(repaired) {
-                series[spike.at] = value;
+    for (what, columns) in jumping {
+        let columns = columns.into_iter().flatten().enumerate();
+        // Channels that are none of joints have no motion of their own to be held against.
+        for (joint, series) in columns.take(joints) {
+            let mut found = spikes(series, Channel::Jumping);
+            match period {
+                Some(period) => found = unrepeated(&found, period),
+                None if !are_random(&found, &recording.position[joint], series) => found.clear(),
+                None => {}
             }
-            if !found.is_empty() {
-                replaced.push(format!("{} of {what} {}", found.len(), number + 1));
-            }
+            repair(series, &found, Channel::Jumping);
+            note(what, joint, found.len());
         }
     }
     (!replaced.is_empty()).then(|| {
         format!(
-            "Single samples of {} stand out from their neighbours by more than {SPIKE_SIGMA} standard deviations, and \
-             what these say takes their place: {}.",
+            "Single samples of {} stand out from their neighbours by more than {SPIKE_SIGMA} standard deviations, and come \
+             with nothing in the motion; what their neighbours say takes their place: {}.",
             recording.file.display(),
             replaced.join(", ")
         )
     })
 }
 
-/// What stands in the place of a spike.
-fn repaired(series: &[f64], k: usize, channel: Channel) -> f64 {
-    let median = around(series, k);
-    match channel {
-        Channel::Jumping => median,
-        Channel::Smooth => {
-            let cubic =
-                (4.0 * (series[k - 1] + series[k + 1]) - series[k - 2] - series[k + 2]) / 6.0;
-            // A neighbour that is a spike itself throws the cubic off, and not the median.
-            let near = (series[k - 1] - series[k + 1]).abs();
-            if (cubic - median).abs() <= near {
-                cubic
-            } else {
-                median
-            }
-        }
+/// The spikes that are not there again in other periods, given in samples: what repeats is the machine's.
+fn unrepeated(found: &[Spike], period: f64) -> Vec<Spike> {
+    let again = |a: &Spike, b: &Spike| {
+        let apart = a.at.abs_diff(b.at) as f64 / period;
+        apart > 0.5 && (apart - apart.round()).abs() * period <= SAME_PHASE
+    };
+    let alone = |spike: &&Spike| !found.iter().any(|other| again(spike, other));
+    found.iter().filter(alone).copied().collect()
+}
+
+/// Whether spikes come at any speed of the joint and at any size of the signal alike. Impacts, as of play that is gone
+/// through, come where one or the other turns over. The mean of n ranks within (0, 1) has the variance 1/(12 n).
+fn are_random(found: &[Spike], position: &[f64], signal: &[f64]) -> bool {
+    if found.len() < LEAST_SPIKES {
+        return false;
+    }
+    let last = position.len() - 1;
+    let speed =
+        |k: usize| (position[(k + HALF).min(last)] - position[k.saturating_sub(HALF)]).abs();
+    let size = |k: usize| around(signal, k).abs();
+    let is_spread = |of: &dyn Fn(usize) -> f64| {
+        let mut all: Vec<f64> = (0..=last).map(of).collect();
+        all.sort_by(f64::total_cmp);
+        let rank = |spike: &Spike| {
+            let value = of(spike.at);
+            let below = all.partition_point(|x| *x < value);
+            let through = all.partition_point(|x| *x <= value);
+            0.5 * (below + through) as f64 / all.len() as f64
+        };
+        let count = found.len() as f64;
+        let mean = found.iter().map(rank).sum::<f64>() / count;
+        (mean - 0.5).abs() * (12.0 * count).sqrt() < RANDOM_SIGMA
+    };
+    is_spread(&speed) && is_spread(&size)
+}
+
+fn repair(series: &mut [f64], found: &[Spike], channel: Channel) {
+    let value = |spike: &Spike| match channel {
+        Channel::Jumping => around(series, spike.at),
+        Channel::Smooth => between(series, spike.at, found),
+    };
+    let values: Vec<f64> = found.iter().map(value).collect();
+    for (spike, value) in found.iter().zip(values) {
+        series[spike.at] = value;
     }
 }
 
-/// Median of a sample and its neighbours, as many on both sides.
+/// The value at a row of the cubic through two samples on either side, or what there is of them, that are no spikes.
+fn between(series: &[f64], at: usize, found: &[Spike]) -> f64 {
+    let is_sound = |k: &usize| found.binary_search_by_key(k, |spike| spike.at).is_err();
+    let before: Vec<usize> = (0..at).rev().filter(is_sound).take(4).collect();
+    let after: Vec<usize> = (at + 1..series.len()).filter(is_sound).take(4).collect();
+    let of_after = after.len().min(4 - before.len().min(2));
+    let nodes: Vec<usize> = (before.iter().take(4 - of_after))
+        .chain(&after[..of_after])
+        .copied()
+        .collect();
+    let place = |k: usize| k as f64 - at as f64;
+    // Lagrange's polynomial at 0.
+    let weight = |&k: &usize| -> f64 {
+        let others = nodes.iter().filter(|other| **other != k);
+        others
+            .map(|&other| place(other) / (place(other) - place(k)))
+            .product()
+    };
+    nodes.iter().map(|k| weight(k) * series[*k]).sum()
+}
+
+/// Median of a sample and its neighbours, two on either side, or the five at the end of the series.
 fn around(series: &[f64], k: usize) -> f64 {
+    let first = k.saturating_sub(HALF).min(series.len() - 2 * HALF - 1);
     let mut window = [0.0; 2 * HALF + 1];
-    window.copy_from_slice(&series[k - HALF..=k + HALF]);
+    window.copy_from_slice(&series[first..=first + 2 * HALF]);
     window.sort_by(f64::total_cmp);
     window[HALF]
 }
@@ -165,6 +236,7 @@ pub fn quantum(series: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     fn signal() -> Vec<f64> {
         // Friction that turns over within one sample, and something like noise.
@@ -180,14 +252,14 @@ mod tests {
     fn single_samples_are_found_and_steps_are_not() {
         let mut series = signal();
         assert_eq!(spikes(&series, Channel::Jumping), []);
-        for (at, size) in [(123, 3.0), (500, -2.5), (777, 9.0)] {
+        for (at, size) in [(123, 3.0), (525, -2.5), (777, 9.0)] {
             series[at] += size;
         }
         let found: Vec<usize> = spikes(&series, Channel::Jumping)
             .iter()
             .map(|spike| spike.at)
             .collect();
-        assert_eq!(found, [123, 500, 777]);
+        assert_eq!(found, [123, 525, 777]);
     }
 
     #[test]
@@ -204,14 +276,47 @@ mod tests {
         let clean: Vec<f64> = (0..1000).map(path).collect();
         assert_eq!(spikes(&clean, Channel::Smooth), []);
         let mut broken = clean.clone();
-        for (at, size) in [(123, 0.2), (500, -0.15), (777, 9.0)] {
+        let sizes = [
+            (0, 0.3),
+            (123, 0.2),
+            (500, -0.15),
+            (501, 0.4),
+            (777, 9.0),
+            (998, 1.0),
+        ];
+        for (at, size) in sizes {
             broken[at] += size;
         }
         let found = spikes(&broken, Channel::Smooth);
-        assert_eq!(found.len(), 3);
-        for spike in found {
-            let value = repaired(&broken, spike.at, Channel::Smooth);
-            assert!((value - clean[spike.at]).abs() < 1e-5);
-        }
+        assert_eq!(
+            found.iter().map(|s| s.at).collect::<Vec<_>>(),
+            sizes.map(|(at, _)| at)
+        );
+        repair(&mut broken, &found, Channel::Smooth);
+        let worst = clean
+            .iter()
+            .zip(&broken)
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f64::max);
+        assert!(worst < 1e-5, "{worst}");
+    }
+
+    #[test]
+    fn what_comes_with_the_motion_is_the_machines() {
+        let position: Vec<f64> = (0..2000).map(|k| (k as f64 / 50.0).sin()).collect();
+        let signal: Vec<f64> = signal().into_iter().chain(signal()).collect();
+        let at = |rows: Vec<usize>| -> Vec<Spike> {
+            let spike = |at: usize| Spike { at, size: 1.0 };
+            rows.into_iter().map(spike).collect()
+        };
+        // Reversals are at (n + 1/2)·50π.
+        let reversals = at((0..12)
+            .map(|n| ((n as f64 + 0.5) * 50.0 * PI) as usize)
+            .collect());
+        let anywhere = at((1..40).map(|k| k * 997 % 1999).collect());
+        assert!(!are_random(&reversals, &position, &signal));
+        assert!(are_random(&anywhere, &position, &signal));
+        assert!(!are_random(&anywhere[..5], &position, &signal));
+        assert_eq!(unrepeated(&at(vec![100, 501, 700]), 400.0), at(vec![700]));
     }
 }
