@@ -35,6 +35,7 @@ use crate::rollout::error::RolloutError;
 use crate::rollout::noise::{ChannelNoise, draw, stream};
 use crate::rollout::spread::spread;
 use crate::setup;
+use crate::stats::range::within;
 use crate::stats::robust::median;
 use rayon::prelude::*;
 
@@ -176,8 +177,7 @@ impl Starts {
         let rows_of = |seconds: f64| (seconds * rate).round().max(1.0) as usize;
         let (shortest, longest) = (rows_of(HORIZONS[0]), rows_of(HORIZONS[HORIZONS.len() - 1]));
         let fits: f64 = run.iter().filter(|r| **r > shortest + margin).count() as f64;
-        let [least, most] = WINDOWS;
-        let wanted = (fits / (EVERY * rate)).clamp(least, most);
+        let wanted = within(fits / (EVERY * rate), WINDOWS);
         let every = (fits / wanted).round().max(1.0) as usize;
         let starts: Vec<usize> = (margin..count)
             .step_by(every)

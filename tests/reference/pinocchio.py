@@ -119,7 +119,9 @@ def dynamics(model, state):
     q, dq, ddq = state
     data, at = model.createData(), positions(model, q)
     torque = pin.rnea(model, data, at, dq, ddq).copy()
-    by_position, by_velocity, mass = pin.computeRNEADerivatives(model, data, at, dq, ddq)
+    # Matrices of one joint come back as vectors.
+    derivatives = pin.computeRNEADerivatives(model, data, at, dq, ddq)
+    by_position, by_velocity, mass = (np.reshape(m, (model.nv, model.nv)) for m in derivatives)
     mass = np.triu(mass) + np.triu(mass, 1).T
     return {
         "q": numbers(q),
@@ -162,7 +164,7 @@ def regressors(model, carried, state):
     bodies = [inertia.toDynamicParameters() for inertia in list(model.inertias)[1:]]
     return {
         "parameters": numbers(np.concatenate(bodies)),
-        "torque_regressor": numbers(of_torque),
+        "torque_regressor": numbers(np.reshape(of_torque, (model.nv, -1))),
         "base_regressor": numbers(of_base),
     }
 
