@@ -18,6 +18,7 @@ use crate::problem::solution::{Control, Solution};
 use crate::problem::view::LeastSquares;
 use crate::problem::{OutsideDomain, Problem};
 use crate::solve::levenberg_marquardt::{Settings, minimize};
+use crate::stats::range::within;
 
 /// Digits that NIST certifies.
 const CERTIFIED_DIGITS: f64 = 11.0;
@@ -329,7 +330,7 @@ impl Dataset {
 /// Digits in which two numbers agree, of those that are certified.
 fn digits(found: f64, certified: f64) -> f64 {
     let error = (found - certified).abs() / certified.abs();
-    (-error.log10()).clamp(0.0, CERTIFIED_DIGITS)
+    within(-error.log10(), [0.0, CERTIFIED_DIGITS])
 }
 
 #[test]
