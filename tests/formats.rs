@@ -2,7 +2,8 @@
 //! `tests/data/recordings/formats/make.py` writes the files and states what they hold.
 
 use exid::recording::column_map::{Column, ColumnMap, ColumnsAt, Factors};
-use exid::recording::columns::{RecordedJoint, Recording, SignalKind, read};
+use exid::recording::columns::{RecordedJoint, read};
+use exid::recording::samples::{Recording, SignalKind};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -5,7 +5,8 @@ mod common;
 
 use exid::fault::Fault;
 use exid::recording::column_map::ColumnMap;
-use exid::recording::columns::{RecordedJoint, Recording, SignalKind, read};
+use exid::recording::columns::{RecordedJoint, read};
+use exid::recording::samples::{Recording, SignalKind};
 use std::path::Path;
 
 /// Joints that are told apart by their numbers.

@@ -3,9 +3,11 @@
 
 use exid::recording::column_map::ColumnMap;
 
-use exid::recording::columns::{RecordedJoint, SignalKind, read};
+use exid::recording::columns::{RecordedJoint, read};
 use exid::recording::error::RecordingError;
-use exid::recording::experiment::{Experiment, prepare};
+use exid::recording::experiment::Experiment;
+use exid::recording::preprocess::prepare;
+use exid::recording::samples::SignalKind;
 use exid::recording::settings::{Differentiation, Preparation};
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -4,8 +4,8 @@ use crate::check::finding;
 use crate::check::setting::{Read, Ready};
 use crate::fault::Place;
 use crate::outcome::check::{Finding, Severity};
-use crate::recording::columns::Recording;
 use crate::recording::experiment::Chosen;
+use crate::recording::samples::Recording;
 use crate::recording::units::{FASTEST_HZ, SLOWEST_HZ};
 use crate::stats::robust::median;
 
@@ -54,7 +54,7 @@ fn held(read: &Read<'_>) -> Option<Finding> {
         read.place().key(held.channels),
         (
             "samples-held",
-            held.words(read.recording, &read.timing),
+            held.words(&read.recording.file, read.timing.rate_hz),
             "record every channel at the rate of the file, or write the samples alone".to_string(),
         ),
     ))

@@ -2,7 +2,7 @@
 
 use crate::init::error::InitError;
 use crate::recording::column_map::{Column, ColumnsAt, Factors};
-use crate::recording::columns::SignalKind;
+use crate::recording::samples::SignalKind;
 use crate::recording::units::{self, Quantity};
 use std::collections::BTreeMap;
 use std::path::Path;

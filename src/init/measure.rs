@@ -3,8 +3,9 @@
 use crate::init::channels::Channels;
 use crate::init::error::InitError;
 use crate::recording::column_map::ColumnMap;
-use crate::recording::columns::{RecordedJoint, Recording, SignalKind, read};
+use crate::recording::columns::{RecordedJoint, read};
 use crate::recording::period;
+use crate::recording::samples::{Recording, SignalKind};
 use crate::recording::timing::examine;
 use crate::recording::units::{self, Quantity};
 use crate::stats::robust::median;

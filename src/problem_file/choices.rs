@@ -19,7 +19,7 @@ pub trait Choice: Copy + PartialEq + 'static {
 }
 
 /// What the recordings hold beside the motion.
-pub use crate::recording::columns::SignalKind as Signal;
+pub use crate::recording::samples::SignalKind as Signal;
 
 impl Choice for Signal {
     const NOUN: &'static str = "signal";

@@ -8,9 +8,10 @@ use std::path::Path;
 
 use crate::recording::column_map::ColumnMap;
 
-use crate::recording::columns::{Parts, RecordedJoint, Recording, SignalKind, read_parts};
+use crate::recording::columns::{Parts, RecordedJoint, read_parts};
 use crate::recording::error::RecordingError;
 use crate::recording::reading::Reading;
+use crate::recording::samples::{Recording, SignalKind};
 use crate::recording::spline::Spline;
 use crate::recording::table::require_rows;
 use crate::recording::timing::{examine, stamps};

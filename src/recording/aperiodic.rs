@@ -5,13 +5,13 @@ use std::ops::Range;
 use std::path::Path;
 
 use crate::fault::Place;
-use crate::recording::columns::Recording;
 use crate::recording::differentiate::{Differentiated, LONG_GAP, gaps, low_passed, smoothed};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::experiment::{Experiment, Raw, RowMap};
 use crate::recording::fill::{Ends, fill, fill_motion};
 use crate::recording::filter::parallel;
 use crate::recording::noise_level::{hiding_step, white_deviation};
+use crate::recording::samples::Recording;
 use crate::recording::settings::{Method, Preparation};
 use crate::recording::table::LEAST_ROWS;
 use crate::recording::timing::{Grid, Timing, resample, take_stamps};
@@ -271,7 +271,7 @@ mod tests {
             ..Preparation::default()
         };
         preparation.differentiation.cutoff_hz = cutoff_hz;
-        crate::recording::experiment::prepare(recording(sd), &preparation).unwrap()
+        crate::recording::preprocess::prepare(recording(sd), &preparation).unwrap()
     }
 
     /// Root mean square error of the acceleration a second away from the ends, where the edges of
@@ -303,7 +303,7 @@ mod tests {
         preparation.differentiation.method = Some(Method::Lowpass);
         preparation.differentiation.cutoff_hz = Some(8.0);
         let experiment =
-            crate::recording::experiment::prepare(recording(1e-6), &preparation).unwrap();
+            crate::recording::preprocess::prepare(recording(1e-6), &preparation).unwrap();
         assert_eq!(experiment.edge_s, 0.25);
         assert_eq!(experiment.rows(), ROWS - 2 * 125);
         assert_eq!(experiment.t[0], 0.25);

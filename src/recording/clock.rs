@@ -7,8 +7,8 @@
 //! Δ⁴q = β Δ⁴(q̇ e) + noise,    β = 0: by the clock,    β = 1: by the stamps.
 //! ```
 
-use crate::recording::columns::Recording;
 use crate::recording::differences::fourth;
+use crate::recording::samples::Recording;
 use crate::recording::timing::{GAP_STEPS, UNIFORM_STEPS};
 use crate::stats::robust::median;
 

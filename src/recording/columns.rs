@@ -1,7 +1,7 @@
 //! From the columns of a table to the channels of a robot: which column is what, of which joint.
 
 use std::collections::HashSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::fault::Place;
 use crate::recording::column_map::{Column, ColumnMap, ColumnsAt, expand};
@@ -9,112 +9,11 @@ use crate::recording::column_names::{
     ACCELERATION, COMMAND, CURRENT, FEED_FORWARD, POSITION, TEMPERATURE, TIME, TORQUE, VELOCITY,
     VELOCITY_COMMAND, WRENCH,
 };
-use crate::recording::command::Commanded;
 use crate::recording::error::{MissingColumn, RecordingError, RecordingErrorKind};
-use crate::recording::held::Held;
-use crate::recording::missing::{Bridged, MissingValues, Roles, bridge, require_complete};
+use crate::recording::format::format_of;
+use crate::recording::missing::{Bridged, Roles, bridge, require_complete};
 use crate::recording::reading::Reading;
-use crate::recording::table::format_of;
-
-/// What the signal of a recording is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SignalKind {
-    /// Motor currents, A.
-    Current,
-    /// Motor torques at the joint side, N·m (N).
-    Torque,
-    /// Motor torques at the motor side, N·m (N).
-    MotorTorque,
-    /// Joint torques behind the gear, N·m (N).
-    LinkTorque,
-    /// Reaction of the base: force in N, moment in N·m.
-    BaseWrench,
-    /// Motor torques at the joint side, then the reaction of the base.
-    Both,
-    /// Commanded positions, rad (m), less the positions; then commanded speeds, rad/s (m/s), and torques that are fed
-    /// forward, N·m (N), where there are columns of them.
-    PositionCommand,
-}
-
-impl SignalKind {
-    /// Channels of the signal of so many joints; what controllers are told beside the position is none of it.
-    pub fn channels(self, joints: usize) -> usize {
-        match self {
-            Self::BaseWrench => 6,
-            Self::Both => joints + 6,
-            _ => joints,
-        }
-    }
-}
-
-/// What was measured, as read: nothing averaged, filtered or scaled.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Recording {
-    pub file: PathBuf,
-    /// Time stamps, s.
-    pub time: Option<Vec<f64>>,
-    /// Line of sample 0 in the file; sample k is line `first_line + k` where no rows are left out.
-    pub first_line: usize,
-    /// Line of every sample, where they do not follow one another.
-    pub lines: Option<Vec<usize>>,
-    /// `position[j][k]`: joint j, sample k; rad or m.
-    pub position: Vec<Vec<f64>>,
-    /// rad/s or m/s, if measured.
-    pub velocity: Option<Vec<Vec<f64>>>,
-    /// rad/s² or m/s², if measured.
-    pub acceleration: Option<Vec<Vec<f64>>>,
-    /// `signal[c][k]`: channel c (joints, six of a wrench, or joints and then six), sample k.
-    pub signal: Vec<Vec<f64>>,
-    /// What of the signal controllers are told beside the position.
-    pub commanded: Commanded,
-    /// °C, if measured.
-    pub temperature: Option<Vec<Vec<f64>>>,
-    /// false: the sample is left out.
-    pub mask: Option<Vec<bool>>,
-    /// Set where the file repeats or interpolates every sample and only the samples themselves are kept.
-    pub held: Option<Held>,
-    /// Set where `time` is an even clock: the deviation of the file's stamps from it, s.
-    pub stamp_jitter: Option<f64>,
-    /// Set where cells of the file hold no number; their rows are masked.
-    pub missing: Option<MissingValues>,
-    /// What a reader of any result should know of how the files were put together.
-    pub remarks: Vec<String>,
-}
-
-impl Recording {
-    /// Positions and signals alone, as of a file with one line above them.
-    pub fn of_samples(
-        file: impl Into<PathBuf>,
-        position: Vec<Vec<f64>>,
-        signal: Vec<Vec<f64>>,
-    ) -> Self {
-        Self {
-            file: file.into(),
-            time: None,
-            first_line: 2,
-            lines: None,
-            position,
-            velocity: None,
-            acceleration: None,
-            signal,
-            commanded: Commanded::default(),
-            temperature: None,
-            mask: None,
-            held: None,
-            stamp_jitter: None,
-            missing: None,
-            remarks: Vec::new(),
-        }
-    }
-}
-
-impl Recording {
-    /// The same with time stamps, s.
-    pub(super) fn at(mut self, time: Vec<f64>) -> Self {
-        self.time = Some(time);
-        self
-    }
-}
+use crate::recording::samples::{Commanded, Recording, SignalKind};
 
 /// A joint whose channels are read.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -4,14 +4,7 @@
 //! forward follow where they were recorded.
 
 use crate::recording::column_map::{Column, ColumnMap};
-use crate::recording::columns::Recording;
-
-/// Commands that a recording has beside those of the position, behind them in its signal.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Commanded {
-    pub velocity: bool,
-    pub feed_forward: bool,
-}
+use crate::recording::samples::{Commanded, Recording};
 
 impl Commanded {
     /// The columns of the commands of a map, in the order of the signal.

@@ -14,8 +14,8 @@
 
 use std::collections::HashMap;
 
-use crate::recording::columns::Recording;
 use crate::recording::differences::fourth;
+use crate::recording::samples::Recording;
 use crate::recording::written::Written;
 
 /// Natural logarithm of the chance P below which rows are those of one run: 1e-9, in some 1e13 pairs of rows of two long

@@ -13,7 +13,8 @@ use crate::fault::Place;
 use crate::recording::encoding::without_mark;
 use crate::recording::error::{RecordingError, RecordingErrorKind, excerpt};
 use crate::recording::reading::Reading;
-use crate::recording::table::{Table, from_io, require_rows};
+use crate::recording::reading::from_io;
+use crate::recording::table::{Table, require_rows};
 use crate::recording::units;
 
 /// Longest line, bytes: 40 000 columns of 25 characters. A longer one is not a table of numbers,

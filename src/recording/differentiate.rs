@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use crate::recording::columns::Recording;
 use crate::recording::cutoff::{MotionSpectrum, Samples, Sampling, agree, choose_cutoffs};
 use crate::recording::differences::{first, second};
 use crate::recording::error::RecordingError;
 use crate::recording::experiment::{Bandwidth, Chosen, Motion, MotionError};
 use crate::recording::filter::filter;
+use crate::recording::samples::Recording;
 use crate::recording::settings::{Method, Preparation};
 use crate::recording::smoother::{Channel, smooth};
 use crate::recording::timing::Timing;

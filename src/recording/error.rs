@@ -5,7 +5,6 @@ use std::fmt;
 
 use crate::fault::{Description, Fault, Place, write_fault};
 use crate::recording::row_faults::{SharedRows, describe_held_apart};
-use crate::recording::table::FORMATS;
 
 /// A fault of a recording, with the file, line and column or channel where it lies.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +24,8 @@ pub enum RecordingErrorKind {
     },
     UnknownExtension {
         found: String,
+        /// The extensions that are known.
+        known: String,
     },
     TruncatedGzip,
     CorruptGzip {
@@ -204,11 +205,6 @@ pub(super) fn excerpt(text: &str) -> String {
     shown
 }
 
-fn known_extensions() -> String {
-    let known: Vec<&str> = FORMATS.iter().map(|format| format.extension).collect();
-    known.join(", ")
-}
-
 fn list(names: &[String]) -> String {
     let mut shown = names[..names.len().min(LISTED_NAMES)].join(", ");
     if names.len() > LISTED_NAMES {
@@ -262,10 +258,10 @@ fn describe_file(kind: &RecordingErrorKind) -> Option<Description> {
             format!("reading fails: {reason}"),
             "check the medium and copy the file again",
         ),
-        Kind::UnknownExtension { found } => Description::new(
+        Kind::UnknownExtension { found, known } => Description::new(
             "unknown-extension",
             format!("the extension {found:?} is not that of a known recording format"),
-            format!("convert the recording to one of {}", known_extensions()),
+            format!("convert the recording to one of {known}"),
         ),
         Kind::Interrupted => {
             Description::new("interrupted", "reading was interrupted", "run it again")

@@ -1,19 +1,13 @@
-//! A recording made ready for a model: the motion with its derivatives, the signal, the noise that
+//! A preprocessed recording: the motion with its derivatives, the signal, the noise that
 //! the differences between periods show, and the way back to every recorded sample.
 
 use std::path::PathBuf;
 
 use nalgebra::DMatrix;
 
-use crate::fault::Place;
-use crate::recording::columns::Recording;
-use crate::recording::error::{RecordingError, RecordingErrorKind};
-use crate::recording::period::{self, Settled};
-use crate::recording::settings::{Method, Preparation};
-use crate::recording::spikes;
-use crate::recording::timing::{Grid, Timing, examine, mask_on};
+use crate::recording::settings::Method;
+use crate::recording::timing::{Grid, Timing, mask_on};
 use crate::recording::zero_phase::ZeroPhase;
-use crate::recording::{aperiodic, clock, periodic};
 use crate::stats::range::within;
 
 /// Motion of n joints over N rows: `[j][k]`, joint j, row k.
@@ -149,62 +143,6 @@ pub struct Experiment {
     pub parallel: Option<ZeroPhase>,
     /// What a reader of any result should know of how the recording was taken.
     pub remarks: Vec<String>,
-}
-
-/// Makes a recording ready: time base, averaging or smoothing, differentiation, noise.
-///
-/// Errors: of the time base, of the settings, a recording that is too short, a mask that leaves
-/// too little.
-pub fn prepare(
-    mut recording: Recording,
-    preparation: &Preparation,
-) -> Result<Experiment, RecordingError> {
-    let timing = examine(&recording, preparation.rate)?;
-    preparation.validate(&recording, &timing)?;
-    let settled = period_of(&recording, preparation, &timing)?;
-    let period = settled.period.as_ref();
-    let spikes = spikes::replace(&mut recording, period.map(|(s, _)| s * timing.rate_hz));
-    let held = recording.held.as_ref();
-    let held = held.map(|held| held.words(&recording, &timing));
-    let clock = clock::words(&recording, timing.rate_hz);
-    let joined = recording.remarks.clone();
-    let missing = recording.missing.as_ref();
-    let missing = missing.map(|missing| missing.words(&recording.file));
-    let mut experiment = match settled.period {
-        Some(period) => periodic::prepare(recording, preparation, timing, period),
-        None => aperiodic::prepare(recording, preparation, timing),
-    }?;
-    experiment.remarks.extend(
-        joined.into_iter().chain(
-            [missing, spikes, held, clock, settled.remark]
-                .into_iter()
-                .flatten(),
-        ),
-    );
-    Ok(experiment)
-}
-
-/// The period that is given, if it is that of the motion, or the one that the motion shows.
-fn period_of(
-    recording: &Recording,
-    preparation: &Preparation,
-    timing: &Timing,
-) -> Result<Settled, RecordingError> {
-    let method = preparation.differentiation.method;
-    let sought = matches!(method, None | Some(Method::Fourier));
-    if preparation.period.is_none() && !sought {
-        return Ok(Settled::default());
-    }
-    if let Some(stated) = preparation.period {
-        periodic::rows_of(recording, timing, stated)?;
-    }
-    let settled = period::settle(recording, timing, preparation.period);
-    if settled.period.is_none() && method == Some(Method::Fourier) {
-        let place = Place::file(&recording.file).key("method");
-        let kind = RecordingErrorKind::FourierWithoutPeriod;
-        return Err(RecordingError::new(place, kind));
-    }
-    Ok(settled)
 }
 
 impl Experiment {

@@ -10,7 +10,8 @@ use crate::recording::arrays::{Layout, Storage, assemble, column_names};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::number_type::{ByteOrder, NumberType};
 use crate::recording::reading::Reading;
-use crate::recording::table::{Table, from_io};
+use crate::recording::reading::from_io;
+use crate::recording::table::Table;
 
 /// Groups in groups that are followed; deeper ones hold no recording.
 const DEEPEST: usize = 8;

@@ -8,10 +8,9 @@
 use std::collections::HashSet;
 
 use crate::fault::Place;
-use crate::recording::columns::Recording;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
+use crate::recording::samples::{Held, Manner, Recording};
 use crate::recording::table::LEAST_ROWS;
-use crate::recording::timing::Timing;
 
 /// Most rows of one sample: 10 Hz written at 1 kHz.
 const MOST_ROWS: usize = 100;
@@ -42,60 +41,6 @@ const SEARCHED: usize = 5_000;
 
 /// Share of the samples of one channel that have to be those of every other.
 const TOGETHER: f64 = 0.9;
-
-/// How rows between samples were filled.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Manner {
-    Repeated,
-    Interpolated,
-}
-
-/// Samples that were taken out of a file with more rows.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Held {
-    pub manner: Manner,
-    /// Rows of the file for one sample, on average.
-    pub factor: f64,
-    /// Row of the file of every sample.
-    pub rows: Vec<usize>,
-    /// Which channels were held.
-    pub channels: &'static str,
-}
-
-impl Held {
-    /// What a reader of any result should know.
-    pub fn words(&self, recording: &Recording, timing: &Timing) -> String {
-        let (slow, fast) = (timing.rate_hz, timing.rate_hz * self.factor);
-        let how = match self.manner {
-            Manner::Repeated => "repeated",
-            Manner::Interpolated => "with straight lines between them,",
-        };
-        format!(
-            "The {} of {} were taken at {slow:.4} Hz and are written {how} at {fast:.4} Hz: {} samples are used, and the rows \
-             between them are left out.",
-            self.channels,
-            recording.file.display(),
-            self.rows.len(),
-        )
-    }
-}
-
-impl Recording {
-    /// Line of a sample in the file.
-    pub fn line(&self, sample: usize) -> usize {
-        if let Some(line) = self.lines.as_ref().and_then(|lines| lines.get(sample)) {
-            return *line;
-        }
-        let rows = self.held.as_ref().map(|held| held.rows.as_slice());
-        let row = rows.and_then(|rows| Some(rows.get(sample)? - rows.first()?));
-        self.first_line + row.unwrap_or(sample)
-    }
-
-    /// Rows of the file for one sample.
-    pub fn rows_per_sample(&self) -> f64 {
-        self.held.as_ref().map_or(1.0, |held| held.factor)
-    }
-}
 
 /// The rows in which one channel has a sample of its own.
 struct Pattern {

@@ -12,13 +12,15 @@ use crate::recording::column_names::{
     ACCELERATION, COMMAND, CURRENT, FEED_FORWARD, POSITION, TEMPERATURE, TORQUE, VELOCITY,
     VELOCITY_COMMAND,
 };
-use crate::recording::columns::{Finder, RecordedJoint, Recording, SignalKind};
-use crate::recording::command::Commanded;
+use crate::recording::columns::{Finder, RecordedJoint};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
+use crate::recording::format::format_of;
 use crate::recording::missing::{Bridged, MissingValues, Roles, bridge};
 use crate::recording::reading::Reading;
+use crate::recording::samples::Commanded;
+use crate::recording::samples::{Recording, SignalKind};
 use crate::recording::spline::Spline;
-use crate::recording::table::{format_of, require_rows};
+use crate::recording::table::require_rows;
 use crate::recording::timing::interpolate;
 use crate::stats::robust::median;
 

@@ -4,10 +4,10 @@
 //! valid.
 
 use crate::fault::Place;
-use crate::recording::columns::Recording;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::experiment::{Chosen, Periods};
 use crate::recording::fill::{Ends, fill};
+use crate::recording::samples::Recording;
 
 /// The whole periods: sample `first + p N + k` is row k of period p.
 pub(super) struct Layout {

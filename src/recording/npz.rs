@@ -12,8 +12,9 @@ use crate::fault::Place;
 use crate::recording::arrays::{Layout, Storage, assemble, column_names};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::number_type::{ByteOrder, NumberType};
+use crate::recording::reading::from_io;
 use crate::recording::reading::{Reading, Stop};
-use crate::recording::table::{Table, from_io};
+use crate::recording::table::Table;
 
 /// Longest header of an array, bytes; NumPy itself refuses more than 10 000.
 const HEADER_LIMIT: usize = 1 << 16;

@@ -18,7 +18,8 @@ use crate::fault::Place;
 use crate::recording::arrow_schema;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::reading::Reading;
-use crate::recording::table::{Origin, Table, from_io, require_rows};
+use crate::recording::reading::from_io;
+use crate::recording::table::{Origin, Table, require_rows};
 
 type Reader = SerializedFileReader<File>;
 

@@ -6,9 +6,9 @@
 
 use realfft::num_complex::Complex;
 
-use crate::recording::columns::Recording;
 use crate::recording::differences::fourth;
 use crate::recording::experiment::Chosen;
+use crate::recording::samples::Recording;
 use crate::recording::spectrum::{coefficients, synthesis};
 use crate::recording::table::LEAST_ROWS;
 use crate::recording::timing::{Grid, Timing, resample};

@@ -7,7 +7,6 @@ use nalgebra::DMatrix;
 use realfft::num_complex::Complex;
 
 use crate::fault::Place;
-use crate::recording::columns::Recording;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::experiment::{
     Bandwidth, Chosen, Experiment, Motion, MotionError, Noise, Raw, RowMap,
@@ -15,6 +14,7 @@ use crate::recording::experiment::{
 use crate::recording::filter::parallel;
 use crate::recording::fourier::{self, Series};
 use crate::recording::layout::Layout;
+use crate::recording::samples::Recording;
 use crate::recording::settings::{Method, Preparation};
 use crate::recording::spectrum::{coefficients, synthesis};
 use crate::recording::table::LEAST_ROWS;

@@ -1,14 +1,13 @@
 //! Bounds of what is read of a file, and who may stop it.
 
 use std::fs::File;
-use std::io::{Error, Read, Result as IoResult};
+use std::io::{Error, ErrorKind, Read, Result as IoResult};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::fault::Place;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
-use crate::recording::table::from_io;
 
 /// Rows of a file: 14 hours at 200 Hz, or nearly three at 1 kHz.
 pub const MOST_ROWS: usize = 10_000_000;
@@ -136,4 +135,20 @@ impl<R: Read> Read for Metered<R> {
         }
         Ok(count)
     }
+}
+
+/// The recording error of an error of the operating system.
+pub(super) fn from_io(place: Place, error: &std::io::Error) -> RecordingError {
+    if let Some(stop) = Stop::of(error) {
+        return stop.at(place);
+    }
+    let kind = match error.kind() {
+        ErrorKind::NotFound => RecordingErrorKind::NotFound,
+        ErrorKind::PermissionDenied => RecordingErrorKind::NoPermission,
+        ErrorKind::IsADirectory => RecordingErrorKind::IsDirectory,
+        _ => RecordingErrorKind::Unreadable {
+            reason: error.to_string(),
+        },
+    };
+    RecordingError::new(place, kind)
 }

@@ -1,8 +1,8 @@
 //! What a caller may say about a recording: its rate, its period, and how to differentiate it.
 
 use crate::fault::Place;
-use crate::recording::columns::Recording;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
+use crate::recording::samples::Recording;
 use crate::recording::timing::Timing;
 
 /// How the position gives velocity and acceleration.

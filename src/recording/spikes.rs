@@ -11,7 +11,7 @@
 //! filter the median of these takes its place, and in positions the cubic through those that are none, unless the machine made it: impacts
 //! are spikes of the signal too, and come again in every period, or where speed or torque turn over.
 
-use crate::recording::columns::Recording;
+use crate::recording::samples::Recording;
 use crate::stats::robust::mad_scale;
 
 /// Robust standard deviations that make a spike: once in 10^15 samples of normal noise.

@@ -6,8 +6,9 @@ use serde::Serialize;
 
 use crate::recording::column_names::TIME;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
+use crate::recording::format::format_of;
 use crate::recording::reading::Reading;
-use crate::recording::table::{Table, format_of};
+use crate::recording::table::Table;
 use crate::recording::units::{FASTEST_HZ, SLOWEST_HZ};
 use crate::stats::robust::median;
 

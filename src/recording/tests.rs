@@ -10,9 +10,11 @@ use rand_distr::{Distribution, StandardNormal};
 
 use crate::fault::Fault;
 use crate::recording::column_map::ColumnMap;
-use crate::recording::columns::{RecordedJoint, Recording, SignalKind, read};
+use crate::recording::columns::{RecordedJoint, read};
 use crate::recording::error::RecordingError;
-use crate::recording::experiment::{Experiment, prepare};
+use crate::recording::experiment::Experiment;
+use crate::recording::preprocess::prepare;
+use crate::recording::samples::{Recording, SignalKind};
 use crate::recording::settings::{Method, Preparation};
 
 mod bounds;

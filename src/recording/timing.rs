@@ -2,8 +2,8 @@
 //! interpolation to an even grid where they do not come evenly.
 
 use crate::fault::Place;
-use crate::recording::columns::Recording;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
+use crate::recording::samples::Recording;
 use crate::recording::table::require_rows;
 
 /// How the samples lie in time.

@@ -2,10 +2,10 @@
 
 use crate::fault::Place;
 use crate::problem_file::RecordingsTable;
-use crate::recording::columns::Recording;
 use crate::recording::copies::{Shared, find};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::row_faults::SharedRows;
+use crate::recording::samples::Recording;
 use crate::recording::split::Split;
 use crate::recording::timing::examine;
 use crate::setup::recordings::Read;

@@ -7,7 +7,7 @@ use crate::chain::effect;
 use crate::fault::Fault;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
-use crate::recording::experiment::prepare;
+use crate::recording::preprocess::prepare;
 use crate::setup::limits::of_joints;
 use crate::setup::robot;
 use crate::setup::robot::Robot;

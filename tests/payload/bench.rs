@@ -6,7 +6,7 @@ use exid::chain::evaluate::{BLOCK, Evaluator, Segment};
 use exid::chain::model::Model;
 use exid::outcome::parameter::Parameter;
 use exid::problem_file::ProblemFile;
-use exid::recording::columns::Recording;
+use exid::recording::samples::Recording;
 use exid::robot::batch::Trajectory;
 use exid::robot::random::generator;
 use exid::setup;

@@ -15,7 +15,8 @@ use crate::recording::bag::collect::{self, Entry, Message, Take, bad_message, is
 use crate::recording::bag::joint_state::Encoding;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::reading::Reading;
-use crate::recording::table::{Table, from_io};
+use crate::recording::reading::from_io;
+use crate::recording::table::Table;
 
 /// Longest record and chunk, bytes. Writers make chunks of about a megabyte; room is made for what
 /// a file claims before it is read.

@@ -15,8 +15,9 @@ use crate::recording::bag::collect::{self, Entry, Message, Take, bad_message, is
 use crate::recording::bag::joint_state::Encoding;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::number_type::{ByteOrder, NumberType};
+use crate::recording::reading::from_io;
 use crate::recording::reading::{self, Reading};
-use crate::recording::table::{Table, from_io};
+use crate::recording::table::Table;
 
 const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
 

@@ -7,8 +7,9 @@ use std::sync::atomic::AtomicBool;
 use super::{HEADER, gzip, joints, rows, write};
 use crate::fault::Fault;
 use crate::recording::column_map::ColumnMap;
-use crate::recording::columns::{RecordedJoint, SignalKind, read_within};
+use crate::recording::columns::{RecordedJoint, read_within};
 use crate::recording::reading::Reading;
+use crate::recording::samples::SignalKind;
 
 /// The code of the fault of a file; empty where it is read.
 fn code(path: &Path, reading: &Reading) -> &'static str {

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use super::{numbered, published};
 use crate::fault::Fault;
 use crate::recording::column_map::ColumnMap;
-use crate::recording::columns::{RecordedJoint, Recording, SignalKind, read};
+use crate::recording::columns::{RecordedJoint, read};
 use crate::recording::error::RecordingError;
+use crate::recording::format::format_of;
 use crate::recording::reading::Reading;
-use crate::recording::table::format_of;
+use crate::recording::samples::{Recording, SignalKind};
 
 const SAMPLES: usize = 40;
 

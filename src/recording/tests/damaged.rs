@@ -5,8 +5,9 @@ use std::path::Path;
 
 use crate::fault::Fault;
 use crate::recording::column_map::ColumnMap;
-use crate::recording::columns::{RecordedJoint, SignalKind, read};
+use crate::recording::columns::{RecordedJoint, read};
 use crate::recording::error::RecordingError;
+use crate::recording::samples::SignalKind;
 
 const FILES: [&str; 15] = [
     "plain.npz",

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use crate::fault::Fault;
 use crate::recording::column_map::{Column, ColumnMap, ColumnsAt, Factors};
-use crate::recording::columns::{RecordedJoint, Recording, SignalKind, read};
+use crate::recording::columns::{RecordedJoint, read};
 use crate::recording::error::RecordingError;
+use crate::recording::samples::{Recording, SignalKind};
 
 const SAMPLES: usize = 40;
 

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use super::{joints, write};
 use crate::fault::Fault;
 use crate::recording::column_map::ColumnMap;
-use crate::recording::columns::{RecordedJoint, Recording, SignalKind, read};
+use crate::recording::columns::{RecordedJoint, read};
 use crate::recording::error::RecordingError;
 use crate::recording::join::{Source, read_joined};
 use crate::recording::reading::Reading;
+use crate::recording::samples::{Recording, SignalKind};
 
 fn position(joint: usize, t: f64) -> f64 {
     (2.0 * t + joint as f64).sin()
