@@ -40,7 +40,7 @@ use crate::problem_file::ProblemFile;
 use crate::problem_file::choices::Estimator;
 use crate::recording::columns::Recording;
 use crate::recording::split::Split;
-use crate::recording::table::format_of;
+use crate::recording::table::columns_at;
 use crate::setup::error::SetupError;
 use crate::setup::recordings::{Named, Read as RecordingRead, list, prepare_one, read_one};
 use crate::setup::shared_rows::shared_rows;
@@ -299,12 +299,7 @@ fn unreadable_files(problem: &ProblemFile) -> Vec<Finding> {
         return Vec::new();
     };
     let named = list(table);
-    let fault = |named: &Named<'_>| {
-        let path = &named.path.resolved;
-        format_of(path)
-            .and_then(|format| (format.columns)(path, &table.reading))
-            .err()
-    };
+    let fault = |named: &Named<'_>| columns_at(&named.path.resolved, &table.reading).err();
     named
         .iter()
         .filter_map(fault)

@@ -18,7 +18,7 @@ use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::missing::{Bridged, MissingValues, Roles, bridge};
 use crate::recording::reading::Reading;
 use crate::recording::spline::Spline;
-use crate::recording::table::{format_of, require_rows};
+use crate::recording::table::{columns_at, read_at, require_rows};
 use crate::recording::timing::interpolate;
 use crate::stats::robust::median;
 
@@ -145,7 +145,7 @@ impl<'a> File<'a> {
         joints: &[RecordedJoint],
         reading: &Reading,
     ) -> Result<Self, RecordingError> {
-        let present = (format_of(source.path)?.columns)(source.path, reading)?;
+        let present = columns_at(source.path, reading)?;
         let finder = Finder::new(source.path, joints, &present);
         let none = || {
             let place = Place::file(source.path);
@@ -324,7 +324,7 @@ impl Files<'_> {
             }
             wanted.push(name);
         }
-        let table = (format_of(source.path)?.read)(source.path, &wanted, self.reading)?;
+        let table = read_at(source.path, &wanted, self.reading)?;
         let origin = table.origin(time);
         let lines = table.lines.clone();
         let first_line = table.first_line;
