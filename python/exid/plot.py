@@ -114,14 +114,15 @@ class Plots:
         line = law.beyond_standstill(fine)
         step = max(1, len(speed) // DOTS)
         dots = np.interp(speed, fine, line) - residual
-        ax.plot(speed[::step], dots[::step], ".", color=RECORDED, ms=2.5, alpha=0.5, label="samples, partial residuals", rasterized=True)
+        label = "samples, partial residuals"
+        ax.plot(speed[::step], dots[::step], ".", color=RECORDED, ms=2.5, alpha=0.5, label=label, rasterized=True)
         ax.plot(fine, line, color=AFTER, lw=1.8, label="fitted law")
         ax.axhline(0.0, color="black", lw=0.6)
         ax.axvline(0.0, color="black", lw=0.6)
         ax.set_xlabel(f"speed of {joint} [{'m/s' if law.slides else 'rad/s'}]")
         ax.set_ylabel(f"friction [{unit}]")
         ax.set_title(f"Friction of {joint}")
-        ax.legend(frameon=False, fontsize="small")
+        ax.legend(frameon=False, fontsize="small", markerscale=4)
         return ax
 
     def evidence(self, ax: Axes | None = None, most: int = 12) -> Axes:
@@ -147,7 +148,7 @@ class Plots:
         ax.set_yticks(range(len(shown)), names, fontsize="small")
         ax.set_xlim(left=0.0)
         ax.set_xlabel("fall of the held-out error by the effect alone [%]")
-        ax.set_title("Candidates; blue: accepted")
+        ax.set_title("Candidates, each alone (blue: accepted)")
         return ax
 
     def rollout(self, joint: str | None = None, ax: Axes | None = None) -> Axes:
@@ -167,15 +168,20 @@ class Plots:
         else:
             _require_joint(joint, [c["joint"] for c in curves])
             curve = next(c for c in curves if c["joint"] == joint)
-        words = [("before", BEFORE, "declared model"), ("after", AFTER, "final model"), ("noise", NOISE, "a right model, under the noise")]
-        for key, colour, label in words:
-            spread = curve[key]
+        models = [
+            ("before", BEFORE, "declared model"),
+            ("after", AFTER, "final model"),
+            ("noise", NOISE, "a right model, under the noise"),
+        ]
+        for model, colour, label in models:
+            spread = curve[model]
             if not spread:
                 continue
-            t = np.array(curve["t"], dtype=float)
-            middle = _numbers(spread, "median")
+            # At the start all are where the recording is.
+            t = np.array(curve["t"], dtype=float)[1:]
+            lower, middle, upper = (_numbers(spread, key)[1:] for key in ("lower_quartile", "median", "upper_quartile"))
             ax.plot(t, middle, color=colour, lw=1.6, label=label)
-            ax.fill_between(t, _numbers(spread, "lower_quartile"), _numbers(spread, "upper_quartile"), color=colour, alpha=0.15, lw=0)
+            ax.fill_between(t, lower, upper, color=colour, alpha=0.15, lw=0)
         ax.set_yscale("log")
         ax.margins(x=0.01)
         ax.set_xlabel("time simulated [s]")

@@ -430,7 +430,8 @@ class DesignResult(Result):
         """Trajectories by name: `t` in s, `q_<joint>` in rad (m), then `dq_` and `ddq_`."""
         tables = self.core.tables()
         if tables is None:
-            return _read_tables(self.core, [f for f in self.document.get("files", []) if f.endswith(".csv")])
+            files = [file for file in self.document["files"] if file.endswith(".csv")]
+            tables = {file.removesuffix(".csv"): table for file, table in _read_tables(self.core, files).items()}
         return dict(tables)
 
     @property
@@ -522,7 +523,7 @@ def _read_tables(core: _core.Run, files: Sequence[str]) -> dict[str, dict[str, N
     for file in files:
         path = folder / file
         columns = np.genfromtxt(path, delimiter=",", names=True, deletechars="", encoding="utf-8")
-        tables[file.removesuffix(".csv")] = {
+        tables[file] = {
             name: np.asarray(columns[name], dtype=np.float64) for name in columns.dtype.names or ()
         }
     return tables

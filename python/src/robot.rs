@@ -204,6 +204,7 @@ impl Robot {
             return Err(PyValueError::new_err(message));
         }
         let n = self.tree.len();
+        let cells = cells(&self.tree, &columns);
         let mut regressor = Array3::zeros((motion.q.nrows(), n, columns.len()));
         py.detach(|| {
             let chunks = regressor.axis_chunks_iter_mut(Axis(0), BLOCK);
@@ -214,7 +215,7 @@ impl Robot {
                     let block = motion.block(number);
                     let trajectory = block.trajectory();
                     batch.evaluate(&self.tree, trajectory, 0..trajectory.len());
-                    scatter(batch, &columns, out);
+                    scatter(batch, &cells, out);
                 },
             );
         });
@@ -416,20 +417,42 @@ impl Robot {
     }
 }
 
-/// Copies columns of a block, sample after sample: the array is written in the order of its memory.
-fn scatter(batch: &RegressorBatch, columns: &[usize], mut out: ArrayViewMut3<'_, f64>) {
-    let (samples, rows, _) = out.dim();
-    let series: Vec<&[f64]> = (0..rows)
-        .flat_map(|row| columns.iter().map(move |&column| batch.column(row, column)))
+/// A place of the regressor of one sample, and the column of a block that goes there.
+struct Cell {
+    place: usize,
+    row: usize,
+    column: usize,
+}
+
+/// The places of a regressor that are not zero whatever the motion: joints and the links that they move.
+fn cells(tree: &Tree, columns: &[usize]) -> Vec<Cell> {
+    let rows = 0..tree.len();
+    let all = rows.flat_map(|row| {
+        columns
+            .iter()
+            .enumerate()
+            .map(move |(k, &column)| (row, k, column))
+    });
+    all.filter(|&(row, _, column)| tree.moves(row, column / PER_LINK))
+        .map(|(row, k, column)| Cell {
+            place: row * columns.len() + k,
+            row,
+            column,
+        })
+        .collect()
+}
+
+/// Copies cells of a block, sample after sample: the array, zeros before, is written in the order of its memory.
+fn scatter(batch: &RegressorBatch, cells: &[Cell], mut out: ArrayViewMut3<'_, f64>) {
+    let (_, rows, columns) = out.dim();
+    let series: Vec<(usize, &[f64])> = cells
+        .iter()
+        .map(|cell| (cell.place, batch.column(cell.row, cell.column)))
         .collect();
     if let (false, Some(flat)) = (series.is_empty(), out.as_slice_mut()) {
-        for (sample, to) in flat
-            .chunks_exact_mut(series.len())
-            .enumerate()
-            .take(samples)
-        {
-            for (to, from) in to.iter_mut().zip(&series) {
-                *to = from[sample];
+        for (sample, to) in flat.chunks_exact_mut(rows * columns).enumerate() {
+            for &(place, from) in &series {
+                to[place] = from[sample];
             }
         }
     }

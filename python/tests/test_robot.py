@@ -119,7 +119,8 @@ def test_a_batch_of_regressors_is_three_times_as_fast_as_a_loop() -> None:
                 rows[k] = pinocchio.computeJointTorqueRegressor(pair.model, pair.data, *state)
         return time.perf_counter() - started
 
-    batch = min(seconds_of("batch") for _ in range(3))
-    loop = min(seconds_of("loop") for _ in range(2))
+    # The shortest of several: whatever else the machine does only adds.
+    batch = min(seconds_of("batch") for _ in range(8))
+    loop = min(seconds_of("loop") for _ in range(3))
     print(f"100 000 regressors: {batch:.3f} s in a batch, {loop:.3f} s in a loop over Pinocchio")
     assert loop >= 3.0 * batch

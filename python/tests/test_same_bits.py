@@ -32,6 +32,8 @@ def document(folder: Path) -> dict[str, Any]:
     """What a result answers; provenance and wall time differ from run to run."""
     result: dict[str, Any] = json.loads((folder / "result.json").read_text())
     del result["wall_s"], result["provenance"]
+    for improvement in result.get("convergence", []):
+        del improvement["elapsed_s"]
     return result
 
 
