@@ -5,7 +5,8 @@
 //! | layer | modules |
 //! |---|---|
 //! | 6 | `cli` |
-//! | 5 | `report`, `export` |
+//! | 5b | `verb` |
+//! | 5a | `report`, `export` |
 //! | 4d | `trials`, `rollout` |
 //! | 4c | `diagnose`, `init` |
 //! | 4b | `design`, `estimate`, `motors`, `simulate`, `check` |
@@ -50,5 +51,7 @@ pub mod trials;
 
 pub mod export;
 pub mod report;
+
+pub mod verb;
 
 pub mod cli;

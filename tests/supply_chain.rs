@@ -160,9 +160,10 @@ fn licences_of_all_dependencies_are_allowed() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Files that may hold `unsafe`: symbols of LAPACK that Clarabel calls by raw pointers, and vector instructions that are run
-/// where the processor has them.
-const UNSAFE: [&str; 6] = [
+/// Files that may hold `unsafe`: symbols of LAPACK that Clarabel calls by raw pointers, vector instructions that are run
+/// where the processor has them, and the memory of NumPy's arrays.
+const UNSAFE: [&str; 7] = [
+    "python/src/arrays.rs",
     "src/linalg/lapack/foreign.rs",
     "src/linalg/lapack/symbols.rs",
     "src/linalg/lapack/tests.rs",
@@ -173,7 +174,7 @@ const UNSAFE: [&str; 6] = [
 
 #[test]
 fn unsafe_stands_where_it_is_known_to() {
-    let mut folders = ["src", "tests", "examples", "benches"]
+    let mut folders = ["src", "tests", "examples", "benches", "python/src"]
         .map(|name| root().join(name))
         .to_vec();
     let mut found: Vec<PathBuf> = Vec::new();

@@ -38,7 +38,7 @@ use crate::outcome::check::{Finding, Severity};
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::problem_file::choices::Estimator;
-use crate::recording::format::format_of;
+use crate::recording::format::columns_at;
 use crate::recording::samples::Recording;
 use crate::recording::split::Split;
 use crate::setup::error::SetupError;
@@ -299,12 +299,7 @@ fn unreadable_files(problem: &ProblemFile) -> Vec<Finding> {
         return Vec::new();
     };
     let named = list(table);
-    let fault = |named: &Named<'_>| {
-        let path = &named.path.resolved;
-        format_of(path)
-            .and_then(|format| (format.columns)(path, &table.reading))
-            .err()
-    };
+    let fault = |named: &Named<'_>| columns_at(&named.path.resolved, &table.reading).err();
     named
         .iter()
         .filter_map(fault)

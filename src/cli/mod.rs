@@ -1,34 +1,28 @@
 //! The command line: one file per verb, from flags to task to results folder.
 
 mod args;
-mod check;
 mod colour;
 mod columns;
 mod compare;
-mod design;
-mod diagnose;
 mod effects;
 mod error;
 mod export;
-mod fit;
 mod init;
-mod inputs;
 mod interrupt;
 mod manual;
-mod motors;
 mod output;
-mod predictions;
 mod progress;
 mod render;
 mod repeat;
 mod rollout;
+mod runs;
 mod schema;
-mod simulate;
 mod trials;
 
 use crate::cli::args::{Arguments, Verb};
 use crate::cli::error::CliError;
 use crate::problem::defect::guarded;
+use crate::verb::Verb as Task;
 use clap::Parser;
 use std::ffi::OsString;
 use std::io::Write;
@@ -56,12 +50,12 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 
 fn dispatch(verb: &Verb) -> Result<u8, CliError> {
     match verb {
-        Verb::Design(run) => design::run(run, &output::open(run)?),
-        Verb::Fit(run) => fit::run(run, &output::open(run)?),
+        Verb::Design(options) => runs::run(Task::Design, options, &output::open(options)?),
+        Verb::Fit(options) => runs::run(Task::Fit, options, &output::open(options)?),
         Verb::Check(look) if look.columns => columns::run(look),
-        Verb::Check(look) => check::run(&look.run, &output::open(&look.run)?),
-        Verb::Diagnose(run) => diagnose::run(run, &output::open(run)?),
-        Verb::Simulate(run) => simulate::run(run, &output::open(run)?),
+        Verb::Check(look) => runs::run(Task::Check, &look.run, &output::open(&look.run)?),
+        Verb::Diagnose(options) => runs::run(Task::Diagnose, options, &output::open(options)?),
+        Verb::Simulate(options) => runs::run(Task::Simulate, options, &output::open(options)?),
         Verb::Trials(campaign) => trials::run(campaign),
         Verb::Effects(query) => effects::run(query),
         Verb::Export(query) => export::run(query),

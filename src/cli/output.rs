@@ -1,24 +1,20 @@
 //! What runs share: reading the problem, the results folder, printing.
 
 use crate::chain::effect;
-use crate::check::{self, Extent};
 use crate::cli::args::{Printing, Run};
 use crate::cli::error::CliError;
 use crate::cli::{colour, complain, interrupt};
-use crate::outcome::check::{Finding, Severity};
 use crate::outcome::estimate::Solver;
 use crate::outcome::folder::ResultFolder;
-use crate::outcome::input::Input;
 use crate::outcome::provenance::Provenance;
-use crate::outcome::run::{Run as Record, VERSION};
 use crate::outcome::{Outcome, REPORT_FILE, RESULT_FILE};
-use crate::problem::defect::Defect;
-use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::report;
+use crate::verb::completed::Completed;
+use crate::verb::ending::Ending;
+use crate::verb::folder;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 /// Reads the problem file with its overrides and sets the number of threads.
 pub fn open(run: &Run) -> Result<ProblemFile, CliError> {
@@ -51,28 +47,8 @@ pub fn set_threads(threads: Option<u16>) -> Result<(), CliError> {
         .map_err(|e| CliError::WrongUse(format!("--threads {threads}: {e}")))
 }
 
-/// Mistakes in what the inputs say, before any work is done with them.
-///
-/// # Errors
-/// Where they make every figure meaningless, unless the run is forced.
-pub fn mistakes(
-    run: &Run,
-    problem: &ProblemFile,
-    control: &Control<'_>,
-    extent: Extent,
-) -> Result<Vec<Finding>, CliError> {
-    let mistakes = check::mistakes(problem, control, extent);
-    if check::has_error(&mistakes) && !run.force {
-        let of_error = |m: &Finding| m.severity == Severity::Error;
-        return Err(CliError::Mistakes(
-            mistakes.into_iter().filter(of_error).collect(),
-        ));
-    }
-    Ok(mistakes)
-}
-
 /// The results folder of a run.
-pub fn folder(run: &Run, problem: &ProblemFile, verb: &str) -> PathBuf {
+fn folder_of(run: &Run, problem: &ProblemFile, verb: &str) -> PathBuf {
     match &run.out {
         Some(folder) => folder.clone(),
         None => Path::new("results").join(&problem.name.value).join(verb),
@@ -81,7 +57,7 @@ pub fn folder(run: &Run, problem: &ProblemFile, verb: &str) -> PathBuf {
 
 /// The results folder of a run, made sure that it can be written: refused before the work, not after it.
 pub fn target(run: &Run, problem: &ProblemFile, verb: &str) -> Result<PathBuf, CliError> {
-    writable(folder(run, problem, verb))
+    writable(folder_of(run, problem, verb))
 }
 
 /// A results folder, made sure that it can be written.
@@ -90,82 +66,75 @@ pub fn writable(target: PathBuf) -> Result<PathBuf, CliError> {
     Ok(target)
 }
 
-/// The exit code of a run that a defect ended, where what it had found before is written; standard error says so.
-pub fn exit_code_of_defect(defect: &Defect, target: &Path) -> u8 {
-    complain(&format!(
-        "error: {defect}\nwhat was found before it is in {}",
-        target.join(RESULT_FILE).display()
-    ));
-    CliError::DEFECT
-}
-
-/// The exit code of a run whose result is written; standard error says why it is none of success.
-pub fn exit_code(interrupted: bool, solver: Option<&Solver>) -> u8 {
-    match (interrupted, solver.filter(|s| !s.converged)) {
-        (true, _) => CliError::INTERRUPTED,
-        (false, None) => 0,
-        (false, Some(solver)) => {
+/// Prints of an ending without success why it is none; gives its exit code.
+pub fn exit_code(ending: &Ending, solver: Option<&Solver>, target: &Path) -> u8 {
+    match (ending, solver) {
+        (Ending::Defect(defect), _) => complain(&format!(
+            "error: {defect}\nwhat was found before it is in {}",
+            target.join(RESULT_FILE).display()
+        )),
+        (Ending::NoSolution, Some(solver)) => {
             let sentence = report::text::solver_sentence(solver);
             complain(&format!(
                 "error: no solution: {sentence}; what was reached is written, and no figure of it can be relied on"
             ));
-            CliError::NO_SOLUTION
         }
+        _ => {}
     }
+    ending.exit_code()
 }
 
-/// The common head of a result; files that cannot be read any more are left out.
-pub fn record(run: &Run, problem: &ProblemFile, files: &[PathBuf], started: Instant) -> Record {
-    let all = std::iter::once(&problem.path).chain(files);
-    Record {
-        version: VERSION.to_string(),
-        seed: run.seed,
-        problem: problem.json.clone(),
-        inputs: all.filter_map(|file| Input::of(file).ok()).collect(),
-        wall_s: started.elapsed().as_secs_f64(),
-        provenance: provenance(),
-    }
+/// Arguments of the command that this process was given.
+pub fn command() -> Vec<String> {
+    let words = std::env::args_os().skip(1);
+    words.map(|w| w.to_string_lossy().into_owned()).collect()
 }
 
 /// Where the results of this process come from.
 pub fn provenance() -> Provenance {
-    let words = std::env::args_os().skip(1);
-    Provenance::of_this_process(words.map(|w| w.to_string_lossy().into_owned()).collect())
+    Provenance::of_this_process(command())
 }
 
-/// Writes result and report beside what `fill` writes, replaces the folder, and prints.
-pub fn finish(
-    printing: Printing,
-    target: &Path,
-    outcome: &Outcome,
-    fill: impl FnOnce(&ResultFolder) -> Result<(), CliError>,
-) -> Result<(), CliError> {
-    let json = write(target, outcome, fill)?;
-    if printing.json {
-        print(&json)?;
-    } else if !printing.quiet {
-        print(&report::text::summary(
-            outcome,
-            Some(&target.join(REPORT_FILE)),
-        ))?;
+/// Writes the results folder of a run and prints its result.
+pub fn finish(printing: Printing, target: &Path, completed: Completed) -> Result<(), CliError> {
+    // The words are few, and the recordings behind the result many.
+    let summary = Summary::of(&completed.outcome, target, printing);
+    let json = completed.write(target)?;
+    summary.print(&json)
+}
+
+/// As [`finish`], of a result without files beside it.
+pub fn finish_alone(printing: Printing, target: &Path, outcome: &Outcome) -> Result<(), CliError> {
+    let json = folder::write(target, outcome, |_| Ok(()))?;
+    Summary::of(outcome, target, printing).print(&json)
+}
+
+/// What is printed of a result.
+enum Summary {
+    Nothing,
+    Json,
+    Words(String),
+}
+
+impl Summary {
+    fn of(outcome: &Outcome, target: &Path, printing: Printing) -> Self {
+        if printing.json {
+            Self::Json
+        } else if printing.quiet {
+            Self::Nothing
+        } else {
+            let report = target.join(REPORT_FILE);
+            Self::Words(report::text::summary(outcome, Some(&report)))
+        }
     }
-    Ok(())
-}
 
-/// Writes result and report beside what `fill` writes and replaces the folder; gives the result as JSON.
-pub fn write(
-    target: &Path,
-    outcome: &Outcome,
-    fill: impl FnOnce(&ResultFolder) -> Result<(), CliError>,
-) -> Result<String, CliError> {
-    let folder = ResultFolder::prepare(target)?;
-    let json = outcome.to_json()?;
-    folder.write(RESULT_FILE, |out| out.write_all(json.as_bytes()))?;
-    fill(&folder)?;
-    let html = report::render(folder.path())?;
-    folder.write(REPORT_FILE, |out| out.write_all(html.as_bytes()))?;
-    folder.commit()?;
-    Ok(json)
+    fn print(&self, json: &str) -> Result<(), CliError> {
+        match self {
+            Self::Nothing => Ok(()),
+            Self::Json => print(json),
+            Self::Words(words) => print(words),
+        }
+    }
 }
 
 /// Prints to standard output; a reader that went away is no error.

@@ -1,18 +1,18 @@
 //! `exid repeat`: the same run again, from the problem kept in the result, and whether it gives the same.
 
-use crate::chain::effect;
 use crate::cli::args::{Campaign, Printing, Repetition, Run, Simulation};
 use crate::cli::error::CliError;
 use crate::cli::output::{self, print};
-use crate::cli::{check, design, diagnose, fit, rollout, simulate, trials};
+use crate::cli::{rollout, runs, trials};
 use crate::outcome::difference::{Difference, differences};
 use crate::outcome::document::answer;
-use crate::outcome::input::Input;
 use crate::outcome::rollout::Rollout;
 use crate::outcome::run::VERSION;
 use crate::outcome::trials::Trials;
 use crate::outcome::{Outcome, Part, REPORT_FILE, RESULT_FILE};
 use crate::problem_file::ProblemFile;
+use crate::verb::Verb;
+use crate::verb::kept::KeptProblem;
 use serde_json::json;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -40,7 +40,7 @@ pub fn run(query: &Repetition) -> Result<u8, CliError> {
             let mut problem = prepare(&earlier, &[], &mut notes)?;
             // What has been read once is not too long.
             output::bound(&mut problem, Some(u64::MAX));
-            let run = Run {
+            let options = Run {
                 problem: problem.path.clone(),
                 out: Some(out.clone()),
                 set: Vec::new(),
@@ -51,14 +51,14 @@ pub fn run(query: &Repetition) -> Result<u8, CliError> {
                 force: true,
                 printing: Printing::SILENT,
             };
-            output::set_threads(run.threads)?;
+            output::set_threads(options.threads)?;
             match part {
-                Part::Fit(_) => fit::run(&run, &problem)?,
-                Part::Check(_) => check::run(&run, &problem)?,
-                Part::Simulate(_) => simulate::run(&run, &problem)?,
-                Part::Design(_) => design::run(&run, &problem)?,
+                Part::Fit(_) => runs::run(Verb::Fit, &options, &problem)?,
+                Part::Check(_) => runs::run(Verb::Check, &options, &problem)?,
+                Part::Simulate(_) => runs::run(Verb::Simulate, &options, &problem)?,
+                Part::Design(_) => runs::run(Verb::Design, &options, &problem)?,
                 Part::Diagnose(_) | Part::Trials(_) | Part::Rollout(_) => {
-                    diagnose::run(&run, &problem)?
+                    runs::run(Verb::Diagnose, &options, &problem)?
                 }
             }
         }
@@ -194,50 +194,17 @@ pub(super) fn prepare(
     overrides: &[String],
     notes: &mut Vec<String>,
 ) -> Result<ProblemFile, CliError> {
-    let Some((problem, inputs)) = earlier.run.inputs.split_first() else {
-        return Err(CliError::WrongUse(
-            "the result names no problem file; only results of runs can be repeated".to_owned(),
-        ));
-    };
-    let recorded = PathBuf::from(&earlier.run.provenance.directory);
-    let here = absolute(Path::new("."))?;
-    let are_in = |folder: &&PathBuf| inputs.iter().all(|i| folder.join(&i.path).exists());
-    let folder = [&here, &recorded].into_iter().find(are_in).unwrap_or(&here);
-    std::env::set_current_dir(folder).map_err(|e| {
-        CliError::WrongUse(format!(
-            "{}: {e}; run exid where its inputs are",
-            folder.display()
-        ))
-    })?;
-    let changed: Vec<String> = inputs.iter().filter_map(change).collect();
-    if !changed.is_empty() {
-        return Err(CliError::ChangedInputs(changed));
+    let mut kept = KeptProblem::of(earlier)?;
+    if let Some(folder) = kept.elsewhere.take() {
+        std::env::set_current_dir(&folder).map_err(|e| {
+            CliError::WrongUse(format!(
+                "{}: {e}; run exid where its inputs are",
+                folder.display()
+            ))
+        })?;
     }
-    if change(problem).is_some() {
-        let path = &problem.path;
-        notes.push(format!(
-            "{path} is not what it was, or gone; the problem kept in the result is run"
-        ));
-    }
-    let path = Path::new(&problem.path);
-    Ok(ProblemFile::kept(
-        path,
-        &earlier.run.problem,
-        overrides,
-        &effect::ids(),
-    )?)
-}
-
-/// What has become of an input; nothing where it is the same.
-fn change(input: &Input) -> Option<String> {
-    match Input::of(Path::new(&input.path)) {
-        Err(error) => Some(error.to_string()),
-        Ok(now) if now.sha256 != input.sha256 => Some(format!(
-            "{}: the file has changed since the result was made of it: its SHA-256 was {} and is {}",
-            input.path, input.sha256, now.sha256
-        )),
-        Ok(_) => None,
-    }
+    notes.append(&mut kept.notes);
+    Ok(kept.read(overrides)?)
 }
 
 /// The same trials, drawn from the same.

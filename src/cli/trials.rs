@@ -15,6 +15,7 @@ use crate::trials::plan::Scope;
 use crate::trials::robot::KINDS;
 use crate::trials::run as trial;
 use crate::trials::tally::tally;
+use crate::verb::folder;
 use rayon::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -60,12 +61,15 @@ pub fn run(campaign: &Campaign) -> Result<u8, CliError> {
         done.extend(trials);
         done.sort_by_key(|t| t.seed);
         let outcome = outcome(&scope, done.clone(), (started, made));
-        output::write(&target, &outcome, |_| Ok(()))?;
+        folder::write(&target, &outcome, |_| Ok(()))?;
     }
     progress.done();
     let outcome = outcome(&scope, done, (started, made));
-    output::finish(campaign.printing, &target, &outcome, |_| Ok(()))?;
-    Ok(output::exit_code(control.is_interrupted(), None))
+    output::finish_alone(campaign.printing, &target, &outcome)?;
+    Ok(match control.is_interrupted() {
+        true => CliError::INTERRUPTED,
+        false => 0,
+    })
 }
 
 /// Trials that an earlier run has made, and the numbers of those to make.

@@ -28,7 +28,7 @@ impl ExportError {
         }
     }
 
-    fn describe(&self) -> Description {
+    pub fn describe(&self) -> Description {
         match self {
             Self::NoRobot { name, verb } => Description::new(
                 "no-robot-in-result",

@@ -24,6 +24,14 @@ pub enum MotorsError {
 }
 
 impl MotorsError {
+    /// The fault of files behind it, if that is what it is.
+    pub fn setup(&self) -> Option<&SetupError> {
+        match self {
+            Self::Setup(error) => Some(error),
+            _ => None,
+        }
+    }
+
     /// Whether a recording or robot file is at fault, or the problem file.
     pub fn concerns_data(&self) -> bool {
         match self {

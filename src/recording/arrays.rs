@@ -1,6 +1,7 @@
 //! Named arrays as one table. A vector `t` is the column `t`; a matrix `q` gives the columns `q1`,
 //! `q2`, ..., so that `q{n}` names the column of joint n. Samples lie along the longer side.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use crate::fault::Place;
@@ -98,11 +99,11 @@ pub(super) fn column_names(layouts: &[Layout]) -> Vec<String> {
 /// The wanted columns; `load` gives all numbers of an array, by its index, as they lie in the file.
 ///
 /// Errors: two columns of one name, columns of unequal length, too few rows, and those of `load`.
-pub(super) fn assemble(
+pub(super) fn assemble<'v>(
     path: &Path,
     layouts: &[Layout],
     wanted: &[String],
-    mut load: impl FnMut(usize) -> Result<Vec<f64>, RecordingError>,
+    mut load: impl FnMut(usize) -> Result<Cow<'v, [f64]>, RecordingError>,
 ) -> Result<Table, RecordingError> {
     let sources: Vec<(usize, usize)> = wanted
         .iter()

@@ -10,7 +10,7 @@ use crate::recording::column_names::{
     VELOCITY_COMMAND, WRENCH,
 };
 use crate::recording::error::{MissingColumn, RecordingError, RecordingErrorKind};
-use crate::recording::format::format_of;
+use crate::recording::format::{columns_at, read_at};
 use crate::recording::missing::{Bridged, Roles, bridge, require_complete};
 use crate::recording::reading::Reading;
 use crate::recording::samples::{Commanded, Recording, SignalKind};
@@ -74,8 +74,7 @@ pub(super) fn read_parts(
     joints: &[RecordedJoint],
     (kind, parts): (SignalKind, Parts),
 ) -> Result<Recording, RecordingError> {
-    let format = format_of(path)?;
-    let present = (format.columns)(path, reading)?;
+    let present = columns_at(path, reading)?;
     let finder = Finder {
         path,
         joints,
@@ -95,7 +94,7 @@ pub(super) fn read_parts(
             ..Names::empty(finder.time(map)?)
         },
     };
-    let table = (format.read)(path, &names.all(path)?, reading)?;
+    let table = read_at(path, &names.all(path)?, reading)?;
     let mut recording = names.assemble(path, bridge(path, table, names.roles())?);
     recording.commanded = names.commanded;
     into_si(&mut recording, map, joints, kind);
@@ -150,13 +149,12 @@ pub fn read_further(
     names: &[String],
     reading: &Reading,
 ) -> Result<Vec<Vec<f64>>, RecordingError> {
-    let format = format_of(path)?;
-    let present = (format.columns)(path, reading)?;
+    let present = columns_at(path, reading)?;
     let finder = Finder::new(path, &[], &present);
     for name in names {
         finder.single(name, "sensor at a joint without a motor")?;
     }
-    let mut table = (format.read)(path, names, reading)?;
+    let mut table = read_at(path, names, reading)?;
     require_complete(path, &table)?;
     let take = |name: &String| table.take(name).unwrap_or_default();
     Ok(names.iter().map(take).collect())

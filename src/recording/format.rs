@@ -118,3 +118,23 @@ pub fn format_of(path: &Path) -> Result<&'static Format, RecordingError> {
             RecordingError::new(at(), kind)
         })
 }
+
+/// Names of all columns of a file, or of the arrays in memory that stand under its path.
+///
+/// Errors: as [`format_of`]; those of the format.
+pub fn columns_at(path: &Path, reading: &Reading) -> Result<Vec<String>, RecordingError> {
+    match reading.memory.at(path) {
+        Some(arrays) => arrays.columns(path, reading),
+        None => (format_of(path)?.columns)(path, reading),
+    }
+}
+
+/// The named columns, which all exist, of a file or of the arrays in memory that stand under its path.
+///
+/// Errors: as [`columns_at`].
+pub fn read_at(path: &Path, wanted: &[String], reading: &Reading) -> Result<Table, RecordingError> {
+    match reading.memory.at(path) {
+        Some(arrays) => arrays.read(path, wanted, reading),
+        None => (format_of(path)?.read)(path, wanted, reading),
+    }
+}

@@ -1,6 +1,7 @@
 //! HDF5 files, and MATLAB files of version 7.3, which are such: numeric datasets of one or two sides by their names; those
 //! of a group, as fields of a structure, are named `group.dataset`.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use hdf5_reader::{ByteOrder as Order, Dataset, Datatype, Hdf5File, OpenOptions};
@@ -39,7 +40,7 @@ pub fn read(path: &Path, wanted: &[String], reading: &Reading) -> Result<Table, 
         reading.goes_on(path)?;
         let bytes = dataset.read_raw_bytes();
         let bytes = bytes.map_err(|error| corrupt(path, error.to_string()))?;
-        Ok(number.decode(&bytes, *order))
+        Ok(Cow::Owned(number.decode(&bytes, *order)))
     })
 }
 

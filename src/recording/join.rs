@@ -14,7 +14,7 @@ use crate::recording::column_names::{
 };
 use crate::recording::columns::{Finder, RecordedJoint};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
-use crate::recording::format::format_of;
+use crate::recording::format::{columns_at, read_at};
 use crate::recording::missing::{Bridged, MissingValues, Roles, bridge};
 use crate::recording::reading::Reading;
 use crate::recording::samples::Commanded;
@@ -147,7 +147,7 @@ impl<'a> File<'a> {
         joints: &[RecordedJoint],
         reading: &Reading,
     ) -> Result<Self, RecordingError> {
-        let present = (format_of(source.path)?.columns)(source.path, reading)?;
+        let present = columns_at(source.path, reading)?;
         let finder = Finder::new(source.path, joints, &present);
         let none = || {
             let place = Place::file(source.path);
@@ -326,7 +326,7 @@ impl Files<'_> {
             }
             wanted.push(name);
         }
-        let table = (format_of(source.path)?.read)(source.path, &wanted, self.reading)?;
+        let table = read_at(source.path, &wanted, self.reading)?;
         let origin = table.origin(time);
         let lines = table.lines.clone();
         let first_line = table.first_line;

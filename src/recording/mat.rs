@@ -1,6 +1,7 @@
 //! MATLAB files; those of version 7.3 are HDF5, and those of version 4 a list of matrices. Here version 5 (`save -v6` and `-v7`): numeric arrays, also as fields of a structure,
 //! which are named `structure.field`. Source: MathWorks, MAT-File Format, chapter 1.
 
+use std::borrow::Cow;
 use std::io::Read;
 use std::path::Path;
 
@@ -67,7 +68,8 @@ pub fn read(path: &Path, wanted: &[String], reading: &Reading) -> Result<Table, 
     let layouts: Vec<Layout> = arrays.iter().map(|v| v.layout.clone()).collect();
     assemble(path, &layouts, wanted, |at| {
         let variable = &arrays[at];
-        Ok(variable.number.decode(&variable.bytes, variable.order))
+        let numbers = variable.number.decode(&variable.bytes, variable.order);
+        Ok(Cow::Owned(numbers))
     })
 }
 

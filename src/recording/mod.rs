@@ -28,6 +28,7 @@ pub mod join;
 mod layout;
 pub mod mat;
 mod mat4;
+pub mod memory;
 pub mod missing;
 mod noise_level;
 pub mod npz;

@@ -1,6 +1,7 @@
 //! NumPy archives: a zip file of `.npy` arrays, stored or deflated. Source: NumPy's format
 //! description, versions 1.0 to 3.0.
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
@@ -37,7 +38,7 @@ pub fn read(path: &Path, wanted: &[String], reading: &Reading) -> Result<Table, 
     let arrays = list(path, &mut archive)?;
     let layouts: Vec<Layout> = arrays.iter().map(|array| array.layout.clone()).collect();
     assemble(path, &layouts, wanted, |at| {
-        load((path, reading), &mut archive, &arrays[at])
+        load((path, reading), &mut archive, &arrays[at]).map(Cow::Owned)
     })
 }
 

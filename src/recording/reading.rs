@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::fault::Place;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
+use crate::recording::memory::ArraysInMemory;
 
 /// Rows of a file: 14 hours at 200 Hz, or nearly three at 1 kHz.
 pub const MOST_ROWS: usize = 10_000_000;
@@ -24,6 +25,8 @@ pub struct Reading {
     pub most_bytes: u64,
     /// Reading ends when this is set.
     pub interrupt: Option<Arc<AtomicBool>>,
+    /// What stands in the place of files.
+    pub memory: ArraysInMemory,
 }
 
 impl Default for Reading {
@@ -32,6 +35,7 @@ impl Default for Reading {
             most_rows: MOST_ROWS,
             most_bytes: MOST_BYTES,
             interrupt: None,
+            memory: ArraysInMemory::default(),
         }
     }
 }

@@ -32,6 +32,14 @@ pub enum RolloutError {
 }
 
 impl RolloutError {
+    /// The fault of files behind it, if that is what it is.
+    pub fn setup(&self) -> Option<&SetupError> {
+        match self {
+            Self::Setup(error) => Some(error),
+            _ => None,
+        }
+    }
+
     pub fn is_interrupt(&self) -> bool {
         match self {
             Self::Interrupted => true,

@@ -8,7 +8,7 @@ use crate::chain::model::Model;
 use crate::fault::Place;
 use crate::problem_file::{FilePath, Located, ProblemFile};
 use crate::recording::error::{MissingColumn, RecordingError, RecordingErrorKind};
-use crate::recording::format::format_of;
+use crate::recording::format::{columns_at, read_at};
 use crate::recording::missing::require_complete;
 use crate::recording::reading::Reading;
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
@@ -48,12 +48,11 @@ pub(super) fn read(
     wanted.extend(moving.map(|j| format!("q_{}", j.name)));
     let recordings = problem.recordings.as_ref();
     let reading = recordings.map_or_else(Reading::default, |r| r.reading.clone());
-    let format = format_of(file)?;
-    let present = (format.columns)(file, &reading)?;
+    let present = columns_at(file, &reading)?;
     if let Some(name) = wanted.iter().find(|name| !present.contains(name)) {
         return Err(missing(path, name, present.clone()).into());
     }
-    let mut table = (format.read)(file, &wanted, &reading)?;
+    let mut table = read_at(file, &wanted, &reading)?;
     require_complete(file, &table)?;
     let time = table.take("t").unwrap_or_default();
     if let Some(k) = (1..time.len()).find(|&k| time[k] <= time[k - 1]) {

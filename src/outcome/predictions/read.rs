@@ -7,6 +7,7 @@ use csv::{ByteRecord, ReaderBuilder, StringRecord};
 
 use crate::outcome::error::{Action, OutcomeError, OutcomeErrorKind};
 use crate::outcome::predictions::quantity::{LEADING, Quantity};
+use crate::outcome::predictions::write::Block;
 use crate::recording::split::Split;
 
 /// The table, by recordings in the order of the file.
@@ -26,6 +27,18 @@ pub struct RecordingPredictions {
     pub t: Vec<f64>,
     /// Values by column, as long as `t`; not a number where a field is empty.
     pub values: Vec<Vec<f64>>,
+}
+
+impl RecordingPredictions {
+    /// The rows of a block.
+    pub fn of(block: &Block<'_>) -> Self {
+        Self {
+            recording: block.recording.to_owned(),
+            split: block.split,
+            t: block.t.to_vec(),
+            values: block.columns.iter().map(|column| column.to_vec()).collect(),
+        }
+    }
 }
 
 impl Predictions {

@@ -1,58 +1,54 @@
-//! `exid design`: an excitation trajectory.
+//! `design`: an excitation trajectory.
 
 use crate::check::Extent;
-use crate::cli::args::Run;
-use crate::cli::error::CliError;
-use crate::cli::progress::Progress;
-use crate::cli::{inputs, interrupt, output};
 use crate::design::designed::{Designed, End, NamedTrajectory};
 use crate::design::task;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::{Outcome, Part};
-use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
+use crate::verb::completed::{Completed, Found};
+use crate::verb::ending::Ending;
+use crate::verb::error::VerbError;
+use crate::verb::inputs;
+use crate::verb::settings::Settings;
 use std::io::Write;
-use std::time::Instant;
 
 /// Name of the coefficients' file.
 const COEFFICIENTS: &str = "coefficients.json";
 
-pub fn run(run: &Run, problem: &ProblemFile) -> Result<u8, CliError> {
-    let started = Instant::now();
-    let target = output::target(run, problem, "design")?;
-    let control = Control {
-        interrupt: Some(interrupt::flag()),
-        ..Control::default()
-    };
-    let progress = Progress::new(run.printing);
-    let mistakes = output::mistakes(run, problem, &control, Extent::Robot)?;
-    progress.say("designing");
-    let mut designed = task::run(problem, run.seed, &control, |improvement| {
-        progress.say(format!(
+/// Designs an experiment.
+///
+/// # Errors
+/// As [`crate::verb::Verb::run`].
+pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, VerbError> {
+    let mistakes = settings.mistakes(problem, Extent::Robot)?;
+    settings.say("designing");
+    let control = settings.control();
+    let mut designed = task::run(problem, settings.seed, &control, |improvement| {
+        settings.say(&format!(
             "designing: {:.6} after {} starts",
             improvement.value, improvement.starts
         ));
     })?;
-    progress.done();
     designed.design.files = names(&designed);
-    let outcome = Outcome {
-        name: problem.name.value.clone(),
-        run: output::record(run, problem, &inputs::of_design(problem), started),
-        mistakes,
-        estimate: Estimate {
-            solver: Some(designed.solver.clone()),
-            ..Estimate::default()
+    Ok(Completed {
+        outcome: Outcome {
+            name: problem.name.value.clone(),
+            run: settings.record(problem, &inputs::of_design(problem)),
+            mistakes,
+            estimate: Estimate {
+                solver: Some(designed.solver.clone()),
+                ..Estimate::default()
+            },
+            part: Part::Design(designed.design.clone()),
         },
-        part: Part::Design(designed.design.clone()),
-    };
-    output::finish(run.printing, &target, &outcome, |folder| {
-        write_all(folder, &designed)
-    })?;
-    Ok(match designed.end {
-        End::Feasible => 0,
-        End::Infeasible => CliError::NO_SOLUTION,
-        End::Interrupted => CliError::INTERRUPTED,
+        ending: match designed.end {
+            End::Feasible => Ending::Done,
+            End::Infeasible => Ending::NoSolution,
+            End::Interrupted => Ending::Interrupted,
+        },
+        found: Found::Design(Box::new(designed)),
     })
 }
 
@@ -69,7 +65,7 @@ fn yaml(trajectory: &NamedTrajectory) -> String {
     format!("{}.yaml", trajectory.name)
 }
 
-fn write_all(folder: &ResultFolder, designed: &Designed) -> Result<(), CliError> {
+pub(super) fn write(folder: &ResultFolder, designed: &Designed) -> Result<(), VerbError> {
     for trajectory in designed.trajectories.iter().chain(&designed.with_ramps) {
         let name = format!("{}.csv", trajectory.name);
         folder.write(&name, |out| trajectory.sampled.write_csv(out))?;

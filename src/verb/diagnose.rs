@@ -1,0 +1,70 @@
+//! `diagnose`: where model and recordings differ, what physics is missing, the model with it.
+
+use crate::diagnose::task::{self, DiagnoseRun};
+use crate::outcome::folder::ResultFolder;
+use crate::outcome::predictions::Quantity;
+use crate::outcome::{NEXT_FILE, Outcome, Part};
+use crate::problem::solution::Stop;
+use crate::problem_file::ProblemFile;
+use crate::verb::completed::{Completed, Found};
+use crate::verb::ending::Ending;
+use crate::verb::error::VerbError;
+use crate::verb::predictions::Predicted;
+use crate::verb::settings::Settings;
+use crate::verb::{fit, inputs};
+use std::io::Write;
+
+/// Diagnoses a problem.
+///
+/// # Errors
+/// As [`crate::verb::Verb::run`].
+pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, VerbError> {
+    let control = settings.control();
+    let mut result = task::run(problem, &control, &|stage| settings.say(&stage.words()))?;
+    let interrupted = control.is_interrupted();
+    let stop = match (&result.defect, interrupted) {
+        (Some(_), _) => Some(Stop::Defect),
+        (None, true) => Some(Stop::Interrupted),
+        (None, false) => None,
+    };
+    if let (Some(stop), Some(solver)) = (stop, &mut result.estimate.solver) {
+        solver.stop = stop.name().to_string();
+        solver.converged = false;
+    }
+    let defect = result.defect.take();
+    let outcome = Outcome {
+        name: problem.name.value.clone(),
+        run: settings.record(problem, &inputs::of_recordings(problem)),
+        mistakes: std::mem::take(&mut result.mistakes),
+        estimate: result.estimate.clone(),
+        part: Part::Diagnose(Box::new(result.diagnosis.clone())),
+    };
+    Ok(Completed {
+        ending: match defect {
+            Some(defect) => Ending::Defect(defect),
+            None => fit::ending(interrupted, &outcome.estimate),
+        },
+        outcome,
+        found: Found::Diagnosis(Box::new(result)),
+    })
+}
+
+pub(super) fn write(folder: &ResultFolder, result: &DiagnoseRun) -> Result<(), VerbError> {
+    predicted(result, |predicted| predicted.write(folder))?;
+    if let Some(next) = &result.diagnosis.next_experiment {
+        folder.write(NEXT_FILE, |out| out.write_all(next.problem.as_bytes()))?;
+    }
+    Ok(())
+}
+
+/// Does something with what the declared and the final model predict.
+pub(super) fn predicted<T>(result: &DiagnoseRun, then: impl FnOnce(&Predicted<'_>) -> T) -> T {
+    then(&Predicted {
+        model: &result.model,
+        data: &result.data,
+        series: &[
+            (Quantity::Baseline, &result.baseline),
+            (Quantity::Final, &result.finally),
+        ],
+    })
+}

@@ -1,0 +1,89 @@
+//! What a run is given beside its problem: seed, interrupt, progress, what to do with mistakes.
+
+use crate::check::{self, Extent};
+use crate::outcome::check::{Finding, Severity};
+use crate::outcome::input::Input;
+use crate::outcome::provenance::Provenance;
+use crate::outcome::run::{Run as Record, VERSION};
+use crate::problem::solution::Control;
+use crate::problem_file::ProblemFile;
+use crate::verb::error::VerbError;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// What to do where mistakes in the inputs make every figure meaningless.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OnMistakes {
+    Refuse,
+    GoOn,
+}
+
+/// How a problem is run.
+pub struct Settings<'a> {
+    /// Seed of everything random.
+    pub seed: u64,
+    pub on_mistakes: OnMistakes,
+    /// Set from anywhere; the run ends with what it has.
+    pub interrupt: Option<Arc<AtomicBool>>,
+    /// Hears of every step, in words.
+    pub progress: &'a (dyn Fn(&str) + Sync),
+    /// Arguments of the command, for the record.
+    pub command: Vec<String>,
+    /// From when on wall time counts.
+    pub started: Instant,
+}
+
+impl Settings<'_> {
+    pub(super) fn control(&self) -> Control<'static> {
+        Control {
+            interrupt: self.interrupt.clone(),
+            ..Control::default()
+        }
+    }
+
+    pub(super) fn say(&self, step: &str) {
+        (self.progress)(step);
+    }
+
+    /// Mistakes in what the inputs say, before any work is done with them.
+    ///
+    /// # Errors
+    /// Where they make every figure meaningless, unless the run goes on all the same.
+    pub(super) fn mistakes(
+        &self,
+        problem: &ProblemFile,
+        extent: Extent,
+    ) -> Result<Vec<Finding>, VerbError> {
+        let mistakes = check::mistakes(problem, &self.control(), extent);
+        if check::has_error(&mistakes) && self.on_mistakes == OnMistakes::Refuse {
+            let of_error = |m: &Finding| m.severity == Severity::Error;
+            return Err(VerbError::Mistakes(
+                mistakes.into_iter().filter(of_error).collect(),
+            ));
+        }
+        Ok(mistakes)
+    }
+
+    /// The common head of a result; files that cannot be read any more are left out.
+    pub(super) fn record(&self, problem: &ProblemFile, files: &[PathBuf]) -> Record {
+        let all = std::iter::once(&problem.path).chain(files);
+        let memory = problem.recordings.as_ref().map(|r| &r.reading.memory);
+        let input = |file: &PathBuf| match memory.and_then(|memory| memory.at(file)) {
+            Some(arrays) => Some(Input {
+                path: file.display().to_string(),
+                sha256: arrays.sha256(),
+            }),
+            None => Input::of(file).ok(),
+        };
+        Record {
+            version: VERSION.to_string(),
+            seed: self.seed,
+            problem: problem.json.clone(),
+            inputs: all.filter_map(input).collect(),
+            wall_s: self.started.elapsed().as_secs_f64(),
+            provenance: Provenance::of_this_process(self.command.clone()),
+        }
+    }
+}

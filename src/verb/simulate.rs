@@ -1,0 +1,54 @@
+//! `simulate`: recordings from a model.
+
+use crate::check::Extent;
+use crate::outcome::estimate::Estimate;
+use crate::outcome::folder::ResultFolder;
+use crate::outcome::simulation::Simulation;
+use crate::outcome::{Outcome, Part};
+use crate::problem_file::ProblemFile;
+use crate::simulate::{self, Simulated, SimulatedRecording, write_csv};
+use crate::verb::completed::{Completed, Found};
+use crate::verb::ending::Ending;
+use crate::verb::error::VerbError;
+use crate::verb::inputs;
+use crate::verb::settings::Settings;
+
+/// Simulates the recordings of a problem.
+///
+/// # Errors
+/// As [`crate::verb::Verb::run`].
+pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, VerbError> {
+    let mistakes = settings.mistakes(problem, Extent::Robot)?;
+    settings.say("simulating");
+    let simulated = simulate::run(problem, settings.seed, &settings.control())?;
+    let named = |recordings: &[SimulatedRecording]| -> Vec<String> {
+        recordings.iter().map(|r| r.name.clone()).collect()
+    };
+    let mut files = named(&simulated.recordings);
+    files.extend(named(&simulated.trajectories));
+    Ok(Completed {
+        outcome: Outcome {
+            name: problem.name.value.clone(),
+            run: settings.record(problem, &inputs::of_simulation(problem)),
+            mistakes,
+            estimate: Estimate {
+                parameters: simulated.truth.clone(),
+                ..Estimate::default()
+            },
+            part: Part::Simulate(Simulation {
+                files,
+                realised_noise: simulated.realised_noise.clone(),
+                notes: simulated.notes.clone(),
+            }),
+        },
+        ending: Ending::Done,
+        found: Found::Simulation(Box::new(simulated)),
+    })
+}
+
+pub(super) fn write(folder: &ResultFolder, simulated: &Simulated) -> Result<(), VerbError> {
+    for recording in simulated.recordings.iter().chain(&simulated.trajectories) {
+        folder.write(&recording.name, |out| write_csv(out, recording))?;
+    }
+    Ok(())
+}
