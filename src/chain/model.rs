@@ -4,6 +4,7 @@ use crate::chain::assemble;
 use crate::chain::controller::Controller;
 use crate::chain::effect::{
     Effect, Law, Memory, ParameterInfo, coulomb_friction, torque_current_nonlinearity,
+    viscous_friction,
 };
 use crate::chain::error::ModelError;
 use crate::chain::parameter::{Parameter, Role, State};
@@ -494,10 +495,17 @@ impl Model {
 
     /// Narrows the transitions of Coulomb friction to what motions show whose joints move at most so fast, rad/s or m/s at
     /// joint scale: a friction that has not come to [`coulomb_friction::SEEN`] of Fc anywhere is none of constant size, and its
-    /// Fc would be extrapolated. Limits and values that were stated stay.
+    /// Fc would be extrapolated. A joint without viscous friction keeps its limits, for there a wide transition stands for it.
+    /// Limits and values that were stated stay.
     pub fn limit_transitions(&mut self, fastest: &[f64]) {
         let widths = self.joints.iter().zip(fastest);
         let widths: Vec<(usize, f64)> = widths
+            .filter(|(joint, _)| {
+                joint
+                    .parameters_of(viscous_friction::EFFECT.id)
+                    .next()
+                    .is_some()
+            })
             .filter_map(|(joint, fastest)| Some((joint.width?, coulomb_friction::widest(*fastest))))
             .collect();
         for (index, widest) in widths {

@@ -11,6 +11,8 @@
 //! filter the median of these takes its place, and in positions the cubic through those that are none, unless the machine made it: impacts
 //! are spikes of the signal too, and come again in every period, or where speed or torque turn over.
 
+use std::collections::HashSet;
+
 use crate::recording::samples::Recording;
 use crate::stats::robust::mad_scale;
 
@@ -127,7 +129,7 @@ pub(super) fn replace(recording: &mut Recording, period: Option<f64>) -> Option<
         for (joint, series) in columns.take(joints) {
             let mut found = spikes(series, Channel::Jumping);
             match period {
-                Some(period) => found = unrepeated(&found, period),
+                Some(period) => found = unrepeated(&found, period, series.len()),
                 None if !are_random(&found, &recording.position[joint], series) => found.clear(),
                 None => {}
             }
@@ -145,14 +147,21 @@ pub(super) fn replace(recording: &mut Recording, period: Option<f64>) -> Option<
     })
 }
 
-/// The spikes that are not there again in other periods, given in samples: what repeats is the machine's.
-fn unrepeated(found: &[Spike], period: f64) -> Vec<Spike> {
-    let again = |a: &Spike, b: &Spike| {
-        let apart = a.at.abs_diff(b.at) as f64 / period;
-        apart > 0.5 && (apart - apart.round()).abs() * period <= SAME_PHASE
+/// The spikes that are not there again in more than half of the periods, given in samples: what repeats is the machine's. Of a
+/// share s of samples that are outliers by chance, one in another period has the phase of a given one with probability
+/// (2·[`SAME_PHASE`] + 1)·s, so that a single coincidence says little and most periods say much.
+fn unrepeated(found: &[Spike], period: f64, samples: usize) -> Vec<Spike> {
+    let periods = samples as f64 / period;
+    let is_random = |spike: &&Spike| {
+        let again = found.iter().filter_map(|other| {
+            let apart = (other.at as f64 - spike.at as f64) / period;
+            let same = (apart - apart.round()).abs() * period <= SAME_PHASE;
+            same.then_some(apart.round() as i64)
+        });
+        let of_periods: HashSet<i64> = again.collect();
+        of_periods.len() < 2 || 2.0 * (of_periods.len() as f64) <= periods
     };
-    let alone = |spike: &&Spike| !found.iter().any(|other| again(spike, other));
-    found.iter().filter(alone).copied().collect()
+    found.iter().filter(is_random).copied().collect()
 }
 
 /// Whether spikes come at any speed of the joint and at any size of the signal alike. Impacts, as of play that is gone
@@ -317,6 +326,9 @@ mod tests {
         assert!(!are_random(&reversals, &position, &signal));
         assert!(are_random(&anywhere, &position, &signal));
         assert!(!are_random(&anywhere[..5], &position, &signal));
-        assert_eq!(unrepeated(&at(vec![100, 501, 700]), 400.0), at(vec![700]));
+        // Of three periods of 400 samples, 100 comes in two and 700 in one; of six, two are a coincidence.
+        let found = at(vec![100, 501, 700]);
+        assert_eq!(unrepeated(&found, 400.0, 1200), at(vec![700]));
+        assert_eq!(unrepeated(&found, 400.0, 2400), found);
     }
 }
