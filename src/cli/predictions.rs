@@ -10,7 +10,7 @@ use crate::outcome::predictions::{Block, PredictionsWriter, Quantity};
 use std::borrow::Cow;
 use std::io::{self, BufWriter, Write};
 
-/// Writes the recorded signal, what each of `predicted` gives, and the speed of the joints.
+/// Writes the recorded signal, what each of `predicted` gives, and the speed and the position of the joints.
 pub fn write(
     folder: &ResultFolder,
     (model, data): (&Model, &Dataset),
@@ -30,10 +30,15 @@ fn write_rows<W: Write>(
     let all = model.channels();
     let channels: Vec<usize> = (0..all.len()).filter(|&c| all[c].active).collect();
     let names: Vec<String> = channels.iter().map(|&c| all[c].name.clone()).collect();
-    let with_velocity = all.iter().all(|c| c.joint.is_some());
+    let with_motion = all.iter().all(|c| c.joint.is_some());
     let mut quantities = vec![Quantity::Recorded];
     quantities.extend(predicted.iter().map(|(quantity, _)| *quantity));
-    quantities.extend(with_velocity.then_some(Quantity::Velocity));
+    quantities.extend(
+        with_motion
+            .then_some([Quantity::Velocity, Quantity::Position])
+            .into_iter()
+            .flatten(),
+    );
     let mut writer = PredictionsWriter::new(out, &names, &quantities)?;
     for (k, recording) in data.recordings.iter().enumerate() {
         let rows: Vec<usize> = (0..recording.rows())
@@ -44,8 +49,10 @@ fn write_rows<W: Write>(
         for &c in &channels {
             columns.push(pick(recording.signal(c), &rows));
             columns.extend(predicted.iter().map(|(_, p)| pick(&p[k][c], &rows)));
-            if let (true, Some(j)) = (with_velocity, all[c].joint) {
-                columns.push(pick(&recording.segment().motors.dq[j], &rows));
+            if let (true, Some(j)) = (with_motion, all[c].joint) {
+                let motors = recording.segment().motors;
+                columns.push(pick(&motors.dq[j], &rows));
+                columns.push(pick(&motors.q[j], &rows));
             }
         }
         let slices: Vec<&[f64]> = columns.iter().map(AsRef::as_ref).collect();

@@ -7,6 +7,7 @@ use crate::report::plots::figure;
 use crate::report::plots::rows::{Estimated, estimates};
 use crate::report::section::{Section, Source};
 use crate::report::table::{Cell, Table};
+use crate::report::terminal_parameters::LOAD;
 
 /// Standard deviations to either end of a 95 % interval of a normal distribution.
 const NORMAL_95: f64 = 1.96;
@@ -21,15 +22,47 @@ pub(super) fn section(source: &Source) -> Option<Section> {
     if parameters.is_empty() {
         return None;
     }
-    let body = format!(
-        "{}{EXPLANATION}{}",
-        table(parameters).html(),
-        charts(parameters)
-    );
+    let (open, valued): (Vec<&Parameter>, Vec<&Parameter>) = parameters
+        .iter()
+        .partition(|p| p.source == Origin::Undetermined);
+    let mut body = String::new();
+    if !valued.is_empty() {
+        body.push_str(&table(&in_order(valued)).html());
+    }
+    body.push_str(&undetermined(&open));
+    body.push_str(EXPLANATION);
+    body.push_str(&charts(parameters));
     Some(Section::new("parameters", "Parameters", body))
 }
 
-fn table(parameters: &[Parameter]) -> Table {
+/// What was asked for comes first: the load, then the drives, then the bodies of the links; else as in the result.
+fn in_order(mut parameters: Vec<&Parameter>) -> Vec<&Parameter> {
+    parameters.sort_by_key(|p| match p.name.matches('.').count() {
+        _ if p.name.starts_with(LOAD) => 0,
+        0 | 1 => 2,
+        _ => 1,
+    });
+    parameters
+}
+
+/// Parameters without a value, by name, in one line that unfolds.
+fn undetermined(parameters: &[&Parameter]) -> String {
+    if parameters.is_empty() {
+        return String::new();
+    }
+    let names: Vec<String> = parameters
+        .iter()
+        .map(|p| format!("<code>{}</code>", breakable(&p.name)))
+        .collect();
+    format!(
+        "<details class=\"undetermined\"><summary>{} undetermined: the recordings show them in combinations only</summary>\n\
+         <p class=\"names\">{}</p></details>\n",
+        parameters.len(),
+        names.join(", ")
+    )
+}
+
+fn table(parameters: &[&Parameter]) -> Table {
     let apart = parameters.iter().any(|p| p.std_dev_statistical.is_some());
     let mut headers = vec!["Parameter", "Value", "Unit", "Std. dev."];
     headers.extend(apart.then_some("of noise"));
@@ -52,24 +85,16 @@ fn row(parameter: &Parameter, apart: bool) -> Vec<Cell> {
         name: parameter.name.clone(),
         remark: parameter.description.clone(),
     }];
-    if parameter.source == Origin::Undetermined {
-        let text = "undetermined".to_string();
-        cells.push(Cell::Span { columns: 1, text });
-        cells.push(Cell::text(&parameter.unit));
-        let absent = 4 + usize::from(apart);
-        cells.extend((0..absent).map(|_| Cell::Number(ABSENT.to_string())));
-    } else {
-        cells.push(Cell::Number(optional(parameter.value)));
-        cells.push(Cell::text(&parameter.unit));
-        let ends = parameter.ci95;
-        cells.push(Cell::Number(optional(parameter.std_dev)));
-        cells.extend(apart.then(|| Cell::Number(optional(parameter.std_dev_statistical))));
-        cells.extend([
-            Cell::Number(relative(parameter)),
-            Cell::Number(optional(ends.map(|ends| ends[0]))),
-            Cell::Number(optional(ends.map(|ends| ends[1]))),
-        ]);
-    }
+    cells.push(Cell::Number(optional(parameter.value)));
+    cells.push(Cell::text(&parameter.unit));
+    let ends = parameter.ci95;
+    cells.push(Cell::Number(optional(parameter.std_dev)));
+    cells.extend(apart.then(|| Cell::Number(optional(parameter.std_dev_statistical))));
+    cells.extend([
+        Cell::Number(relative(parameter)),
+        Cell::Number(optional(ends.map(|ends| ends[0]))),
+        Cell::Number(optional(ends.map(|ends| ends[1]))),
+    ]);
     cells.push(Cell::Mark(parameter.source.as_str()));
     cells
 }
