@@ -4,8 +4,9 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
 
-/// The library that draws charts, with its notice of copyright.
+/// The library that draws charts, and its licence, which goes with every copy.
 const CHARTS: &str = include_str!("vendor/uplot/uPlot.iife.min.js");
+const CHARTS_LICENCE: &str = include_str!("vendor/uplot/LICENSE");
 
 const MODULES: [&str; 9] = [
     include_str!("page/data.js"),
@@ -22,7 +23,7 @@ const MODULES: [&str; 9] = [
 /// The text of the script.
 pub(super) fn text() -> String {
     format!(
-        "{CHARTS}\n(() => {{\n\"use strict\";\n{}}})();\n",
+        "/* uPlot\n{CHARTS_LICENCE}\n*/\n{CHARTS}\n(() => {{\n\"use strict\";\n{}}})();\n",
         MODULES.join("\n")
     )
 }

@@ -60,7 +60,7 @@ function makeChart(box, spec, more = {}) {
       y: { distr: spec.log ? 3 : 1, range: spec.log ? undefined : yRange(levels) },
     },
     axes: [
-      spec.x.label === null ? { ...axis, size: 0, values: (_, ticks) => ticks.map(() => "") } : { ...axis, size: 42, label: spec.x.label, labelSize: 16, labelGap: 0 },
+      spec.x.label === null ? { ...axis, size: 0, values: (_, ticks) => ticks.map(() => "") } : { ...axis, size: 28, label: spec.x.label, labelSize: 16, labelGap: 0 },
       { ...axis, size: LEFT, values: (_, ticks) => ticks.map(tick) },
     ],
     series: [{ label: spec.x.name, value: (_, value) => significant(value) }, ...series],

@@ -49,9 +49,9 @@ function dependence(box, { name, cloud }) {
         : "Points: recorded minus model. Line: their mean; where it bends away from zero, the model lacks something that depends on this variable.",
     ),
   );
-  const grid = box.appendChild(element("div", { class: "grid" }));
   const friction = of("friction");
   const speed = cloud.over.find(variable => variable.name === "speed");
+  const grid = box.appendChild(element("div", { class: friction && speed ? "grid even" : "grid" }));
   const laws = friction && speed ? [frictionLaw(grid, { speed, friction, last, unit: cloud.unit })] : [];
   const plots = cloud.over.map(({ name: variable, unit, values }) => {
     const x = valuesOf(values);

@@ -26,7 +26,7 @@ pub(super) fn missing(source: &Source) -> Option<Section> {
     }
     let cards = diagnosis.findings.iter().enumerate();
     let cards: String = cards
-        .map(|(k, finding)| card(k + 1, finding, diagnosis.next_experiment.as_ref()))
+        .map(|(k, finding)| card(k + 1, finding, diagnosis))
         .collect();
     let mut body = format!("<div class=\"cards\">\n{cards}</div>\n");
     body.push_str(&spoiled(diagnosis));
@@ -42,7 +42,16 @@ pub(super) fn missing(source: &Source) -> Option<Section> {
 }
 
 /// One finding: what and where, how sure, what it changes, its values, its rivals, and what to do.
-fn card(number: usize, finding: &Finding, next: Option<&NextExperiment>) -> String {
+fn card(number: usize, finding: &Finding, diagnosis: &Diagnosis) -> String {
+    let joints = diagnosis.baseline.joints.iter();
+    let units = joints.filter(|joint| finding.joints.contains(&joint.joint));
+    let mut units: Vec<&str> = units.map(|joint| joint.unit.as_str()).collect();
+    units.dedup();
+    // Joints that turn and joints that slide have no common unit.
+    let unit = match units[..] {
+        [unit] => escape(unit),
+        _ => String::new(),
+    };
     let (before, after) = (
         finding.rmse_validation_before,
         finding.rmse_validation_after,
@@ -51,7 +60,7 @@ fn card(number: usize, finding: &Finding, next: Option<&NextExperiment>) -> Stri
     let mut terms = vec![(
         "Error held out".to_string(),
         format!(
-            "{} before<span class=\"meter was\"><span style=\"width:{was:.1}%\"></span></span>{} after\
+            "{} {unit} before<span class=\"meter was\"><span style=\"width:{was:.1}%\"></span></span>{} {unit} after\
              <span class=\"meter\"><span style=\"width:{is:.1}%\"></span></span>",
             significant(before),
             significant(after)
@@ -79,7 +88,7 @@ fn card(number: usize, finding: &Finding, next: Option<&NextExperiment>) -> Stri
         sureness(finding.probability),
         percent(finding.probability),
         escape(&finding.sentence),
-        to_do(finding, next),
+        to_do(finding, diagnosis.next_experiment.as_ref()),
     )
 }
 
@@ -96,11 +105,11 @@ fn value(parameter: &Parameter) -> (String, String) {
     let interval = parameter.ci95.map_or(String::new(), |[low, high]| {
         format!(", 95 % from {} to {}", significant(low), significant(high))
     });
-    let text = format!(
-        "{} {}{interval}",
-        optional(parameter.value),
-        escape(&parameter.unit)
-    );
+    let unit = match parameter.unit.as_str() {
+        "1" => "",
+        unit => unit,
+    };
+    let text = format!("{} {}{interval}", optional(parameter.value), escape(unit));
     (format!("<code>{}</code>", breakable(&parameter.name)), text)
 }
 
