@@ -2,6 +2,7 @@
 //! source is not held to memory safety by the compiler.
 
 use serde_json::Value;
+use sha2::{Digest, Sha256};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -198,4 +199,34 @@ fn unsafe_stands_where_it_is_known_to() {
         .collect();
     found.sort();
     assert_eq!(found, UNSAFE);
+}
+
+/// What other authors wrote and the repository holds: each folder says version and licence, and its files are those whose checksums it states.
+#[test]
+fn vendored_files_are_those_that_their_folder_states() {
+    let vendor = root().join("src/report/vendor");
+    for entry in fs::read_dir(&vendor).unwrap() {
+        let folder = entry.unwrap().path();
+        let page = fs::read_to_string(folder.join("README.md")).unwrap();
+        assert!(
+            page.contains("version ") && page.contains("licence"),
+            "{page}"
+        );
+        assert!(folder.join("LICENSE").exists(), "{}", folder.display());
+        let mut files = 0;
+        for entry in fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_str().unwrap();
+            if name != "README.md" {
+                let digest = Sha256::digest(fs::read(&path).unwrap());
+                let digest: String = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+                assert!(
+                    page.contains(&format!("| `{name}` | `{digest}` |")),
+                    "{name}: {digest}"
+                );
+                files += 1;
+            }
+        }
+        assert!(files > 1, "{}", folder.display());
+    }
 }

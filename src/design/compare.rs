@@ -14,8 +14,10 @@ use crate::design::series::Basis;
 use crate::design::verify;
 use crate::design::workspace::Rule;
 use crate::outcome::design::{Design, ExpectedDeviation, Reference, Way};
+use crate::outcome::skeleton::{Skeleton, Wall};
 use crate::problem_file::ProblemFile;
 use crate::robot::batch;
+use crate::setup::skeleton;
 
 /// Points of a way, about.
 const POINTS: usize = 400;
@@ -34,7 +36,27 @@ impl Prepared {
         design.expected_std_dev = self.deviations(&motors);
         design.coverage = report::coverage(shown);
         design.ways = ways(experiment, motion);
+        design.skeleton = Some(self.skeleton(experiment));
         design.notes.splice(0..0, self.notes.iter().cloned());
+    }
+
+    /// The robot among the walls that its motion keeps away from.
+    fn skeleton(&self, experiment: &Experiment<'_>) -> Skeleton {
+        let walls = experiment
+            .workspace
+            .rules
+            .iter()
+            .filter_map(|rule| match rule {
+                Rule::Halfspace { normal, offset, .. } => Some(Wall {
+                    normal: (*normal).into(),
+                    offset: *offset,
+                }),
+                _ => None,
+            });
+        Skeleton {
+            walls: walls.collect(),
+            ..skeleton::of(&self.robot)
+        }
     }
 
     fn deviations(&self, motors: &Motion) -> Vec<ExpectedDeviation> {

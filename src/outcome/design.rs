@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::outcome::number;
+use crate::outcome::skeleton::Skeleton;
 
 /// The part of `design`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -30,6 +31,9 @@ pub struct Design {
     /// The motion that `design.reference` names.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference: Option<Reference>,
+    /// The robot and the walls around it, for the picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub skeleton: Option<Skeleton>,
     /// Ways of points of the robot.
     #[serde(default)]
     pub ways: Vec<Way>,

@@ -27,6 +27,7 @@ pub mod provenance;
 pub mod rollout;
 pub mod run;
 pub mod simulation;
+pub mod skeleton;
 pub mod trials;
 
 pub mod document;

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::outcome::number;
+use crate::outcome::skeleton::Skeleton;
 
 /// The part of `rollout`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -29,6 +30,9 @@ pub struct Rollout {
     /// Two windows, sample by sample: one in the middle of all by its error, and the worst.
     #[serde(default)]
     pub examples: Vec<Example>,
+    /// The robot, for the picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub skeleton: Option<Skeleton>,
     pub integrator: Integrator,
     /// Anything a reader should know, one sentence each.
     #[serde(default)]

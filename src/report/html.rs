@@ -1,36 +1,56 @@
 //! The page: one self-contained HTML file, legible on screen, on a phone and on paper.
 
 use crate::outcome::Outcome;
+use crate::outcome::predictions::Predictions;
+use crate::report::explore::Exploration;
+use crate::report::script;
 use crate::report::section::{self, Section};
 use crate::report::series::Series;
 
-/// The style sheet, part of every page.
-const STYLE: &str = include_str!("style.css");
-
-/// Forbids the page to load anything: a report must read the same in ten years, offline.
-const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'";
+/// The style sheets, part of every page.
+const STYLES: [&str; 2] = [
+    include_str!("vendor/uplot/uPlot.min.css"),
+    include_str!("style.css"),
+];
 
 /// Renders the report of an outcome.
-pub fn page(outcome: &Outcome, series: &Series) -> String {
-    let sections = section::all(outcome, series);
+pub fn page(outcome: &Outcome, predictions: &Predictions) -> String {
+    let exploration = Exploration::of(outcome, predictions);
+    let sections = section::all(outcome, &Series::of(predictions), &exploration);
     let title = escape(&format!("{}: {}", outcome.name, outcome.part.verb()));
+    let script = script::text();
     let mut out = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
-         <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
-         <header>\n<h1>{}</h1>\n<p class=\"verb\">{}</p>\n</header>\n<nav>{}</nav>\n<main>\n",
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n\
+         <title>{title}</title>\n<style>\n{}</style>\n</head>\n<body>\n\
+         <header>\n<h1>{}</h1>\n<p class=\"verb\">{}</p>\n<button id=\"theme\" type=\"button\" hidden>Dark</button>\n\
+         </header>\n<nav aria-label=\"Sections\"><div>{}</div></nav>\n<main>\n",
+        policy(&script),
+        STYLES.join("\n"),
         breakable(&outcome.name),
         escape(&byline(outcome)),
         contents(&sections),
     );
     for Section { id, title, body } in &sections {
         out.push_str(&format!(
-            "<section id=\"{id}\">\n<h2>{title}</h2>\n{body}</section>\n"
+            "<section id=\"{id}\" aria-labelledby=\"{id}-title\">\n<h2 id=\"{id}-title\">{title}</h2>\n{body}</section>\n"
         ));
     }
-    out.push_str("</main>\n</body>\n</html>\n");
+    out.push_str(&format!(
+        "</main>\n<script type=\"application/json\" id=\"exploration\">{}</script>\n<script>{script}</script>\n\
+         </body>\n</html>\n",
+        exploration.json()
+    ));
     out
+}
+
+/// Forbids the page to load anything, and to run anything but its own script: a report must read the same in ten years, offline.
+fn policy(script: &str) -> String {
+    format!(
+        "default-src 'none'; style-src 'unsafe-inline'; script-src '{}'",
+        script::digest(script)
+    )
 }
 
 fn byline(outcome: &Outcome) -> String {

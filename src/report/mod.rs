@@ -1,18 +1,20 @@
 //! Reports: pure renderers of an [`Outcome`] and its predictions, for a browser and a terminal.
 //!
 //! The page is a function of `result.json` and `predictions.csv` alone, so that it can be made
-//! again at any time from the results folder. It is one file that loads nothing.
+//! again at any time from the results folder. It is one file that loads nothing; its own script lets readers explore.
 
 pub mod catalogue;
 pub mod compared;
 pub mod html;
-pub mod series;
 pub mod text;
 
+mod explore;
 mod facts;
 mod number;
 mod plots;
+mod script;
 mod section;
+mod series;
 mod table;
 mod terminal;
 mod terminal_parameters;
@@ -23,7 +25,6 @@ use std::path::Path;
 use crate::outcome::error::OutcomeError;
 use crate::outcome::predictions::Predictions;
 use crate::outcome::{Outcome, PREDICTIONS_FILE};
-use crate::report::series::Series;
 
 /// Renders the HTML report of the results folder at `folder` from `result.json` and, where there
 /// is one, `predictions.csv`.
@@ -38,7 +39,7 @@ pub fn render(folder: &Path) -> Result<String, OutcomeError> {
     } else {
         Predictions::default()
     };
-    Ok(html::page(&outcome, &Series::of(&predictions)))
+    Ok(html::page(&outcome, &predictions))
 }
 
 #[cfg(test)]

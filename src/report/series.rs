@@ -3,11 +3,11 @@
 use crate::outcome::predictions::{Predictions, Quantity, RecordingPredictions};
 use crate::recording::split::Split;
 
-/// Most points of one line: about two for each pixel column of a plot.
-pub const LINE_POINTS: usize = 1200;
+/// Most points of one line: about one for each pixel column of a still picture; the explorer has more.
+pub const LINE_POINTS: usize = 500;
 
 /// Most points of a scatter plot: more of them would only cover each other.
-const SCATTER_POINTS: usize = 600;
+const SCATTER_POINTS: usize = 300;
 
 /// A point of a plot.
 pub type Point = (f64, f64);

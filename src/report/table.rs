@@ -17,11 +17,6 @@ pub(super) enum Cell {
     },
     /// A number already formatted; aligned with the others of its column.
     Number(String),
-    /// One text over several columns.
-    Span {
-        columns: usize,
-        text: String,
-    },
     /// A word that carries a class of the style sheet of the same name.
     Mark(&'static str),
     /// HTML that is already safe.
@@ -77,11 +72,9 @@ impl Table {
             } else {
                 "<tr>"
             });
-            let mut column = 0;
-            for cell in row {
+            for (column, cell) in row.iter().enumerate() {
                 let fraction = fractions.get(column).copied().flatten().unwrap_or(0);
                 out.push_str(&cell.html(fraction));
-                column += cell.columns();
             }
             out.push_str("</tr>\n");
         }
@@ -93,12 +86,10 @@ impl Table {
     fn fraction_widths(&self) -> Vec<Option<usize>> {
         let mut widths = vec![None; self.headers.len()];
         for row in &self.rows {
-            let mut column = 0;
-            for cell in row {
-                if let (Cell::Number(text), Some(width)) = (cell, widths.get_mut(column)) {
+            for (cell, width) in row.iter().zip(&mut widths) {
+                if let Cell::Number(text) = cell {
                     *width = Some(width.unwrap_or(0).max(fraction_width(text)));
                 }
-                column += cell.columns();
             }
         }
         widths
@@ -118,13 +109,6 @@ impl Cell {
         }
     }
 
-    fn columns(&self) -> usize {
-        match self {
-            Cell::Span { columns, .. } => *columns,
-            _ => 1,
-        }
-    }
-
     fn html(&self, fraction: usize) -> String {
         match self {
             Cell::Text(text) => format!("<td>{}</td>", escape(text)),
@@ -140,12 +124,6 @@ impl Cell {
                 format!(
                     "<td class=\"number\">{}</td>",
                     escape(&padded(text, fraction))
-                )
-            }
-            Cell::Span { columns, text } => {
-                format!(
-                    "<td class=\"span\" colspan=\"{columns}\">{}</td>",
-                    escape(text)
                 )
             }
             Cell::Mark(word) => format!("<td><span class=\"{word}\">{word}</span></td>"),
@@ -194,21 +172,17 @@ mod tests {
     #[test]
     fn text_of_users_is_escaped_in_every_kind_of_cell() {
         let bad = "<b>&\"".to_string();
-        let mut table = Table::new(&["<h>", "b", "c", "d", "e"]);
+        let mut table = Table::new(&["<h>", "b", "c"]);
         table.row(vec![
             Cell::Text(bad.clone()),
             Cell::Name {
                 name: bad.clone(),
                 remark: bad.clone(),
             },
-            Cell::Number(bad.clone()),
-            Cell::Span {
-                columns: 2,
-                text: bad,
-            },
+            Cell::Number(bad),
         ]);
         let html = table.html();
         assert!(!html.contains("<b>") && !html.contains("<h>"));
-        assert_eq!(html.matches("&lt;b&gt;&amp;&quot;").count(), 5);
+        assert_eq!(html.matches("&lt;b&gt;&amp;&quot;").count(), 4);
     }
 }

@@ -10,26 +10,45 @@ use crate::report::terminal::{GAP, align, cut};
 /// Characters of a line: what a terminal shows beside another window.
 const LINE: usize = 100;
 
+/// Lines of base parameters that are always told: their number, two of them, and where the rest is.
+const LEAST_BASE: usize = 4;
+
 /// Prefix of the parameters of a load, which have a table of their own.
 pub(super) const LOAD: &str = "payload.";
 
 /// Every estimated parameter that has a value and is not of a load; known ones beside estimates of the same quantity.
-pub(super) fn lines(parameters: &[Parameter], base: &[BaseParameter]) -> Vec<String> {
-    let has_value = |p: &&Parameter| p.value.is_some() && !p.name.starts_with(LOAD);
+pub(super) fn lines(parameters: &[Parameter]) -> Vec<String> {
     let of_joint = |p: &&Parameter| p.name.matches('.').count() > 1;
-    let valued = || parameters.iter().filter(has_value);
+    let valued = || valued(parameters);
     let of_joints: Vec<&Parameter> = valued().filter(of_joint).collect();
     let others = valued().filter(|p| !of_joint(p) && p.source != Source::Known);
     let others: Vec<&Parameter> = others.collect();
     let mut lines = table("joint", &of_joints);
     lines.extend(table("of", &others));
-    let single: BTreeSet<&str> = valued().map(|p| p.name.as_str()).collect();
+    lines
+}
+
+fn valued(parameters: &[Parameter]) -> impl Iterator<Item = &Parameter> {
+    let has_value = |p: &&Parameter| p.value.is_some() && !p.name.starts_with(LOAD);
+    parameters.iter().filter(has_value)
+}
+
+/// Base parameters that are no parameter by themselves, in at most `room` lines but [`LEAST_BASE`]; the rest is counted.
+pub(super) fn base(parameters: &[Parameter], base: &[BaseParameter], room: usize) -> Vec<String> {
+    let single: BTreeSet<&str> = valued(parameters).map(|p| p.name.as_str()).collect();
     let is_told = |b: &&BaseParameter| {
         let expression = b.expression.as_str();
         single.contains(expression) || expression.starts_with(LOAD)
     };
     let combined = base.iter().filter(|b| !is_told(b));
-    lines.extend(base_lines(&combined.collect::<Vec<_>>()));
+    let mut lines = base_lines(&combined.collect::<Vec<_>>());
+    let room = room.max(LEAST_BASE);
+    if lines.len() > room {
+        lines.truncate(room - 1);
+        lines.push(format!(
+            "{GAP}… and the rest in the report and in result.json"
+        ));
+    }
     lines
 }
 
@@ -201,7 +220,7 @@ mod tests {
             "  a1     5.012 ± 0.012",
             "  a2       2.50 ± 0.10     1.250 ± 0.030",
         ];
-        let lines = lines(&parameters, &[]);
+        let lines = lines(&parameters);
         let columns = |line: &str| {
             line.split_whitespace()
                 .map(str::to_string)
@@ -224,7 +243,7 @@ mod tests {
             own.map(|name| parameter(&name, "N·m·s/rad", 1234.5, 0.01))
         });
         let all: Vec<Parameter> = all.collect();
-        let lines = lines(&all, &[]);
+        let lines = lines(&all);
         assert!(
             lines
                 .iter()

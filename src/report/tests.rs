@@ -3,7 +3,10 @@
 use std::io::Write;
 use std::path::Path;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use serde_json::json;
+use sha2::{Digest, Sha256};
 
 use crate::outcome::check::{Check, Finding, Severity};
 use crate::outcome::estimate::{Covariance, Estimate, Solver};
@@ -12,13 +15,12 @@ use crate::outcome::folder::ResultFolder;
 use crate::outcome::input::Input;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::parameter::{Parameter, Source};
-use crate::outcome::predictions::{Block, PredictionsWriter, Quantity};
+use crate::outcome::predictions::{Block, Predictions, PredictionsWriter, Quantity};
 use crate::outcome::provenance::Provenance;
 use crate::outcome::run::{Run, VERSION};
 use crate::outcome::simulation::{RealisedNoise, Simulation};
 use crate::outcome::{Outcome, PREDICTIONS_FILE, Part, RESULT_FILE};
 use crate::recording::split::Split;
-use crate::report::series::Series;
 use crate::report::{html, render, text};
 
 const JOINTS: usize = 6;
@@ -268,11 +270,35 @@ fn rendered(outcome: &Outcome) -> String {
 #[test]
 fn the_page_loads_nothing_and_shows_every_section() {
     let page = rendered(&arm());
+    // The script may name its author's page; what the page is made of may name none.
+    let (document, rest) = page
+        .split_once("<script type=\"application/json\"")
+        .unwrap();
+    let (data, script) = rest.split_once("<script>").unwrap();
+    assert_eq!(
+        data.matches('<').count(),
+        1,
+        "the data end where their element ends"
+    );
+    let (script, end) = script.split_once("</script>").unwrap();
+    assert_eq!(end.trim(), "</body>\n</html>");
     for forbidden in [
-        "http:", "https:", "//", "src=", "url(", "@import", "<script", "<link", "NaN",
+        "http:", "https:", "//", "src=", "url(", "@import", "<link", "NaN",
     ] {
-        assert!(!page.contains(forbidden), "{forbidden}");
+        assert!(!document.contains(forbidden), "{forbidden}");
     }
+    for forbidden in [
+        "fetch(",
+        "XMLHttpRequest",
+        "import(",
+        "eval(",
+        "new Function",
+        "innerHTML",
+    ] {
+        assert!(!script.contains(forbidden), "{forbidden}");
+    }
+    let digest = STANDARD.encode(Sha256::digest(script.as_bytes()));
+    assert!(document.contains(&format!("script-src 'sha256-{digest}'")));
     for id in [
         "summary",
         "joints",
@@ -305,17 +331,20 @@ fn invariant_the_page_depends_on_the_folder_alone() {
 }
 
 #[test]
-fn undetermined_parameters_have_no_number_in_their_row() {
+fn undetermined_parameters_are_names_in_one_line_that_unfolds() {
     let page = rendered(&arm());
-    let row = page
-        .lines()
-        .find(|line| line.contains(">link1.<wbr>com_<wbr>y<"))
+    let folded = page
+        .split("<details class=\"undetermined\">")
+        .nth(1)
         .unwrap();
-    assert!(row.contains("undetermined") && !row.contains('±'));
-    let after_name = row.split("</code>").nth(1).unwrap();
-    assert!(
-        !after_name.contains(|c: char| c.is_ascii_digit() && c != '1'),
-        "{after_name}"
+    let folded = folded.split("</details>").next().unwrap();
+    assert!(folded.starts_with("<summary>8 undetermined"));
+    assert_eq!(folded.matches("<code>").count(), 8);
+    assert!(folded.contains("<code>link1.<wbr>com_<wbr>y</code>"));
+    // Nowhere else do they have a row.
+    assert_eq!(
+        page.matches("<code>link1.<wbr>com_<wbr>y</code>").count(),
+        1
     );
 }
 
@@ -429,9 +458,9 @@ fn findings_are_told_the_worst_first() {
         }),
         ..arm()
     };
-    let page = html::page(&outcome, &Series::default());
+    let page = html::page(&outcome, &Predictions::default());
     assert!(page.contains("1 error, 1 note"));
-    assert!(page.find("<td>sign</td>") < page.find("<td>late</td>"));
+    assert!(page.find("<code>sign</code>") < page.find("<code>late</code>"));
     assert!(page.contains("&lt;opposes&gt;"));
     assert!(!page.contains("id=\"parameters\""));
     let text = text::summary(&outcome, None);
@@ -456,7 +485,7 @@ fn a_simulation_names_its_files_and_noise() {
         }),
         ..arm()
     };
-    let page = html::page(&outcome, &Series::default());
+    let page = html::page(&outcome, &Predictions::default());
     assert!(page.contains("<code>train.<wbr>csv</code>") && page.contains("0.5000"));
     assert!(text::summary(&outcome, None).contains("noise of i1: 0.5000 A"));
 }

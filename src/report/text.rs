@@ -20,19 +20,23 @@ use crate::report::terminal::{GAP, align};
 use crate::report::terminal_parameters::{self, LOAD};
 use crate::report::terminal_rollout;
 
+/// Lines of a fit or a diagnosis, about a screen: base parameters and places of the misfit give way to the rest.
+const LINES: usize = 40;
+
 /// The summary of an outcome whose report is at `report`; ends with a newline.
 pub fn summary(outcome: &Outcome, report: Option<&Path>) -> String {
+    let mut head = vec![format!("{}: {}", outcome.name, outcome.part.verb())];
+    head.extend(mistake_lines(&outcome.mistakes));
+    let room = LINES.saturating_sub(head.len() + usize::from(report.is_some()));
     let mut lines = match &outcome.part {
-        Part::Fit(fit) => fit_lines(&outcome.estimate, fit),
+        Part::Fit(fit) => fit_lines(&outcome.estimate, fit, room),
         Part::Check(check) => check_lines(check),
         Part::Simulate(simulation) => simulation_lines(simulation),
         Part::Design(design) => design_lines(&outcome.estimate, design),
-        Part::Diagnose(diagnosis) => diagnosis_lines(diagnosis),
+        Part::Diagnose(diagnosis) => diagnosis_lines(diagnosis, room),
         Part::Trials(trials) => trial_lines(trials),
         Part::Rollout(rollout) => terminal_rollout::lines(rollout),
     };
-    let mut head = vec![format!("{}: {}", outcome.name, outcome.part.verb())];
-    head.extend(mistake_lines(&outcome.mistakes));
     lines.splice(0..0, head);
     if let Some(report) = report {
         lines.push(format!("report: {}", report.display()));
@@ -66,7 +70,7 @@ pub fn finding_lines(finding: &Mistake) -> [String; 2] {
     ]
 }
 
-fn fit_lines(estimate: &Estimate, fit: &Fit) -> Vec<String> {
+fn fit_lines(estimate: &Estimate, fit: &Fit, room: usize) -> Vec<String> {
     let mut lines = joint_lines(&estimate.joints);
     let feasible = match fit.feasible {
         Some(true) => ", physically feasible",
@@ -82,17 +86,17 @@ fn fit_lines(estimate: &Estimate, fit: &Fit) -> Vec<String> {
         "parameters: {}",
         facts::parameter_counts(&estimate.parameters)
     ));
-    lines.extend(terminal_parameters::lines(
-        &estimate.parameters,
-        &fit.base_parameters,
-    ));
+    lines.extend(terminal_parameters::lines(&estimate.parameters));
+    let mut rest = Vec::new();
     if let Some(load) = &fit.payload {
-        lines.extend(load_lines(estimate, load));
+        rest.extend(load_lines(estimate, load));
     }
-    lines.extend(estimate.solver.as_ref().map(facts::solver_sentence));
-    lines.extend(contest_lines(&fit.contests));
-    lines.extend(fit.notes.iter().map(|note| format!("note: {note}")));
-    lines
+    rest.extend(estimate.solver.as_ref().map(facts::solver_sentence));
+    rest.extend(contest_lines(&fit.contests));
+    rest.extend(fit.notes.iter().map(|note| format!("note: {note}")));
+    let room = room.saturating_sub(lines.len() + rest.len());
+    let base = terminal_parameters::base(&estimate.parameters, &fit.base_parameters, room);
+    lines.into_iter().chain(base).chain(rest).collect()
 }
 
 /// The load as controllers ask for it, with its intervals.
@@ -174,7 +178,7 @@ fn contest_lines(contests: &[Contest]) -> Vec<String> {
     lines
 }
 
-fn diagnosis_lines(diagnosis: &Diagnosis) -> Vec<String> {
+fn diagnosis_lines(diagnosis: &Diagnosis, room: usize) -> Vec<String> {
     let mut lines = vec![format!("verdict: {}", Verdict::or_none(diagnosis.verdict))];
     if diagnosis.findings.is_empty() {
         lines.push(diagnosis.summary.clone());
@@ -188,17 +192,21 @@ fn diagnosis_lines(diagnosis: &Diagnosis) -> Vec<String> {
         ));
         lines.extend(rival_line(finding));
     }
-    let located = diagnosis.located.iter();
-    lines.extend(located.map(|place| format!("{GAP}where: {}", place.sentence)));
+    let mut rest = Vec::new();
     if !diagnosis.findings.is_empty() {
         let left = diagnosis.unattested.iter();
-        lines.extend(left.map(|left| format!("{GAP}left: {}", left.sentence)));
+        rest.extend(left.map(|left| format!("{GAP}left: {}", left.sentence)));
     }
     let next = diagnosis.next_experiment.as_ref();
-    lines.extend(next.map(|next| format!("next: {} [next_experiment.toml]", next.sentence)));
-    lines.extend(before_and_after(diagnosis));
-    lines.extend(diagnosis.notes.iter().map(|note| format!("note: {note}")));
-    lines
+    rest.extend(next.map(|next| format!("next: {} [next_experiment.toml]", next.sentence)));
+    rest.extend(before_and_after(diagnosis));
+    rest.extend(diagnosis.notes.iter().map(|note| format!("note: {note}")));
+    let room = room.saturating_sub(lines.len() + rest.len());
+    let located = diagnosis.located.iter().take(room);
+    let located: Vec<String> = located
+        .map(|place| format!("{GAP}where: {}", place.sentence))
+        .collect();
+    lines.into_iter().chain(located).chain(rest).collect()
 }
 
 fn trial_lines(trials: &Trials) -> Vec<String> {

@@ -25,6 +25,7 @@ use crate::outcome::rollout::{
     ErrorCurve, Example, ExampleJoint, HeldOut, Horizon, Integrator, JointErrors, RolledRecording,
     Rollout, Spread,
 };
+use crate::outcome::skeleton::Skeleton;
 use crate::outcome::{Outcome, Part};
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
@@ -346,6 +347,7 @@ impl Summary<'_> {
                 checked: self.rolled.iter().map(|r| r.halved.len()).sum(),
             },
             notes: self.notes(&horizons),
+            skeleton: self.task.outcome.machine().map(Skeleton::from),
             horizons,
         };
         Ok(RolloutRun { rollout, examples })

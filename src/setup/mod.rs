@@ -15,4 +15,5 @@ pub mod prior;
 pub mod recordings;
 pub mod robot;
 pub mod shared_rows;
+pub mod skeleton;
 pub mod values;

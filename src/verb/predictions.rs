@@ -19,27 +19,29 @@ pub(super) struct Predicted<'a> {
     pub series: &'a [(Quantity, &'a Predictions)],
 }
 
-/// Channels of the signal and what is told of each: the recorded signal, what each series gives, the speed of the joints.
+/// Channels of the signal and what is told of each: the recorded signal, what each series gives, speed and position of the joints.
 struct Columns {
     channels: Vec<usize>,
     names: Vec<String>,
     quantities: Vec<Quantity>,
-    with_velocity: bool,
+    with_motion: bool,
 }
 
 impl Predicted<'_> {
     fn columns(&self) -> Columns {
         let all = self.model.channels();
         let channels: Vec<usize> = (0..all.len()).filter(|&c| all[c].active).collect();
-        let with_velocity = all.iter().all(|c| c.joint.is_some());
+        let with_motion = all.iter().all(|c| c.joint.is_some());
         let mut quantities = vec![Quantity::Recorded];
         quantities.extend(self.series.iter().map(|(quantity, _)| *quantity));
-        quantities.extend(with_velocity.then_some(Quantity::Velocity));
+        if with_motion {
+            quantities.extend([Quantity::Velocity, Quantity::Position]);
+        }
         Columns {
             names: channels.iter().map(|&c| all[c].name.clone()).collect(),
             channels,
             quantities,
-            with_velocity,
+            with_motion,
         }
     }
 
@@ -59,8 +61,10 @@ impl Predicted<'_> {
             for &c in &columns.channels {
                 series.push(pick(recording.signal(c), &rows));
                 series.extend(self.series.iter().map(|(_, p)| pick(&p[k][c], &rows)));
-                if let (true, Some(j)) = (columns.with_velocity, all[c].joint) {
-                    series.push(pick(&recording.segment().motors.dq[j], &rows));
+                if let (true, Some(j)) = (columns.with_motion, all[c].joint) {
+                    let motors = recording.segment().motors;
+                    series.push(pick(&motors.dq[j], &rows));
+                    series.push(pick(&motors.q[j], &rows));
                 }
             }
             let slices: Vec<&[f64]> = series.iter().map(AsRef::as_ref).collect();

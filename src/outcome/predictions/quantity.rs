@@ -16,15 +16,18 @@ pub enum Quantity {
     Final,
     /// Speed of the joint in rad/s or m/s.
     Velocity,
+    /// Position of the joint in rad or m.
+    Position,
 }
 
 impl Quantity {
-    pub const ALL: [Quantity; 5] = [
+    pub const ALL: [Quantity; 6] = [
         Quantity::Recorded,
         Quantity::Predicted,
         Quantity::Baseline,
         Quantity::Final,
         Quantity::Velocity,
+        Quantity::Position,
     ];
 
     /// The word after the joint's name in the header.
@@ -35,6 +38,7 @@ impl Quantity {
             Quantity::Baseline => "baseline",
             Quantity::Final => "final",
             Quantity::Velocity => "velocity",
+            Quantity::Position => "position",
         }
     }
 }

@@ -87,11 +87,18 @@ pub(super) fn figure(caption: &str, svg: &str) -> String {
 
 /// An entry of a legend: a stroke of the colour, and what it stands for.
 pub(super) fn key(colour: RGBColor, text: &str) -> String {
+    let class = match colour {
+        RECORDED => "recorded",
+        PREDICTED => "model",
+        RESIDUAL => "found",
+        _ => "",
+    };
     let RGBColor(r, g, b) = colour;
-    format!(
-        "<span class=\"entry\"><span class=\"key\" style=\"background:rgb({r},{g},{b})\"></span>\
-         {text}</span> "
-    )
+    let own = match class {
+        "" => format!(" style=\"background:rgb({r},{g},{b})\""),
+        _ => String::new(),
+    };
+    format!("<span class=\"entry\"><span class=\"key {class}\"{own}></span>{text}</span> ")
 }
 
 /// Text of the standard height.

@@ -3,11 +3,13 @@
 use crate::design::series::{Basis, Series};
 use crate::outcome::Part;
 use crate::outcome::design::{Design, ExpectedDeviation, JointCoefficients};
+use crate::report::explore::designed::motion as series;
 use crate::report::html::{breakable, escape};
 use crate::report::number::{optional, percent, significant};
 use crate::report::plots::bars::bars;
 use crate::report::plots::curves::{Curve, curves};
 use crate::report::plots::{PREDICTED, RECORDED, RESIDUAL, figure, key};
+use crate::report::section::explorer::explorer;
 use crate::report::section::{Section, Source};
 use crate::report::series::Point;
 use crate::report::table::{Cell, Table};
@@ -20,22 +22,33 @@ fn is_drawable(design: &Design) -> bool {
     design.coefficients.period > 0.0 && design.coefficients.harmonics > 0
 }
 
+/// The trajectories over time, beside the robot.
+pub(super) fn motion(source: &Source) -> Option<Section> {
+    let Part::Design(design) = &source.outcome.part else {
+        return None;
+    };
+    if !is_drawable(design) {
+        return None;
+    }
+    let trajectories = design.coefficients.trajectories.iter().enumerate();
+    let still: String = trajectories
+        .map(|(number, joints)| trajectory(design, number, joints))
+        .collect();
+    let body = explorer(source, None, &still);
+    Some(Section::new("motion", "Motion", body))
+}
+
 pub(super) fn section(source: &Source) -> Option<Section> {
     let Part::Design(design) = &source.outcome.part else {
         return None;
     };
     let mut body = figures(design);
     body.push_str(&margins(design));
-    if is_drawable(design) {
-        for (number, joints) in design.coefficients.trajectories.iter().enumerate() {
-            body.push_str(&trajectory(design, number, joints));
-        }
-    }
     body.push_str(&ways(design));
     body.push_str(&convergence(design));
     body.push_str(&accuracy(design));
     body.push_str(&coverage(design));
-    Some(Section::new("design", "Designed motion", body))
+    Some(Section::new("design", "What the motion is worth", body))
 }
 
 fn figures(design: &Design) -> String {
@@ -95,7 +108,7 @@ fn trajectory(design: &Design, number: usize, joints: &[JointCoefficients]) -> S
         key(RECORDED, "acceleration"),
     );
     for joint in joints {
-        let Some(orders) = motion(&basis, joint) else {
+        let Some(orders) = series(&basis, joint) else {
             continue;
         };
         let [lower, upper, velocity, acceleration] = joint.limits;
@@ -125,19 +138,6 @@ fn trajectory(design: &Design, number: usize, joints: &[JointCoefficients]) -> S
     }
     out.push_str("</div>\n</details>\n");
     out
-}
-
-/// Position, velocity and acceleration; `None` where the coefficients do not fit the basis.
-fn motion(basis: &Basis, joint: &JointCoefficients) -> Option<[Vec<f64>; 3]> {
-    let mut coefficients = vec![joint.q0];
-    coefficients.extend(joint.a.iter().chain(&joint.b));
-    (coefficients.len() == basis.series.width()).then(|| {
-        std::array::from_fn(|order| {
-            let mut out = vec![0.0; basis.samples];
-            basis.evaluate(order, &coefficients, &mut out);
-            out
-        })
-    })
 }
 
 fn convergence(design: &Design) -> String {

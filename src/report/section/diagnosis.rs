@@ -1,12 +1,17 @@
 //! What is missing in the declared model: findings with their rivals, and the errors before and after.
 
-use crate::outcome::diagnose::{Diagnosis, Finding, Rival};
-use crate::report::html::escape;
+use crate::outcome::diagnose::{Diagnosis, Finding, NextExperiment, Rival};
+use crate::outcome::parameter::Parameter;
+use crate::report::html::{breakable, escape};
 use crate::report::number::{optional, percent, significant};
 use crate::report::plots::rows::{Bars, bars};
 use crate::report::plots::{PREDICTED, RECORDED, figure, key};
 use crate::report::section::{Section, Source};
 use crate::report::table::{Cell, Table};
+
+/// A probability from which on a finding is called sure, and below which it is open: one wrong in twenty, and as likely wrong as right.
+const SURE: f64 = 0.95;
+const OPEN: f64 = 0.5;
 
 /// Less than so many times the length is not worth saying.
 const NOT_BY_LENGTH: f64 = 2.0;
@@ -19,10 +24,11 @@ pub(super) fn missing(source: &Source) -> Option<Section> {
     if diagnosis.findings.is_empty() {
         return None;
     }
-    let mut body = String::new();
-    for finding in &diagnosis.findings {
-        body.push_str(&one(finding));
-    }
+    let cards = diagnosis.findings.iter().enumerate();
+    let cards: String = cards
+        .map(|(k, finding)| card(k + 1, finding, diagnosis))
+        .collect();
+    let mut body = format!("<div class=\"cards\">\n{cards}</div>\n");
     body.push_str(&spoiled(diagnosis));
     if let Some(next) = &diagnosis.next_experiment {
         body.push_str(&format!(
@@ -35,52 +41,118 @@ pub(super) fn missing(source: &Source) -> Option<Section> {
     Some(Section::new("missing", "What is missing", body))
 }
 
-fn one(finding: &Finding) -> String {
-    let mut html = format!(
-        "<h3>{}</h3>\n<p>{}</p>\n<p>It explains {} of the misfit there; a finding as strong as this \
-         by chance: p = {}. That it is what is there: {}; something without a name: {}; nothing: {}.</p>\n",
-        escape(&finding.effect),
-        escape(&finding.sentence),
-        percent(finding.explained_share),
-        significant(finding.p_value),
+/// One finding: what and where, how sure, what it changes, its values, its rivals, and what to do.
+fn card(number: usize, finding: &Finding, diagnosis: &Diagnosis) -> String {
+    let joints = diagnosis.baseline.joints.iter();
+    let units = joints.filter(|joint| finding.joints.contains(&joint.joint));
+    let mut units: Vec<&str> = units.map(|joint| joint.unit.as_str()).collect();
+    units.dedup();
+    // Joints that turn and joints that slide have no common unit.
+    let unit = match units[..] {
+        [unit] => escape(unit),
+        _ => String::new(),
+    };
+    let (before, after) = (
+        finding.rmse_validation_before,
+        finding.rmse_validation_after,
+    );
+    let [was, is] = [before, after].map(|value| 100.0 * value / before.max(after));
+    let mut terms = vec![(
+        "Error held out".to_string(),
+        format!(
+            "{} {unit} before<span class=\"meter was\"><span style=\"width:{was:.1}%\"></span></span>{} {unit} after\
+             <span class=\"meter\"><span style=\"width:{is:.1}%\"></span></span>",
+            significant(before),
+            significant(after)
+        ),
+    )];
+    terms.extend(finding.parameters.iter().map(value));
+    terms.push((
+        "Explains".to_string(),
+        format!(
+            "{} of the misfit there; as much by chance: p = {}",
+            percent(finding.explained_share),
+            significant(finding.p_value)
+        ),
+    ));
+    terms.push(("Instead".to_string(), instead(finding)));
+    let terms: String = terms
+        .iter()
+        .map(|(term, text)| format!("<dt>{term}</dt><dd>{text}</dd>\n"))
+        .collect();
+    format!(
+        "<article class=\"card\"><div class=\"head\"><h3>{number}. {} on {}</h3><span class=\"badge {}\">{} probable</span></div>\n\
+         <p>{}</p>\n<dl>{terms}</dl>\n<p class=\"do\"><b>What to do:</b> {}</p></article>\n",
+        escape(&finding.effect.replace('_', " ")),
+        escape(&finding.joints.join(", ")),
+        sureness(finding.probability),
         percent(finding.probability),
+        escape(&finding.sentence),
+        to_do(finding, diagnosis.next_experiment.as_ref()),
+    )
+}
+
+/// Class of a probability: from [`SURE`] on green, below [`OPEN`] red.
+fn sureness(probability: f64) -> &'static str {
+    match probability {
+        p if p >= SURE => "good",
+        p if p >= OPEN => "fair",
+        _ => "bad",
+    }
+}
+
+fn value(parameter: &Parameter) -> (String, String) {
+    let interval = parameter.ci95.map_or(String::new(), |[low, high]| {
+        format!(", 95 % from {} to {}", significant(low), significant(high))
+    });
+    let unit = match parameter.unit.as_str() {
+        "1" => "",
+        unit => unit,
+    };
+    let text = format!("{} {}{interval}", optional(parameter.value), escape(unit));
+    (format!("<code>{}</code>", breakable(&parameter.name)), text)
+}
+
+/// What else it may be: rivals with their probabilities, something without a name, nothing.
+fn instead(finding: &Finding) -> String {
+    let rivals = finding.rivals.iter().map(|rival| {
+        format!(
+            "{} on {} ({}; these recordings {})<br>",
+            escape(&rival.effect.replace('_', " ")),
+            escape(&rival.joints.join(", ")),
+            percent(rival.probability),
+            told_apart(rival)
+        )
+    });
+    format!(
+        "{}something without a name ({}); nothing ({})",
+        rivals.collect::<String>(),
         percent(finding.probability_unnamed),
         percent(finding.probability_nothing)
-    );
-    if !finding.parameters.is_empty() {
-        let mut table = Table::new(&["Parameter", "Value", "Unit", "95 % from", "to"]);
-        for parameter in &finding.parameters {
-            table.row(vec![
-                Cell::name(&parameter.name),
-                Cell::Number(optional(parameter.value)),
-                Cell::text(&parameter.unit),
-                Cell::Number(optional(parameter.ci95.map(|ends| ends[0]))),
-                Cell::Number(optional(parameter.ci95.map(|ends| ends[1]))),
-            ]);
+    )
+}
+
+/// The next step: a recording where rivals are open, else the line of the problem file.
+fn to_do(finding: &Finding, next: Option<&NextExperiment>) -> String {
+    let open = finding.rivals.iter().any(|rival| !rival.separable);
+    match (open, next) {
+        (true, Some(_)) => {
+            "make the recording below, which tells it from its rivals, and diagnose again."
+                .to_string()
         }
-        html.push_str(&table.html());
-    }
-    if !finding.rivals.is_empty() {
-        let headers = [
-            "Rival",
-            "Joints",
-            "Explains",
-            "Probability",
-            "These recordings",
-        ];
-        let mut table = Table::new(&headers);
-        for rival in &finding.rivals {
-            table.row(vec![
-                Cell::text(&rival.effect),
-                Cell::text(rival.joints.join(", ")),
-                Cell::Number(percent(rival.explained_share)),
-                Cell::Number(percent(rival.probability)),
-                Cell::text(told_apart(rival)),
-            ]);
+        (true, None) => {
+            "treat it and its rivals alike: no recording of this kind tells them apart.".to_string()
         }
-        html.push_str(&table.html());
+        (false, _) if finding.effect == "unnamed" => {
+            "look at where it lies below; a law of your own can be tried with <code>[[law]]</code>."
+                .to_string()
+        }
+        (false, _) => format!(
+            "add <code>{}</code> to the effects of {} in the problem file and fit again.",
+            breakable(&finding.effect),
+            escape(&finding.joints.join(", "))
+        ),
     }
-    html
 }
 
 /// Whether the recordings tell a rival apart, and longer ones would.

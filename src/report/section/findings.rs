@@ -1,11 +1,10 @@
 //! What is wrong with the inputs, the worst first, each with what to do about it.
 
 use crate::outcome::Part;
-use crate::outcome::check::Finding;
+use crate::outcome::check::{Finding, Severity};
 use crate::report::facts;
-use crate::report::html::escape;
+use crate::report::html::{breakable, escape};
 use crate::report::section::{Section, Source};
-use crate::report::table::{Cell, Table};
 
 pub(super) fn section(source: &Source) -> Option<Section> {
     let (title, found) = match &source.outcome.part {
@@ -17,18 +16,29 @@ pub(super) fn section(source: &Source) -> Option<Section> {
     }
     let mut findings: Vec<&Finding> = found.iter().collect();
     findings.sort_by_key(|finding| finding.severity);
-    let mut table = Table::new(&["", "Where", "What, and what to do", "Code"]);
-    for finding in findings {
-        table.row(vec![
-            Cell::Mark(finding.severity.as_str()),
-            Cell::name(&facts::finding_place(finding)),
-            Cell::Html(format!(
-                "{}<small>{}</small>",
-                escape(&finding.message),
-                escape(&finding.remedy)
-            )),
-            Cell::text(&finding.code),
-        ]);
-    }
-    Some(Section::new("mistakes", title, table.html()))
+    let cards: String = findings.into_iter().map(card).collect();
+    let body = format!("<div class=\"cards\">\n{cards}</div>\n");
+    Some(Section::new("mistakes", title, body))
+}
+
+/// One finding: how grave, where, what, and what to do.
+fn card(finding: &Finding) -> String {
+    let severity = finding.severity.as_str();
+    let place = facts::finding_place(finding);
+    let place = match place.is_empty() {
+        true => String::new(),
+        false => format!("<dt>Where</dt><dd><code>{}</code></dd>", breakable(&place)),
+    };
+    format!(
+        "<article class=\"card {severity}\"><div class=\"head\"><h3>{}</h3><span class=\"badge {}\">{severity}</span></div>\n\
+         <dl>{place}<dt>Code</dt><dd><code>{}</code></dd></dl>\n<p class=\"do\"><b>What to do:</b> {}</p></article>\n",
+        escape(&finding.message),
+        match finding.severity {
+            Severity::Error => "bad",
+            Severity::Warning => "fair",
+            Severity::Note => "",
+        },
+        breakable(&finding.code),
+        escape(&finding.remedy)
+    )
 }

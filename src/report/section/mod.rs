@@ -2,9 +2,11 @@
 
 mod base_parameters;
 mod comparison;
+mod correlations;
 mod design;
 mod diagnosis;
 mod evidence;
+mod explorer;
 mod findings;
 mod inputs;
 mod joints;
@@ -24,6 +26,7 @@ use crate::outcome::Outcome;
 use crate::outcome::Part;
 use crate::outcome::diagnose::Diagnosis;
 use crate::outcome::fit::Fit;
+use crate::report::explore::Exploration;
 use crate::report::series::Series;
 
 /// A part of the page with a heading of its own.
@@ -45,6 +48,7 @@ impl Section {
 struct Source<'a> {
     outcome: &'a Outcome,
     series: &'a Series,
+    exploration: &'a Exploration,
 }
 
 impl<'a> Source<'a> {
@@ -66,7 +70,7 @@ impl<'a> Source<'a> {
 }
 
 /// Every section in the order of the page; each is absent where it has nothing to say.
-const SECTIONS: [fn(&Source) -> Option<Section>; 22] = [
+const SECTIONS: [fn(&Source) -> Option<Section>; 24] = [
     summary::section,
     diagnosis::missing,
     diagnosis::before_and_after,
@@ -78,11 +82,13 @@ const SECTIONS: [fn(&Source) -> Option<Section>; 22] = [
     parameters::section,
     base_parameters::section,
     base_parameters::of_joint_torques,
+    correlations::section,
     evidence::tried,
     comparison::section,
     motors::section,
     simulation::section,
     trials::section,
+    design::motion,
     design::section,
     rollout::section,
     preprocessing::section,
@@ -92,8 +98,12 @@ const SECTIONS: [fn(&Source) -> Option<Section>; 22] = [
 ];
 
 /// The sections that this outcome fills.
-pub(super) fn all(outcome: &Outcome, series: &Series) -> Vec<Section> {
-    let source = Source { outcome, series };
+pub(super) fn all(outcome: &Outcome, series: &Series, exploration: &Exploration) -> Vec<Section> {
+    let source = Source {
+        outcome,
+        series,
+        exploration,
+    };
     SECTIONS
         .iter()
         .filter_map(|section| section(&source))

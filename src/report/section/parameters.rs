@@ -7,6 +7,7 @@ use crate::report::plots::figure;
 use crate::report::plots::rows::{Estimated, estimates};
 use crate::report::section::{Section, Source};
 use crate::report::table::{Cell, Table};
+use crate::report::terminal_parameters::LOAD;
 
 /// Standard deviations to either end of a 95 % interval of a normal distribution.
 const NORMAL_95: f64 = 1.96;
@@ -21,19 +22,116 @@ pub(super) fn section(source: &Source) -> Option<Section> {
     if parameters.is_empty() {
         return None;
     }
-    let body = format!(
-        "{}{EXPLANATION}{}",
-        table(parameters).html(),
-        charts(parameters)
-    );
+    let (open, valued): (Vec<&Parameter>, Vec<&Parameter>) = parameters
+        .iter()
+        .partition(|p| p.source == Origin::Undetermined);
+    let mut body = String::new();
+    if !valued.is_empty() {
+        body.push_str(&table(&in_order(valued)).html());
+    }
+    body.push_str(&undetermined(&open));
+    body.push_str(EXPLANATION);
+    body.push_str(&charts(parameters));
     Some(Section::new("parameters", "Parameters", body))
 }
 
-fn table(parameters: &[Parameter]) -> Table {
+/// What was asked for comes first: the load, then the drives, then the bodies of the links; else as in the result.
+fn in_order(mut parameters: Vec<&Parameter>) -> Vec<&Parameter> {
+    parameters.sort_by_key(|p| match p.name.matches('.').count() {
+        _ if p.name.starts_with(LOAD) => 0,
+        0 | 1 => 2,
+        _ => 1,
+    });
+    parameters
+}
+
+/// Parameters without a value, by name, in one line that unfolds.
+fn undetermined(parameters: &[&Parameter]) -> String {
+    if parameters.is_empty() {
+        return String::new();
+    }
+    let names: Vec<String> = parameters
+        .iter()
+        .map(|p| format!("<code>{}</code>", breakable(&p.name)))
+        .collect();
+    format!(
+        "<details class=\"undetermined\"><summary>{} undetermined: the recordings show them in combinations only</summary>\n\
+         <p class=\"names\">{}</p></details>\n",
+        parameters.len(),
+        names.join(", ")
+    )
+}
+
+/// A column of the table: its head and what stands in it.
+struct Column {
+    head: &'static str,
+    cell: fn(&Parameter) -> Cell,
+}
+
+const VALUE: [Column; 3] = [
+    Column {
+        head: "Parameter",
+        cell: |p| Cell::Name {
+            name: p.name.clone(),
+            remark: p.description.clone(),
+        },
+    },
+    Column {
+        head: "Value",
+        cell: |p| Cell::Number(optional(p.value)),
+    },
+    Column {
+        head: "Unit",
+        cell: |p| Cell::text(&p.unit),
+    },
+];
+
+const DEVIATION: Column = Column {
+    head: "Std. dev.",
+    cell: |p| Cell::Number(optional(p.std_dev)),
+};
+
+/// The part of the deviation that noise makes, where uncertain torque constants make another.
+const OF_NOISE: Column = Column {
+    head: "of noise",
+    cell: |p| Cell::Number(optional(p.std_dev_statistical)),
+};
+
+const INTERVAL: [Column; 3] = [
+    Column {
+        head: "Relative",
+        cell: |p| Cell::Number(relative(p)),
+    },
+    Column {
+        head: "95 % from",
+        cell: |p| Cell::Number(optional(p.ci95.map(|ends| ends[0]))),
+    },
+    Column {
+        head: "to",
+        cell: |p| Cell::Number(optional(p.ci95.map(|ends| ends[1]))),
+    },
+];
+
+const SOURCE: Column = Column {
+    head: "Source",
+    cell: |p| Cell::Mark(p.source.as_str()),
+};
+
+/// Values that are all known have no columns of uncertainty.
+fn columns(parameters: &[&Parameter]) -> Vec<Column> {
+    let uncertain = parameters.iter().any(|p| p.std_dev.is_some());
     let apart = parameters.iter().any(|p| p.std_dev_statistical.is_some());
-    let mut headers = vec!["Parameter", "Value", "Unit", "Std. dev."];
-    headers.extend(apart.then_some("of noise"));
-    headers.extend(["Relative", "95 % from", "to", "Source"]);
+    let mut columns = Vec::from(VALUE);
+    columns.extend(uncertain.then_some(DEVIATION));
+    columns.extend(apart.then_some(OF_NOISE));
+    columns.extend(uncertain.then_some(INTERVAL).into_iter().flatten());
+    columns.push(SOURCE);
+    columns
+}
+
+fn table(parameters: &[&Parameter]) -> Table {
+    let columns = columns(parameters);
+    let headers: Vec<&str> = columns.iter().map(|column| column.head).collect();
     let mut table = Table::new(&headers);
     let mut owner = "";
     for parameter in parameters {
@@ -41,37 +139,10 @@ fn table(parameters: &[Parameter]) -> Table {
             owner = owner_of(parameter);
             table.begin_group();
         }
-        table.row(row(parameter, apart));
+        let cells = columns.iter().map(|column| (column.cell)(parameter));
+        table.row(cells.collect());
     }
     table
-}
-
-/// `apart`: with the part of the deviation that noise makes.
-fn row(parameter: &Parameter, apart: bool) -> Vec<Cell> {
-    let mut cells = vec![Cell::Name {
-        name: parameter.name.clone(),
-        remark: parameter.description.clone(),
-    }];
-    if parameter.source == Origin::Undetermined {
-        let text = "undetermined".to_string();
-        cells.push(Cell::Span { columns: 1, text });
-        cells.push(Cell::text(&parameter.unit));
-        let absent = 4 + usize::from(apart);
-        cells.extend((0..absent).map(|_| Cell::Number(ABSENT.to_string())));
-    } else {
-        cells.push(Cell::Number(optional(parameter.value)));
-        cells.push(Cell::text(&parameter.unit));
-        let ends = parameter.ci95;
-        cells.push(Cell::Number(optional(parameter.std_dev)));
-        cells.extend(apart.then(|| Cell::Number(optional(parameter.std_dev_statistical))));
-        cells.extend([
-            Cell::Number(relative(parameter)),
-            Cell::Number(optional(ends.map(|ends| ends[0]))),
-            Cell::Number(optional(ends.map(|ends| ends[1]))),
-        ]);
-    }
-    cells.push(Cell::Mark(parameter.source.as_str()));
-    cells
 }
 
 fn relative(parameter: &Parameter) -> String {

@@ -6,6 +6,7 @@ use crate::report::html::escape;
 use crate::report::number::{optional, significant};
 use crate::report::plots::curves::{Curve, curves};
 use crate::report::plots::{PREDICTED, RECORDED, RESIDUAL, figure, key};
+use crate::report::section::explorer::explorer;
 use crate::report::section::{Section, Source};
 use crate::report::series::Point;
 use crate::report::table::{Cell, Table};
@@ -19,9 +20,12 @@ pub(super) fn section(source: &Source) -> Option<Section> {
     let mut body = about(rollout);
     body.push_str(&pictures(rollout));
     body.push_str(&table(rollout));
-    for example in &rollout.examples {
-        body.push_str(&window(rollout, example));
-    }
+    let windows = rollout.examples.iter();
+    let still: String = windows.map(|example| window(rollout, example)).collect();
+    body.push_str(&format!(
+        "<h3>Windows, sample by sample</h3>\n{}",
+        explorer(source, None, &still)
+    ));
     Some(Section::new("rollout", "Simulated forward", body))
 }
 

@@ -6,6 +6,7 @@ use crate::report::html::escape;
 use crate::report::plots::scatter::scatter;
 use crate::report::plots::signals::signals;
 use crate::report::plots::{PREDICTED, RECORDED, RESIDUAL, figure, key};
+use crate::report::section::explorer::explorer;
 use crate::report::section::{Section, Source};
 use crate::report::series::{JointSeries, RecordingSeries};
 
@@ -18,15 +19,16 @@ pub(super) fn section(source: &Source) -> Option<Section> {
         return None;
     }
     recordings.sort_by_key(|recording| recording.split == Split::Train);
-    let mut body = format!(
+    let mut still = format!(
         "<p class=\"hint\">{}{}{} (prediction minus recording, on its own scale)</p>\n",
         key(RECORDED, "recorded"),
         key(PREDICTED, "predicted"),
         key(RESIDUAL, "residual")
     );
     for (index, recording) in recordings.iter().take(RECORDINGS).enumerate() {
-        body.push_str(&block(source, recording, index));
+        still.push_str(&block(source, recording, index));
     }
+    let mut body = explorer(source, worst_joint(source), &still);
     if recordings.len() > RECORDINGS {
         let rest = count(recordings.len() - RECORDINGS, "further recording");
         body.push_str(&format!(
@@ -34,6 +36,18 @@ pub(super) fn section(source: &Source) -> Option<Section> {
         ));
     }
     Some(Section::new("signals", "Recorded and predicted", body))
+}
+
+/// The joint to look at first: that of the strongest finding, else the one that is predicted worst against its noise.
+fn worst_joint<'a>(source: &Source<'a>) -> Option<&'a str> {
+    if let Some(found) = source.diagnosis().and_then(|d| d.findings.first()) {
+        return found.joints.first().map(String::as_str);
+    }
+    let joints = source.outcome.estimate.joints.iter();
+    let judged = joints.filter_map(|joint| Some((joint.lack_of_fit?, joint)));
+    judged
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, joint)| joint.joint.as_str())
 }
 
 fn block(source: &Source, recording: &RecordingSeries, index: usize) -> String {

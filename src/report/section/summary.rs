@@ -1,6 +1,8 @@
 //! What was found, in a sentence or two, and the figures that a reader looks for first.
 
+use crate::outcome::diagnose::{Diagnosis, Verdict};
 use crate::outcome::fit::Fit;
+use crate::outcome::joint::JointFigures;
 use crate::outcome::{Outcome, Part};
 use crate::report::facts::{self, count};
 use crate::report::html::escape;
@@ -11,10 +13,16 @@ pub(super) fn section(source: &Source) -> Option<Section> {
     let outcome = source.outcome;
     let mut body = alert(outcome);
     let sentence = sentence(outcome);
-    body.push_str(&format!("<p class=\"lead\">{}</p>\n", escape(&sentence)));
-    if let Part::Fit(fit) = &outcome.part {
-        body.push_str(&figures(outcome, fit));
-    }
+    body.push_str(&format!(
+        "<p class=\"lead\">{}{}</p>\n",
+        verdict(outcome),
+        escape(&sentence)
+    ));
+    body.push_str(&match &outcome.part {
+        Part::Fit(fit) => figures(&fit_figures(outcome, fit)),
+        Part::Diagnose(diagnosis) => figures(&diagnosis_figures(outcome, diagnosis)),
+        _ => String::new(),
+    });
     Some(Section::new("summary", "Summary", body))
 }
 
@@ -46,7 +54,7 @@ fn sentence(outcome: &Outcome) -> String {
             design.criterion_meaning,
             number::significant(design.criterion_value)
         ),
-        Part::Diagnose(diagnosis) => diagnosis.summary.clone(),
+        Part::Diagnose(diagnosis) => diagnosis_sentence(diagnosis),
         Part::Trials(trials) => facts::trials_sentence(trials),
         Part::Rollout(rollout) => rollout.summary.clone(),
     }
@@ -80,7 +88,66 @@ fn fit_sentence(outcome: &Outcome) -> String {
     )
 }
 
-fn figures(outcome: &Outcome, fit: &Fit) -> String {
+/// A verdict as a mark before the sentence; empty where there is none.
+fn verdict(outcome: &Outcome) -> String {
+    let Part::Diagnose(diagnosis) = &outcome.part else {
+        return String::new();
+    };
+    let class = match diagnosis.verdict {
+        Some(Verdict::NothingMissing | Verdict::Explained) => "good",
+        Some(Verdict::PartlyExplained) | None => "fair",
+        Some(Verdict::Unexplained) => "bad",
+    };
+    let words = Verdict::or_none(diagnosis.verdict);
+    format!("<span class=\"badge {class}\">{}</span> ", escape(words))
+}
+
+/// What was found, in brief: the cards below have the sentences.
+fn diagnosis_sentence(diagnosis: &Diagnosis) -> String {
+    let found: Vec<String> = diagnosis
+        .findings
+        .iter()
+        .map(|f| format!("{} on {}", f.effect.replace('_', " "), f.joints.join(", ")))
+        .collect();
+    match found.len() {
+        0 => diagnosis.summary.clone(),
+        1 => format!("The declared model lacks {}.", found[0]),
+        number => format!(
+            "The declared model lacks {}: {}.",
+            count(number, "effect"),
+            found.join("; ")
+        ),
+    }
+}
+
+/// The joint that is furthest from its noise, before and after.
+fn diagnosis_figures(outcome: &Outcome, diagnosis: &Diagnosis) -> Vec<(&'static str, String)> {
+    let worst = |joints: &[JointFigures]| {
+        let judged = joints
+            .iter()
+            .filter_map(|j| Some((j.lack_of_fit?, &j.joint)));
+        let worst = judged.max_by(|a, b| a.0.total_cmp(&b.0));
+        worst.map_or_else(
+            || number::ABSENT.to_string(),
+            |(lack, joint)| format!("{} ({joint})", number::significant(lack)),
+        )
+    };
+    vec![
+        ("Findings", diagnosis.findings.len().to_string()),
+        (
+            "Worst lack of fit, declared",
+            worst(&diagnosis.baseline.joints),
+        ),
+        ("Worst lack of fit, final", worst(&diagnosis.outcome.joints)),
+        ("Hypotheses fitted", diagnosis.evidence.len().to_string()),
+        (
+            "Wall time",
+            format!("{} s", number::significant(outcome.run.wall_s)),
+        ),
+    ]
+}
+
+fn fit_figures(outcome: &Outcome, fit: &Fit) -> Vec<(&'static str, String)> {
     let parameters = &outcome.estimate.parameters;
     let mut figures = vec![
         ("Parameters", parameters.len().to_string()),
@@ -112,6 +179,11 @@ fn figures(outcome: &Outcome, fit: &Fit) -> String {
         "Wall time",
         format!("{} s", number::significant(outcome.run.wall_s)),
     ));
+    figures
+}
+
+/// Figures that stand out.
+fn figures(figures: &[(&str, String)]) -> String {
     let items: String = figures
         .iter()
         .map(|(term, value)| format!("<div><dt>{term}</dt><dd>{}</dd></div>\n", escape(value)))

@@ -1,0 +1,86 @@
+//! The robot as lines between its joints: enough to draw it in any posture.
+
+use serde::{Deserialize, Serialize};
+
+use crate::outcome::machine::{Machine, MachineJoint, MachineLeader, Motion, Pose};
+
+/// Joints in the order of the tree, parents first.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Skeleton {
+    pub joints: Vec<Bone>,
+    /// Points at the ends of the robot.
+    pub tips: Vec<Tip>,
+    /// What the robot has to stay on one side of.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub walls: Vec<Wall>,
+}
+
+/// A joint and where it stands on the link before it.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Bone {
+    pub name: String,
+    /// Position of the joint before it; absent for the base.
+    pub parent: Option<usize>,
+    pub motion: Motion,
+    /// Unit vector in the link's frame.
+    pub axis: [f64; 3],
+    /// The link's frame in its parent's at position 0.
+    pub pose: Pose,
+    /// Position at which the joint stands still.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub locked: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub follows: Option<MachineLeader>,
+}
+
+/// A named frame on a link that carries no further joint.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Tip {
+    pub name: String,
+    pub joint: usize,
+    /// m, in the frame of the link.
+    pub at: [f64; 3],
+}
+
+/// The half-space `normal · p >= offset` for a point of the robot, in the base frame.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Wall {
+    pub normal: [f64; 3],
+    /// m
+    pub offset: f64,
+}
+
+impl Skeleton {
+    /// Joints without walls, and of the frames those at the ends of the robot.
+    pub fn new(joints: Vec<Bone>, frames: impl Iterator<Item = Tip>) -> Self {
+        let ends = |tip: &Tip| joints.iter().all(|bone| bone.parent != Some(tip.joint));
+        let tips = frames.filter(ends).collect();
+        Self {
+            joints,
+            tips,
+            walls: Vec::new(),
+        }
+    }
+}
+
+impl From<&Machine> for Skeleton {
+    fn from(machine: &Machine) -> Self {
+        let bone = |joint: &MachineJoint| Bone {
+            name: joint.name.clone(),
+            parent: joint.parent,
+            motion: joint.motion,
+            axis: joint.axis,
+            pose: joint.pose,
+            locked: joint.locked,
+            follows: joint.follows.clone(),
+        };
+        let frames = machine.frames.iter().filter_map(|frame| {
+            Some(Tip {
+                name: frame.name.clone(),
+                joint: frame.joint?,
+                at: frame.pose.translation,
+            })
+        });
+        Self::new(machine.joints.iter().map(bone).collect(), frames)
+    }
+}
