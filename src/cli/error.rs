@@ -11,6 +11,7 @@ use crate::outcome::error::OutcomeError;
 use crate::problem_file::ProblemFileError;
 use crate::report::text;
 use crate::rollout::error::RolloutError;
+use crate::setup::error::SetupError;
 use crate::simulate::error::SimulateError;
 use thiserror::Error;
 
@@ -19,6 +20,8 @@ use thiserror::Error;
 pub enum CliError {
     #[error(transparent)]
     Problem(#[from] ProblemFileError),
+    #[error(transparent)]
+    Setup(#[from] SetupError),
     #[error(transparent)]
     Design(#[from] DesignError),
     #[error(transparent)]
@@ -74,6 +77,7 @@ impl CliError {
             }
             Self::Fit(FitError::Setup(error)) => of_files(error.concerns_data()),
             Self::Fit(FitError::Estimate { .. }) => Self::NO_SOLUTION,
+            Self::Setup(error) => of_files(error.concerns_data()),
             Self::Motors(error) => of_files(error.concerns_data()),
             Self::Diagnose(DiagnoseError::Setup(error)) => of_files(error.concerns_data()),
             Self::Diagnose(DiagnoseError::Fit(_)) => Self::NO_SOLUTION,
