@@ -65,6 +65,7 @@ fn torques(model: &Model, values: &DVector<f64>, course: &Course) -> Vec<Vec<f64
     let [q, dq, ddq] = &course.motion;
     let segment = Segment {
         time: &course.time,
+        temperature: &[],
         cyclic: true,
         ..Segment::states(Trajectory { q, dq, ddq }, false)
     };

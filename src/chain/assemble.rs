@@ -1,14 +1,14 @@
 //! Lists the parameters of a model: of links, effects, coupling, tilt and load.
 
 use crate::chain::effect::{
-    Effect, Law, Linearity, base_tilt, coulomb_friction, kinematic_coupling, rotor_inertia,
-    torque_current_nonlinearity,
+    Dependence, Effect, Law, Linearity, NEXT, PREVIOUS, base_tilt, coulomb_friction,
+    kinematic_coupling, rotor_inertia, torque_current_nonlinearity,
 };
 use crate::chain::error::ModelError;
 use crate::chain::model::{Channel, Inertials, JointModel, ModelSettings, Signal, WRENCH};
 use crate::chain::parameter::{Parameter, Role, State};
 use crate::robot::inertia::{PER_LINK, QUANTITIES, UNITS};
-use crate::robot::tree::{Joint, JointKind};
+use crate::robot::tree::{Joint, JointKind, Tree};
 use nalgebra::DMatrix;
 
 pub(super) fn unbounded(name: String, unit: &str, role: Role) -> Parameter {
@@ -62,6 +62,7 @@ pub(super) fn joint_model(
         locked: settings.locked[j],
         effects: Vec::new(),
         borrowed: Vec::new(),
+        others: Vec::new(),
         replaced: Vec::new(),
         width: None,
         gain: None,
@@ -82,6 +83,7 @@ pub(super) fn joint_model(
         remember(&mut model, effect, first);
         known_values(settings, (j, effect), &mut parameters[first..]);
         model.effects.push((effect, first));
+        model.others.push(others(settings, j, effect)?);
     }
     lend(&mut model, parameters)?;
     Ok(model)
@@ -112,6 +114,36 @@ fn torque_constant(settings: &ModelSettings, j: usize) -> f64 {
     }
 }
 
+/// Whether a robot has the joints that an effect of one joint knows of.
+pub fn has_others(tree: &Tree, joint: usize, effect: &Effect) -> bool {
+    let mut others = effect.needs.others.iter();
+    others.all(|name| other(tree, joint, name).is_some())
+}
+
+fn other(tree: &Tree, joint: usize, name: &str) -> Option<usize> {
+    match name {
+        NEXT => (joint + 1 < tree.len()).then_some(joint + 1),
+        PREVIOUS => joint.checked_sub(1),
+        name => tree.joint_index(name),
+    }
+}
+
+/// The joints whose motion an effect of a joint knows.
+fn others(
+    settings: &ModelSettings,
+    joint: usize,
+    effect: &'static Effect,
+) -> Result<Vec<usize>, ModelError> {
+    let of = |name: &&'static str| {
+        other(&settings.tree, joint, name).ok_or_else(|| ModelError::NeedsJoint {
+            joint: settings.tree.joints()[joint].name.clone(),
+            effect: effect.id,
+            needs: name,
+        })
+    };
+    effect.needs.others.iter().map(of).collect()
+}
+
 /// The listed effects, and those that act because their values are declared.
 fn effects_with_known_values(settings: &ModelSettings, j: usize) -> Vec<&'static Effect> {
     let mut effects = settings.effects[j].clone();
@@ -136,6 +168,9 @@ fn has_own_parameters(effect: &Effect, signal: Signal) -> bool {
         Law::Coupling | Law::Body | Law::Tilt => false,
         Law::Current => signal == Signal::Current,
         Law::Transmission(_) => signal != Signal::LinkTorque,
+        Law::Signal(_) => {
+            signal == Signal::Current || !effect.depends_on.contains(&Dependence::Current)
+        }
         _ => !(signal == Signal::LinkTorque && effect.id == rotor_inertia::EFFECT.id),
     }
 }

@@ -22,6 +22,8 @@ pub struct Prepared {
     pub experiment: Arc<Experiment>,
     /// Every `stride`-th row of the experiment is used.
     pub stride: usize,
+    /// °C, `[joint][row of the experiment]`; none where empty.
+    temperature: Vec<Vec<f64>>,
     /// Known forces on the links along their joints, `[joint][row of the experiment]`; none where empty.
     forces: Vec<Vec<f64>>,
     /// What controllers are told beside the position, in rows of the experiment.
@@ -34,6 +36,7 @@ pub struct Prepared {
 #[derive(Debug, Clone)]
 struct Rows {
     t: Vec<f64>,
+    temperature: Vec<Vec<f64>>,
     forces: Vec<Vec<f64>>,
     commands: Option<Commands>,
     bodies: Option<KnownBodies>,
@@ -54,6 +57,7 @@ impl Prepared {
             name,
             split,
             loaded,
+            temperature: experiment.temperatures(),
             experiment: Arc::new(experiment),
             stride: 1,
             forces: Vec::new(),
@@ -70,6 +74,7 @@ impl Prepared {
         let every = |series: &[Vec<f64>]| thinned(series, stride);
         let rows = (stride > 1).then(|| Rows {
             t: experiment.t.iter().step_by(stride).copied().collect(),
+            temperature: every(&self.temperature),
             forces: every(&self.forces),
             commands: self.commands.as_ref().map(|all| all.thinned(stride)),
             bodies: self.bodies.as_ref().map(|b| b.thinned(stride)),
@@ -86,6 +91,7 @@ impl Prepared {
             loaded: self.loaded,
             experiment: Arc::clone(experiment),
             stride,
+            temperature: self.temperature.clone(),
             forces: self.forces.clone(),
             commands: self.commands.clone(),
             bodies: self.bodies.clone(),
@@ -178,6 +184,7 @@ impl Prepared {
             None => self.whole(),
             Some(Rows {
                 t,
+                temperature,
                 forces,
                 commands,
                 bodies,
@@ -189,6 +196,7 @@ impl Prepared {
                 commands: commands.as_ref().map(|all| all.from_sample(0)),
                 bodies: bodies.as_ref(),
                 time: t,
+                temperature,
                 cyclic: false,
                 loaded: self.loaded,
             },
@@ -208,6 +216,7 @@ impl Prepared {
             commands: self.commands.as_ref().map(|all| all.from_sample(0)),
             bodies: self.bodies.as_ref(),
             time: &self.experiment.t,
+            temperature: &self.temperature,
             cyclic: self.experiment.periods.is_some(),
             loaded: self.loaded,
         }

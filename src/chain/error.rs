@@ -30,6 +30,12 @@ pub enum ModelError {
         effect: &'static str,
         needs: &'static str,
     },
+    #[error("{joint}: `{effect}` knows the motion of joint `{needs}`, which is not there")]
+    NeedsJoint {
+        joint: String,
+        effect: &'static str,
+        needs: &'static str,
+    },
     #[error("the coupling matrix cannot be inverted; its rows must be independent")]
     SingularCoupling,
 }

@@ -251,6 +251,7 @@ impl ReferenceMotion {
             commands: None,
             bodies: None,
             time: &self.time,
+            temperature: &[],
             cyclic: false,
             loaded: true,
         };
@@ -268,7 +269,13 @@ impl ReferenceMotion {
             Dependence::Acceleration => ("acceleration [rad/s²]", ddq[0].clone()),
             Dependence::Load => ("transmitted torque [N·m]", bodies.to_vec()),
             Dependence::OtherJoints => ("position of the other joint [rad]", q[1].clone()),
-            Dependence::Time | Dependence::Nothing => ("time [s]", self.time.clone()),
+            Dependence::Current => {
+                let current = bodies.iter().map(|torque| torque / TORQUE_CONSTANT);
+                ("current [A]", current.collect())
+            }
+            Dependence::Time | Dependence::Temperature | Dependence::Nothing => {
+                ("time [s]", self.time.clone())
+            }
         }
     }
 }

@@ -12,7 +12,7 @@
 //! signal and its derivatives with respect to any of them; [`forward`] turns the chain round, from the
 //! signal to the motion; [`effect`] is the table of the physics.
 
-mod assemble;
+pub mod assemble;
 pub mod base_parameters;
 pub mod controller;
 pub mod dataset;

@@ -3,7 +3,7 @@
 use crate::chain::assemble;
 use crate::chain::controller::Controller;
 use crate::chain::effect::{
-    Effect, Law, Memory, ParameterInfo, coulomb_friction, torque_current_nonlinearity,
+    Catalogue, Effect, Law, Memory, ParameterInfo, coulomb_friction, torque_current_nonlinearity,
     viscous_friction,
 };
 use crate::chain::error::ModelError;
@@ -117,6 +117,10 @@ pub struct ModelSettings {
     pub coupling: Option<DMatrix<f64>>,
     pub offset: Option<Vec<f64>>,
     pub effects: Vec<Vec<&'static Effect>>,
+    /// The effects that it may have.
+    pub catalogue: Catalogue,
+    /// s, after which the motion is declared to repeat.
+    pub period: Option<f64>,
     pub payload: Option<Payload>,
     /// Joints that stand still.
     pub locked: Vec<bool>,
@@ -138,6 +142,8 @@ impl ModelSettings {
             coupling: None,
             offset: None,
             effects: vec![Vec::new(); n],
+            catalogue: Catalogue::known(),
+            period: None,
             payload: None,
             locked: vec![false; n],
         }
@@ -157,6 +163,8 @@ pub struct JointModel {
     pub effects: Vec<(&'static Effect, usize)>,
     /// Positions of the parameters that each effect borrows from others.
     pub borrowed: Vec<Vec<usize>>,
+    /// Joints whose motion each effect knows beside its own.
+    pub others: Vec<Vec<usize>>,
     /// Whether another effect takes the place of each effect's torque.
     pub replaced: Vec<bool>,
     /// Position of the transition speed w of Coulomb friction, if the joint has it.
@@ -200,6 +208,8 @@ pub struct Model {
     signal: Signal,
     channels: Vec<Channel>,
     joints: Vec<JointModel>,
+    catalogue: Catalogue,
+    period: Option<f64>,
     coupling: DMatrix<f64>,
     offset: DVector<f64>,
     payload: Option<(Payload, usize)>,
@@ -244,6 +254,8 @@ impl Model {
             channels: assemble::channels(&settings),
             signal: settings.signal,
             joints,
+            catalogue: settings.catalogue,
+            period: settings.period,
             coupling,
             offset: DVector::from_vec(settings.offset.unwrap_or_else(|| vec![0.0; n])),
             payload,
@@ -279,6 +291,16 @@ impl Model {
 
     pub fn joints(&self) -> &[JointModel] {
         &self.joints
+    }
+
+    /// The effects that the model may have.
+    pub fn catalogue(&self) -> &Catalogue {
+        &self.catalogue
+    }
+
+    /// s, after which the motion is declared to repeat.
+    pub fn period(&self) -> Option<f64> {
+        self.period
     }
 
     pub fn parameters(&self) -> &[Parameter] {

@@ -140,6 +140,7 @@ fn assert_derivatives(effects: &[&'static Effect], signal: Signal, seed: u64) {
         commands: None,
         bodies: None,
         time: &time,
+        temperature: &[],
         cyclic: seed.is_multiple_of(2),
         loaded: true,
     };
@@ -217,6 +218,7 @@ fn matches_itself_with_links_that_have_settled() {
         let time: Vec<f64> = (0..SAMPLES).map(|k| 0.02 * k as f64).collect();
         let segment = Segment {
             time: &time,
+            temperature: &[],
             cyclic: seed.is_multiple_of(2),
             ..Segment::states(
                 Trajectory {

@@ -263,6 +263,8 @@ pub(super) fn with_tree(declared: &Model, tree: Tree) -> Model {
         coupling: Some(declared.coupling(&declared.values())),
         offset: Some(declared.offset().iter().copied().collect()),
         effects: vec![effects; n],
+        catalogue: declared.catalogue().clone(),
+        period: declared.period(),
         payload: declared.payload().map(|(payload, _)| payload),
         locked: declared.joints().iter().map(|joint| joint.locked).collect(),
     };

@@ -133,6 +133,9 @@ pub struct Run {
     /// Override a key of the problem file, for example --set fit.estimator=wls
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+    /// A file with tables [[law]], or a folder of such files, in the place of those that `laws` in the problem file names
+    #[arg(long, value_name = "PATH")]
+    pub laws: Vec<PathBuf>,
     /// Number of threads [default: all processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
@@ -188,6 +191,9 @@ pub struct Campaign {
     /// Effects to conceal, by their ids [default: all]
     #[arg(long, value_name = "A,B", value_delimiter = ',')]
     pub effects: Vec<String>,
+    /// A file with tables [[law]], or a folder of such files: its laws are concealed and looked for beside the vocabulary
+    #[arg(long, value_name = "PATH")]
+    pub laws: Option<PathBuf>,
     /// Kinds of random robots, arm3 to arm7 and slide3 to slide7 [default: all]
     #[arg(long, value_name = "X,Y", value_delimiter = ',')]
     pub robots: Vec<String>,
@@ -229,6 +235,9 @@ pub struct Campaign {
 pub struct Query {
     /// One effect; all of them if absent
     pub id: Option<String>,
+    /// A file with tables [[law]], or a folder of such files: its laws beside the vocabulary
+    #[arg(long, value_name = "PATH", conflicts_with = "markdown")]
+    pub laws: Option<PathBuf>,
     /// Print as JSON
     #[arg(long)]
     pub json: bool,

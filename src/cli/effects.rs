@@ -1,11 +1,12 @@
 //! `exid effects`: the vocabulary of physics.
 
-use crate::chain::effect::{self, EFFECTS, Effect};
+use crate::chain::effect::{Catalogue, Effect};
 use crate::cli::args::Query;
 use crate::cli::error::CliError;
 use crate::cli::output::print;
 use crate::report::catalogue;
 use crate::robot::tree::JointKind;
+use crate::setup::laws;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
@@ -14,9 +15,13 @@ use std::path::Path;
 const PICTURES: &str = "effects";
 
 pub fn run(query: &Query) -> Result<u8, CliError> {
+    let catalogue = match &query.laws {
+        None => Catalogue::known(),
+        Some(path) => laws::of_files(path)?,
+    };
     let effects: Vec<&'static Effect> = match &query.id {
-        None => EFFECTS.to_vec(),
-        Some(id) => vec![effect::find(id).ok_or_else(|| unknown(id))?],
+        None => catalogue.effects().to_vec(),
+        Some(id) => vec![catalogue.find(id).ok_or_else(|| unknown(&catalogue, id))?],
     };
     if query.markdown {
         print(&catalogue::markdown(PICTURES))?;
@@ -55,8 +60,8 @@ fn draw(effects: &[&'static Effect], folder: &Path) -> Result<String, CliError> 
     Ok(names.join("\n"))
 }
 
-fn unknown(id: &str) -> CliError {
-    let ids = effect::ids();
+fn unknown(catalogue: &Catalogue, id: &str) -> CliError {
+    let ids = catalogue.ids();
     let nearest = ids
         .iter()
         .max_by_key(|known| (1e6 * strsim::jaro_winkler(known, id)) as u64);
@@ -102,7 +107,9 @@ fn in_full(effect: &Effect) -> String {
             info.name, info.meaning
         ));
     }
-    text.push_str("\n  can be mistaken for\n");
+    if !effect.confounded_with.is_empty() {
+        text.push_str("\n  can be mistaken for\n");
+    }
     for confounder in effect.confounded_with {
         text.push_str(&format!(
             "    {}\n      told apart by {}\n",

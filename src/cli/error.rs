@@ -4,6 +4,7 @@ use crate::export::error::ExportError;
 use crate::init::error::InitError;
 use crate::outcome::error::OutcomeError;
 use crate::problem_file::ProblemFileError;
+use crate::setup::error::SetupError;
 use crate::verb::ending;
 use crate::verb::error::VerbError;
 use thiserror::Error;
@@ -15,6 +16,8 @@ pub enum CliError {
     Verb(#[from] VerbError),
     #[error(transparent)]
     Problem(#[from] ProblemFileError),
+    #[error(transparent)]
+    Setup(#[from] SetupError),
     #[error(transparent)]
     Init(#[from] InitError),
     #[error(transparent)]
@@ -41,9 +44,11 @@ impl CliError {
         match self {
             Self::Verb(error) => error.exit_code(),
             Self::Init(error) if error.concerns_data() => Self::WRONG_DATA,
+            Self::Setup(error) if error.concerns_data() => Self::WRONG_DATA,
             Self::Output(_) => Self::NOT_PRINTED,
             Self::Problem(_)
             | Self::Init(_)
+            | Self::Setup(_)
             | Self::Outcome(_)
             | Self::Export(_)
             | Self::WrongUse(_) => Self::WRONG_USE,

@@ -19,9 +19,28 @@ use std::path::{Path, PathBuf};
 /// Reads the problem file with its overrides and sets the number of threads.
 pub fn open(run: &Run) -> Result<ProblemFile, CliError> {
     set_threads(run.threads)?;
-    let mut problem = ProblemFile::read(&run.problem, &run.set, &effect::ids())?;
+    let mut set = run.set.clone();
+    if !run.laws.is_empty() {
+        set.push(named_laws(&run.laws)?);
+    }
+    let mut problem = ProblemFile::read(&run.problem, &set, &effect::ids())?;
     bound(&mut problem, run.max_rows);
     Ok(problem)
+}
+
+/// Files of laws as an override of the problem file, whose paths start from its own folder.
+fn named_laws(paths: &[PathBuf]) -> Result<String, CliError> {
+    let absolute = |path: &PathBuf| {
+        std::path::absolute(path).map_err(|e| {
+            let path = path.display();
+            CliError::WrongUse(format!("--laws {path}: {e}; name a file or a folder"))
+        })
+    };
+    let paths: Vec<PathBuf> = paths.iter().map(absolute).collect::<Result<_, _>>()?;
+    let texts = paths
+        .iter()
+        .map(|path| format!("{:?}", path.display().to_string()));
+    Ok(format!("laws=[{}]", texts.collect::<Vec<_>>().join(", ")))
 }
 
 /// Bounds what is read of the recordings of a problem: an interrupt ends it, and files have so many rows at most, where that

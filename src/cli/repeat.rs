@@ -44,6 +44,7 @@ pub fn run(query: &Repetition) -> Result<u8, CliError> {
                 problem: problem.path.clone(),
                 out: Some(out.clone()),
                 set: Vec::new(),
+                laws: Vec::new(),
                 threads: query.threads,
                 seed: earlier.run.seed,
                 max_rows: None,
@@ -209,7 +210,7 @@ pub(super) fn prepare(
 
 /// The same trials, drawn from the same.
 fn campaign(query: &Repetition, earlier: &Outcome, made: &Trials, out: PathBuf) -> Campaign {
-    let listed = |key: &str| {
+    let listed = |key: &str| -> Vec<String> {
         let list = earlier
             .run
             .problem
@@ -222,6 +223,7 @@ fn campaign(query: &Repetition, earlier: &Outcome, made: &Trials, out: PathBuf) 
     let count = numbers.len() as u64;
     Campaign {
         effects: listed("effects"),
+        laws: listed("laws").into_iter().next().map(PathBuf::from),
         robots: listed("robots"),
         motion: listed("motion"),
         noise: listed("noise"),

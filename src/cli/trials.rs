@@ -9,6 +9,7 @@ use crate::outcome::run::{Run as Record, VERSION};
 use crate::outcome::trials::Trial;
 use crate::outcome::{Outcome, Part};
 use crate::problem::solution::Control;
+use crate::setup::laws;
 use crate::trials::conceal;
 use crate::trials::motion::{Motion, Noise};
 use crate::trials::plan::Scope;
@@ -131,8 +132,17 @@ impl<'a> Place<'a> {
 }
 
 fn scope(campaign: &Campaign) -> Result<Scope, CliError> {
-    let effects: Vec<&'static str> = conceal::effects().map(|e| e.id).collect();
     let mut scope = Scope::all(campaign.seed);
+    if let Some(path) = &campaign.laws {
+        let absolute = std::path::absolute(path).map_err(|e| {
+            let path = path.display();
+            CliError::WrongUse(format!("--laws {path}: {e}; name a file or a folder"))
+        })?;
+        scope.catalogue = laws::of_files(&absolute)?;
+        scope.laws = vec![absolute];
+    }
+    let effects: Vec<&'static str> = conceal::effects(&scope.catalogue).map(|e| e.id).collect();
+    scope.effects.clone_from(&effects);
     if !campaign.effects.is_empty() {
         scope.effects = chosen(("--effects", &campaign.effects), &effects)?;
     }
@@ -173,9 +183,13 @@ fn chosen(
 fn drawn_from(scope: &Scope) -> serde_json::Value {
     let motions: Vec<&str> = scope.motions.iter().map(|motion| motion.name()).collect();
     let noises: Vec<&str> = scope.noises.iter().map(|noise| noise.name()).collect();
-    serde_json::json!({
+    let mut drawn = serde_json::json!({
         "effects": scope.effects, "robots": scope.robots, "motion": motions, "noise": noises
-    })
+    });
+    if !scope.laws.is_empty() {
+        drawn["laws"] = serde_json::json!(scope.laws);
+    }
+    drawn
 }
 
 /// Trials of an earlier run that are drawn from the same.

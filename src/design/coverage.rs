@@ -104,7 +104,8 @@ impl Figures {
                     percent(self.acceleration)
                 ),
             ),
-            Dependence::Load => (
+            // A current is a load that a motor gives.
+            Dependence::Load | Dependence::Current => (
                 (EACH_WAY..=1.0 - EACH_WAY).contains(&self.driving)
                     && self.load_range >= LOAD_RANGE,
                 format!(
@@ -118,6 +119,10 @@ impl Figures {
             Dependence::Gravity => (
                 self.range >= WIDE,
                 format!("gravity turns over {} of the range", percent(self.range)),
+            ),
+            Dependence::Temperature => (
+                false,
+                "no motion of one length makes a drive warm: record it cold and warm".to_string(),
             ),
             Dependence::Nothing => (true, "a constant needs no motion of its own".to_string()),
         }

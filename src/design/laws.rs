@@ -4,7 +4,7 @@
 //! give every slope at the price of a few evaluations of a cheap formula.
 
 use crate::chain::effect::coulomb_friction::sign;
-use crate::chain::effect::{Contribution, Dependence, Effect, Law, Memory, Samples};
+use crate::chain::effect::{Contribution, Dependence, Effect, Law, Memory, Samples, Surroundings};
 use crate::chain::model::Model;
 
 /// Half of a difference, as a share of the joint's scale of motion.
@@ -13,7 +13,8 @@ const STEP: f64 = 1e-6;
 /// Whether an effect is a torque of the motor that follows from its state alone: one that has a memory
 /// does not follow from the motion that a design knows.
 pub fn of_the_state(effect: &Effect) -> bool {
-    matches!(effect.law, Law::Motor(_)) && effect.needs.memory == Memory::None
+    let is_alone = effect.needs.memory == Memory::None && effect.needs.others.is_empty();
+    matches!(effect.law, Law::Motor(_)) && is_alone
 }
 
 /// The laws of one motor.
@@ -82,11 +83,13 @@ impl<'m> Laws<'m> {
             sign: &sign,
             time: &[],
             cyclic: false,
+            surroundings: Surroundings::default(),
         };
         out.torque.clear();
         out.torque.resize(samples, 0.0);
         out.by_parameter.resize_with(self.effects.len(), Vec::new);
-        let (mut by_sign, mut by_position) = (vec![0.0; samples], vec![0.0; samples]);
+        let zeros = || vec![0.0; samples];
+        let (mut by_sign, mut by_position, mut by_velocity) = (zeros(), zeros(), zeros());
         for ((effect, first), by_parameter) in self.effects.iter().zip(&mut out.by_parameter) {
             let Law::Motor(law) = effect.law else {
                 continue;
@@ -102,6 +105,7 @@ impl<'m> Laws<'m> {
                 by_parameter,
                 by_sign: &mut by_sign,
                 by_position: &mut by_position,
+                by_velocity: &mut by_velocity,
             };
             law.add(
                 input,

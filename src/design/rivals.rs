@@ -217,6 +217,7 @@ impl Rivals<'_> {
                 let segment = Segment {
                     motors: Trajectory { q, dq, ddq },
                     time: &time,
+                    temperature: &[],
                     cyclic: true,
                     forces: &[],
                     commands: None,

@@ -196,7 +196,8 @@ impl Search<'_> {
         let contexts = self.contexts(halves, declared, control)?;
         let explaining = self.explaining(&contexts, reached);
         let explanation = explaining.explain(declared.fit.clone())?;
-        let changing = between_periods::sought(&halves.whole, self.rules);
+        let changing =
+            between_periods::sought(&halves.whole, declared.fit.model.catalogue(), self.rules);
         if let Some(effects) = changing.filter(|_| !control.is_interrupted()) {
             (self.watch)(Stage::Drift);
             let unrolled = between_periods::unrolled(&halves.whole);

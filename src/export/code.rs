@@ -6,6 +6,7 @@
 //! lag both directions solve the same equations, those of the backward difference of second order, for its value at the
 //! end of the step.
 
+use crate::chain::effect::Catalogue;
 use crate::chain::effect::expression::{Expression, Function, Variable};
 use crate::export::drive::Drives;
 use crate::export::error::ExportError;
@@ -46,9 +47,12 @@ const CLOCK: usize = 2;
 ///
 /// # Errors
 /// Effects or parameters that the result does not hold.
-pub fn write(machine: &Machine, (name, language): (&str, Language)) -> Result<Export, ExportError> {
+pub fn write(
+    (machine, catalogue): (&Machine, &Catalogue),
+    (name, language): (&str, Language),
+) -> Result<Export, ExportError> {
     let prefix = identifier(name);
-    let drives = Drives::of(machine)?;
+    let drives = Drives::of(machine, catalogue)?;
     let layout = Layout::of(&drives);
     let writer = Writer {
         machine,
@@ -101,10 +105,10 @@ pub fn notes(machine: &Machine, drives: &Drives) -> Vec<String> {
 /// # Errors
 /// Effects or parameters that the result does not hold.
 pub fn plugin(
-    machine: &Machine,
+    (machine, catalogue): (&Machine, &Catalogue),
     (name, glue, change): (&str, &str, f64),
 ) -> Result<String, ExportError> {
-    let drives = Drives::of(machine)?;
+    let drives = Drives::of(machine, catalogue)?;
     let layout = Layout::of(&drives);
     let writer = Writer {
         machine,
@@ -198,7 +202,7 @@ impl Layout {
         };
         let bristles = drives.drives.iter().map(|drive| {
             let laws = drive.motor.iter();
-            laws.map(|law| law.state.as_ref().map(|_| take(2)))
+            laws.map(|law| (!law.states.is_empty()).then(|| take(law.states.len() + 1)))
                 .collect()
         });
         let bristles = bristles.collect();
@@ -523,7 +527,7 @@ impl Writer<'_> {
                 Variable::Sign => name(moving.sign),
                 Variable::Time => name("now"),
                 Variable::Load => name(format!("load{j}")),
-                Variable::State => name(state),
+                Variable::State(k) => name(format!("{state}_{k}")),
                 other => Expression::Variable(*other),
             }),
             _ => None,
@@ -533,43 +537,50 @@ impl Writer<'_> {
     /// Binds the states of the laws of a motor at the end of the step.
     fn bind_states(&self, body: &mut Body, j: usize) {
         for (k, law) in self.drives.drives[j].motor.iter().enumerate() {
-            let (Some(of), Some(at)) = (&law.state, self.layout.bristles[j][k]) else {
+            let Some(at) = self.layout.bristles[j][k] else {
                 continue;
             };
-            let z = format!("z{j}_{k}");
-            let velocity = |of: &Expression, velocity: &Expression| {
-                of.replaced(&|e| match e {
-                    Expression::Variable(Variable::Velocity) => Some(velocity.clone()),
-                    Expression::Variable(Variable::State) => Some(name(&z)),
-                    Expression::Variable(Variable::Duration) => {
-                        Some(name("dt") / of_parts(law.state.as_ref().map_or(1, |s| s.parts)))
-                    }
-                    _ => None,
-                })
-            };
             let now = name(format!("v{j}"));
-            let before = name(format!("state[{}]", at + 1));
-            body.variable(&z, &name(format!("state[{at}]")));
-            body.if_less(&name("state[1]"), &Expression::Number(0.5));
-            body.assign(&z, &velocity(&of.start, &now));
-            body.otherwise();
-            for part in 0..of.parts {
-                let share = (part as f64 + 0.5) / of.parts as f64;
-                let middle = before.clone() + (now.clone() - before.clone()) * share;
-                let middle = body.bind(&format!("u{j}_{k}_{part}"), &middle);
-                body.assign(&z, &velocity(&of.advance, &middle));
+            let before = name(format!("state[{}]", at + law.states.len()));
+            for (s, of) in law.states.iter().enumerate() {
+                let z = format!("z{j}_{k}_{s}");
+                let velocity = |of: &Expression, velocity: &Expression, parts: usize| {
+                    of.replaced(&|e| match e {
+                        Expression::Variable(Variable::Velocity) => Some(velocity.clone()),
+                        Expression::Variable(Variable::State(_)) => Some(name(&z)),
+                        Expression::Variable(Variable::Duration) => {
+                            Some(name("dt") / of_parts(parts))
+                        }
+                        _ => None,
+                    })
+                };
+                body.variable(&z, &name(format!("state[{}]", at + s)));
+                body.if_less(&name("state[1]"), &Expression::Number(0.5));
+                body.assign(&z, &velocity(&of.start, &now, of.parts));
+                body.otherwise();
+                for part in 0..of.parts {
+                    let share = (part as f64 + 0.5) / of.parts as f64;
+                    let middle = before.clone() + (now.clone() - before.clone()) * share;
+                    let middle = body.bind(&format!("u{j}_{k}_{s}_{part}"), &middle);
+                    body.assign(&z, &velocity(&of.advance, &middle, of.parts));
+                }
+                body.close();
             }
-            body.close();
         }
     }
 
     /// Keeps the states of the laws of a motor.
     fn keep_states(&self, body: &mut Body, j: usize) {
         for (k, at) in self.layout.bristles[j].iter().enumerate() {
-            if let Some(at) = at {
-                body.assign(&format!("state[{at}]"), &name(format!("z{j}_{k}")));
-                body.assign(&format!("state[{}]", at + 1), &name(format!("v{j}")));
+            let Some(at) = at else { continue };
+            let count = self.drives.drives[j].motor[k].states.len();
+            for s in 0..count {
+                body.assign(
+                    &format!("state[{}]", at + s),
+                    &name(format!("z{j}_{k}_{s}")),
+                );
             }
+            body.assign(&format!("state[{}]", at + count), &name(format!("v{j}")));
         }
     }
 
@@ -581,6 +592,17 @@ impl Writer<'_> {
         };
         let laws = self.drives.drives[j].motor.iter().enumerate();
         let laws = laws.map(|(k, law)| self.of_motor(&law.torque, &moving, &format!("z{j}_{k}")));
+        laws.reduce(|sum, law| sum + law)
+    }
+
+    /// What the signal of a motor shows beyond its torque.
+    fn shown(&self, j: usize) -> Option<Expression> {
+        let moving = Moving {
+            joint: j,
+            sign: &format!("s{j}"),
+        };
+        let laws = self.drives.drives[j].signal.iter();
+        let laws = laws.map(|law| self.of_motor(law, &moving, ""));
         laws.reduce(|sum, law| sum + law)
     }
 
@@ -596,11 +618,17 @@ impl Writer<'_> {
         })
     }
 
-    /// Torques of laws at a joint at the position of this name.
-    fn at_joint(&self, j: usize, position: &str) -> Option<Expression> {
+    /// Torques of laws at a joint whose positions and velocities stand in the arrays of these names.
+    fn at_joint(&self, j: usize, [positions, velocities]: [&str; 2]) -> Option<Expression> {
+        let velocity = format!("{velocities}[{j}]");
+        let width = self.language.number(self.drives.drives[j].width);
         let laws = self.drives.drives[j].joint.iter().map(|law| {
             law.replaced(&|e| match e {
-                Expression::Variable(Variable::Position) => Some(name(position)),
+                Expression::Variable(Variable::Position) => Some(name(format!("{positions}[{j}]"))),
+                Expression::Variable(Variable::Velocity) => Some(name(&velocity)),
+                Expression::Variable(Variable::Sign) => {
+                    Some(name(format!("sign({velocity}, {width})")))
+                }
                 Expression::Variable(Variable::Time) => Some(name("now")),
                 _ => None,
             })
@@ -609,9 +637,9 @@ impl Writer<'_> {
     }
 
     /// Motor torques from the joint torques in the array `tau`, into `out`; `now` and the motors are bound.
-    fn assign_motor_torques(&self, body: &mut Body, position: &str) {
+    fn assign_motor_torques(&self, body: &mut Body, motion: [&str; 2]) {
         for j in 0..self.joints() {
-            if let Some(laws) = self.at_joint(j, &format!("{position}[{j}]")) {
+            if let Some(laws) = self.at_joint(j, motion) {
                 let sum = name(format!("tau[{j}]")) + laws;
                 body.assign(&format!("tau[{j}]"), &sum);
             }
@@ -636,7 +664,7 @@ impl Writer<'_> {
         body.array("tau", self.joints());
         body.call(&format!("joint_torque{suffix}"), &["q", "dq", "ddq", "tau"]);
         self.bind_motors(&mut body, ["q", "dq", "ddq"]);
-        self.assign_motor_torques(&mut body, "q");
+        self.assign_motor_torques(&mut body, ["q", "dq"]);
         self.function(
             body,
             (
@@ -665,6 +693,9 @@ impl Writer<'_> {
     fn become_signals(&self, body: &mut Body) {
         for (j, drive) in self.drives.drives.iter().enumerate() {
             let out = format!("out[{j}]");
+            if let Some(shown) = self.shown(j) {
+                body.assign(&out, &(name(&out) + shown));
+            }
             if drive.factor != 1.0 {
                 body.assign(&out, &(name(&out) / drive.factor));
             }
@@ -827,7 +858,7 @@ impl Writer<'_> {
         );
         for (f, &j) in self.members().iter().enumerate() {
             let mut miss = self.contact(j) - name(format!("tau[{j}]"));
-            if let Some(laws) = self.at_joint(j, &format!("lq[{j}]")) {
+            if let Some(laws) = self.at_joint(j, ["lq", "ldq"]) {
                 miss = miss - laws;
             }
             body.assign(&format!("out[{f}]"), &miss);
@@ -926,7 +957,7 @@ impl Writer<'_> {
         let [q, dq, ddq] = links;
         body.call(&format!("joint_torque{suffix}"), &[q, dq, ddq, "tau"]);
         self.bind_motors(&mut body, ["q", "dq", "ddq"]);
-        self.assign_motor_torques(&mut body, q);
+        self.assign_motor_torques(&mut body, [q, dq]);
         self.become_signals(&mut body);
         for j in 0..self.joints() {
             self.keep_states(&mut body, j);
@@ -962,6 +993,10 @@ impl Writer<'_> {
                 1.0 => torque,
                 factor => torque * factor,
             };
+            let torque = match self.shown(j) {
+                Some(shown) => torque - shown,
+                None => torque,
+            };
             body.bind(&format!("drive{j}"), &torque);
         }
     }
@@ -970,8 +1005,8 @@ impl Writer<'_> {
     fn drive_miss(&self) -> String {
         let mut body = self.body();
         self.bind_clock(&mut body);
-        self.bind_driving(&mut body, "signal");
         self.bind_shaft(&mut body);
+        self.bind_driving(&mut body, "signal");
         for j in 0..self.joints() {
             let mut miss = self.before_losses(j);
             if let Some(laws) = self.laws(j) {
@@ -1049,7 +1084,7 @@ impl Writer<'_> {
             self.lagging_drive(&mut body);
         }
         for j in 0..self.joints() {
-            if let Some(laws) = self.at_joint(j, &format!("q[{j}]")) {
+            if let Some(laws) = self.at_joint(j, ["q", "dq"]) {
                 body.assign(&format!("out[{j}]"), &(name(format!("out[{j}]")) - laws));
             }
             self.keep_states(&mut body, j);
@@ -1097,8 +1132,8 @@ impl Writer<'_> {
     }
 
     fn rigid_drive(&self, body: &mut Body) {
-        self.bind_driving(body, "acting");
         self.bind_motors(body, ["q", "dq", "ddq"]);
+        self.bind_driving(body, "acting");
         for j in 0..self.joints() {
             self.bind_states(body, j);
             let mut left = name(format!("drive{j}"));

@@ -1,8 +1,8 @@
 //! Drives with the formulas of their laws, numbers in the places of parameters.
 
-use crate::chain::effect::expression::{Expression, StateLaw};
+use crate::chain::effect::expression::{Expression, StateLaw, Variable};
 use crate::chain::effect::torque_current_nonlinearity::{Branch, COEFFICIENTS, branch};
-use crate::chain::effect::{self, Effect, Law, flank};
+use crate::chain::effect::{self, Catalogue, Effect, Law, NEXT, PREVIOUS, flank};
 use crate::export::error::ExportError;
 use crate::outcome::machine::{Machine, MachineJoint};
 use nalgebra::DMatrix;
@@ -27,6 +27,8 @@ pub struct Drive {
     pub joint: Vec<Expression>,
     /// What the gear loses.
     pub losses: Vec<Expression>,
+    /// What the signal shows beyond the torque of the motor.
+    pub signal: Vec<Expression>,
     /// Torque at the motor over the reading of the signal, where it is proportional.
     pub factor: f64,
     pub current: Option<Branch>,
@@ -42,7 +44,7 @@ pub struct Drive {
 #[derive(Debug)]
 pub struct MotorLaw {
     pub torque: Expression,
-    pub state: Option<StateLaw>,
+    pub states: Vec<StateLaw>,
 }
 
 impl Drives {
@@ -50,7 +52,7 @@ impl Drives {
     ///
     /// # Errors
     /// An effect or a parameter that the machine does not hold, as in results of other versions.
-    pub fn of(machine: &Machine) -> Result<Self, ExportError> {
+    pub fn of(machine: &Machine, catalogue: &Catalogue) -> Result<Self, ExportError> {
         let n = machine.joints.len();
         let coupling = match &machine.coupling {
             Some(rows) => DMatrix::from_fn(n, n, |r, c| rows[r][c]),
@@ -58,7 +60,9 @@ impl Drives {
         };
         let inverse = coupling.clone().try_inverse();
         Ok(Self {
-            drives: machine.joints.iter().map(drive).collect::<Result<_, _>>()?,
+            drives: (0..n)
+                .map(|j| drive(machine, j, catalogue))
+                .collect::<Result<_, _>>()?,
             // The model of the fit has refused couplings without inverse.
             inverse: inverse.unwrap_or_else(|| coupling.clone()),
             coupling,
@@ -69,7 +73,7 @@ impl Drives {
     /// Whether a law at a motor has a state of its own.
     pub fn remember(&self) -> bool {
         let mut laws = self.drives.iter().flat_map(|drive| &drive.motor);
-        laws.any(|law| law.state.is_some())
+        laws.any(|law| !law.states.is_empty())
     }
 
     /// Joints whose links lag their motors.
@@ -81,7 +85,7 @@ impl Drives {
 
     /// Whether one state of motion says what the signal is.
     pub fn is_memoryless(&self) -> bool {
-        let remembers = |law: &MotorLaw| law.state.is_some();
+        let remembers = |law: &MotorLaw| !law.states.is_empty();
         let free = |drive: &Drive| {
             drive.contact.is_none() && !drive.motor.iter().any(remembers) && !drive.knows_time()
         };
@@ -92,28 +96,25 @@ impl Drives {
 impl Drive {
     fn knows_time(&self) -> bool {
         let laws = self.motor.iter().map(|law| &law.torque);
-        laws.chain(&self.joint).any(|law| {
-            let found = std::cell::Cell::new(false);
-            law.replaced(&|e| {
-                let time = effect::expression::Variable::Time;
-                found.set(found.get() || *e == Expression::Variable(time));
-                None
-            });
-            found.get()
-        })
+        let laws = laws.chain(&self.joint).chain(&self.losses);
+        let mut laws = laws.chain(&self.signal);
+        laws.any(|law| law.depends_on(Variable::Time))
     }
 }
 
-fn drive(joint: &MachineJoint) -> Result<Drive, ExportError> {
+fn drive(machine: &Machine, j: usize, catalogue: &Catalogue) -> Result<Drive, ExportError> {
+    let joint = &machine.joints[j];
     let mut drive = Drive {
         factor: joint.torque_constant.unwrap_or(1.0),
         ..Drive::default()
     };
     let effects = joint.effects.iter().map(|found| {
-        effect::find(&found.id).ok_or_else(|| ExportError::UnknownEffect {
-            joint: joint.name.clone(),
-            effect: found.id.clone(),
-        })
+        catalogue
+            .find(&found.id)
+            .ok_or_else(|| ExportError::UnknownEffect {
+                joint: joint.name.clone(),
+                effect: found.id.clone(),
+            })
     });
     let effects = effects.collect::<Result<Vec<_>, _>>()?;
     let is_replaced = |id: &str| effects.iter().any(|e| e.needs.replaces == Some(id));
@@ -121,9 +122,17 @@ fn drive(joint: &MachineJoint) -> Result<Drive, ExportError> {
     let mut elastic = None;
     for effect in &effects {
         let values = values(joint, effect)?;
+        let others = others(machine, j, effect)?;
+        writable(joint, effect)?;
         let with_values = |law: &Expression| {
             law.replaced(&|e| match e {
                 Expression::Parameter(at) => Some(Expression::Number(values[*at])),
+                Expression::Variable(Variable::OtherPosition(k)) => {
+                    Some(Expression::name(format!("m{}", others[*k])))
+                }
+                Expression::Variable(Variable::OtherVelocity(k)) => {
+                    Some(Expression::name(format!("v{}", others[*k])))
+                }
                 _ => None,
             })
         };
@@ -134,17 +143,22 @@ fn drive(joint: &MachineJoint) -> Result<Drive, ExportError> {
             Law::Motor(_) if is_replaced(effect.id) => {}
             Law::Motor(law) => drive.motor.push(MotorLaw {
                 torque: with_values(&law.torque()),
-                state: law.state().map(|state| StateLaw {
-                    start: with_values(&state.start),
-                    advance: with_values(&state.advance),
-                    parts: state.parts,
-                }),
+                states: law
+                    .states()
+                    .iter()
+                    .map(|state| StateLaw {
+                        start: with_values(&state.start),
+                        advance: with_values(&state.advance),
+                        parts: state.parts,
+                    })
+                    .collect(),
             }),
             Law::Joint(law) if joint.locked.is_none() => {
                 drive.joint.push(with_values(&law.torque()));
             }
             Law::Joint(_) => {}
             Law::Transmission(law) => drive.losses.push(with_values(&law.added())),
+            Law::Signal(law) => drive.signal.push(with_values(&law.added())),
             Law::Gain => drive.factor *= values[0],
             Law::Current => {
                 let c: [f64; COEFFICIENTS] = std::array::from_fn(|k| values[k]);
@@ -170,6 +184,56 @@ fn drive(joint: &MachineJoint) -> Result<Drive, ExportError> {
         }));
     }
     Ok(drive)
+}
+
+/// Places of the joints whose motion an effect of a joint knows.
+fn others(machine: &Machine, j: usize, effect: &Effect) -> Result<Vec<usize>, ExportError> {
+    let of = |name: &&'static str| {
+        let found = match *name {
+            NEXT => (j + 1 < machine.joints.len()).then_some(j + 1),
+            PREVIOUS => j.checked_sub(1),
+            name => machine.joints.iter().position(|joint| joint.name == name),
+        };
+        found.ok_or_else(|| ExportError::Incomplete {
+            joint: machine.joints[j].name.clone(),
+            parameter: format!("{}: joint {name}", effect.id),
+        })
+    };
+    effect.needs.others.iter().map(of).collect()
+}
+
+/// A program knows the motion and the signal of the motors alone, and has to find the load from the torque.
+fn writable(joint: &MachineJoint, effect: &Effect) -> Result<(), ExportError> {
+    let formula = match effect.law {
+        Law::Motor(law) | Law::Joint(law) => law.torque(),
+        Law::Transmission(law) | Law::Signal(law) => law.added(),
+        _ => return Ok(()),
+    };
+    let refused = |why: &'static str| {
+        Err(ExportError::NotWritable {
+            joint: joint.name.clone(),
+            effect: effect.id.to_string(),
+            why,
+        })
+    };
+    match effect.law {
+        _ if formula.depends_on(Variable::Temperature) => refused("it depends on the temperature"),
+        _ if formula.depends_on(Variable::Period) => {
+            refused("it depends on the period of a motion")
+        }
+        Law::Joint(_) if !effect.needs.others.is_empty() => {
+            refused("a law at a joint depends on other joints")
+        }
+        Law::Transmission(law) if !law.is_proportional() => {
+            refused("the load does not follow from the torque in closed form")
+        }
+        Law::Signal(_)
+            if formula.depends_on(Variable::Current) || formula.depends_on(Variable::Load) =>
+        {
+            refused("the torque does not follow from the signal in closed form")
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Parameters of an effect of a joint, borrowed ones behind its own.

@@ -2,6 +2,7 @@
 
 use crate::fault::{Description, Fault, Place, write_fault};
 use crate::robot::error::RobotError;
+use crate::setup::error::SetupError;
 use std::fmt;
 use std::path::Path;
 
@@ -14,6 +15,14 @@ pub enum ExportError {
     UnknownEffect { joint: String, effect: String },
     /// The result lacks a parameter.
     Incomplete { joint: String, parameter: String },
+    /// A law that a program cannot have.
+    NotWritable {
+        joint: String,
+        effect: String,
+        why: &'static str,
+    },
+    /// The laws of the problem that the result keeps.
+    Laws(SetupError),
     /// The robot file in the result does not read.
     Description(Box<RobotError>),
     /// The document cannot be encoded.
@@ -46,7 +55,15 @@ impl ExportError {
                 format!("the result holds no value of {parameter} of {joint}"),
                 "run the verb of the result again with this version (`exid repeat` on the results folder does)",
             ),
+            Self::NotWritable { joint, effect, why } => Description::new(
+                "law-not-exportable",
+                format!(
+                    "{joint} has the effect `{effect}`, which no program of this kind can have: {why}"
+                ),
+                "fit without it, or export --to toml, which has its parameters",
+            ),
             Self::Description(error) => error.describe(),
+            Self::Laws(error) => error.describe(),
             Self::NotEncodable { reason, .. } => Description::new(
                 "not-encodable",
                 format!("the model cannot be written: {reason}"),
@@ -60,6 +77,7 @@ impl fmt::Display for ExportError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Description(error) => write_fault(f, error.as_ref()),
+            Self::Laws(error) => write_fault(f, error),
             _ => {
                 let Description {
                     message, remedy, ..

@@ -89,6 +89,7 @@ impl Language {
             Function::Sine => ["f64::sin", "sin", "np.sin"],
             Function::Cosine => ["f64::cos", "cos", "np.cos"],
             Function::Exponential => ["f64::exp", "exp", "np.exp"],
+            Function::Logarithm => ["f64::ln", "log", "np.log"],
             Function::HyperbolicTangent => ["f64::tanh", "tanh", "np.tanh"],
             Function::Magnitude => ["f64::abs", "fabs", "np.abs"],
             Function::SquareRoot => ["f64::sqrt", "sqrt", "np.sqrt"],

@@ -23,6 +23,7 @@ use crate::export::error::ExportError;
 use crate::export::language::Language;
 use crate::outcome::machine::Machine;
 use crate::outcome::{Outcome, Part};
+use crate::setup::laws;
 
 /// Formats of `--to`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,14 +70,16 @@ pub fn export(outcome: &Outcome, format: Format) -> Result<Export, ExportError> 
         });
     }
     let name = outcome.name.as_str();
+    let catalogue = laws::kept(&outcome.run.problem).map_err(ExportError::Laws)?;
+    let robot = (machine, &catalogue);
     let mut export = match format {
         Format::Urdf => urdf::write(machine, name)?,
         Format::Mjcf => mjcf::write(machine, name),
-        Format::Mujoco => mujoco::write(machine, name)?,
+        Format::Mujoco => mujoco::write(robot, name)?,
         Format::Toml => table::write(machine, (name, &outcome.estimate.parameters))?,
-        Format::Rust => code::write(machine, (name, Language::Rust))?,
-        Format::C => code::write(machine, (name, Language::C))?,
-        Format::NumPy => code::write(machine, (name, Language::NumPy))?,
+        Format::Rust => code::write(robot, (name, Language::Rust))?,
+        Format::C => code::write(robot, (name, Language::C))?,
+        Format::NumPy => code::write(robot, (name, Language::NumPy))?,
     };
     export.notes.extend(caveats(machine));
     export.notes.extend(nameless(outcome));

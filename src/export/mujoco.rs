@@ -1,7 +1,7 @@
 //! MuJoCo, complete: the bodies with what MJCF has laws for as `model.xml`, and the drives as the C source of an actuator
 //! plugin, `exid.drive`.
 
-use crate::chain::effect::{self, Law};
+use crate::chain::effect::{Catalogue, Law};
 use crate::export::code;
 use crate::export::drive::Drives;
 use crate::export::error::ExportError;
@@ -19,18 +19,22 @@ const SPEED_CHANGE: f64 = 1e-7;
 ///
 /// # Errors
 /// Effects or parameters that the result does not hold.
-pub fn write(machine: &Machine, name: &str) -> Result<Export, ExportError> {
-    let drives = Drives::of(machine)?;
+pub fn write(
+    (machine, catalogue): (&Machine, &Catalogue),
+    name: &str,
+) -> Result<Export, ExportError> {
+    let drives = Drives::of(machine, catalogue)?;
     let lagging = drives.lagging();
     let mut driven = machine.clone();
     let mut natives = Vec::new();
     for (j, joint) in driven.joints.iter_mut().enumerate() {
         let straight = machine.coupling.is_none() && !lagging.contains(&j);
-        let lossless = drives.drives[j].losses.is_empty();
-        natives.push(take(joint, straight && lossless));
+        let drive = &drives.drives[j];
+        let lossless = drive.losses.is_empty() && drive.signal.is_empty();
+        natives.push(take(joint, catalogue, straight && lossless));
     }
     let text = mjcf::document(&driven, &natives, Actuation::Plugin);
-    let source = code::plugin(&driven, (name, PLUGIN, SPEED_CHANGE))?;
+    let source = code::plugin((&driven, catalogue), (name, PLUGIN, SPEED_CHANGE))?;
     let mut notes = vec![
         "compile exid_drive.c as its first lines say, and load the library before the model: \
          mujoco.mj_loadPluginLibrary(\"./libexid_drive.so\"); ctrl holds the signals of the motors"
@@ -71,11 +75,11 @@ pub fn write(machine: &Machine, name: &str) -> Result<Export, ExportError> {
 
 /// Takes from a joint what MuJoCo has the same law for: springs at the joint, and where motor and joint are one also
 /// rotors, damping and dry friction without a transition.
-fn take(joint: &mut MachineJoint, one: bool) -> Native {
+fn take(joint: &mut MachineJoint, catalogue: &Catalogue, one: bool) -> Native {
     let value = |effect, parameter| joint.value(effect, parameter);
     let is_lent = |id: &str| {
         let effects = joint.effects.iter();
-        let mut effects = effects.filter_map(|e| effect::find(&e.id));
+        let mut effects = effects.filter_map(|e| catalogue.find(&e.id));
         effects.any(|e| e.needs.borrows.iter().any(|(lender, _)| *lender == id))
     };
     let mut native = Native::default();
@@ -104,7 +108,8 @@ fn take(joint: &mut MachineJoint, one: bool) -> Native {
         }
     }
     let signed = |id: &str| {
-        effect::find(id)
+        catalogue
+            .find(id)
             .is_some_and(|e| matches!(e.law, Law::Motor(_)) && e.id != "coulomb_friction")
     };
     let alone = !joint.effects.iter().any(|e| signed(&e.id));

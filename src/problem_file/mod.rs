@@ -11,6 +11,7 @@ pub mod diagnose;
 pub mod drive;
 pub mod error;
 pub mod fit;
+pub mod law;
 pub mod located;
 pub mod recordings;
 pub mod robot;
@@ -37,14 +38,15 @@ pub use diagnose::DiagnoseTable;
 pub use drive::DriveTable;
 pub use error::{ProblemFileError, ProblemFileErrorKind};
 pub use fit::FitTable;
+pub use law::LawTable;
 pub use located::{FilePath, Located, Named, PerJoint};
 pub use recordings::RecordingsTable;
 pub use robot::RobotTable;
 pub use simulate::SimulateTable;
 
-use document::Node;
+use document::{Node, NodeValue};
 use error::KeyFault;
-use key::{Form, Key, REQUIRED};
+use key::{Form, Key, Length, REQUIRED};
 use reader::Reader;
 
 /// Keys of the top level of a problem file.
@@ -55,6 +57,8 @@ pub const KEYS: &[Key] = &[
     Key { name: "drive", form: Form::Table(drive::KEYS), unit: "", default: "a rigid body without losses", example: "", meaning: "The motors, what is known of them, and the physics between motor and joint; lists have one value per joint and belong to the motor with that joint's index" },
     Key { name: "recordings", form: Form::Table(recordings::KEYS), unit: "", default: "nothing is read", example: "", meaning: "The files, what they hold, and how positions give velocities and accelerations" },
     Key { name: "controller", form: Form::Table(controller::KEYS), unit: "", default: "the keys' own defaults", example: "", meaning: "The position controllers, where recordings.signal is \"position_command\": torque = kp·(command − position) + kd·(velocity_command − velocity) + feed_forward" },
+    Key { name: "law", form: Form::List(&Form::Table(law::KEYS), Length::Any), unit: "", default: "none", example: "", meaning: "Effects of one's own" },
+    Key { name: "laws", form: Form::List(&Form::File, Length::Distinct), unit: "", default: "none", example: "[\"laws/dahl.toml\"]", meaning: "Files with tables [[law]], or folders of such files" },
     Key { name: "fit", form: Form::Table(fit::KEYS), unit: "", default: "the keys' own defaults", example: "", meaning: "The estimator, what is known before the data, and fits to compare with" },
     Key { name: "design", form: Form::Table(design::KEYS), unit: "", default: "the keys' own defaults", example: "", meaning: "The motions among which an excitation is sought, what makes one good, and its limits" },
     Key { name: "simulate", form: Form::Table(simulate::KEYS), unit: "", default: "the keys' own defaults", example: "", meaning: "The trajectory, how it is recorded, and the truth behind it" },
@@ -75,6 +79,8 @@ pub struct ProblemFile {
     pub recordings: Option<RecordingsTable>,
     /// The position controllers; absent where there are none, or nothing is said of them.
     pub controller: Option<Located<ControllerTable>>,
+    /// Laws of one's own, those of other files first.
+    pub laws: Vec<LawTable>,
     pub fit: FitTable,
     pub design: DesignTable,
     pub simulate: SimulateTable,
@@ -122,6 +128,7 @@ impl ProblemFile {
     ) -> Result<Self, ProblemFileError> {
         let mut root = document::parse(path, text)?;
         overrides::apply(&mut root, overrides)?;
+        law::gather(&mut root, path.parent().unwrap_or(Path::new("")))?;
         Self::from_root(path, &root, effect_ids)
     }
 
@@ -137,15 +144,25 @@ impl ProblemFile {
     ) -> Result<Self, ProblemFileError> {
         let mut root = Node::from_json(json, Place::file(path));
         overrides::apply(&mut root, overrides)?;
+        law::gather(&mut root, path.parent().unwrap_or(Path::new("")))?;
         Self::from_root(path, &root, effect_ids)
     }
 
     fn from_root(path: &Path, root: &Node, effect_ids: &[&str]) -> Result<Self, ProblemFileError> {
+        let laws = match &root.value {
+            NodeValue::Table(table) => table.get("law"),
+            _ => None,
+        };
+        let laws = laws.map_or(Ok(&[][..]), |node| {
+            values::items(node, "a list of tables, each under its own header [[law]]")
+        })?;
+        let ids = law::ids_with(laws, effect_ids);
         let context = Context {
             folder: path.parent().unwrap_or(Path::new("")),
-            effect_ids,
+            effect_ids: &ids,
         };
-        let file = Self::from_node(path, root, &context)?;
+        let laws = law::of_nodes(laws, effect_ids)?;
+        let file = Self::from_node(path, root, &context)?.with_laws(laws);
         file.check_across_tables()?;
         Ok(file)
     }
@@ -174,12 +191,18 @@ impl ProblemFile {
             drive: DriveTable::from_node(&reader.table("drive"), context)?,
             recordings,
             controller,
+            laws: Vec::new(),
             fit: FitTable::from_node(&reader.table("fit"), context)?,
             design: DesignTable::from_node(&reader.table("design"), context)?,
             simulate: SimulateTable::from_node(&reader.table("simulate"), context)?,
             diagnose: DiagnoseTable::from_node(&reader.table("diagnose"), context)?,
             json: root.to_json(),
         })
+    }
+
+    fn with_laws(mut self, laws: Vec<LawTable>) -> Self {
+        self.laws = laws;
+        self
     }
 
     /// The table of recordings, for a verb that reads them.

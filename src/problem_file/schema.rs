@@ -69,7 +69,10 @@ fn of_form(form: &Form, effect_ids: &[&str]) -> Value {
             json!({ "type": "integer", "minimum": least, "maximum": crate::problem_file::values::LARGEST_COUNT })
         }
         Form::Words(words) => json!({ "enum": words() }),
-        Form::Effect => json!({ "enum": effect_ids }),
+        // The law of a file has an identifier of its own.
+        Form::Effect => {
+            json!({ "anyOf": [{ "enum": effect_ids }, { "type": "string", "pattern": "\\S" }] })
+        }
         Form::List(item, length) => {
             let mut list = json!({ "type": "array", "items": below(item) });
             let (least, most, is_distinct) = match length {

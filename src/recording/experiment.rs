@@ -151,6 +151,26 @@ impl Experiment {
         self.t.len()
     }
 
+    /// Temperatures at the rows, °C, `[joint][row]`: between samples on a straight line, beyond the first and the last as
+    /// there. Empty where none was recorded.
+    pub fn temperatures(&self) -> Vec<Vec<f64>> {
+        let series = self.raw.temperature.iter().flatten();
+        let at = |series: &[f64], t: f64| {
+            let times = &self.raw.t;
+            let next = times.partition_point(|other| *other < t);
+            match (next.checked_sub(1), series.get(next)) {
+                (Some(before), Some(there)) => {
+                    let share = (t - times[before]) / (times[next] - times[before]);
+                    series[before] + share * (there - series[before])
+                }
+                (None, Some(first)) => *first,
+                (_, None) => series.last().copied().unwrap_or(f64::NAN),
+            }
+        };
+        let of = |series: &Vec<f64>| self.t.iter().map(|t| at(series, *t)).collect();
+        series.map(of).collect()
+    }
+
     /// Runs the parallel filter, if there is one, over a series of one value per row.
     pub fn apply_parallel(&self, series: &mut [f64]) {
         match (&self.parallel, &self.periods) {

@@ -1,6 +1,5 @@
 //! The models of a result, as they were when it was made.
 
-use crate::chain::effect;
 use crate::chain::model::Model;
 use crate::outcome::fit::FittedModel;
 use crate::outcome::rollout::Before;
@@ -10,6 +9,7 @@ use crate::problem_file::choices::{Estimator, Inertials};
 use crate::problem_file::robot::RobotSource;
 use crate::rollout::error::RolloutError;
 use crate::setup::error::SetupError;
+use crate::setup::laws;
 use crate::setup::model::{Addition, build_with_addition};
 use crate::setup::robot::Robot;
 use crate::simulate::truth;
@@ -80,12 +80,13 @@ fn rebuilt(
     robot: &Robot,
 ) -> Result<Candidate, SetupError> {
     let index = |name: &String| robot.tree.joint_index(name);
+    let catalogue = laws::catalogue(problem)?;
     let mut addition = Addition::default();
     for added in &fitted.added {
         for joint in added.joints.iter().filter_map(index) {
             match (
                 added.other.as_ref().and_then(index),
-                effect::find(&added.effect),
+                catalogue.find(&added.effect),
             ) {
                 (Some(other), _) => addition.coupling.push((joint, other)),
                 (None, Some(effect)) => addition.effects.push((joint, effect)),

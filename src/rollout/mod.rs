@@ -17,8 +17,8 @@ mod noise;
 pub mod spread;
 
 use crate::chain::dataset::{Dataset, Prepared};
-use crate::chain::effect::{EFFECTS, Lasts};
-use crate::chain::forward::{Accuracy, Forward, NotForward};
+use crate::chain::effect::{Effect, Lasts};
+use crate::chain::forward::{self, Accuracy, Forward, NotForward};
 use crate::diagnose::fit::held_out;
 use crate::estimate::bandwidth;
 use crate::outcome::rollout::{
@@ -585,22 +585,26 @@ impl Summary<'_> {
                     .to_string(),
             );
         }
-        let transient = EFFECTS
-            .iter()
-            .filter(|e| e.needs.lasts == Lasts::OneRecording);
-        let transient: Vec<&str> = transient
-            .filter(|e| {
-                let joints = self.candidates.after.model.joints().iter();
-                joints
-                    .flat_map(|j| &j.effects)
-                    .any(|(own, _)| own.id == e.id)
-            })
-            .map(|e| e.id)
+        let joints = self.candidates.after.model.joints().iter();
+        let mut acting: Vec<&Effect> = joints
+            .flat_map(|joint| joint.effects.iter().map(|(effect, _)| *effect))
             .collect();
-        if !transient.is_empty() {
+        acting.sort_by_key(|effect| effect.id);
+        acting.dedup_by_key(|effect| effect.id);
+        let listed = |is: &dyn Fn(&Effect) -> bool| {
+            let found = acting.iter().filter(|effect| is(effect));
+            let ids: Vec<&str> = found.map(|effect| effect.id).collect();
+            (!ids.is_empty()).then(|| ids.join(", "))
+        };
+        let is_transient = |effect: &Effect| effect.needs.lasts == Lasts::OneRecording;
+        if let Some(ids) = listed(&is_transient) {
             notes.push(format!(
-                "{} belongs to the recording in which it was found and does not act here.",
-                transient.join(", ")
+                "{ids} belongs to the recording in which it was found and does not act here."
+            ));
+        }
+        if let Some(ids) = listed(&|e| !is_transient(e) && !forward::acts(e)) {
+            notes.push(format!(
+                "{ids} depends on more than the motion of one joint and does not act here."
             ));
         }
         let coarse = horizons

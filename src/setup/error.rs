@@ -80,6 +80,14 @@ pub enum Mismatch {
         effect: &'static str,
         needs: &'static str,
     },
+    /// An effect that knows the motion of a joint that is not there.
+    NeedsJoint {
+        joint: String,
+        effect: &'static str,
+        needs: &'static str,
+    },
+    /// A `[[law]]` that is none, in words.
+    Law(Description),
     NeedsTorqueConstant,
     NeedsRatio,
     NotYet {
@@ -170,6 +178,8 @@ impl Mismatch {
             Self::PolynomialCount { .. } => "polynomial-count",
             Self::FallingPolynomial { .. } => "falling-polynomial",
             Self::NeedsEffect { .. } => "effect-needs-effect",
+            Self::NeedsJoint { .. } => "effect-needs-joint",
+            Self::Law(description) => description.code,
             Self::NeedsTorqueConstant => "needs-torque-constant",
             Self::NeedsRatio => "needs-ratio",
             Self::NotYet { .. } => "not-available",
@@ -209,6 +219,7 @@ impl Mismatch {
                  eigenvalue {eigenvalue:.3e}"
             ),
             Self::Unreachable { what } | Self::Mechanism { what } => what.clone(),
+            Self::Law(description) => description.message.clone(),
             drive => drive.message_of_drive(),
         }
     }
@@ -243,6 +254,13 @@ impl Mismatch {
             } => format!(
                 "`{effect}` of `{joint}` takes a parameter of `{needs}`, which is not listed"
             ),
+            Self::NeedsJoint {
+                joint,
+                effect,
+                needs,
+            } => format!(
+                "`{effect}` of `{joint}` knows the motion of joint `{needs}`, which is not there"
+            ),
             _ => self.code().to_string(),
         }
     }
@@ -265,6 +283,10 @@ impl Mismatch {
             Self::NotYet { instead, .. } => return instead.clone(),
             Self::PolynomialCount { expected, .. } => {
                 return format!("give {expected} rows of four coefficients, c0 to c3");
+            }
+            Self::Law(description) => return description.remedy.clone(),
+            Self::NeedsJoint { .. } => {
+                "name a moving joint of the robot, or list the law for other joints under drive.effects_of"
             }
             Self::NeedsEffect { needs, .. } => {
                 return format!("list `{needs}` for this joint as well");

@@ -5,6 +5,7 @@ mod controllers;
 pub mod declared;
 pub mod error;
 pub mod known;
+pub mod laws;
 pub mod limits;
 pub mod loops;
 pub mod machine;

@@ -1,7 +1,7 @@
 //! The model of a problem file: effects, known values, bounds, the load.
 
 use crate::chain::effect::torque_current_nonlinearity::COEFFICIENTS;
-use crate::chain::effect::{self, Effect, Law};
+use crate::chain::effect::{self, Catalogue, Effect, Law};
 use crate::chain::error::ModelError;
 use crate::chain::model::{self, Model, ModelSettings, Payload};
 use crate::chain::parameter::Role;
@@ -14,6 +14,7 @@ use crate::setup::controllers;
 use crate::setup::declared;
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::known::{bound_all, fix_all, zero_parameters};
+use crate::setup::laws;
 use crate::setup::robot::{Robot, unknown};
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -59,7 +60,7 @@ pub fn build_compared(
     robot: &Robot,
     listed: &[Located<String>],
 ) -> Result<Model, SetupError> {
-    let effects = effects_of_motors(robot, listed);
+    let effects = effects_of_motors(&laws::catalogue(problem)?, robot, listed);
     build_with(problem, robot, (effects, &[]))
 }
 
@@ -93,6 +94,12 @@ fn build_with(
         offset: Some(offsets(problem, robot)?),
         payload: payload(problem, robot, carried)?,
         locked: robot.locked.iter().map(Option::is_some).collect(),
+        catalogue: laws::catalogue(problem)?,
+        period: problem
+            .recordings
+            .as_ref()
+            .and_then(|table| table.period.as_ref())
+            .map(|period| period.value),
         effects,
     };
     let mut model = Model::new(settings).map_err(|e| at(&problem_place(problem), e))?;
@@ -144,6 +151,15 @@ pub(super) fn at(place: &Place, error: ModelError) -> SetupError {
             upper,
         },
         ModelError::SingularCoupling => Mismatch::SingularCoupling,
+        ModelError::NeedsJoint {
+            joint,
+            effect,
+            needs,
+        } => Mismatch::NeedsJoint {
+            joint,
+            effect,
+            needs,
+        },
         ModelError::NeedsEffect {
             joint,
             effect,
@@ -157,16 +173,20 @@ pub(super) fn at(place: &Place, error: ModelError) -> SetupError {
     SetupError::mismatch(place, kind)
 }
 
-fn to_effects(listed: &[Located<String>]) -> Vec<&'static Effect> {
+fn to_effects(catalogue: &Catalogue, listed: &[Located<String>]) -> Vec<&'static Effect> {
     listed
         .iter()
-        .filter_map(|id| effect::find(&id.value))
+        .filter_map(|id| catalogue.find(&id.value))
         .collect()
 }
 
 /// The listed effects for every joint that has a motor.
-fn effects_of_motors(robot: &Robot, listed: &[Located<String>]) -> Vec<Vec<&'static Effect>> {
-    let mut effects = vec![to_effects(listed); robot.tree.len()];
+fn effects_of_motors(
+    catalogue: &Catalogue,
+    robot: &Robot,
+    listed: &[Located<String>],
+) -> Vec<Vec<&'static Effect>> {
+    let mut effects = vec![to_effects(catalogue, listed); robot.tree.len()];
     let passive = robot.mechanism.iter().flat_map(|m| m.passive()).copied();
     let following = robot.dependents.iter().map(|d| d.joint);
     passive.chain(following).for_each(|k| effects[k].clear());
@@ -178,12 +198,13 @@ fn effects_of_joints(
     robot: &Robot,
     listed: &[Located<String>],
 ) -> Result<Vec<Vec<&'static Effect>>, SetupError> {
-    let mut effects = effects_of_motors(robot, listed);
+    let catalogue = laws::catalogue(problem)?;
+    let mut effects = effects_of_motors(&catalogue, robot, listed);
     for entry in &problem.drive.effects_of {
         let Some(k) = robot.tree.joint_index(&entry.name) else {
             return Err(unknown(&entry.value.place, &entry.name, &robot.order));
         };
-        effects[k] = to_effects(&entry.value);
+        effects[k] = to_effects(&catalogue, &entry.value);
     }
     for k in 0..effects.len() {
         let name = &robot.tree.joints()[k].name;

@@ -1,14 +1,16 @@
 //! Effects that only the truth has: names in `[simulate.values]` that the declared model does not know
 //! add their effect to the joint that they name.
 
+use crate::chain::assemble::has_others;
 use crate::chain::effect::{
-    EFFECTS, base_tilt, kinematic_coupling, torque_current_nonlinearity, unmodelled_payload,
+    Effect, base_tilt, kinematic_coupling, torque_current_nonlinearity, unmodelled_payload,
 };
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
 use crate::problem_file::{Located, Named, ProblemFile};
 use crate::robot::inertia::PER_LINK;
 use crate::setup::known::resolve;
+use crate::setup::laws;
 use crate::setup::model;
 use crate::setup::names::Reference;
 use crate::setup::robot::Robot;
@@ -180,15 +182,25 @@ fn lists(problem: &ProblemFile, robot: &Robot, effect: &str) -> bool {
 
 /// The model with every effect of the vocabulary on every joint: it knows every name there is.
 fn with_all_effects(problem: &ProblemFile, robot: &Robot) -> Result<Model, SimulateError> {
+    let catalogue = laws::catalogue(problem)?;
+    let listed = |effect: &&'static Effect| Located {
+        value: effect.id.to_string(),
+        place: Default::default(),
+    };
     let mut all = problem.clone();
+    all.drive.effects = catalogue.effects().iter().map(listed).collect();
     all.drive.effects_of.clear();
-    all.drive.effects = EFFECTS
-        .iter()
-        .map(|effect| Located {
-            value: effect.id.to_string(),
-            place: Default::default(),
-        })
-        .collect();
+    for (joint, own) in robot.tree.joints().iter().enumerate() {
+        let possible = catalogue.effects().iter();
+        let possible = possible.filter(|e| has_others(&robot.tree, joint, e));
+        all.drive.effects_of.push(Named {
+            name: own.name.clone(),
+            value: Located {
+                value: possible.map(listed).collect(),
+                place: Default::default(),
+            },
+        });
+    }
     Ok(model::build(&all, robot)?)
 }
 

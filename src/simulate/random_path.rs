@@ -221,6 +221,7 @@ pub(super) fn torques(
         commands: None,
         bodies: None,
         time: &time,
+        temperature: &[],
         cyclic: course.cyclic,
         loaded: course.loaded,
     };

@@ -3,10 +3,13 @@
 //! Sizes are a share `f` of the torque that the joint usually bears, so that all effects are swept over the same
 //! range; what the declared model cannot absorb of them is measured, not assumed.
 
-use crate::chain::effect::{EFFECTS, Effect, Memory, coulomb_friction, viscous_friction};
+use crate::chain::effect::{
+    Catalogue, EFFECTS, Effect, Memory, coulomb_friction, viscous_friction,
+};
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::robot::random::between;
 use crate::trials::robot::RandomRobot;
+use crate::trials::stated;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{PI, TAU};
@@ -32,11 +35,19 @@ impl Concealed {
     }
 }
 
-/// The effects that can be concealed: all but those that are declared.
-pub fn effects() -> impl Iterator<Item = &'static Effect> {
+/// The effects that can be concealed: all of the vocabulary but those that are declared, and of others those whose size can be
+/// told from their formula.
+pub fn effects(catalogue: &Catalogue) -> impl Iterator<Item = &'static Effect> {
     let declared = [coulomb_friction::EFFECT.id, viscous_friction::EFFECT.id];
-    let all = EFFECTS.iter().copied();
-    all.filter(move |e| !declared.contains(&e.id))
+    let all = catalogue.effects().iter().copied();
+    all.filter(move |e| match is_of_vocabulary(e) {
+        true => !declared.contains(&e.id),
+        false => stated::has_size(e),
+    })
+}
+
+fn is_of_vocabulary(effect: &Effect) -> bool {
+    EFFECTS.iter().any(|known| known.id == effect.id)
 }
 
 /// How long a recording lasts: so many periods, or as long where the motion does not repeat.
@@ -79,6 +90,16 @@ pub fn draw(
         "time_delay" if rng.random::<f64>() < 0.7 => site.common_delay(),
         "kinematic_coupling" => site.coupling(rng),
         "unmodelled_payload" => site.load(rng),
+        id if !is_of_vocabulary(effect) => {
+            let (middle, half_range) = robot.range(joint);
+            let course = stated::Course {
+                middle,
+                half_range,
+                fastest: robot.speed(joint),
+            };
+            let values = stated::values(rng, effect, course, site.torque());
+            (vec![joint], None, site.own(id, values))
+        }
         id => (vec![joint], None, site.own(id, site.values(rng, id))),
     };
     let hypothesis = Hypothesis {

@@ -54,8 +54,12 @@ fn declared(plan: &Plan, period: Option<f64>) -> String {
         false => String::new(),
     };
     let period = period.map_or(String::new(), |seconds| format!("period = {seconds:?}\n"));
+    let laws = match plan.laws.is_empty() {
+        true => String::new(),
+        false => format!("laws = {:?}\n", plan.laws),
+    };
     format!(
-        "name = \"trial\"\n[robot]\nurdf = \"robot.urdf\"\ninertials = \"{inertials}\"\n[drive]\n\
+        "name = \"trial\"\n{laws}[robot]\nurdf = \"robot.urdf\"\ninertials = \"{inertials}\"\n[drive]\n\
          torque_constant = {:?}\n{rotors}effects = [\"coulomb_friction\", \"viscous_friction\"]\n\
          [recordings]\ntrain = [\"train.csv\"]\nvalidation = [\"validation.csv\"]\nsignal = \"current\"\n\
          rate = {RATE:?}\n{period}",

@@ -20,6 +20,7 @@ pub mod reference_fits;
 pub mod robot;
 pub mod run;
 pub mod score;
+mod stated;
 pub mod tally;
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! What is tried in which trial: follows from the seed and the number of the trial.
 
-use crate::chain::effect::{self, rotor_inertia, unmodelled_payload};
+use crate::chain::effect::{Catalogue, rotor_inertia, unmodelled_payload};
 use crate::robot::random::{between, generator};
 use crate::trials::conceal::{self, Concealed, Course};
 use crate::trials::motion::{Motion, Noise};
@@ -8,6 +8,7 @@ use crate::trials::outside::Outside;
 use crate::trials::robot::{KINDS, RandomRobot};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use std::path::PathBuf;
 
 /// One trial of so many conceals nothing.
 const CONTROL: u64 = 5;
@@ -23,6 +24,9 @@ const SHARES: (f64, f64) = (0.002, 0.5);
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Scope {
     pub seed: u64,
+    /// Files and folders of laws beside the vocabulary, by absolute paths, and all effects with them.
+    pub laws: Vec<PathBuf>,
+    pub catalogue: Catalogue,
     /// Ids of the effects that are concealed.
     pub effects: Vec<&'static str>,
     /// Kinds of robots.
@@ -34,9 +38,12 @@ pub struct Scope {
 impl Scope {
     /// All effects on all kinds of robots, in all motions and noises.
     pub fn all(seed: u64) -> Self {
+        let catalogue = Catalogue::known();
         Self {
             seed,
-            effects: conceal::effects().map(|e| e.id).collect(),
+            laws: Vec::new(),
+            effects: conceal::effects(&catalogue).map(|e| e.id).collect(),
+            catalogue,
             robots: KINDS.to_vec(),
             motions: Motion::ALL.to_vec(),
             noises: Noise::ALL.to_vec(),
@@ -57,6 +64,8 @@ impl Scope {
 #[derive(Debug, Clone)]
 pub struct Plan {
     pub number: u64,
+    /// Files and folders of laws that its problem names.
+    pub laws: Vec<PathBuf>,
     pub robot: RandomRobot,
     pub course: Course,
     pub concealed: Vec<Concealed>,
@@ -97,6 +106,7 @@ impl Plan {
         };
         let mut plan = Self {
             number,
+            laws: scope.laws.clone(),
             course,
             concealed: Vec::new(),
             outside: None,
@@ -139,7 +149,7 @@ impl Plan {
         if pair {
             chosen.push(pick(rng, &ids));
         }
-        for effect in chosen.into_iter().filter_map(effect::find) {
+        for effect in chosen.into_iter().filter_map(|id| scope.catalogue.find(id)) {
             let joint = joints.remove((rng.random::<f64>() * joints.len() as f64) as usize);
             let size = share(rng, if pair { 0.05 } else { SHARES.0 });
             let site = (&self.robot, self.course, size);

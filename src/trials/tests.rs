@@ -20,7 +20,7 @@ mod evidence;
 fn every_effect_that_is_not_declared_is_concealed_in_some_trial() {
     let scope = Scope::all(3);
     let drawn: Vec<Plan> = (0..200).map(|n| Plan::draw(&scope, (n, 0))).collect();
-    for known in conceal::effects() {
+    for known in conceal::effects(&effect::Catalogue::known()) {
         let has = |plan: &Plan| {
             plan.concealed
                 .iter()

@@ -148,6 +148,7 @@ fn along(robot: &Robot, [q, dq, ddq]: &Motion, (step, loaded): (f64, bool)) -> V
     let mut evaluator = Evaluator::along(&robot.model, &robot.values, &[], samples);
     let segment = Segment {
         time: &time,
+        temperature: &[],
         ..Segment::states(Trajectory { q, dq, ddq }, loaded)
     };
     let block = evaluator.evaluate_course(segment);

@@ -77,6 +77,17 @@ pub fn sign_by_width(velocity: f64, width: f64) -> f64 {
     }
 }
 
+/// `∂sign/∂v = w/(|v| + w)²`; 0 where the sign jumps.
+#[inline]
+pub fn sign_by_velocity(velocity: f64, width: f64) -> f64 {
+    let beyond = velocity.abs() + width;
+    if beyond == 0.0 {
+        0.0
+    } else {
+        width / (beyond * beyond)
+    }
+}
+
 #[derive(Debug)]
 struct CoulombFriction;
 

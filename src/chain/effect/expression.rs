@@ -18,10 +18,17 @@ pub enum Variable {
     Time,
     /// τ_M, what the gear transmits.
     Load,
-    /// Size of the current, A.
+    /// The current, A; its size in the polynomial from current to torque.
     Current,
-    /// The state of a law with memory.
-    State,
+    /// °C.
+    Temperature,
+    /// s, after which the motion repeats.
+    Period,
+    /// Position and velocity of another joint's motor, by its place among those that the law names.
+    OtherPosition(usize),
+    OtherVelocity(usize),
+    /// A state of a law with memory, by its place among the law's own.
+    State(usize),
     /// s over which the state goes on.
     Duration,
     /// Lag δ of the link behind the motor, and its rate.
@@ -35,6 +42,7 @@ pub enum Function {
     Sine,
     Cosine,
     Exponential,
+    Logarithm,
     HyperbolicTangent,
     Magnitude,
     SquareRoot,
@@ -70,8 +78,8 @@ pub enum Expression {
     Less(Box<[Expression; 4]>),
 }
 
-/// How the state of a law with memory goes on from one sample to the next.
-#[derive(Debug, Clone)]
+/// How a state of a law with memory goes on from one sample to the next.
+#[derive(Debug, Clone, PartialEq)]
 pub struct StateLaw {
     /// The state at the first sample, from its velocity.
     pub start: Expression,
@@ -124,6 +132,23 @@ impl Expression {
             then.into(),
             otherwise.into(),
         ]))
+    }
+
+    /// Whether any part of the formula is so.
+    pub fn any(&self, is: &dyn Fn(&Self) -> bool) -> bool {
+        is(self)
+            || match self {
+                Self::Number(_) | Self::Parameter(_) | Self::Variable(_) | Self::Name(_) => false,
+                Self::Negative(of) => of.any(is),
+                Self::Binary(_, pair) => pair.iter().any(|of| of.any(is)),
+                Self::Call(_, of) => of.iter().any(|of| of.any(is)),
+                Self::Less(four) => four.iter().any(|of| of.any(is)),
+            }
+    }
+
+    /// Whether the formula has a variable in it.
+    pub fn depends_on(&self, variable: Variable) -> bool {
+        self.any(&|part| *part == Self::Variable(variable))
     }
 
     /// The formula with other expressions in the places of some.

@@ -15,6 +15,21 @@ pub struct Samples<'a> {
     pub time: &'a [f64],
     /// The last sample is followed by the first: one period of a motion that repeats.
     pub cyclic: bool,
+    pub surroundings: Surroundings<'a>,
+}
+
+/// What a law may know beside the motion of its own joint.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Surroundings<'a> {
+    /// Position and velocity of the motors of other joints, in the order in which the law names them, over the same samples;
+    /// empty where they are not known.
+    pub others: &'a [[&'a [f64]; 2]],
+    /// °C; empty where it was not recorded.
+    pub temperature: &'a [f64],
+    /// s, after which the motion repeats, if it does.
+    pub period: Option<f64>,
+    /// N·m/A (N/A) of the joint, where the signal is a current.
+    pub torque_constant: Option<f64>,
 }
 
 /// Where a torque law puts its torque and derivatives.
@@ -26,8 +41,9 @@ pub struct Contribution<'a> {
     pub by_parameter: &'a mut [Vec<f64>],
     /// ∂torque/∂sign is added: the chain carries it on to w.
     pub by_sign: &'a mut [f64],
-    /// ∂torque/∂position is added; looked at for laws at the joint.
+    /// ∂torque/∂position and ∂torque/∂velocity are added; looked at for laws at the joint.
     pub by_position: &'a mut [f64],
+    pub by_velocity: &'a mut [f64],
 }
 
 /// A torque that the motor exerts in addition, or that acts on the joint.
@@ -41,9 +57,9 @@ pub trait TorqueLaw: Sync + std::fmt::Debug {
     /// The same torque as a formula.
     fn torque(&self) -> Expression;
 
-    /// How the state in the formula goes on; `None` of a law without memory.
-    fn state(&self) -> Option<StateLaw> {
-        None
+    /// How the states in the formula go on; none of a law without memory.
+    fn states(&self) -> Vec<StateLaw> {
+        Vec::new()
     }
 
     /// The law as a differential equation, where its torque depends on a state of its own.
@@ -97,13 +113,25 @@ pub fn size(x: f64, s: f64) -> (f64, f64) {
     }
 }
 
-/// A loss that depends on the torque τ_M which the gear transmits.
+/// A torque that depends on another one: a loss on τ_M, which the gear transmits, or what a signal shows beyond the torque of
+/// its motor.
 pub trait TransmissionLaw: Sync + std::fmt::Debug {
-    /// Adds what the motor has to exert beyond `load` = τ_M, where `sign` is the smoothed sign of ṁ.
-    fn add(&self, load: &[f64], sign: &[f64], parameters: &[f64], out: &mut Transmitted<'_>);
+    /// Adds what is exerted, or shown, beyond `load`.
+    fn add(
+        &self,
+        samples: Samples<'_>,
+        load: &[f64],
+        parameters: &[f64],
+        out: &mut Transmitted<'_>,
+    );
 
-    /// What the law adds as a formula, which is proportional to the load on either side of zero.
+    /// What the law adds as a formula.
     fn added(&self) -> Expression;
+
+    /// Whether that is proportional to the load on either side of zero, so that the load follows from the torque.
+    fn is_proportional(&self) -> bool {
+        true
+    }
 }
 
 /// What a law does with mechanical power.

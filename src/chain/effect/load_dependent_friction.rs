@@ -3,7 +3,7 @@
 use crate::chain::effect::expression::{Expression, Variable};
 use crate::chain::effect::law::size;
 use crate::chain::effect::{
-    Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Search, TransmissionLaw,
+    Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Samples, Search, TransmissionLaw,
     Transmitted, Unit,
 };
 
@@ -32,9 +32,15 @@ pub const EFFECT: Effect = Effect {
 struct LoadFriction;
 
 impl TransmissionLaw for LoadFriction {
-    fn add(&self, load: &[f64], sign: &[f64], parameters: &[f64], out: &mut Transmitted<'_>) {
+    fn add(
+        &self,
+        samples: Samples<'_>,
+        load: &[f64],
+        parameters: &[f64],
+        out: &mut Transmitted<'_>,
+    ) {
         let [mu] = *parameters else { return };
-        for (k, (load, sign)) in load.iter().zip(sign).enumerate() {
+        for (k, (load, sign)) in load.iter().zip(samples.sign).enumerate() {
             let (size, slope) = size(*load, out.rounding);
             out.torque[k] += mu * size * sign;
             out.by_load[k] += mu * slope * sign;

@@ -1,4 +1,4 @@
-//! The vocabulary of physics: one file per effect, one table, [`EFFECTS`].
+//! The vocabulary of physics: one file per effect, one table, [`EFFECTS`]; laws of one's own beside it, in a [`Catalogue`].
 //!
 //! Laws give the torque that the motor has to exert in addition. `sign(v)` means `v/(|v| + w)` with the
 //! transition speed w of the joint's Coulomb friction, 0 where it has none.
@@ -6,16 +6,19 @@
 pub mod asymmetric_friction;
 pub mod backlash;
 pub mod base_tilt;
+pub mod catalogue;
 pub mod coulomb_friction;
 pub mod drive_gain;
 pub mod expression;
 pub mod external_contact;
 pub mod flank;
+pub mod formula;
 pub mod joint_elasticity;
 pub mod joint_spring;
 pub mod kinematic_coupling;
 pub mod law;
 pub mod load_dependent_friction;
+pub mod own;
 pub mod position_dependent_friction;
 pub mod presliding_hysteresis;
 pub mod rotor_inertia;
@@ -32,8 +35,10 @@ pub mod unmodelled_payload;
 pub mod viscous_friction;
 pub mod viscous_nonlinearity;
 
+pub use catalogue::Catalogue;
 pub use law::{
-    Contribution, Flow, LawDynamics, Power, Samples, TorqueLaw, TransmissionLaw, Transmitted,
+    Contribution, Flow, LawDynamics, Power, Samples, Surroundings, TorqueLaw, TransmissionLaw,
+    Transmitted,
 };
 pub use unit::Unit;
 
@@ -68,7 +73,13 @@ pub struct Needs {
     /// stands alone.
     pub refines: &'static [&'static str],
     pub lasts: Lasts,
+    /// Other joints whose motion the law knows, by name, or [`NEXT`] and [`PREVIOUS`].
+    pub others: &'static [&'static str],
 }
+
+/// The joint behind one in the order of the robot, and the one before it.
+pub const NEXT: &str = "next";
+pub const PREVIOUS: &str = "previous";
 
 impl Needs {
     /// The state at one sample is enough, and the effect belongs to the robot.
@@ -78,6 +89,7 @@ impl Needs {
         replaces: None,
         refines: &[],
         lasts: Lasts::Always,
+        others: &[],
     };
 }
 
@@ -108,6 +120,8 @@ pub enum Law {
     Joint(&'static dyn TorqueLaw),
     /// A loss between motor and joint.
     Transmission(&'static dyn TransmissionLaw),
+    /// What a signal shows beyond the torque of its motor.
+    Signal(&'static dyn TransmissionLaw),
     /// A factor of the signal.
     Gain,
     /// The polynomial from current to torque.
@@ -243,6 +257,8 @@ pub enum Dependence {
     OtherJoints,
     Gravity,
     Time,
+    Temperature,
+    Current,
     Nothing,
 }
 
@@ -257,6 +273,8 @@ impl Dependence {
             Self::OtherJoints => "motion of other joints",
             Self::Gravity => "gravity",
             Self::Time => "time",
+            Self::Temperature => "temperature",
+            Self::Current => "current",
             Self::Nothing => "nothing: constant",
         }
     }
@@ -297,14 +315,14 @@ pub const EFFECTS: &[&Effect] = &[
     &external_contact::EFFECT,
 ];
 
-/// An effect by its identifier.
+/// An effect of the vocabulary, or one that was [registered](catalogue::register), by its identifier.
 pub fn find(id: &str) -> Option<&'static Effect> {
-    EFFECTS.iter().find(|effect| effect.id == id).copied()
+    Catalogue::known().find(id)
 }
 
-/// The identifiers of the vocabulary.
+/// The identifiers of the vocabulary and of registered effects.
 pub fn ids() -> Vec<&'static str> {
-    EFFECTS.iter().map(|effect| effect.id).collect()
+    Catalogue::known().ids()
 }
 
 #[cfg(test)]

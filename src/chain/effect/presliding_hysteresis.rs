@@ -84,7 +84,7 @@ pub const EFFECT: Effect = Effect {
 struct Bristles;
 
 /// Parts of a step between two samples.
-const PARTS: usize = 4;
+pub(super) const PARTS: usize = 4;
 
 /// Number of parameters: the law's own and Fc.
 const COUNT: usize = 5;
@@ -210,11 +210,11 @@ impl TorqueLaw for Bristles {
         let [sigma0, sigma1] = [0, 1].map(Expression::parameter);
         let velocity = || Expression::from(Variable::Velocity);
         let rate = sigma0.clone() * velocity().magnitude() / level_formula();
-        let bending = velocity() - rate * Variable::State;
-        sigma0 * Variable::State + sigma1 * bending
+        let bending = velocity() - rate * Variable::State(0);
+        sigma0 * Variable::State(0) + sigma1 * bending
     }
 
-    fn state(&self) -> Option<StateLaw> {
+    fn states(&self) -> Vec<StateLaw> {
         let sigma0 = || Expression::parameter(0);
         let velocity = || Expression::from(Variable::Velocity);
         let rate = sigma0() * velocity().magnitude() / level_formula();
@@ -222,12 +222,12 @@ impl TorqueLaw for Bristles {
         let small = Expression::from(1.0) - bent.clone() * 0.5 + bent.clone().squared() / 6.0;
         let large = (Expression::from(1.0) - (-bent.clone()).exponential()) / bent.clone();
         let fill = bent.clone().if_less(1e-4, small, large);
-        Some(StateLaw {
+        vec![StateLaw {
             start: velocity().call(Function::Signum) * level_formula() / sigma0(),
-            advance: Expression::from(Variable::State) * (-bent).exponential()
+            advance: Expression::from(Variable::State(0)) * (-bent).exponential()
                 + velocity() * Variable::Duration * fill,
             parts: PARTS,
-        })
+        }]
     }
 
     fn dynamics(&self) -> Option<&dyn LawDynamics> {

@@ -2,7 +2,8 @@
 
 use crate::chain::effect::coulomb_friction::sign;
 use crate::chain::effect::{
-    Contribution, EFFECTS, Effect, Law, Linearity, ParameterInfo, Power, Samples, TorqueLaw, find,
+    Contribution, EFFECTS, Effect, Law, Linearity, ParameterInfo, Power, Samples, Surroundings,
+    TorqueLaw, find,
 };
 use crate::robot::random::{generator, symmetric};
 use rand_chacha::ChaCha8Rng;
@@ -47,6 +48,7 @@ impl Motion {
             sign: &self.sign,
             time: &self.time,
             cyclic: false,
+            surroundings: Surroundings::default(),
         }
     }
 }
@@ -56,6 +58,7 @@ struct Evaluated {
     by_parameter: Vec<Vec<f64>>,
     by_sign: Vec<f64>,
     by_position: Vec<f64>,
+    by_velocity: Vec<f64>,
 }
 
 fn evaluate(law: &dyn TorqueLaw, samples: Samples<'_>, parameters: &[f64]) -> Evaluated {
@@ -64,12 +67,14 @@ fn evaluate(law: &dyn TorqueLaw, samples: Samples<'_>, parameters: &[f64]) -> Ev
         by_parameter: vec![vec![0.0; SAMPLES]; parameters.len()],
         by_sign: vec![0.0; SAMPLES],
         by_position: vec![0.0; SAMPLES],
+        by_velocity: vec![0.0; SAMPLES],
     };
     let mut contribution = Contribution {
         torque: &mut out.torque,
         by_parameter: &mut out.by_parameter,
         by_sign: &mut out.by_sign,
         by_position: &mut out.by_position,
+        by_velocity: &mut out.by_velocity,
     };
     law.add(samples, parameters, &mut contribution);
     out

@@ -9,6 +9,10 @@ use crate::chain::effect::{
 /// Quarter turns: a sine of either sign at these phases lies within 45° of any phase.
 const PHASES: Search = Search::Values(&[0.0, std::f64::consts::FRAC_PI_2]);
 
+/// What is eccentric at the joint has the order one, about which an estimate scatters by a few percent; what ends at this limit
+/// repeats more rarely, and is no ripple.
+const LEAST_ORDER: f64 = 0.95;
+
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
     id: "torque_ripple",
@@ -19,7 +23,7 @@ pub const EFFECT: Effect = Effect {
         ParameterInfo::nonlinear(
             ("order", Unit::Order),
             "cycles per turn of the joint, one at least: nothing in a gear repeats more rarely",
-            (1.0, 20.0, 1e5),
+            (LEAST_ORDER, 20.0, 1e5),
             Search::Cycles,
         ),
         ParameterInfo::linear(("amplitude", Unit::Torque), "of the first harmonic", 1.0),

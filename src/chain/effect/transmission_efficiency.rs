@@ -12,7 +12,7 @@
 use crate::chain::effect::expression::{Expression, Variable};
 use crate::chain::effect::law::size;
 use crate::chain::effect::{
-    Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Search, TransmissionLaw,
+    Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Samples, Search, TransmissionLaw,
     Transmitted, Unit,
 };
 
@@ -41,11 +41,17 @@ pub const EFFECT: Effect = Effect {
 struct Efficiency;
 
 impl TransmissionLaw for Efficiency {
-    fn add(&self, load: &[f64], sign: &[f64], parameters: &[f64], out: &mut Transmitted<'_>) {
+    fn add(
+        &self,
+        samples: Samples<'_>,
+        load: &[f64],
+        parameters: &[f64],
+        out: &mut Transmitted<'_>,
+    ) {
         let [r] = *parameters else { return };
         let (mean, half) = (0.5 * (1.0 / r + r), 0.5 * (1.0 / r - r));
         let (mean_slope, half_slope) = (0.5 * (1.0 - 1.0 / (r * r)), -0.5 * (1.0 + 1.0 / (r * r)));
-        for (k, (load, sign)) in load.iter().zip(sign).enumerate() {
+        for (k, (load, sign)) in load.iter().zip(samples.sign).enumerate() {
             let (size, slope) = size(*load, out.rounding);
             out.torque[k] += (mean - 1.0) * load + half * size * sign;
             out.by_load[k] += mean - 1.0 + half * slope * sign;

@@ -21,6 +21,8 @@ pub enum Unit {
     Time,
     /// Torque over this power of a current.
     TorquePerCurrent(u8),
+    /// As stated by whoever wrote the law.
+    Stated(&'static str),
 }
 
 impl Unit {
@@ -29,6 +31,7 @@ impl Unit {
         let turns = kind == JointKind::Revolute;
         match self {
             Self::One => "1",
+            Self::Stated(unit) => unit,
             Self::Torque | Self::TorquePerCurrent(0) => kind.effort_unit(),
             Self::TorquePerSpeed if turns => "N·m·s/rad",
             Self::TorquePerSpeed => "N·s/m",

@@ -25,12 +25,14 @@ impl Evaluator<'_> {
                         let [by_q, by_dq, by_ddq] = self.by_motion(&derivatives, (row, i));
                         let spring = self.stiffness.get(i);
                         let spring = spring.filter(|_| row == i && row < self.torque_rows());
+                        let damper = self.damping.get(i).filter(|_| spring.is_some());
                         let series = self.rigid.series(row, column);
                         for (at, k) in part.clone().enumerate() {
                             let sample = range.start + k;
                             let m = [motors.q, motors.dq, motors.ddq]
                                 .map(|series| multiplier * series[j][sample]);
-                            let own = spring.map_or(0.0, |stiffness| stiffness[k] * m[0]);
+                            let own = spring.map_or(0.0, |stiffness| stiffness[k] * m[0])
+                                + damper.map_or(0.0, |damping| damping[k] * m[1]);
                             series[k] +=
                                 by_q[at] * m[0] + by_dq[at] * m[1] + by_ddq[at] * m[2] + own;
                         }

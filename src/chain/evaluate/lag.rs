@@ -12,12 +12,13 @@
 //!
 //! [`march`]: super::march
 
+use crate::chain::effect::coulomb_friction::{sign, sign_by_velocity};
 use crate::chain::effect::law::signum;
 use crate::chain::effect::{Contribution, Law};
 use crate::chain::evaluate::bodies::{KnownBodies, Slopes};
 use crate::chain::evaluate::contact_march::solve_with;
 use crate::chain::evaluate::march::{Coefficients, Course, March, largest};
-use crate::chain::evaluate::rigid::at_joint;
+use crate::chain::evaluate::rigid::{at_joint, of_others};
 use crate::chain::evaluate::{Evaluator, Segment};
 use crate::chain::flank::Flank;
 use crate::robot::batch::torques;
@@ -152,6 +153,14 @@ impl Lag {
     }
 }
 
+/// What laws at a joint do along a motion.
+struct AtJoint {
+    torque: Vec<f64>,
+    /// ∂torque/∂position and ∂torque/∂velocity.
+    stiffness: Vec<f64>,
+    damping: Vec<f64>,
+}
+
 impl Evaluator<'_> {
     /// Finds the lag of the links and moves the joints by it; `None` where no link lags. Where the bodies are known,
     /// the derivatives are those of bodies linearised about the motion without lag.
@@ -222,8 +231,8 @@ impl Evaluator<'_> {
         let all = torques(&self.tree, bodies, self.trajectory());
         let members = lag.rows();
         let springs = self.springs(segment, samples, &members);
-        let of = |(joint, (spring, _)): (&usize, &(Vec<f64>, Vec<f64>))| {
-            let pairs = all[*joint].iter().zip(spring);
+        let of = |(joint, spring): (&usize, &AtJoint)| {
+            let pairs = all[*joint].iter().zip(&spring.torque);
             pairs.map(|(body, spring)| body + spring).collect()
         };
         members.iter().zip(&springs).map(of).collect()
@@ -278,45 +287,56 @@ impl Evaluator<'_> {
         torque: &mut [Vec<f64>],
     ) {
         let members = lag.rows();
-        for (f, (spring, stiffness)) in self.springs(segment, samples, &members).iter().enumerate()
-        {
+        for (f, spring) in self.springs(segment, samples, &members).iter().enumerate() {
             for k in 0..samples {
-                torque[f][k] += spring[k];
+                torque[f][k] += spring.torque[k];
                 let own = lag.slopes.at(k, (members[f], f));
-                lag.slopes.by[0][own] += stiffness[k];
+                lag.slopes.by[0][own] += spring.stiffness[k];
+                lag.slopes.by[1][own] += spring.damping[k];
             }
         }
     }
 
-    /// Torque and stiffness of laws at the given joints.
-    fn springs(
-        &self,
-        segment: Segment<'_>,
-        samples: usize,
-        joints: &[usize],
-    ) -> Vec<(Vec<f64>, Vec<f64>)> {
+    /// Torque, stiffness and damping of laws at the given joints.
+    fn springs(&self, segment: Segment<'_>, samples: usize, joints: &[usize]) -> Vec<AtJoint> {
         let of = |&j: &usize| {
-            let (mut torque, mut stiffness) = (vec![0.0; samples], vec![0.0; samples]);
-            let mut by_sign = vec![0.0; samples];
-            for &(effect, first) in &self.model.joints()[j].effects {
+            let zeros = || vec![0.0; samples];
+            let mut at = AtJoint {
+                torque: zeros(),
+                stiffness: zeros(),
+                damping: zeros(),
+            };
+            let joint = &self.model.joints()[j];
+            let width = joint.width.map_or(0.0, |at| self.values[at]);
+            let velocity = &self.joint_motion[1][j][..samples];
+            let signs: Vec<f64> = velocity.iter().map(|v| sign(*v, width)).collect();
+            for (index, &(effect, first)) in joint.effects.iter().enumerate() {
                 let Law::Joint(law) = effect.law else {
                     continue;
                 };
                 let count = effect.parameters.len();
-                let input = at_joint((&self.joint_motion, j), segment, 0..samples);
+                let others = of_others(&joint.others[index], &self.joint_motion, 0..samples);
+                let mut input = at_joint((&self.joint_motion, j), &signs, segment, 0..samples);
+                input.surroundings.others = &others;
+                input.surroundings.period = self.model.period();
+                let mut by_sign = zeros();
                 let mut out = Contribution {
-                    torque: &mut torque,
-                    by_parameter: &mut vec![vec![0.0; samples]; count],
+                    torque: &mut at.torque,
+                    by_parameter: &mut vec![zeros(); count],
                     by_sign: &mut by_sign,
-                    by_position: &mut stiffness,
+                    by_position: &mut at.stiffness,
+                    by_velocity: &mut at.damping,
                 };
                 law.add(
                     input,
                     &self.values.as_slice()[first..first + count],
                     &mut out,
                 );
+                for (k, by_sign) in by_sign.iter().enumerate() {
+                    at.damping[k] += by_sign * sign_by_velocity(velocity[k], width);
+                }
             }
-            (torque, stiffness)
+            at
         };
         joints.iter().map(of).collect()
     }

@@ -53,6 +53,8 @@ pub struct Segment<'a> {
     pub bodies: Option<&'a KnownBodies>,
     /// s from the start of the recording, one per sample; empty for states that stand alone.
     pub time: &'a [f64],
+    /// °C, `[joint][sample]`; empty where none was recorded.
+    pub temperature: &'a [Vec<f64>],
     /// The samples are one period of a motion that repeats.
     pub cyclic: bool,
     /// The load hangs on the robot.
@@ -68,6 +70,7 @@ impl<'a> Segment<'a> {
             commands: None,
             bodies: None,
             time: &[],
+            temperature: &[],
             cyclic: false,
             loaded,
         }
@@ -76,6 +79,12 @@ impl<'a> Segment<'a> {
     /// Times of some samples, empty where there are none.
     fn times(&self, range: Range<usize>) -> &'a [f64] {
         self.time.get(range).unwrap_or(&[])
+    }
+
+    /// Temperatures of a joint over some samples, empty where there are none.
+    fn temperatures(&self, joint: usize, range: Range<usize>) -> &'a [f64] {
+        let own = self.temperature.get(joint);
+        own.and_then(|series| series.get(range)).unwrap_or(&[])
     }
 }
 
@@ -100,8 +109,9 @@ pub struct Evaluator<'m> {
     /// Channels that are asked for; the others are left unfinished.
     wanted: Vec<bool>,
     joint_motion: [Vec<Vec<f64>>; 3],
-    /// ∂τ_j/∂q_j of laws at the joints; empty without such laws.
+    /// ∂τ_j/∂q_j and ∂τ_j/∂q̇_j of laws at the joints; empty without such laws.
     stiffness: Vec<Vec<f64>>,
+    damping: Vec<Vec<f64>>,
     rigid: Block,
     block: Block,
     scratch: Scratch,
@@ -113,6 +123,7 @@ struct Scratch {
     by_sign: Vec<f64>,
     by_load: Vec<f64>,
     by_position: Vec<f64>,
+    by_velocity: Vec<f64>,
     by_parameter: Vec<Vec<f64>>,
     /// Values of the parameters of one law, borrowed ones behind its own.
     parameters: Vec<f64>,
@@ -175,6 +186,7 @@ impl<'m> Evaluator<'m> {
             wanted: model.channels().iter().map(|c| c.active).collect(),
             joint_motion: [motion(), motion(), motion()],
             stiffness: if has_joint_laws { motion() } else { Vec::new() },
+            damping: if has_joint_laws { motion() } else { Vec::new() },
             rigid: Block::new(rows.count(n), columns.len(), room),
             block: Block::new(channels, columns.len(), room),
             scratch: Scratch {
@@ -182,6 +194,7 @@ impl<'m> Evaluator<'m> {
                 by_sign: vec![0.0; room],
                 by_load: vec![0.0; room],
                 by_position: vec![0.0; room],
+                by_velocity: vec![0.0; room],
                 by_parameter: vec![vec![0.0; room]; PER_LINK],
                 parameters: Vec::with_capacity(PER_LINK),
             },
@@ -216,7 +229,11 @@ impl<'m> Evaluator<'m> {
             None => self.states_of_motors(segment, range.clone()),
             Some(transfer) => {
                 let [q, dq, ddq] = Self::motors(&transfer, segment.motors, range.clone());
+                let temperature: Vec<Vec<f64>> = (0..segment.temperature.len())
+                    .map(|j| segment.temperatures(j, range.clone()).to_vec())
+                    .collect();
                 let moved = Segment {
+                    temperature: &temperature,
                     motors: Trajectory {
                         q: &q,
                         dq: &dq,
@@ -274,8 +291,9 @@ impl<'m> Evaluator<'m> {
         for j in 0..self.model.joints().len() {
             if self.channel_of(j).is_some() && self.wanted[j] {
                 self.motor_sign(j, segment.motors, range.clone());
-                self.transmission(j, samples);
+                self.transmission(j, segment, range.clone());
                 self.motor_laws(j, segment, range.clone());
+                self.signal_laws(j, segment, range.clone());
                 self.width_column(j, segment.motors, range.clone());
                 self.carry_to_signal(j, segment, range.clone());
             }

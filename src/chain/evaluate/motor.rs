@@ -2,10 +2,38 @@
 
 use crate::chain::effect::coulomb_friction::{sign, sign_by_width};
 use crate::chain::effect::torque_current_nonlinearity::{COEFFICIENTS, current};
-use crate::chain::effect::{Contribution, Effect, Law, Samples, Transmitted};
+use crate::chain::effect::{
+    Contribution, Effect, Law, Samples, Surroundings, TransmissionLaw, Transmitted,
+};
 use crate::chain::evaluate::{Evaluator, Segment};
 use crate::robot::batch::Trajectory;
 use std::ops::Range;
+
+/// Where a law that depends on a torque acts.
+#[derive(Debug, Clone, Copy)]
+enum Stage {
+    Gear,
+    Signal,
+}
+
+impl Stage {
+    fn law(self, effect: &Effect) -> Option<&'static dyn TransmissionLaw> {
+        match (self, effect.law) {
+            (Self::Gear, Law::Transmission(law)) | (Self::Signal, Law::Signal(law)) => Some(law),
+            _ => None,
+        }
+    }
+}
+
+/// Position and velocity of other motors over some samples.
+fn of_others<'a>(
+    others: &[usize],
+    motors: Trajectory<'a>,
+    range: Range<usize>,
+) -> Vec<[&'a [f64]; 2]> {
+    let of = |&j: &usize| [&motors.q[j][range.clone()], &motors.dq[j][range.clone()]];
+    others.iter().map(of).collect()
+}
 
 impl Evaluator<'_> {
     /// `v/(|v| + w)` of a motor.
@@ -20,21 +48,48 @@ impl Evaluator<'_> {
     }
 
     /// `τ_in = τ_M + losses(τ_M)`.
-    pub(super) fn transmission(&mut self, j: usize, samples: usize) {
+    pub(super) fn transmission(&mut self, j: usize, segment: Segment<'_>, range: Range<usize>) {
+        self.laws_of_load(j, segment, range, Stage::Gear);
+    }
+
+    /// What the signal shows beyond the torque of the motor.
+    pub(super) fn signal_laws(&mut self, j: usize, segment: Segment<'_>, range: Range<usize>) {
+        self.laws_of_load(j, segment, range, Stage::Signal);
+    }
+
+    /// Adds laws that depend on the torque of the channel.
+    fn laws_of_load(&mut self, j: usize, segment: Segment<'_>, range: Range<usize>, stage: Stage) {
         let joint = &self.model.joints()[j];
-        let has = |(effect, _): &(&Effect, usize)| matches!(effect.law, Law::Transmission(_));
-        if !joint.effects.iter().any(has) {
+        let (samples, motors) = (range.len(), segment.motors);
+        if !joint.effects.iter().any(|(e, _)| stage.law(e).is_some()) {
             return;
         }
         let load = self.block.values[j][..samples].to_vec();
         self.scratch.by_load.fill(0.0);
+        let before = std::mem::take(&mut self.scratch.by_sign);
+        self.scratch.by_sign = vec![0.0; before.len()];
         let mut added: Vec<(usize, Vec<f64>)> = Vec::new();
-        for &(effect, first) in &joint.effects {
-            let Law::Transmission(law) = effect.law else {
+        for (index, &(effect, first)) in joint.effects.iter().enumerate() {
+            let Some(law) = stage.law(effect) else {
                 continue;
             };
             let count = effect.parameters.len();
+            let others = of_others(&joint.others[index], motors, range.clone());
             let scratch = &mut self.scratch;
+            let input = Samples {
+                position: &motors.q[j][range.clone()],
+                velocity: &motors.dq[j][range.clone()],
+                acceleration: &motors.ddq[j][range.clone()],
+                sign: &scratch.sign[..samples],
+                time: segment.times(range.clone()),
+                cyclic: segment.cyclic,
+                surroundings: Surroundings {
+                    others: &others,
+                    temperature: segment.temperatures(j, range.clone()),
+                    period: self.model.period(),
+                    torque_constant: Some(joint.torque_constant),
+                },
+            };
             let mut out = Transmitted {
                 torque: &mut self.block.values[j],
                 by_load: &mut scratch.by_load,
@@ -43,7 +98,7 @@ impl Evaluator<'_> {
                 rounding: joint.rounding,
             };
             let own = &self.values.as_slice()[first..first + count];
-            law.add(&load, &scratch.sign[..samples], own, &mut out);
+            law.add(input, &load, own, &mut out);
             for parameter in 0..count {
                 if let Some(column) = self.column[first + parameter] {
                     added.push((column, scratch.by_parameter[parameter][..samples].to_vec()));
@@ -54,6 +109,10 @@ impl Evaluator<'_> {
             for (x, slope) in series.iter_mut().zip(&self.scratch.by_load) {
                 *x *= 1.0 + slope;
             }
+        }
+        let pairs = before.iter().zip(&self.scratch.by_load);
+        for (by_sign, (before, slope)) in self.scratch.by_sign.iter_mut().zip(pairs) {
+            *by_sign += before * (1.0 + slope);
         }
         for (column, series) in added {
             self.block.add_scaled((j, column), 1.0, &series);
@@ -84,6 +143,7 @@ impl Evaluator<'_> {
             for series in &mut scratch.by_parameter[..count] {
                 series.fill(0.0);
             }
+            let others = of_others(&joint.others[index], motors, range.clone());
             let input = Samples {
                 position: &motors.q[j][range.clone()],
                 velocity: &motors.dq[j][range.clone()],
@@ -91,12 +151,19 @@ impl Evaluator<'_> {
                 sign: &scratch.sign[..samples],
                 time: segment.times(range.clone()),
                 cyclic: segment.cyclic,
+                surroundings: Surroundings {
+                    others: &others,
+                    temperature: segment.temperatures(j, range.clone()),
+                    period: self.model.period(),
+                    torque_constant: None,
+                },
             };
             let mut out = Contribution {
                 torque: &mut self.block.values[j],
                 by_parameter: &mut scratch.by_parameter[..count],
                 by_sign: &mut scratch.by_sign,
                 by_position: &mut scratch.by_position,
+                by_velocity: &mut scratch.by_velocity,
             };
             law.add(input, &scratch.parameters, &mut out);
             for (parameter, position) in positions.enumerate() {

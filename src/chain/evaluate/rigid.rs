@@ -1,16 +1,18 @@
 //! Joint motion, torques of the bodies and of laws at the joints, and the way to the motors.
 
 use crate::chain::effect::base_tilt::tilted_by_angles;
-use crate::chain::effect::{Contribution, Law, Samples};
+use crate::chain::effect::coulomb_friction::{sign, sign_by_velocity, sign_by_width};
+use crate::chain::effect::{Contribution, Law, Samples, Surroundings};
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
 use crate::robot::batch::{RegressorBatch, Trajectory, torques_into};
 use crate::robot::inertia::PER_LINK;
 use std::ops::Range;
 use std::rc::Rc;
 
-/// What laws at a joint are given, over the samples of `range`.
+/// What laws at a joint are given, over the samples of `range`; `sign` is that of its velocity.
 pub(super) fn at_joint<'a>(
     (motion, j): (&'a [Vec<Vec<f64>>; 3], usize),
+    sign: &'a [f64],
     segment: Segment<'a>,
     range: Range<usize>,
 ) -> Samples<'a> {
@@ -19,10 +21,24 @@ pub(super) fn at_joint<'a>(
         position: &position[j][..range.len()],
         velocity: &velocity[j][..range.len()],
         acceleration: &acceleration[j][..range.len()],
-        sign: &velocity[j][..range.len()],
+        sign: &sign[..range.len()],
+        surroundings: Surroundings {
+            temperature: segment.temperatures(j, range.clone()),
+            ..Surroundings::default()
+        },
         time: segment.times(range),
         cyclic: segment.cyclic,
     }
+}
+
+/// Position and velocity of other joints over the samples of a range.
+pub(super) fn of_others<'a>(
+    others: &[usize],
+    motion: &'a [Vec<Vec<f64>>; 3],
+    range: Range<usize>,
+) -> Vec<[&'a [f64]; 2]> {
+    let of = |&j: &usize| [0, 1].map(|order| &motion[order][j][range.clone()]);
+    others.iter().map(of).collect()
 }
 
 impl Evaluator<'_> {
@@ -222,12 +238,13 @@ impl Evaluator<'_> {
         if self.torque_rows() == 0 {
             return;
         }
-        for series in &mut self.stiffness {
+        for series in self.stiffness.iter_mut().chain(&mut self.damping) {
             series.fill(0.0);
         }
         for j in 0..self.model.joints().len() {
             let joint = &self.model.joints()[j];
-            for &(effect, first) in &joint.effects {
+            let width = joint.width.map_or(0.0, |at| self.values[at]);
+            for (index, &(effect, first)) in joint.effects.iter().enumerate() {
                 let Law::Joint(law) = effect.law else {
                     continue;
                 };
@@ -239,12 +256,26 @@ impl Evaluator<'_> {
                 for series in &mut scratch.by_parameter[..count] {
                     series.fill(0.0);
                 }
-                let input = at_joint((&self.joint_motion, j), segment, range.clone());
+                scratch.by_sign.fill(0.0);
+                let velocity = &self.joint_motion[1][j][..range.len()];
+                for (to, v) in scratch.sign.iter_mut().zip(velocity) {
+                    *to = sign(*v, width);
+                }
+                let others = of_others(&joint.others[index], &self.joint_motion, 0..range.len());
+                let mut input = at_joint(
+                    (&self.joint_motion, j),
+                    &scratch.sign,
+                    segment,
+                    range.clone(),
+                );
+                input.surroundings.others = &others;
+                input.surroundings.period = self.model.period();
                 let mut out = Contribution {
                     torque: &mut self.rigid.values[j],
                     by_parameter: &mut scratch.by_parameter[..count],
                     by_sign: &mut scratch.by_sign,
                     by_position: &mut self.stiffness[j],
+                    by_velocity: &mut self.damping[j],
                 };
                 law.add(
                     input,
@@ -255,6 +286,20 @@ impl Evaluator<'_> {
                     if let Some(column) = self.column[first + parameter] {
                         let series = &self.scratch.by_parameter[parameter];
                         self.rigid.add_scaled((j, column), 1.0, series);
+                    }
+                }
+                for (k, by_sign) in self.scratch.by_sign[..range.len()].iter().enumerate() {
+                    let slope = sign_by_velocity(self.joint_motion[1][j][k], width);
+                    self.damping[j][k] += by_sign * slope;
+                }
+                if let Some(column) = joint.width.and_then(|at| self.column[at]) {
+                    let pairs = self.scratch.by_sign.iter().zip(&self.joint_motion[1][j]);
+                    let series: Vec<f64> = pairs
+                        .take(range.len())
+                        .map(|(by_sign, v)| by_sign * sign_by_width(*v, width))
+                        .collect();
+                    if series.iter().any(|x| *x != 0.0) {
+                        self.rigid.add_scaled((j, column), 1.0, &series);
                     }
                 }
             }

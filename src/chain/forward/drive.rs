@@ -3,7 +3,8 @@
 use crate::chain::effect::coulomb_friction::sign;
 use crate::chain::effect::torque_current_nonlinearity::{COEFFICIENTS, torque};
 use crate::chain::effect::{
-    Contribution, Flow, Law, LawDynamics, Memory, Samples, TorqueLaw, TransmissionLaw, Transmitted,
+    Contribution, Flow, Law, LawDynamics, Memory, Samples, Surroundings, TorqueLaw,
+    TransmissionLaw, Transmitted,
 };
 use crate::chain::model::{JointModel, Signal};
 use nalgebra::DVector;
@@ -28,9 +29,15 @@ pub(super) struct Taken {
     /// N·m (N), and its derivative by the velocity.
     pub torque: f64,
     pub slope: f64,
-    pub sign: f64,
-    /// ∂sign/∂ṁ.
+    /// ∂sign/∂ṁ of the regularised sign.
     pub sign_slope: f64,
+}
+
+/// Position and velocity of a motor.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Moving {
+    pub position: f64,
+    pub velocity: f64,
 }
 
 /// What the gear loses of a transmitted torque.
@@ -129,7 +136,8 @@ impl Drive {
         acceleration: f64,
     ) -> [f64; LANES] {
         let sign = velocity.map(|v| sign(v, self.width));
-        let (mut torque, mut by_sign, mut by_position) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let (mut torque, mut by_sign) = ([0.0; LANES], [0.0; LANES]);
+        let (mut by_position, mut by_velocity) = ([0.0; LANES], [0.0; LANES]);
         for Valued { law, parameters } in &self.laws {
             let samples = Samples {
                 position: &position,
@@ -138,12 +146,14 @@ impl Drive {
                 sign: &sign,
                 time: &[],
                 cyclic: false,
+                surroundings: Surroundings::default(),
             };
             let mut out = Contribution {
                 torque: &mut torque,
                 by_parameter: &mut self.by_parameter[..parameters.len()],
                 by_sign: &mut by_sign,
                 by_position: &mut by_position,
+                by_velocity: &mut by_velocity,
             };
             law.add(samples, parameters, &mut out);
         }
@@ -158,7 +168,6 @@ impl Drive {
             torque: torque[0],
             // Friction that falls with speed drives: an implicit slope would hide it.
             slope: ((torque[1] - torque[0]) / SPEED_STEP).max(0.0),
-            sign: sign(velocity, self.width),
             sign_slope: self.width / (beyond * beyond),
         }
     }
@@ -176,7 +185,7 @@ impl Drive {
     }
 
     /// What the gear loses of a transmitted torque.
-    pub fn loss(&mut self, load: f64, sign: f64) -> Loss {
+    pub fn loss(&mut self, load: f64, motion: Moving) -> Loss {
         let (mut torque, mut by_load, mut by_sign) = ([0.0], [0.0], [0.0]);
         for Valued { law, parameters } in &self.losses {
             let mut out = Transmitted {
@@ -186,7 +195,16 @@ impl Drive {
                 by_sign: &mut by_sign,
                 rounding: self.rounding,
             };
-            law.add(&[load], &[sign], parameters, &mut out);
+            let samples = Samples {
+                position: &[motion.position],
+                velocity: &[motion.velocity],
+                acceleration: &[0.0],
+                sign: &[sign(motion.velocity, self.width)],
+                time: &[],
+                cyclic: false,
+                surroundings: Surroundings::default(),
+            };
+            law.add(samples, &[load], parameters, &mut out);
         }
         Loss {
             torque: torque[0],

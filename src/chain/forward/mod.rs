@@ -19,13 +19,14 @@ mod rosenbrock;
 mod state;
 
 use crate::chain::effect::base_tilt::tilted;
-use crate::chain::effect::{Contribution, Effect, Law, Samples};
+use crate::chain::effect::coulomb_friction::sign;
+use crate::chain::effect::{Contribution, Effect, Law, Memory, Samples, Surroundings};
 use crate::chain::evaluate::bodies;
 use crate::chain::flank::Flank;
-use crate::chain::forward::drive::Drive;
+use crate::chain::forward::drive::{Drive, LEAST_WIDTH};
 use crate::chain::forward::rosenbrock::Rosenbrock;
 use crate::chain::forward::state::Lagging;
-use crate::chain::model::{Model, Signal};
+use crate::chain::model::{JointModel, Model, Signal};
 use crate::robot::forward_dynamics::ForwardDynamics;
 use crate::robot::tree::Tree;
 use nalgebra::{DMatrix, DVector};
@@ -330,7 +331,7 @@ impl<'m> Forward<'m> {
         let (mass, bias) = (&mut self.solver.mass, &mut self.solver.bias);
         let laws = &self.model.joints();
         let joint_torque =
-            |j: usize| equation.bias[j] + at_joint(&laws[j].effects, &self.values, (q[j], dq[j]));
+            |j: usize| equation.bias[j] + at_joint(&laws[j], &self.values, [q[j], dq[j]]);
         if self.direct {
             for i in 0..n {
                 for j in 0..n {
@@ -363,14 +364,25 @@ impl<'m> Forward<'m> {
     }
 }
 
+/// Whether an effect acts in forward simulations: what it depends on follows from the motion of its joint.
+pub fn acts(effect: &Effect) -> bool {
+    let is_of_motion = effect.needs.others.is_empty() && effect.needs.memory != Memory::Time;
+    match effect.law {
+        Law::Signal(_) => false,
+        Law::Motor(law) => {
+            let is_followed = effect.needs.memory == Memory::None || law.dynamics().is_some();
+            is_of_motion && is_followed
+        }
+        Law::Joint(_) | Law::Transmission(_) => is_of_motion,
+        _ => true,
+    }
+}
+
 /// Torque of the laws at a joint.
-fn at_joint(
-    effects: &[(&'static Effect, usize)],
-    values: &DVector<f64>,
-    (q, dq): (f64, f64),
-) -> f64 {
+fn at_joint(joint: &JointModel, values: &DVector<f64>, [q, dq]: [f64; 2]) -> f64 {
     let mut torque = [0.0];
-    for &(effect, first) in effects {
+    let width = joint.width.map_or(0.0, |at| values[at]).max(LEAST_WIDTH);
+    for &(effect, first) in &joint.effects {
         let Law::Joint(law) = effect.law else {
             continue;
         };
@@ -379,15 +391,17 @@ fn at_joint(
             position: &[q],
             velocity: &[dq],
             acceleration: &[0.0],
-            sign: &[dq],
+            sign: &[sign(dq, width)],
             time: &[],
             cyclic: false,
+            surroundings: Surroundings::default(),
         };
         let mut out = Contribution {
             torque: &mut torque,
             by_parameter: &mut vec![vec![0.0]; count],
             by_sign: &mut [0.0],
             by_position: &mut [0.0],
+            by_velocity: &mut [0.0],
         };
         law.add(samples, &values.as_slice()[first..first + count], &mut out);
     }

@@ -12,7 +12,7 @@
 //! where r⁺ and f⁺ are those at y + h k₁. The difference from the method of order one, h |k₁ + k₂|/2, tells how many steps
 //! it takes.
 
-use crate::chain::forward::drive::Drive;
+use crate::chain::forward::drive::{Drive, Moving};
 use crate::chain::forward::state::{Driven, Lagging, State};
 
 /// γ = 1 − 1/√2: ROS2 is L-stable.
@@ -185,7 +185,11 @@ impl Rosenbrock {
                 out.weight[k] = flow.torque_by_state;
             }
             if drive.has_losses() {
-                let loss = drive.loss(self.load[k], taken.sign);
+                let moving = Moving {
+                    position: state.position[k],
+                    velocity: v,
+                };
+                let loss = drive.loss(self.load[k], moving);
                 force -= loss.torque - loss.by_load * self.load[k];
                 damping += (loss.by_sign * taken.sign_slope).max(0.0);
                 out.loss_slope[k] = loss.by_load;
@@ -256,8 +260,12 @@ impl Rosenbrock {
                 let row = &self.mass[k * self.size..(k + 1) * self.size];
                 let load = self.bias[k] + row.iter().zip(&k1).map(|(a, b)| a * b).sum::<f64>();
                 if drive.has_losses() {
-                    let sign = drive.taken(state.position[k], state.velocity[k]).sign;
-                    let (there, here) = (drive.loss(load, sign), drive.loss(self.load[k], sign));
+                    let moving = Moving {
+                        position: state.position[k],
+                        velocity: state.velocity[k],
+                    };
+                    let (there, here) =
+                        (drive.loss(load, moving), drive.loss(self.load[k], moving));
                     let expected = here.torque + here.by_load * (load - self.load[k]);
                     let scale = there.torque.abs() + load.abs();
                     same &= (there.torque - expected).abs() <= SAME_SIDE * scale;

@@ -143,6 +143,7 @@ impl Reference {
         };
         let segment = Segment {
             time: &time,
+            temperature: &[],
             cyclic: case.cyclic,
             ..Segment::states(motors, true)
         };

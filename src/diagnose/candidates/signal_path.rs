@@ -34,7 +34,9 @@ impl SignalPath {
         let joints = hypothesis.joints.iter();
         let lags = joints.clone().any(|&j| model.joints()[j].has_lag());
         let is_of_drive = match hypothesis.effect.law {
-            Law::Motor(_) | Law::Transmission(_) | Law::Gain | Law::Current => true,
+            Law::Motor(_) | Law::Transmission(_) | Law::Signal(_) | Law::Gain | Law::Current => {
+                true
+            }
             // A torque at a joint moves a link that lags.
             Law::Joint(_) => !lags,
             _ => false,

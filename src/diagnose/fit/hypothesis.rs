@@ -1,6 +1,7 @@
 //! What may be missing: an effect of the vocabulary on a joint, on a pair of joints, or on all of them.
 
-use crate::chain::effect::{EFFECTS, Effect, Law, Memory};
+use crate::chain::assemble::has_others;
+use crate::chain::effect::{Effect, Law, Memory};
 use crate::chain::model::{Channel, Model};
 use crate::chain::parameter::Role;
 use crate::chain::prior::Prior;
@@ -75,7 +76,7 @@ pub fn open(
     sought: Option<&[String]>,
     in_time: bool,
 ) -> Vec<Hypothesis> {
-    let wanted = |e: &&&Effect| {
+    let wanted = |e: &&&'static Effect| {
         let shows = in_time || e.needs.memory != Memory::Time;
         shows && sought.is_none_or(|ids| ids.iter().any(|id| id == e.id))
     };
@@ -83,7 +84,7 @@ pub fn open(
         .filter(|&j| !model.joints()[j].locked)
         .collect();
     let mut open = Vec::new();
-    for effect in EFFECTS.iter().filter(wanted) {
+    for &effect in model.catalogue().effects().iter().filter(wanted) {
         match effect.law {
             Law::Coupling => open.extend(couplings(model, effect, &joints)),
             Law::Body => open.extend(bodies(model, prior, effect, &joints)),
@@ -113,7 +114,7 @@ fn may_have(model: &Model, joint: usize, effect: &Effect) -> bool {
     let lent = effect.needs.borrows.iter().all(|(lender, _)| has(lender));
     let refines = effect.needs.refines;
     let refined = refines.is_empty() || refines.iter().any(|law| has(law));
-    !has(effect.id) && lent && refined
+    !has(effect.id) && lent && refined && has_others(model.tree(), joint, effect)
 }
 
 fn couplings(model: &Model, effect: &'static Effect, joints: &[usize]) -> Vec<Hypothesis> {

@@ -1,7 +1,7 @@
 //! What changes from period to period: averages hide it, so it is sought in the samples in the order of time.
 
 use crate::chain::dataset::{Dataset, Prepared};
-use crate::chain::effect::{EFFECTS, Memory};
+use crate::chain::effect::{Catalogue, Memory};
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::fitting::fit_model;
@@ -11,7 +11,7 @@ use crate::diagnose::selection::stepwise::{Rules, Selection, Stepwise};
 use crate::recording::unrolled::unrolled as unrolled_experiment;
 
 /// Effects of time to look for where the recordings were averaged and change from period to period.
-pub fn sought(data: &Dataset, rules: Rules<'_>) -> Option<Vec<String>> {
+pub fn sought(data: &Dataset, catalogue: &Catalogue, rules: Rules<'_>) -> Option<Vec<String>> {
     let averaged = data
         .recordings
         .iter()
@@ -19,7 +19,10 @@ pub fn sought(data: &Dataset, rules: Rules<'_>) -> Option<Vec<String>> {
     if !averaged || !period_changes::change(data, rules.significance) {
         return None;
     }
-    let of_time = EFFECTS.iter().filter(|e| e.needs.memory == Memory::Time);
+    let of_time = catalogue
+        .effects()
+        .iter()
+        .filter(|e| e.needs.memory == Memory::Time);
     let wanted = of_time.map(|e| e.id.to_string()).filter(|id| {
         let listed = |ids: &[String]| ids.contains(id);
         rules.sought.is_none_or(listed)

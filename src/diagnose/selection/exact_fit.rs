@@ -11,6 +11,7 @@ use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::fit::start::{Start, WarmStart};
 use crate::diagnose::residuals::effect_size::HALF_OF_WHAT_MATTERS;
+use crate::diagnose::selection::search_bounds;
 use crate::diagnose::selection::speed_range;
 use crate::diagnose::selection::time_window;
 use crate::stats::deviation::rms;
@@ -18,9 +19,6 @@ use std::cmp::Ordering;
 
 /// A search that reaches less than this share of what one step of all parameters promised is made from other starts too.
 const PROMISED: f64 = 0.5;
-
-/// A parameter that is nearer to a limit than this share of it is at the limit.
-const AT_LIMIT: f64 = 1e-3;
 
 /// Weighted sum of squares of one joint whose loss lowers its RMS error by half of what matters: what
 /// promises less on the fitted rows does not matter on others.
@@ -105,7 +103,8 @@ impl ExactFit<'_> {
     }
 
     /// Whether the parameters of the hypothesis came out where its physics has them: friction that drives is no friction,
-    /// whatever it explains, a law of speed changes within the speeds of its joint, and what begins and ends does.
+    /// whatever it explains, a law of speed changes within the speeds of its joint, no shape lies at a limit of its search, and what begins and
+    /// ends does.
     pub fn is_possible(&self, fit: &ModelFit) -> bool {
         let (model, hypothesis) = (&fit.model, &self.candidate.hypothesis);
         let mut own = self.candidate.start.iter();
@@ -117,6 +116,7 @@ impl ExactFit<'_> {
         });
         within_limits
             && speed_range::are_reached(self.context, fit, hypothesis)
+            && search_bounds::are_inside(fit, hypothesis)
             && time_window::is_shorter(self.context, fit, hypothesis)
     }
 
@@ -157,12 +157,7 @@ impl ExactFit<'_> {
 /// Whether one of some parameters ended at a limit of what it may be.
 fn is_at_a_limit(fit: &ModelFit, own: &Start) -> bool {
     own.iter().any(|(name, _)| {
-        fit.model.find(name).is_ok_and(|index| {
-            let parameter = &fit.model.parameters()[index];
-            let near = |limit: f64| {
-                limit.is_finite() && (fit.values[index] - limit).abs() <= AT_LIMIT * limit.abs()
-            };
-            near(parameter.lower) || near(parameter.upper)
-        })
+        let found = fit.model.find(name);
+        found.is_ok_and(|index| search_bounds::is_at_a_limit(fit, index))
     })
 }

@@ -11,6 +11,7 @@ use crate::diagnose::residuals::effect_size::{self, MATTERS, error_excess};
 use crate::diagnose::selection::exact_fit::{ExactFit, fit_without, least_gain};
 use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::hypothesis_test::{CONFIDENCE, HypothesisTest, fits_better};
+use crate::diagnose::selection::search_bounds;
 use crate::diagnose::selection::speed_range;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -103,8 +104,11 @@ impl Stepwise<'_> {
         let mut searched_again = 0;
         while selection.steps.len() < MOST_FINDINGS && !context.control.is_interrupted() {
             (self.progress)(&selection);
-            // A law that later ones have left with a bend alone is theirs.
-            let bent = |h: &Hypothesis| !speed_range::are_reached(context, &selection.fit, h);
+            // A law that later ones have left with a bend alone, or at a limit of its search, is theirs.
+            let bent = |h: &Hypothesis| {
+                let fit = &selection.fit;
+                !speed_range::are_reached(context, fit, h) || !search_bounds::are_inside(fit, h)
+            };
             if let Some(k) = selection.fit.hypotheses.iter().position(bent) {
                 selection.fit = fit_without(context, &selection.fit, k)?;
             }

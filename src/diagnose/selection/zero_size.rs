@@ -3,6 +3,7 @@
 //! A hypothesis that forecasts the residual may owe that to parameters beside its size, or to a size that is tied to others:
 //! with θ ± 1.96 σ over the value at which its torque is none, the number that a finding would state may as well be zero.
 
+use crate::chain::effect::{EFFECTS, Linearity, ParameterInfo};
 use crate::chain::model::Model;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
@@ -38,11 +39,22 @@ fn sizes<'a>(model: &'a Model, hypothesis: &Hypothesis) -> Vec<Size<'a>> {
         "unmodelled_payload" => of(&["m"], 0.0),
         // Its coefficients trade against one another, and none of them is its size.
         "torque_current_nonlinearity" => Vec::new(),
-        _ => hypothesis
-            .effect
-            .parameters
-            .first()
-            .map_or_else(Vec::new, |p| of(&[p.name], 0.0)),
+        id => {
+            let parameters = hypothesis.effect.parameters;
+            let is_linear = |p: &&ParameterInfo| p.linearity == Linearity::Linear;
+            let linear: Vec<&str> = parameters
+                .iter()
+                .filter(is_linear)
+                .map(|p| p.name)
+                .collect();
+            match EFFECTS.iter().any(|known| known.id == id) || linear.is_empty() {
+                true => parameters
+                    .first()
+                    .map_or_else(Vec::new, |p| of(&[p.name], 0.0)),
+                // Of a law of one's own each linear parameter is a size.
+                false => of(&linear, 0.0),
+            }
+        }
     }
 }
 
