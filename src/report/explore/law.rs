@@ -3,7 +3,7 @@
 //! f(v) = Σ laws of the motor that depend on speed and direction alone; over the torque constant, where the signal is a current.
 
 use crate::chain::effect::{
-    self, Contribution, Dependence, Effect, Law, Memory, Samples, coulomb_friction,
+    self, Contribution, Dependence, Effect, Law, Memory, Samples, Surroundings, coulomb_friction,
 };
 use crate::outcome::machine::MachineJoint;
 
@@ -44,7 +44,8 @@ pub(super) fn over_speed(joint: &MachineJoint, velocity: &[f64]) -> Option<Vec<f
             .collect();
         let still = vec![0.0; velocity.len()];
         let mut by_parameter = vec![still.clone(); parameters.len()];
-        let (mut by_sign, mut by_position) = (still.clone(), still.clone());
+        let mut by_sign = still.clone();
+        let (mut by_position, mut by_velocity) = (still.clone(), still.clone());
         let samples = Samples {
             position: &still,
             velocity,
@@ -52,6 +53,7 @@ pub(super) fn over_speed(joint: &MachineJoint, velocity: &[f64]) -> Option<Vec<f
             sign: &sign,
             time: &[],
             cyclic: false,
+            surroundings: Surroundings::default(),
         };
         law.add(
             samples,
@@ -61,6 +63,7 @@ pub(super) fn over_speed(joint: &MachineJoint, velocity: &[f64]) -> Option<Vec<f
                 by_parameter: &mut by_parameter,
                 by_sign: &mut by_sign,
                 by_position: &mut by_position,
+                by_velocity: &mut by_velocity,
             },
         );
         any = true;
