@@ -84,6 +84,18 @@ async function zooms(page) {
   await page.keyboard.press("0");
 }
 
+/** Without a script there are still pictures in the place of charts. */
+async function still(file) {
+  const page = await browser.newPage();
+  const session = await browser.newCDPSession(page);
+  await session.send("Emulation.setScriptExecutionDisabled", { value: true });
+  await page.goto(pathToFileURL(file).href);
+  const [charts, pictures] = [await page.locator("#explorer").count(), await page.locator("noscript svg").count()];
+  assert.ok(charts === 0 || pictures > 0 || file.includes("simulate"), "still pictures without a script");
+  assert.ok((await page.locator("section").count()) > 1, "sections without a script");
+  await page.close();
+}
+
 async function sorts(page) {
   const head = page.locator("#parameters th button").nth(1);
   if ((await head.count()) === 0) return;
@@ -169,6 +181,8 @@ async function look(verb) {
   const wide = await overflow(phone.page);
   assert.ok(wide <= 0, `a phone overflows by ${wide} px`);
   await phone.page.close();
+
+  await still(file);
 
   const all = [...complaints, ...dark.complaints, ...phone.complaints];
   assert.deepEqual(all, [], "the browser complains of nothing");
