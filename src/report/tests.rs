@@ -312,7 +312,7 @@ fn the_page_loads_nothing_and_shows_every_section() {
         "solver",
         "repeat",
     ] {
-        assert!(page.contains(&format!("<section id=\"{id}\">")), "{id}");
+        assert!(page.contains(&format!("<section id=\"{id}\" ")), "{id}");
         assert!(page.contains(&format!("<a href=\"#{id}\">")), "{id}");
     }
     // Per recording and joint: signals and residual over speed; and the charts with rows.
