@@ -49,7 +49,7 @@ pub fn open(problem: &ProblemFile) -> Result<Robot, SetupError> {
         &place,
         Mismatch::NotYet {
             what: "a mechanism with closed loops".to_string(),
-            instead: "mechanisms can be checked, fitted and diagnosed: `exid check`, `exid fit`, `exid diagnose`".to_string(),
+            instead: "mechanisms can be checked and fitted: `exid check`, `exid fit`".to_string(),
         },
     ))
 }
