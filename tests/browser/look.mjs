@@ -49,12 +49,16 @@ async function open(file, { viewport = DESK, colorScheme = "light" } = {}) {
   return { page, complaints };
 }
 
-/** s from the start of loading until the script has drawn everything. */
-const seconds = page =>
-  page.evaluate(() => {
-    const drawn = performance.getEntriesByName("drawn")[0]?.startTime;
-    return drawn / 1000;
-  });
+/** s from the start of loading until the script has drawn everything: the least of three, since whatever else runs here only adds to it. */
+async function seconds(page) {
+  const times = [];
+  for (let k = 0; k < 3; k++) {
+    if (k > 0) await page.reload();
+    await page.waitForSelector("html.alive");
+    times.push(await page.evaluate(() => performance.getEntriesByName("drawn")[0].startTime / 1000));
+  }
+  return Math.min(...times);
+}
 
 const overflow = page => page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
 
