@@ -137,20 +137,24 @@ const pale = page =>
 
 const background = page => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
 
-/** Parts of pages that the guide shows beside the first screen of every report: where they begin, and in which colours. */
-const PARTS = {
+/** What the guide shows of reports: where a picture begins, and in which colours. */
+const PICTURES = {
+  check: [{ name: "check" }],
   fit: [{ name: "fit_dark", at: "#signals", colorScheme: "dark" }],
   diagnose: [
+    { name: "diagnose" },
     { name: "diagnose_signals", at: "#signals" },
     { name: "diagnose_law", at: "#explorer > .over" },
     { name: "diagnose_phone", viewport: PHONE, colorScheme: "dark" },
   ],
   design: [{ name: "design_motion", at: "#motion" }],
+  simulate: [{ name: "simulate", at: "#simulation" }],
+  trials: [{ name: "trials" }],
   rollout: [{ name: "rollout_windows", at: "#explorer" }],
 };
 
 async function pictures(verb, file) {
-  for (const { name, at, viewport = PICTURE, colorScheme } of [{ name: verb }, ...(PARTS[verb] ?? [])]) {
+  for (const { name, at, viewport = PICTURE, colorScheme } of PICTURES[verb]) {
     const { page } = await open(file, { viewport, colorScheme });
     if (at) await page.locator(at).first().evaluate(element => element.scrollIntoView({ block: "start" }));
     await page.screenshot({ path: join(screens, `${name}.png`), scale: "css" });
