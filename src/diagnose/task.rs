@@ -60,7 +60,7 @@ pub fn run(
     watch: &(dyn Fn(Stage) + Sync),
 ) -> Result<DiagnoseRun, DiagnoseError> {
     watch(Stage::Reading);
-    let robot = setup::robot::open_any(problem)?;
+    let robot = setup::robot::open(problem)?;
     let mut model = setup::model::build(problem, &robot)?;
     let prior = setup::prior::build(problem, &robot, &mut model)?;
     let data = bandwidth::prepared(problem, &robot, &model, &prior, control)?;

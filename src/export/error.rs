@@ -11,6 +11,8 @@ use std::path::Path;
 pub enum ExportError {
     /// The verb identifies no robot, or the result is of a version that did not keep it.
     NoRobot { name: String, verb: &'static str },
+    /// Joints of the robot close loops, for which other formats want its bodies and closures.
+    ClosedLoops { name: String },
     /// An effect that this version does not know.
     UnknownEffect { joint: String, effect: String },
     /// The result lacks a parameter.
@@ -44,6 +46,13 @@ impl ExportError {
                 format!("`{name}`, a result of `{verb}`, holds no identified robot"),
                 "give the results folder of `exid fit` or `exid diagnose`; of a result that an earlier version made, run the \
                  verb again",
+            ),
+            Self::ClosedLoops { name } => Description::new(
+                "closed-loops-not-exported",
+                format!(
+                    "joints of the robot of `{name}` close loops, and robots whose joints are a tree are exported alone"
+                ),
+                "take the values from `parameters` and `base_parameters` of result.json",
             ),
             Self::UnknownEffect { joint, effect } => Description::new(
                 "unknown-effect",

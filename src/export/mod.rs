@@ -58,9 +58,16 @@ pub struct Export {
 /// # Errors
 /// Where the result identified no robot, or the robot's own file does not read any more.
 pub fn export(outcome: &Outcome, format: Format) -> Result<Export, ExportError> {
-    let machine = outcome.machine().ok_or_else(|| ExportError::NoRobot {
-        name: outcome.name.clone(),
-        verb: outcome.part.verb(),
+    let robot = &outcome.run.problem["robot"];
+    let has_loops = robot.get("mechanism").is_some() || robot.get("closed").is_some();
+    let machine = outcome.machine().ok_or_else(|| match has_loops {
+        true => ExportError::ClosedLoops {
+            name: outcome.name.clone(),
+        },
+        false => ExportError::NoRobot {
+            name: outcome.name.clone(),
+            verb: outcome.part.verb(),
+        },
     })?;
     let tilted = outcome.estimate.parameters.iter().find(|p| p.name == TILT);
     if let (Some(tilt), None) = (tilted, &machine.tilt) {

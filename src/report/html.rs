@@ -1,11 +1,11 @@
 //! The page: one self-contained HTML file, legible on screen, on a phone and on paper.
 
 use crate::outcome::Outcome;
-use crate::outcome::predictions::Predictions;
 use crate::report::explore::Exploration;
 use crate::report::script;
 use crate::report::section::{self, Section};
 use crate::report::series::Series;
+use crate::report::written::Tables;
 
 /// The style sheets, part of every page.
 const STYLES: [&str; 2] = [
@@ -14,9 +14,9 @@ const STYLES: [&str; 2] = [
 ];
 
 /// Renders the report of an outcome.
-pub fn page(outcome: &Outcome, predictions: &Predictions) -> String {
-    let exploration = Exploration::of(outcome, predictions);
-    let sections = section::all(outcome, &Series::of(predictions), &exploration);
+pub fn page(outcome: &Outcome, tables: &Tables) -> String {
+    let exploration = Exploration::of(outcome, tables);
+    let sections = section::all(outcome, &Series::of(&tables.predictions), &exploration);
     let title = escape(&format!("{}: {}", outcome.name, outcome.part.verb()));
     let script = script::text();
     let mut out = format!(

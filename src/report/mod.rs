@@ -1,12 +1,13 @@
 //! Reports: pure renderers of an [`Outcome`] and its predictions, for a browser and a terminal.
 //!
-//! The page is a function of `result.json` and `predictions.csv` alone, so that it can be made
+//! The page is a function of `result.json`, `predictions.csv` and the recordings of a simulation alone, so that it can be made
 //! again at any time from the results folder. It is one file that loads nothing; its own script lets readers explore.
 
 pub mod catalogue;
 pub mod compared;
 pub mod html;
 pub mod text;
+pub mod written;
 
 mod explore;
 mod facts;
@@ -25,9 +26,10 @@ use std::path::Path;
 use crate::outcome::error::OutcomeError;
 use crate::outcome::predictions::Predictions;
 use crate::outcome::{Outcome, PREDICTIONS_FILE};
+use crate::report::written::Tables;
 
 /// Renders the HTML report of the results folder at `folder` from `result.json` and, where there
-/// is one, `predictions.csv`.
+/// is one, `predictions.csv`, or the recordings that it lists.
 ///
 /// # Errors
 /// `not-readable`, `not-a-result`, `not-predictions` for what cannot be read back.
@@ -39,7 +41,11 @@ pub fn render(folder: &Path) -> Result<String, OutcomeError> {
     } else {
         Predictions::default()
     };
-    Ok(html::page(&outcome, &predictions))
+    let tables = Tables {
+        predictions,
+        written: written::read(folder, &outcome)?,
+    };
+    Ok(html::page(&outcome, &tables))
 }
 
 #[cfg(test)]

@@ -15,12 +15,13 @@ use crate::outcome::folder::ResultFolder;
 use crate::outcome::input::Input;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::parameter::{Parameter, Source};
-use crate::outcome::predictions::{Block, Predictions, PredictionsWriter, Quantity};
+use crate::outcome::predictions::{Block, PredictionsWriter, Quantity};
 use crate::outcome::provenance::Provenance;
 use crate::outcome::run::{Run, VERSION};
 use crate::outcome::simulation::{RealisedNoise, Simulation};
 use crate::outcome::{Outcome, PREDICTIONS_FILE, Part, RESULT_FILE};
 use crate::recording::split::Split;
+use crate::report::written::Tables;
 use crate::report::{html, render, text};
 
 const JOINTS: usize = 6;
@@ -311,7 +312,7 @@ fn the_page_loads_nothing_and_shows_every_section() {
         "solver",
         "repeat",
     ] {
-        assert!(page.contains(&format!("<section id=\"{id}\">")), "{id}");
+        assert!(page.contains(&format!("<section id=\"{id}\" ")), "{id}");
         assert!(page.contains(&format!("<a href=\"#{id}\">")), "{id}");
     }
     // Per recording and joint: signals and residual over speed; and the charts with rows.
@@ -458,7 +459,7 @@ fn findings_are_told_the_worst_first() {
         }),
         ..arm()
     };
-    let page = html::page(&outcome, &Predictions::default());
+    let page = html::page(&outcome, &Tables::default());
     assert!(page.contains("1 error, 1 note"));
     assert!(page.find("<code>sign</code>") < page.find("<code>late</code>"));
     assert!(page.contains("&lt;opposes&gt;"));
@@ -485,7 +486,7 @@ fn a_simulation_names_its_files_and_noise() {
         }),
         ..arm()
     };
-    let page = html::page(&outcome, &Predictions::default());
+    let page = html::page(&outcome, &Tables::default());
     assert!(page.contains("<code>train.<wbr>csv</code>") && page.contains("0.5000"));
     assert!(text::summary(&outcome, None).contains("noise of i1: 0.5000 A"));
 }

@@ -49,7 +49,7 @@ pub fn open(problem: &ProblemFile) -> Result<Robot, SetupError> {
         &place,
         Mismatch::NotYet {
             what: "a mechanism with closed loops".to_string(),
-            instead: "mechanisms can be fitted: `exid fit`".to_string(),
+            instead: "mechanisms can be checked and fitted: `exid check`, `exid fit`".to_string(),
         },
     ))
 }

@@ -49,12 +49,16 @@ async function open(file, { viewport = DESK, colorScheme = "light" } = {}) {
   return { page, complaints };
 }
 
-/** s from the start of loading until the script has drawn everything. */
-const seconds = page =>
-  page.evaluate(() => {
-    const drawn = performance.getEntriesByName("drawn")[0]?.startTime;
-    return drawn / 1000;
-  });
+/** s from the start of loading until the script has drawn everything: the least of three, since whatever else runs here only adds to it. */
+async function seconds(page) {
+  const times = [];
+  for (let k = 0; k < 3; k++) {
+    if (k > 0) await page.reload();
+    await page.waitForSelector("html.alive");
+    times.push(await page.evaluate(() => performance.getEntriesByName("drawn")[0].startTime / 1000));
+  }
+  return Math.min(...times);
+}
 
 const overflow = page => page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
 
@@ -82,6 +86,18 @@ async function zooms(page) {
   const keyed = await spans(page);
   keyed.forEach((span, k) => assert.ok(Math.abs(span / before[k] - 0.5) < 1e-6, "the plus key halves the stretch"));
   await page.keyboard.press("0");
+}
+
+/** Without a script there are still pictures in the place of charts. */
+async function still(file) {
+  const page = await browser.newPage();
+  const session = await browser.newCDPSession(page);
+  await session.send("Emulation.setScriptExecutionDisabled", { value: true });
+  await page.goto(pathToFileURL(file).href);
+  const [charts, pictures] = [await page.locator("#explorer").count(), await page.locator("noscript svg").count()];
+  assert.ok(charts === 0 || pictures > 0 || file.includes("simulate"), "still pictures without a script");
+  assert.ok((await page.locator("section").count()) > 1, "sections without a script");
+  await page.close();
 }
 
 async function sorts(page) {
@@ -121,20 +137,24 @@ const pale = page =>
 
 const background = page => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
 
-/** Parts of pages that the guide shows beside the first screen of every report: where they begin, and in which colours. */
-const PARTS = {
+/** What the guide shows of reports: where a picture begins, and in which colours. */
+const PICTURES = {
+  check: [{ name: "check" }],
   fit: [{ name: "fit_dark", at: "#signals", colorScheme: "dark" }],
   diagnose: [
+    { name: "diagnose" },
     { name: "diagnose_signals", at: "#signals" },
     { name: "diagnose_law", at: "#explorer > .over" },
     { name: "diagnose_phone", viewport: PHONE, colorScheme: "dark" },
   ],
   design: [{ name: "design_motion", at: "#motion" }],
+  simulate: [{ name: "simulate", at: "#simulation" }],
+  trials: [{ name: "trials" }],
   rollout: [{ name: "rollout_windows", at: "#explorer" }],
 };
 
 async function pictures(verb, file) {
-  for (const { name, at, viewport = PICTURE, colorScheme } of [{ name: verb }, ...(PARTS[verb] ?? [])]) {
+  for (const { name, at, viewport = PICTURE, colorScheme } of PICTURES[verb]) {
     const { page } = await open(file, { viewport, colorScheme });
     if (at) await page.locator(at).first().evaluate(element => element.scrollIntoView({ block: "start" }));
     await page.screenshot({ path: join(screens, `${name}.png`), scale: "css" });
@@ -169,6 +189,8 @@ async function look(verb) {
   const wide = await overflow(phone.page);
   assert.ok(wide <= 0, `a phone overflows by ${wide} px`);
   await phone.page.close();
+
+  await still(file);
 
   const all = [...complaints, ...dark.complaints, ...phone.complaints];
   assert.deepEqual(all, [], "the browser complains of nothing");

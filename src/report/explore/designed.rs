@@ -4,8 +4,8 @@ use crate::design::series::{Basis, Series};
 use crate::outcome::design::{Design, JointCoefficients};
 use crate::outcome::skeleton::Skeleton;
 use crate::report::explore::encoded::{Quantised, floats};
+use crate::report::explore::parts::{Channel, Line, Take};
 use crate::report::explore::posture::Postures;
-use crate::report::explore::{Channel, Line, Take};
 
 /// Samples of a period: 50 for each of twenty harmonics.
 const SAMPLES: usize = 1000;

@@ -3,8 +3,8 @@
 use crate::outcome::rollout::{Example, ExampleJoint, Rollout};
 use crate::outcome::skeleton::Skeleton;
 use crate::report::explore::encoded::{Quantised, floats};
+use crate::report::explore::parts::{Channel, Line, Take};
 use crate::report::explore::posture::Postures;
-use crate::report::explore::{Channel, Line, Take};
 
 /// One take for each window that the result keeps.
 pub(super) fn takes(rollout: &Rollout, skeleton: Option<&Skeleton>) -> Vec<Take> {

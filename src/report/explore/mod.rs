@@ -6,18 +6,19 @@ pub(super) mod designed;
 mod encoded;
 mod forward;
 mod law;
+pub(super) mod parts;
 mod posture;
 mod predicted;
+mod simulated;
 mod spectrum;
 mod thinned;
 
 use serde::Serialize;
 
-use crate::outcome::predictions::Predictions;
 use crate::outcome::skeleton::Skeleton;
 use crate::outcome::{Outcome, Part};
-use crate::report::explore::encoded::Quantised;
-use crate::report::explore::posture::Postures;
+use crate::report::explore::parts::{Correlations, Take};
+use crate::report::written::Tables;
 
 /// All that can be explored; default where there is nothing.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -28,91 +29,12 @@ pub(super) struct Exploration {
     correlations: Option<Correlations>,
 }
 
-/// One recording, trajectory or window.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct Take {
-    name: String,
-    /// Such as `held out`.
-    kind: String,
-    /// s, from which times count.
-    start: f64,
-    /// s since the start, 32-bit floats.
-    t: String,
-    channels: Vec<Channel>,
-    postures: Option<Postures>,
-}
-
-/// What belongs to one joint.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct Channel {
-    name: String,
-    lines: Vec<Line>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cloud: Option<Cloud>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    spectrum: Option<Spectra>,
-}
-
-/// A line over the times of its take.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct Line {
-    /// The plot in which it stands, such as `residual`.
-    panel: &'static str,
-    /// Whose it is, such as `recorded` or `final`.
-    role: &'static str,
-    unit: String,
-    y: Quantised,
-    /// Limits, drawn as levels; empty where there are none.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    levels: Vec<f64>,
-}
-
-/// Single samples, not in the order of time.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct Cloud {
-    /// The variables that a residual may depend on.
-    over: Vec<Variable>,
-    /// Recorded minus what a model gives, and what the found effects add.
-    of: Vec<Variable>,
-    unit: String,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct Variable {
-    name: &'static str,
-    unit: String,
-    values: Quantised,
-}
-
-/// Amplitude spectral densities on common frequencies.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct Spectra {
-    /// Hz, 32-bit floats.
-    f: String,
-    unit: String,
-    lines: Vec<Density>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct Density {
-    role: &'static str,
-    /// 32-bit floats: the range spans powers of ten.
-    y: String,
-}
-
-/// Correlations of parameters: names, and the rows of the matrix in hundredths.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-struct Correlations {
-    names: Vec<String>,
-    rows: String,
-}
-
 /// Most parameters of the picture: more would be less than a few pixels each.
 const MOST_CORRELATED: usize = 150;
 
 impl Exploration {
-    /// All that the outcome and its predictions have to explore.
-    pub fn of(outcome: &Outcome, predictions: &Predictions) -> Self {
+    /// All that the outcome and the tables beside it have to explore.
+    pub fn of(outcome: &Outcome, tables: &Tables) -> Self {
         let skeleton = match &outcome.part {
             Part::Design(design) => design.skeleton.clone(),
             Part::Rollout(rollout) => rollout.skeleton.clone(),
@@ -121,7 +43,8 @@ impl Exploration {
         let takes = match &outcome.part {
             Part::Design(design) => designed::takes(design, skeleton.as_ref()),
             Part::Rollout(rollout) => forward::takes(rollout, skeleton.as_ref()),
-            _ => predicted::takes(outcome, predictions),
+            Part::Simulate(simulation) => simulated::takes(simulation, &tables.written),
+            _ => predicted::takes(outcome, &tables.predictions),
         };
         Self {
             skeleton: skeleton.filter(|_| takes.iter().any(|take| take.postures.is_some())),

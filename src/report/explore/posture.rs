@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::outcome::skeleton::Skeleton;
 use crate::report::explore::encoded::{Quantised, floats};
 use crate::report::explore::thinned::every_nth;
+use crate::stats::range::within;
 
 /// Postures a second: smoother than that no eye sees it between two samples, since the page interpolates.
 const RATE_HZ: f64 = 25.0;
@@ -29,7 +30,7 @@ impl Postures {
         of: impl Fn(&str) -> Option<&'a [f64]>,
     ) -> Option<Self> {
         let (first, last) = (t.first()?, t.last()?);
-        let most = ((last - first) * RATE_HZ).ceil().clamp(2.0, MOST as f64);
+        let most = within(((last - first) * RATE_HZ).ceil(), [2.0, MOST as f64]);
         let rows: Vec<usize> = every_nth(t.len(), most as usize).collect();
         let mut q: Vec<Vec<f64>> = Vec::new();
         for bone in &skeleton.joints {

@@ -7,10 +7,12 @@ use crate::outcome::skeleton::Skeleton;
 use crate::recording::split::Split;
 use crate::report::explore::encoded::{Quantised, floats};
 use crate::report::explore::law;
+use crate::report::explore::parts::{
+    Channel, Cloud, Density, Line, RECORDINGS, Spectra, Take, Variable,
+};
 use crate::report::explore::posture::Postures;
 use crate::report::explore::spectrum::{Spectrum, rate_hz};
 use crate::report::explore::thinned::{Thinning, every_nth};
-use crate::report::explore::{Channel, Cloud, Density, Line, Spectra, Take, Variable};
 use crate::robot::tree::JointKind;
 
 /// Points of all lines of a page together: at four thirds of two bytes each about 1.2 MB.
@@ -21,9 +23,6 @@ const LEAST_POINTS: usize = 1200;
 
 /// Points of a cloud: more would only cover each other.
 const CLOUD: usize = 700;
-
-/// Most recordings of a page.
-const RECORDINGS: usize = 8;
 
 /// Every recording, those that were held out first.
 pub(super) fn takes(outcome: &Outcome, predictions: &Predictions) -> Vec<Take> {

@@ -38,7 +38,11 @@ impl Spectrum {
     /// For series of `rows` samples.
     pub fn new(rate_hz: f64, rows: usize) -> Self {
         // Three stretches at least, half over each other, so that there is something to average.
-        let length = (rows / 2).clamp(LEAST.min(rows), MOST);
+        let half = rows / 2;
+        let length = match half < LEAST {
+            true => LEAST.min(rows),
+            false => MOST.min(half),
+        };
         let window: Vec<f64> = (0..length)
             .map(|k| 0.5 - 0.5 * (TAU * k as f64 / length as f64).cos())
             .collect();

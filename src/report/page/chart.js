@@ -45,7 +45,7 @@ function makeChart(box, spec, more = {}) {
     points: line.points ? { show: true, size: 4, fill: line.colour, width: 0 } : { show: false },
     value: (_, value) => significant(value),
   }));
-  const figure = element("figure", { class: "chart", role: "img", "aria-label": spec.title });
+  const figure = element("figure", { class: "chart", role: "group", "aria-label": spec.title });
   figure.append(element("figcaption", {}, element("b", {}, spec.title), ` [${spec.unit}]`));
   box.append(figure);
   const levels = spec.levels ?? [];

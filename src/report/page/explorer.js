@@ -61,7 +61,7 @@ class Explorer {
 
   makeSide() {
     if (!this.skeleton) return;
-    this.robot = new Robot(this.side, this.skeleton, {});
+    this.robot = new Robot(this.side, this.skeleton);
     this.play = element("button", { type: "button", onclick: () => this.toggle() }, "Play");
     this.slider = element("input", { type: "range", min: 0, max: 1000, value: 0, "aria-label": "Time", oninput: () => this.slide() });
     this.clock = element("output", {}, "0 s");

@@ -36,9 +36,8 @@ function forward(skeleton, q) {
 }
 
 class Robot {
-  constructor(box, skeleton, { onSelect }) {
+  constructor(box, skeleton) {
     this.skeleton = skeleton;
-    this.onSelect = onSelect;
     this.yaw = -0.9;
     this.pitch = 0.35;
     this.canvas = element("canvas", {

@@ -1,6 +1,7 @@
 //! Recorded and predicted signals: held-out recordings first, the first one unfolded.
 
 use crate::recording::split::Split;
+use crate::report::explore::parts::RECORDINGS;
 use crate::report::facts::count;
 use crate::report::html::escape;
 use crate::report::plots::scatter::scatter;
@@ -10,8 +11,8 @@ use crate::report::section::explorer::explorer;
 use crate::report::section::{Section, Source};
 use crate::report::series::{JointSeries, RecordingSeries};
 
-/// Most recordings that are plotted: more make a page that takes long to open.
-const RECORDINGS: usize = 8;
+/// Recordings of which there are still pictures, which take more bytes than what the script draws.
+const STILL: usize = 2;
 
 pub(super) fn section(source: &Source) -> Option<Section> {
     let mut recordings: Vec<&RecordingSeries> = source.series.recordings.iter().collect();
@@ -25,7 +26,7 @@ pub(super) fn section(source: &Source) -> Option<Section> {
         key(PREDICTED, "predicted"),
         key(RESIDUAL, "residual")
     );
-    for (index, recording) in recordings.iter().take(RECORDINGS).enumerate() {
+    for (index, recording) in recordings.iter().take(STILL).enumerate() {
         still.push_str(&block(source, recording, index));
     }
     let mut body = explorer(source, worst_joint(source), &still);

@@ -3,6 +3,7 @@
 use crate::outcome::Part;
 use crate::report::html::breakable;
 use crate::report::number::significant;
+use crate::report::section::explorer::explorer;
 use crate::report::section::{Section, Source};
 use crate::report::table::{Cell, Table};
 
@@ -15,7 +16,8 @@ pub(super) fn section(source: &Source) -> Option<Section> {
         .iter()
         .map(|file| format!("<li><code>{}</code></li>\n", breakable(file)))
         .collect();
-    let mut body = format!("<ul>\n{files}</ul>\n");
+    let mut body = explorer(source, None, "");
+    body.push_str(&format!("<h3>Files and noise</h3>\n<ul>\n{files}</ul>\n"));
     let mut table = Table::new(&["Channel", "Noise, realised std. dev.", "Unit"]);
     for noise in &simulation.realised_noise {
         table.row(vec![
