@@ -319,11 +319,14 @@ class _Call:
         table = problem.to_dict()
         if read.groups:
             table.setdefault("recordings", {}).update(read.groups)
-        # A table has no file; its name is that of the place where one would be.
-        path = os.path.normpath(Path(problem.folder) / "problem.toml")
+        # A table has no file, but a folder from which its relative paths start.
+        path = os.path.normpath(Path(problem.folder) / "problem")
         return _Given(path, as_json(table), set, read.memory, self.max_rows)
 
     def _watched(self, work: Callable[[_Options], _core.Run]) -> _core.Run:
+        if self.out is not None:
+            # Refused before the work, not after it.
+            _core.require_writable(os.fspath(self.out))
         command = [f"exid.{self.verb}"]
         if self.progress is True:
             from tqdm.auto import tqdm

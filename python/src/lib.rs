@@ -23,7 +23,7 @@ mod _core {
     #[pymodule_export]
     use super::robot::Robot;
     #[pymodule_export]
-    use super::run::{Run, load, rollout, run};
+    use super::run::{Run, load, require_writable, rollout, run};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -371,6 +371,13 @@ impl Run {
     }
 }
 
+/// Makes sure that a results folder can be written: refused before the work, not after it.
+#[pyfunction]
+pub fn require_writable(py: Python<'_>, folder: PathBuf) -> PyResult<()> {
+    let prepared = ResultFolder::prepare(&folder);
+    prepared.map(drop).map_err(|e| Failure::from(e).raise(py))
+}
+
 /// Copies a results folder, whole or not at all.
 fn copy(folder: &Path, target: &Path) -> Result<(), Failure> {
     let to = ResultFolder::prepare(target)?;

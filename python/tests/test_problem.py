@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import exid
+from conftest import Program
 from exid import _core, tables
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -35,6 +36,17 @@ def test_a_table_and_an_object_are_the_file(fitted: exid.FitResult) -> None:
         table["recordings"][group] = [f"problems/arm6/{file}" for file in files]
     again = exid.fit(table)
     assert again["parameters"] == fitted["parameters"]
+
+
+def test_a_saved_result_of_a_table_is_rolled_out_and_repeated(
+    fitted: exid.FitResult, program: Program, tmp_path: Path
+) -> None:
+    problem = exid.Problem.from_file("problems/arm6/problem.toml")
+    exid.fit(problem, out=tmp_path / "fit")
+    rolled = exid.rollout(exid.load(tmp_path / "fit"))
+    assert rolled["horizons"] == exid.rollout(fitted)["horizons"]
+    ran = program("repeat", str(tmp_path / "fit"))
+    assert ran.returncode == 0, ran.stdout + ran.stderr
 
 
 def test_a_problem_is_made_of_a_robot_file() -> None:

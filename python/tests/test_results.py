@@ -82,6 +82,10 @@ def test_a_folder_of_others_is_not_replaced(fitted: exid.FitResult, tmp_path: Pa
     with pytest.raises(exid.ProblemError) as caught:
         fitted.save(tmp_path)
     assert caught.value.code == "out-is-not-a-result"
+    heard: list[str] = []
+    with pytest.raises(exid.ProblemError):
+        exid.fit("problems/arm6/problem.toml", progress=heard.append, out=tmp_path)
+    assert heard == [], "refused before the work"
 
 
 def test_tables_of_a_loaded_result_are_those_that_were_made(tmp_path: Path) -> None:

@@ -34,6 +34,14 @@ impl Input {
             sha256,
         })
     }
+
+    /// What stands in the place of a file at `path`, hashed as the text that it would hold.
+    pub fn of_text(path: &Path, text: &str) -> Self {
+        Self {
+            path: path.display().to_string(),
+            sha256: digits(Sha256::new_with_prefix(text)),
+        }
+    }
 }
 
 fn sha256(path: &Path) -> io::Result<String> {
@@ -48,11 +56,12 @@ fn sha256(path: &Path) -> io::Result<String> {
             Err(error) => return Err(error),
         }
     }
-    Ok(hash
-        .finalize()
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect())
+    Ok(digits(hash))
+}
+
+fn digits(hash: Sha256) -> String {
+    let bytes = hash.finalize();
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 #[cfg(test)]

@@ -68,7 +68,9 @@ impl Settings<'_> {
 
     /// The common head of a result; files that cannot be read any more are left out.
     pub(super) fn record(&self, problem: &ProblemFile, files: &[PathBuf]) -> Record {
-        let all = std::iter::once(&problem.path).chain(files);
+        // A problem that a program states in memory has no file.
+        let stated = Input::of(&problem.path)
+            .unwrap_or_else(|_| Input::of_text(&problem.path, &problem.json.to_string()));
         let memory = problem.recordings.as_ref().map(|r| &r.reading.memory);
         let input = |file: &PathBuf| match memory.and_then(|memory| memory.at(file)) {
             Some(arrays) => Some(Input {
@@ -81,7 +83,9 @@ impl Settings<'_> {
             version: VERSION.to_string(),
             seed: self.seed,
             problem: problem.json.clone(),
-            inputs: all.filter_map(input).collect(),
+            inputs: std::iter::once(stated)
+                .chain(files.iter().filter_map(input))
+                .collect(),
             wall_s: self.started.elapsed().as_secs_f64(),
             provenance: Provenance::of_this_process(self.command.clone()),
         }
