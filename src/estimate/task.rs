@@ -204,6 +204,7 @@ fn compare(
         let mut other = setup::model::build_compared(problem, robot, &compared.effects.value)?;
         let prior = setup::prior::build(problem, robot, &mut other)?;
         other.limit_transitions(&data.fastest());
+        reach::start_within(&mut other, data);
         let result = estimate(problem, &other, (data, &prior), control)?
             .map_err(|error| failed(problem, error))?;
         let effects = compared.effects.value.iter().map(|e| e.value.clone());

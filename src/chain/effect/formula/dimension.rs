@@ -45,7 +45,9 @@ const SYMBOLS: &[(&str, Dimension)] = &[
 
 impl Dimension {
     fn times(self, other: Self, power: i8) -> Self {
-        Self(std::array::from_fn(|k| self.0[k] + power * other.0[k]))
+        Self(std::array::from_fn(|k| {
+            self.0[k].saturating_add(power.saturating_mul(other.0[k]))
+        }))
     }
 
     fn halved(self) -> Option<Self> {
