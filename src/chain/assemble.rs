@@ -1,7 +1,7 @@
 //! Lists the parameters of a model: of links, effects, coupling, tilt and load.
 
 use crate::chain::effect::{
-    Dependence, Effect, Law, Linearity, NEXT, PREVIOUS, base_tilt, coulomb_friction,
+    Dependence, Effect, Law, Linearity, NEXT, PREVIOUS, ParameterInfo, base_tilt, coulomb_friction,
     kinematic_coupling, rotor_inertia, torque_current_nonlinearity,
 };
 use crate::chain::error::ModelError;
@@ -282,6 +282,14 @@ pub(super) fn tilt_parameters(
     Some(first)
 }
 
+/// Size of a change of a parameter that matters: the typical value's, and one unit where that is zero, such as of a phase.
+fn size(info: &ParameterInfo) -> f64 {
+    match info.typical {
+        0.0 => 1.0,
+        typical => typical.abs(),
+    }
+}
+
 /// The parameters of an effect; `place` is the joint and the position among its effects.
 fn effect_parameters(
     joint: &Joint,
@@ -309,7 +317,7 @@ fn effect_parameters(
             lower: info.lower,
             upper: info.upper,
             bounded: false,
-            scale: info.typical,
+            scale: size(info),
             linearity: info.linearity,
         })
 }

@@ -1,7 +1,10 @@
 //! Where the nonlinear parameters of a law are looked for, in terms of what its joint did.
 
-use crate::chain::dataset::Prepared;
+use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::effect::Search;
+use crate::chain::model::Model;
+use crate::chain::parameter::Role;
+use crate::recording::split::Split;
 use std::f64::consts::{PI, TAU};
 
 /// Cycles over the range of positions between one order and the next: half of what tells two apart.
@@ -48,11 +51,17 @@ impl Motion {
     }
 
     /// Whether most of what a law does over a scale of speed happens within the speeds of the joint: a Stribeck effect
-    /// falls to 37 %, a sigmoid comes to tanh(1), three quarters. Otherwise it is a line with some bend, as others are.
+    /// falls to 37 %, a sigmoid comes to tanh(1), three quarters. Otherwise it is a line with some bend, as others are. What
+    /// repeats does so within the range of positions: one cycle at least, where the search begins, less half of what is
+    /// between two of its orders.
     pub fn shows(&self, search: Search, value: f64) -> bool {
         match search {
             Search::Speed(_) => value.abs() <= self.fastest,
             Search::OverSpeed(_) => value.abs() * self.fastest >= 2.0,
+            Search::Cycles => {
+                let range = self.greatest - self.least;
+                value.abs() * range >= (1.0 - 0.5 * CYCLES) * TAU
+            }
             _ => true,
         }
     }
@@ -86,6 +95,36 @@ impl Motion {
     }
 }
 
+/// Lets positions that laws are about start within the motion: where they begin outside, a law that acts on one side of them
+/// may do nothing, and no search sees it.
+pub fn start_within(model: &mut Model, data: &Dataset) {
+    let train: Vec<&Prepared> = data.of(Split::Train).collect();
+    let mut moved = Vec::new();
+    for (at, parameter) in model.parameters().iter().enumerate() {
+        let Role::Effect {
+            joint,
+            effect,
+            parameter: own,
+        } = parameter.role
+        else {
+            continue;
+        };
+        let info = &model.joints()[joint].effects[effect].0.parameters[own];
+        let Search::Position(shares) = info.search else {
+            continue;
+        };
+        let motion = Motion::of(&train, joint);
+        let is_outside = !(motion.least..=motion.greatest).contains(&parameter.value);
+        if parameter.is_free() && is_outside && motion.least < motion.greatest {
+            let share = shares[shares.len() / 2];
+            moved.push((at, motion.least + share * (motion.greatest - motion.least)));
+        }
+    }
+    for (at, value) in moved {
+        model.start(at, value);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -103,6 +142,10 @@ mod tests {
         assert!(motion.shows(fall, 1.9) && !motion.shows(fall, 2.1));
         let rise = Search::OverSpeed(&[2.0]);
         assert!(motion.shows(rise, 1.1) && motion.shows(rise, -1.1) && !motion.shows(rise, 0.9));
+        let cycle = TAU / 2.0;
+        assert!(
+            motion.shows(Search::Cycles, 0.8 * cycle) && !motion.shows(Search::Cycles, 0.7 * cycle)
+        );
         assert!(motion.shows(Search::Typical, 1e9));
     }
 }

@@ -11,6 +11,7 @@ use crate::estimate::feasible::{self, Form};
 use crate::estimate::fit::{Estimator, Fitted, fit, in_full};
 use crate::estimate::load;
 use crate::estimate::noisy_fit;
+use crate::estimate::reach;
 use crate::estimate::reactions;
 use crate::fault::Place;
 use crate::outcome::estimate::Estimate;
@@ -83,6 +84,7 @@ pub fn run(
     watch(Step::Reading);
     let data = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
     model.limit_transitions(&data.fastest());
+    reach::start_within(&mut model, &data);
     watch(Step::Fitting);
     let (mut fitted, mut defect) = or_before_defect(control, |control| {
         let fitted = match problem.fit.load.value {
@@ -202,6 +204,7 @@ fn compare(
         let mut other = setup::model::build_compared(problem, robot, &compared.effects.value)?;
         let prior = setup::prior::build(problem, robot, &mut other)?;
         other.limit_transitions(&data.fastest());
+        reach::start_within(&mut other, data);
         let result = estimate(problem, &other, (data, &prior), control)?
             .map_err(|error| failed(problem, error))?;
         let effects = compared.effects.value.iter().map(|e| e.value.clone());

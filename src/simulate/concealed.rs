@@ -3,7 +3,7 @@
 
 use crate::chain::assemble::has_others;
 use crate::chain::effect::{
-    Effect, base_tilt, kinematic_coupling, torque_current_nonlinearity, unmodelled_payload,
+    Dependence, Effect, Law, base_tilt, kinematic_coupling, unmodelled_payload,
 };
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
@@ -83,7 +83,7 @@ impl Acting {
             }
             let own = found.and_then(|p| owner(&sensed, Reference::Parameter(p)));
             match own {
-                Some((joint, effect)) if effect == torque_current_nonlinearity::EFFECT.id => {
+                Some((joint, effect)) if is_of_current(&sensed, effect) => {
                     self.list(&robot.tree.joints()[joint].name, effect);
                     self.concealed.push(entry.name.clone());
                     self.currents.push(entry);
@@ -169,6 +169,16 @@ impl Acting {
             own.value.value.push(entry);
         }
     }
+}
+
+/// Whether an effect lies between torque and current.
+fn is_of_current(model: &Model, effect: &str) -> bool {
+    let found = model.catalogue().find(effect);
+    found.is_some_and(|effect| match effect.law {
+        Law::Current => true,
+        Law::Signal(_) => effect.depends_on.contains(&Dependence::Current),
+        _ => false,
+    })
 }
 
 /// Whether any joint has an effect.

@@ -127,7 +127,7 @@ fn shipped_laws_are_complete() {
     }
 }
 
-/// Shipped laws with a truth for the elbow, whose positions reach 2.5 rad to either side, and what it stands in the place of.
+/// Shipped laws with a truth for the elbow, whose positions reach a third of a rad to either side, and what it stands in the place of.
 const TRUTHS: &[(&str, Option<&str>, &[(&str, f64)])] = &[
     (
         "dahl_friction",
@@ -143,12 +143,12 @@ const TRUTHS: &[(&str, Option<&str>, &[(&str, f64)])] = &[
         "maxwell_slip",
         None,
         &[
-            ("k1", 20.0),
-            ("k2", 8.0),
-            ("k3", 2.0),
-            ("d1", 0.03),
-            ("d2", 0.15),
-            ("d3", 0.6),
+            ("k1", 100.0),
+            ("k2", 20.0),
+            ("k3", 5.0),
+            ("d1", 0.01),
+            ("d2", 0.05),
+            ("d3", 0.2),
         ],
     ),
     (
@@ -156,10 +156,10 @@ const TRUTHS: &[(&str, Option<&str>, &[(&str, f64)])] = &[
         Some("coulomb_friction"),
         &[
             ("F1", 1.0),
-            ("b1", 60.0),
+            ("b1", 20.0),
             ("b2", 4.0),
-            ("F2", 1.2),
-            ("b3", 30.0),
+            ("F2", 2.5),
+            ("b3", 50.0),
         ],
     ),
     (
@@ -170,30 +170,34 @@ const TRUTHS: &[(&str, Option<&str>, &[(&str, f64)])] = &[
     (
         "cable_spring",
         None,
-        &[("k", 4.0), ("left", -0.5), ("right", 0.6)],
+        &[("k", 30.0), ("left", -0.1), ("right", 0.15)],
     ),
-    ("magnetic_saturation", None, &[("b", 0.02), ("c", 0.01)]),
-    ("hose_windup", None, &[("k", 1.0), ("k3", 0.6), ("q0", 0.2)]),
+    ("magnetic_saturation", None, &[("b", 0.3), ("c", 0.02)]),
+    (
+        "hose_windup",
+        None,
+        &[("k", 2.0), ("k3", 20.0), ("q0", 0.1)],
+    ),
     ("brake_drag", None, &[("Fa", 0.4), ("Fb", 0.2), ("n", 6.0)]),
     (
         "end_stop_above",
         None,
-        &[("k", 8.0), ("d", 0.5), ("stop", 0.6)],
+        &[("k", 100.0), ("d", 30.0), ("stop", 0.15)],
     ),
     (
         "end_stop_below",
         None,
-        &[("k", 8.0), ("d", 0.5), ("stop", -0.6)],
+        &[("k", 100.0), ("d", 30.0), ("stop", -0.15)],
     ),
     (
         "one_sided_spring_above",
         None,
-        &[("k", 5.0), ("touch", 0.5)],
+        &[("k", 10.0), ("touch", 0.1)],
     ),
     (
         "one_sided_spring_below",
         None,
-        &[("k", 5.0), ("touch", -0.5)],
+        &[("k", 10.0), ("touch", -0.1)],
     ),
     (
         "amplifier_dead_zone",
@@ -456,8 +460,7 @@ fn a_law_of_a_file_is_searched_for_explained_and_exported() {
 fn a_cushion_at_the_end_of_the_range_is_no_ripple() {
     let folder = Folder::new();
     let top = all_shipped();
-    let values =
-        "\"elbow.one_sided_spring_above.k\" = 12.0\n\"elbow.one_sided_spring_above.touch\" = 0.9\n";
+    let values = "\"elbow.one_sided_spring_above.k\" = 10.0\n\"elbow.one_sided_spring_above.touch\" = 0.15\n";
     folder.write(
         "truth.toml",
         &Problem {

@@ -7,7 +7,8 @@ use crate::diagnose::fit::model_fit::ModelFit;
 use crate::estimate::reach::Motion;
 use crate::recording::split::Split;
 
-/// Whether a law of speed changes within the speeds of its joint, as fitted; true of any other effect. One that does
+/// Whether a law of speed changes within the speeds of its joint, as fitted, and one that repeats does within its positions;
+/// true of any other effect. One that does
 /// not is a line with some bend, and imitates others. What remembers is left out: it changes with more than speed.
 pub fn are_reached(context: &Context<'_>, fit: &ModelFit, hypothesis: &Hypothesis) -> bool {
     if hypothesis.effect.needs.memory != Memory::None {

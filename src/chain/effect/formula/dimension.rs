@@ -45,7 +45,9 @@ const SYMBOLS: &[(&str, Dimension)] = &[
 
 impl Dimension {
     fn times(self, other: Self, power: i8) -> Self {
-        Self(std::array::from_fn(|k| self.0[k] + power * other.0[k]))
+        Self(std::array::from_fn(|k| {
+            self.0[k].saturating_add(power.saturating_mul(other.0[k]))
+        }))
     }
 
     fn halved(self) -> Option<Self> {
@@ -56,16 +58,21 @@ impl Dimension {
     /// The dimension of a unit such as `N·m·s/rad`, `kg*m^2` or `1`; `None` of a symbol that is not known.
     pub fn of_unit(unit: &str) -> Option<Self> {
         let mut dimension = ONE;
-        let mut sign = 1;
-        for part in split(unit) {
-            match part {
-                Part::Divide => sign = -1,
-                Part::Symbol(text) => {
-                    let (symbol, power) = with_power(text)?;
-                    let (_, found) = SYMBOLS.iter().find(|(name, _)| *name == symbol)?;
-                    dimension = dimension.times(*found, sign * power);
-                    sign = 1;
-                }
+        // A stroke divides by the symbol behind it, or by all in a bracket.
+        for (k, part) in unit.split('/').enumerate() {
+            let divided = k > 0;
+            let all = part.trim_start().starts_with('(');
+            let symbols = part.split(['·', '*', ' ', '.', '(', ')']);
+            let symbols = symbols.map(str::trim).filter(|s| !s.is_empty());
+            for (place, text) in symbols.enumerate() {
+                let (symbol, power) = with_power(text)?;
+                let (_, found) = SYMBOLS.iter().find(|(name, _)| *name == symbol)?;
+                let sign = if divided && (place == 0 || all) {
+                    -1
+                } else {
+                    1
+                };
+                dimension = dimension.times(*found, sign * power);
             }
         }
         Some(dimension)
@@ -92,24 +99,6 @@ impl Dimension {
             false => parts.join("·"),
         }
     }
-}
-
-enum Part<'a> {
-    Symbol(&'a str),
-    Divide,
-}
-
-fn split(unit: &str) -> Vec<Part<'_>> {
-    let mut parts = Vec::new();
-    for (k, divided) in unit.split('/').enumerate() {
-        if k > 0 {
-            parts.push(Part::Divide);
-        }
-        let symbols = divided.split(['·', '*', ' ', '.', '(', ')']);
-        let symbols = symbols.map(str::trim).filter(|s| !s.is_empty());
-        parts.extend(symbols.map(Part::Symbol));
-    }
-    parts
 }
 
 /// `m²`, `m^2` and `m2` are m to the power 2.

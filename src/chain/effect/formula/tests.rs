@@ -180,4 +180,8 @@ fn dimensions_that_do_not_go_together_are_found() {
         assert!(of(text).is_err(), "{text}");
     }
     assert_eq!(Dimension::of_unit("furlong"), None);
+    assert_eq!(
+        Dimension::of_unit("s/(rad*A)"),
+        Dimension::of_unit("s·A^-1")
+    );
 }

@@ -78,25 +78,23 @@ impl Formulas {
     }
 
     /// Whether the torque is affine in each parameter, together with those before it that are: its derivative has none of
-    /// them in it. The load depends on what else is estimated, so that a law of it is affine in nothing.
+    /// them in it. The load depends on what else is estimated, and a state on the course of a motion, so that a law of either
+    /// is affine in nothing.
     pub fn linear(&self, text: &LawText) -> Vec<Linearity> {
         let of_load = [Variable::Load, Variable::Current];
         let is_of_load = of_load.iter().any(|v| self.torque.depends_on(*v));
+        let is_of_more = is_of_load || !self.states.is_empty();
         let mut linear: Vec<Expression> = Vec::new();
         let parameters = text.parameters.iter().enumerate();
         parameters
             .map(|(k, parameter)| {
                 let own = Expression::parameter(k);
-                let in_state = self.states.iter().any(|state| {
-                    let is = |part: &Expression| *part == own;
-                    state.rate.any(&is) || state.law.start.any(&is)
-                });
                 let slope = derivative(&self.torque, &own);
                 let holds = |part: &Expression| *part == own || linear.contains(part);
                 // A linear unknown starts at zero, which has to be allowed.
                 let may_vanish = parameter.lower <= 0.0 && parameter.upper >= 0.0;
                 let is_gain = text.acts_on == ActsOn::Gain;
-                if is_of_load || is_gain || in_state || !may_vanish || slope.any(&holds) {
+                if is_of_more || is_gain || !may_vanish || slope.any(&holds) {
                     return Linearity::Nonlinear;
                 }
                 linear.push(own);
