@@ -5,6 +5,7 @@ use crate::cli::args::Run;
 use crate::cli::error::CliError;
 use crate::cli::progress::Progress;
 use crate::cli::{inputs, interrupt, motors, output, predictions};
+use crate::diagnose::simulator::{self, Side};
 use crate::estimate::task::{self, FitRun};
 use crate::outcome::predictions::Quantity;
 use crate::outcome::{Outcome, Part};
@@ -26,7 +27,16 @@ pub fn run(run: &Run, problem: &ProblemFile) -> Result<u8, CliError> {
     if problem.fit.estimator.value == Estimator::ConstantVelocity {
         return motors::run(run, problem, &target, mistakes, started);
     }
-    let result = task::run(problem, &control, |step| progress.say(step.words()))?;
+    let simulated = match problem.of_simulator() {
+        Some(simulator) => {
+            progress.say("identifying the simulator");
+            Some(task::run(&simulator, &control, |_| {})?)
+        }
+        None => None,
+    };
+    let mut result = task::run(problem, &control, |step| progress.say(step.words()))?;
+    result.fitted.fit.simulator =
+        simulated.map(|simulated| simulator::compare(&side(&simulated), &side(&result)));
     progress.say("writing the results");
     let defect = result.defect.clone();
     let outcome = Outcome {
@@ -50,4 +60,16 @@ pub fn run(run: &Run, problem: &ProblemFile) -> Result<u8, CliError> {
         control.is_interrupted(),
         outcome.estimate.solver.as_ref(),
     ))
+}
+
+/// What a fit identified, to be compared.
+fn side(run: &FitRun) -> Side<'_> {
+    Side {
+        estimate: &run.fitted.estimate,
+        fit: &run.fitted.fit,
+        findings: &[],
+        model: &run.fitted.model,
+        values: &run.fitted.values,
+        data: &run.data,
+    }
 }

@@ -19,6 +19,7 @@ use crate::report::number::{optional, percent, significant};
 use crate::report::terminal::{GAP, align};
 use crate::report::terminal_parameters::{self, LOAD};
 use crate::report::terminal_rollout;
+use crate::report::terminal_simulator;
 
 /// The summary of an outcome whose report is at `report`; ends with a newline.
 pub fn summary(outcome: &Outcome, report: Option<&Path>) -> String {
@@ -91,6 +92,7 @@ fn fit_lines(estimate: &Estimate, fit: &Fit) -> Vec<String> {
     }
     lines.extend(estimate.solver.as_ref().map(facts::solver_sentence));
     lines.extend(contest_lines(&fit.contests));
+    lines.extend(fit.simulator.iter().flat_map(terminal_simulator::lines));
     lines.extend(fit.notes.iter().map(|note| format!("note: {note}")));
     lines
 }
@@ -197,6 +199,12 @@ fn diagnosis_lines(diagnosis: &Diagnosis) -> Vec<String> {
     let next = diagnosis.next_experiment.as_ref();
     lines.extend(next.map(|next| format!("next: {} [next_experiment.toml]", next.sentence)));
     lines.extend(before_and_after(diagnosis));
+    lines.extend(
+        diagnosis
+            .simulator
+            .iter()
+            .flat_map(terminal_simulator::lines),
+    );
     lines.extend(diagnosis.notes.iter().map(|note| format!("note: {note}")));
     lines
 }

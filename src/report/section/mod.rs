@@ -16,6 +16,7 @@ mod preprocessing;
 mod rollout;
 mod signals;
 mod simulation;
+mod simulator;
 mod solver;
 mod summary;
 mod trials;
@@ -66,10 +67,11 @@ impl<'a> Source<'a> {
 }
 
 /// Every section in the order of the page; each is absent where it has nothing to say.
-const SECTIONS: [fn(&Source) -> Option<Section>; 22] = [
+const SECTIONS: [fn(&Source) -> Option<Section>; 23] = [
     summary::section,
     diagnosis::missing,
     diagnosis::before_and_after,
+    simulator::section,
     evidence::located,
     findings::section,
     joints::section,
