@@ -19,5 +19,6 @@ pub mod findings;
 pub mod fit;
 pub mod residuals;
 pub mod selection;
+pub mod simulator;
 pub mod stage;
 pub mod task;

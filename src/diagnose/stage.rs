@@ -3,10 +3,14 @@
 /// A step of a diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
+    /// Before the robot, its simulator goes through the same steps.
+    Simulator,
     Reading,
     Checking,
     Fitting,
-    Searching { found: usize },
+    Searching {
+        found: usize,
+    },
     Comparing,
     Drift,
 }
@@ -14,6 +18,7 @@ pub enum Stage {
 impl Stage {
     pub fn words(self) -> String {
         match self {
+            Self::Simulator => "identifying the simulator".to_string(),
             Self::Reading => "reading and differentiating the recordings".to_string(),
             Self::Checking => "looking for mistakes in the inputs".to_string(),
             Self::Fitting => "fitting the declared model".to_string(),

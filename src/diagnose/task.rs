@@ -18,13 +18,15 @@ use crate::diagnose::selection::explanation::{Explaining, Explanation};
 use crate::diagnose::selection::reached::Reached;
 use crate::diagnose::selection::rival_models::Ambiguity;
 use crate::diagnose::selection::stepwise::{Rules, Selection};
+use crate::diagnose::simulator::{self, Side};
 use crate::diagnose::stage::Stage;
 use crate::estimate::bandwidth;
 use crate::estimate::figures::{Predictions, noise_rms};
-use crate::estimate::task::machine;
+use crate::estimate::task::{machine, possible_machine};
 use crate::outcome::check::Finding as Mistake;
 use crate::outcome::diagnose::Diagnosis;
 use crate::outcome::estimate::Estimate;
+use crate::outcome::fit::Fit;
 use crate::problem::defect::{Defect, guarded};
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
@@ -40,6 +42,8 @@ pub struct DiagnoseRun {
     /// A mismatch that is a mistake in the input, not physics.
     pub mistakes: Vec<Mistake>,
     pub estimate: Estimate,
+    /// The final model as a fit gives it.
+    pub fit: Fit,
     pub model: Model,
     /// Values of the parameters of that model.
     pub values: DVector<f64>,
@@ -53,8 +57,42 @@ pub struct DiagnoseRun {
     pub defect: Option<Defect>,
 }
 
-/// Runs a diagnosis; `watch` hears of every stage.
+impl DiagnoseRun {
+    /// What was identified, to be compared.
+    fn side(&self) -> Side<'_> {
+        Side {
+            estimate: &self.estimate,
+            fit: &self.fit,
+            findings: &self.diagnosis.findings,
+            model: &self.model,
+            values: &self.values,
+            data: &self.data,
+        }
+    }
+}
+
+/// Runs a diagnosis, of the simulator first where there are recordings of it; `watch` hears of every stage.
 pub fn run(
+    problem: &ProblemFile,
+    control: &Control<'_>,
+    watch: &(dyn Fn(Stage) + Sync),
+) -> Result<DiagnoseRun, DiagnoseError> {
+    let simulated = match problem.of_simulator() {
+        Some(simulator) => {
+            watch(Stage::Simulator);
+            // Its steps are not those of the robot.
+            Some(run(&simulator, control, &|_| {})?)
+        }
+        None => None,
+    };
+    let mut found = of_robot(problem, control, watch)?;
+    found.diagnosis.simulator =
+        simulated.map(|simulated| simulator::compare(&simulated.side(), &found.side()));
+    Ok(found)
+}
+
+/// The diagnosis of the robot itself.
+fn of_robot(
     problem: &ProblemFile,
     control: &Control<'_>,
     watch: &(dyn Fn(Stage) + Sync),
@@ -94,11 +132,13 @@ pub fn run(
     reported.diagnosis.notes.extend(differences);
     if let (None, Some(fit)) = (&robot.mechanism, &mut reported.diagnosis.fit) {
         fit.machine = Some(machine((problem, &robot), &reported.fitted));
+        fit.possible_machine = possible_machine((problem, &robot), &reported.fitted);
     }
     Ok(DiagnoseRun {
         diagnosis: reported.diagnosis,
         mistakes,
         estimate: reported.fitted.estimate,
+        fit: reported.fitted.fit,
         model: reported.fitted.model,
         values: reported.fitted.values,
         baseline: reported.declared,

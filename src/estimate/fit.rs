@@ -305,6 +305,12 @@ pub fn outcome_with(
     let (parameters, reported_covariance) = report(&estimated);
     let predicted = predictions(model, &values, data);
     let member = realization::find(model, unknowns, &values);
+    let nearest = match &member {
+        Some(member) if !member.feasible => {
+            realization::nearest(model, unknowns, &values, &covariance)
+        }
+        _ => None,
+    };
     let fit = Fit {
         base_parameters: ratios::in_ratio(
             base_parameters(problem, &solution.x, &total),
@@ -322,6 +328,7 @@ pub fn outcome_with(
         condition_number: condition_number(problem, &solution.x),
         feasible: member.as_ref().map(|m| m.feasible),
         min_pseudo_inertia_eigenvalue: member.as_ref().map(|m| m.smallest_eigenvalue),
+        nearest: nearest.map_or_else(Vec::new, |values| in_full(model, &values).values),
         realization: member.map_or_else(Vec::new, |m| named(model, &m.values)),
         posterior: posterior(problem, &solution.x, &marked),
         ..Fit::default()

@@ -8,7 +8,13 @@
 //! minimise ‖π − π_reference‖²   subject to   D J_k(π) D − ½ t*·1 ⪰ 0
 //! ```
 //!
-//! D measures lengths in units in which masses and second moments have one size.
+//! D measures lengths in units in which masses and second moments have one size. Where t* is not positive no member is
+//! possible, and the robot that is nearest by the covariance C = L Lᵀ of the unknowns takes its place, friction and all
+//! else moved along with the bodies:
+//!
+//! ```text
+//! minimise ½ ‖u‖² + ½ ε² ‖D (J − J_reference) D‖²   subject to   D J_k(π_0 + N z + E L u) D − margin·1 ⪰ 0
+//! ```
 
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
@@ -78,6 +84,29 @@ pub fn find(model: &Model, unknowns: &Unknowns, values: &DVector<f64>) -> Option
         smallest_eigenvalue: smallest,
         feasible: smallest > 0.0,
     })
+}
+
+/// Least scaled pseudo-inertia of a nearest possible body, kg: simulators divide by it.
+const NEAREST_MARGIN: f64 = 1e-3;
+
+/// Weight ε of the reference, 1/kg: it chooses among robots that the recordings do not tell apart, at a cost in fit that
+/// does not count.
+const REFERENCE_WEIGHT: f64 = 1e-2;
+
+/// Values of the possible robot that is nearest to an estimate by its covariance; `None` where no body is unknown, unknowns
+/// are undetermined, or the solver fails.
+pub fn nearest(
+    model: &Model,
+    unknowns: &Unknowns,
+    values: &DVector<f64>,
+    covariance: &DMatrix<f64>,
+) -> Option<DVector<f64>> {
+    let bodies = bodies(model);
+    if bodies.is_empty() || !covariance.iter().all(|c| c.is_finite()) {
+        return None;
+    }
+    let class = Class::new(model, unknowns, values, &bodies);
+    class.nearest(&unknowns.positions(), covariance)
 }
 
 fn smallest_eigenvalue(values: &DVector<f64>, first: usize) -> f64 {
@@ -211,11 +240,7 @@ impl<'a> Class<'a> {
             }
         }
         // Distance in the scaled pseudo-inertias, so that masses and inertias count alike.
-        let stacked = self
-            .bodies
-            .iter()
-            .flat_map(|&first| scaled_rows(&self.reference, first));
-        let target = DVector::from_iterator(self.constant.len(), stacked);
+        let target = self.rows(&self.reference);
         let program = Bodies {
             form: self.form(
                 (0..count).map(|_| Variable::free("z", "")).collect(),
@@ -229,6 +254,69 @@ impl<'a> Class<'a> {
             slopes: self.slopes.clone(),
         };
         program.solve().map(|z| self.member(&z))
+    }
+
+    /// The possible robot whose unknowns, at these positions, lie nearest by their covariance.
+    fn nearest(&self, positions: &[usize], covariance: &DMatrix<f64>) -> Option<DVector<f64>> {
+        let eigen = covariance.clone().symmetric_eigen();
+        let mut moves = eigen.eigenvectors;
+        for (mut column, variance) in moves.column_iter_mut().zip(&eigen.eigenvalues) {
+            column *= variance.max(0.0).sqrt();
+        }
+        let (free, count) = (self.free.len(), positions.len());
+        let mut slopes = self.slopes.clone().resize_horizontally(free + count, 0.0);
+        let moved = |u: usize| {
+            let mut direction = DVector::zeros(self.values.len());
+            for (k, &p) in positions.iter().enumerate() {
+                direction[p] = moves[(k, u)];
+            }
+            direction
+        };
+        for u in 0..count {
+            slopes.set_column(free + u, &self.rows(&moved(u)));
+        }
+        let mut constant = self.constant.clone();
+        let identity = svec4(&Matrix4::identity());
+        for (body, _) in self.bodies.iter().enumerate() {
+            for (row, value) in identity.iter().enumerate() {
+                constant[body * ROWS + row] -= NEAREST_MARGIN * value;
+            }
+        }
+        let rows = self.constant.len();
+        let mut square_root = DMatrix::zeros(count + rows, free + count);
+        square_root
+            .view_mut((0, free), (count, count))
+            .fill_with_identity();
+        square_root
+            .view_mut((count, 0), (rows, free + count))
+            .copy_from(&(&slopes * REFERENCE_WEIGHT));
+        let mut offset = DVector::zeros(count + rows);
+        offset
+            .rows_mut(count, rows)
+            .copy_from(&((&self.constant - self.rows(&self.reference)) * REFERENCE_WEIGHT));
+        let variables = (0..free + count).map(|_| Variable::free("z", "")).collect();
+        let program = Bodies {
+            form: self.form(variables, Objective::SumOfSquares { rows: count + rows }),
+            linear: DVector::zeros(free + count),
+            square_root: Some((square_root, offset)),
+            constant,
+            slopes,
+        };
+        let solution = program.solve()?;
+        let mut nearest = self.member(&solution.rows(0, free).into_owned());
+        for u in 0..count {
+            nearest += moved(u) * solution[free + u];
+        }
+        Some(nearest)
+    }
+
+    /// Scaled pseudo-inertias of all bodies.
+    fn rows(&self, values: &DVector<f64>) -> DVector<f64> {
+        let stacked = self
+            .bodies
+            .iter()
+            .flat_map(|&first| scaled_rows(values, first));
+        DVector::from_iterator(self.bodies.len() * ROWS, stacked)
     }
 
     fn form(&self, variables: Vec<Variable>, objective: Objective) -> Form {

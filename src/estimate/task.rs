@@ -107,6 +107,7 @@ pub fn run(
     }
     if robot.mechanism.is_none() {
         fitted.fit.machine = Some(machine((problem, &robot), &fitted));
+        fitted.fit.possible_machine = possible_machine((problem, &robot), &fitted);
     }
     fitted.fit.model = Some(in_full(&fitted.model, &fitted.values));
     if !problem.fit.compare.is_empty() {
@@ -259,6 +260,18 @@ pub fn machine(described: (&ProblemFile, &Robot), fitted: &Fitted) -> Machine {
     }
     let feasible = fitted.fit.feasible;
     setup::machine::record(described, &fitted.model, &values, feasible)
+}
+
+/// The nearest possible robot, where that of the realization is none.
+pub fn possible_machine(described: (&ProblemFile, &Robot), fitted: &Fitted) -> Option<Machine> {
+    let mut values = fitted.values.clone();
+    for realized in &fitted.fit.nearest {
+        if let Ok(position) = fitted.model.find(&realized.name) {
+            values[position] = realized.value;
+        }
+    }
+    let has_one = !fitted.fit.nearest.is_empty();
+    has_one.then(|| setup::machine::record(described, &fitted.model, &values, Some(true)))
 }
 
 /// Fits by the estimator of the problem file.

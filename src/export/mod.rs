@@ -60,7 +60,7 @@ pub struct Export {
 pub fn export(outcome: &Outcome, format: Format) -> Result<Export, ExportError> {
     let robot = &outcome.run.problem["robot"];
     let has_loops = robot.get("mechanism").is_some() || robot.get("closed").is_some();
-    let machine = outcome.machine().ok_or_else(|| match has_loops {
+    let identified = outcome.machine().ok_or_else(|| match has_loops {
         true => ExportError::ClosedLoops {
             name: outcome.name.clone(),
         },
@@ -69,6 +69,12 @@ pub fn export(outcome: &Outcome, format: Format) -> Result<Export, ExportError> 
             verb: outcome.part.verb(),
         },
     })?;
+    // MuJoCo does not load bodies that are not possible.
+    let nearest = match format {
+        Format::Mjcf | Format::Mujoco => outcome.possible_machine(),
+        _ => None,
+    };
+    let machine = nearest.unwrap_or(identified);
     let tilted = outcome.estimate.parameters.iter().find(|p| p.name == TILT);
     if let (Some(tilt), None) = (tilted, &machine.tilt) {
         return Err(ExportError::Incomplete {
@@ -88,6 +94,7 @@ pub fn export(outcome: &Outcome, format: Format) -> Result<Export, ExportError> 
         Format::C => code::write(robot, (name, Language::C))?,
         Format::NumPy => code::write(robot, (name, Language::NumPy))?,
     };
+    export.notes.extend(nearest.map(|_| NEAREST.to_string()));
     export.notes.extend(caveats(machine));
     export.notes.extend(nameless(outcome));
     Ok(export)
@@ -95,6 +102,9 @@ pub fn export(outcome: &Outcome, format: Format) -> Result<Export, ExportError> 
 
 /// The parameter of a tilted base, whose angles results of earlier versions did not keep with their robots.
 const TILT: &str = "base_tilt.roll";
+
+const NEAREST: &str = "no set of real bodies has the fitted base parameters: the robot is the possible one that is nearest by the \
+                       covariance of the fit, friction moved along with its bodies";
 
 /// What a diagnosis calls a finding that has no law.
 const UNNAMED: &str = "unnamed";

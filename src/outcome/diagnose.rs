@@ -6,6 +6,7 @@ use crate::outcome::fit::{Fit, FittedModel, Preprocessing};
 use crate::outcome::joint::JointFigures;
 use crate::outcome::number;
 use crate::outcome::parameter::Parameter;
+use crate::outcome::simulator::Simulator;
 
 /// The part of `diagnose`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -40,6 +41,9 @@ pub struct Diagnosis {
     /// The final model as a fit gives it, for later fits and for export.
     #[serde(default)]
     pub fit: Option<Fit>,
+    /// The user's simulator beside the robot; absent without recordings of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simulator: Option<Simulator>,
 }
 
 /// What the findings amount to.

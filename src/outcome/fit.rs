@@ -9,6 +9,7 @@ use crate::outcome::load::Load;
 use crate::outcome::machine::Machine;
 use crate::outcome::motors::Motors;
 use crate::outcome::number;
+use crate::outcome::simulator::Simulator;
 
 /// The part of `fit`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -50,9 +51,15 @@ pub struct Fit {
     /// A physically feasible member of the equivalence class, complete, for export.
     #[serde(default)]
     pub realization: Vec<Realized>,
+    /// Every value of the possible robot that is nearest by the covariance; empty where the realization is possible.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub nearest: Vec<Realized>,
     /// The identified robot, with the bodies of the realization: what exports are made from.
     #[serde(default)]
     pub machine: Option<Machine>,
+    /// The same with the values of the nearest possible robot: what simulators are given, which refuse others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub possible_machine: Option<Machine>,
     /// The model in full: what forward simulations are made from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model: Option<FittedModel>,
@@ -62,6 +69,9 @@ pub struct Fit {
     /// Anything a reader should know, one sentence each.
     #[serde(default)]
     pub notes: Vec<String>,
+    /// The user's simulator beside the robot; absent without recordings of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simulator: Option<Simulator>,
 }
 
 /// What the fit knows, as the prior of a later one: combinations of parameters, their values and covariance.

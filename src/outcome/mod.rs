@@ -27,6 +27,7 @@ pub mod provenance;
 pub mod rollout;
 pub mod run;
 pub mod simulation;
+pub mod simulator;
 pub mod skeleton;
 pub mod trials;
 
@@ -97,6 +98,17 @@ impl Outcome {
         match &self.part {
             Part::Fit(fit) => fit.machine.as_ref(),
             Part::Diagnose(diagnosis) => diagnosis.fit.as_ref()?.machine.as_ref(),
+            _ => None,
+        }
+    }
+}
+
+impl Outcome {
+    /// The nearest possible robot, where the identified one is not possible.
+    pub fn possible_machine(&self) -> Option<&machine::Machine> {
+        match &self.part {
+            Part::Fit(fit) => fit.possible_machine.as_ref(),
+            Part::Diagnose(diagnosis) => diagnosis.fit.as_ref()?.possible_machine.as_ref(),
             _ => None,
         }
     }

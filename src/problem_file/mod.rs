@@ -205,6 +205,15 @@ impl ProblemFile {
         self
     }
 
+    /// The same problem with the recordings of the simulator in the place of the robot's; `None` without any.
+    pub fn of_simulator(&self) -> Option<Self> {
+        let recordings = self.recordings.as_ref()?.of_simulator()?;
+        Some(Self {
+            recordings: Some(recordings),
+            ..self.clone()
+        })
+    }
+
     /// The table of recordings, for a verb that reads them.
     ///
     /// # Errors

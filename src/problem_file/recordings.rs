@@ -19,6 +19,7 @@ pub(crate) const KEYS: &[Key] = &[
     Key { name: "train", form: RECORDINGS, unit: "", default: "required, unless there are loaded ones", example: "[\"train.csv\"]", meaning: "Recordings that are fitted" },
     Key { name: "validation", form: RECORDINGS, unit: "", default: "[]", example: "[\"validation.csv\"]", meaning: "Recordings that are held out; without them held-out figures are null" },
     Key { name: "loaded", form: RECORDINGS, unit: "", default: "[]", example: "[\"with_load.csv\"]", meaning: "Recordings that are fitted with the load on; the others are then without it. Needs robot.payload; where none is listed, every recording carries the load" },
+    Key { name: "simulated", form: RECORDINGS, unit: "", default: "[]", example: "[\"sim.csv\"]", meaning: "Recordings of a simulator of the robot, of the same or other motions, with time stamps: it is identified first, and what differs from the robot is reported" },
     Key { name: "signal", form: Form::Words(words::<Signal>), unit: "", default: "\"current\"", example: "\"torque\"", meaning: "What the recordings hold: motor currents, motor torques at the joint side or at the motor side, torques of sensors behind the gears, the force and moment under the base, torques and those, or what a position controller is told, from whose error and gains the torque follows" },
     Key { name: "position_side", form: Form::Words(words::<PositionSide>), unit: "", default: "\"joint\"", example: "\"motor\"", meaning: "Where the encoder sits: on the motor in joint units, on the motor in its own turns, or behind the gear" },
     Key { name: "rate", form: Form::Number(Range::Positive), unit: "Hz", default: "from the time stamps", example: "200.0", meaning: "Samples per second" },
@@ -161,6 +162,8 @@ pub struct RecordingsTable {
     /// Training recordings with the load on; the others are then without it. Default: none, every
     /// recording carries the load.
     pub loaded: Vec<Located<RecordingFiles>>,
+    /// Recordings of a simulator of the robot. Default: none.
+    pub simulated: Vec<Located<RecordingFiles>>,
     /// Default: [`Signal::Current`].
     pub signal: Located<Signal>,
     /// Default: [`PositionSide::Joint`].
@@ -364,6 +367,7 @@ impl RecordingsTable {
             train: reader.list("train", files)?,
             validation: reader.list("validation", files)?,
             loaded: reader.list("loaded", files)?,
+            simulated: reader.list("simulated", files)?,
             signal: reader.or("signal", Signal::Current, values::choice)?,
             position_side: reader.or("position_side", PositionSide::Joint, values::choice)?,
             rate: reader.optional("rate", values::positive)?,
@@ -390,12 +394,49 @@ impl RecordingsTable {
         table.check_method()?;
         table.check_cutoffs()?;
         table.check_positions()?;
+        table.check_simulated()?;
         Ok(table)
+    }
+
+    /// A recording is of the robot or of the simulator.
+    fn check_simulated(&self) -> Result<(), ProblemFileError> {
+        let of_robot = [&self.train, &self.loaded, &self.validation];
+        let is_of_robot = |recording: &&Located<RecordingFiles>| {
+            let mut all = of_robot.iter().flat_map(|group| group.iter());
+            all.any(|own| own.value.resolved == recording.value.resolved)
+        };
+        match self.simulated.iter().find(is_of_robot) {
+            None => Ok(()),
+            Some(both) => Err(ProblemFileError::new(
+                &both.place,
+                KeyFault::Conflict {
+                    found: format!(
+                        "{} as a recording of the robot and of the simulator",
+                        both.value.written
+                    ),
+                    remedy: "list it once: under simulated if a simulator made it".into(),
+                },
+            )),
+        }
+    }
+
+    /// The same table for the simulator in the place of the robot; `None` without recordings of it. They have time stamps, by
+    /// which the rate is theirs.
+    pub(super) fn of_simulator(&self) -> Option<Self> {
+        let has_any = !self.simulated.is_empty();
+        has_any.then(|| Self {
+            train: self.simulated.clone(),
+            validation: Vec::new(),
+            loaded: Vec::new(),
+            simulated: Vec::new(),
+            rate: None,
+            ..self.clone()
+        })
     }
 
     /// Positions belong to a recording.
     fn check_positions(&self) -> Result<(), ProblemFileError> {
-        let groups = [&self.train, &self.loaded, &self.validation];
+        let groups = [&self.train, &self.loaded, &self.validation, &self.simulated];
         let listed = |name: &str| {
             groups
                 .iter()

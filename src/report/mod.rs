@@ -20,6 +20,7 @@ mod table;
 mod terminal;
 mod terminal_parameters;
 mod terminal_rollout;
+mod terminal_simulator;
 
 use std::path::Path;
 

@@ -19,6 +19,7 @@ use crate::report::number::{optional, percent, significant};
 use crate::report::terminal::{GAP, align};
 use crate::report::terminal_parameters::{self, LOAD};
 use crate::report::terminal_rollout;
+use crate::report::terminal_simulator;
 
 /// Lines of a fit or a diagnosis, about a screen: base parameters and places of the misfit give way to the rest.
 const LINES: usize = 40;
@@ -93,6 +94,7 @@ fn fit_lines(estimate: &Estimate, fit: &Fit, room: usize) -> Vec<String> {
     }
     rest.extend(estimate.solver.as_ref().map(facts::solver_sentence));
     rest.extend(contest_lines(&fit.contests));
+    rest.extend(fit.simulator.iter().flat_map(terminal_simulator::lines));
     rest.extend(fit.notes.iter().map(|note| format!("note: {note}")));
     let room = room.saturating_sub(lines.len() + rest.len());
     let base = terminal_parameters::base(&estimate.parameters, &fit.base_parameters, room);
@@ -200,6 +202,8 @@ fn diagnosis_lines(diagnosis: &Diagnosis, room: usize) -> Vec<String> {
     let next = diagnosis.next_experiment.as_ref();
     rest.extend(next.map(|next| format!("next: {} [next_experiment.toml]", next.sentence)));
     rest.extend(before_and_after(diagnosis));
+    let simulator = diagnosis.simulator.iter();
+    rest.extend(simulator.flat_map(terminal_simulator::lines));
     rest.extend(diagnosis.notes.iter().map(|note| format!("note: {note}")));
     let room = room.saturating_sub(lines.len() + rest.len());
     let located = diagnosis.located.iter().take(room);

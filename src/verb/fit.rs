@@ -1,6 +1,7 @@
 //! `fit`: parameters from recordings.
 
 use crate::check::Extent;
+use crate::diagnose::simulator::{self, Side};
 use crate::estimate::task::{self, FitRun};
 use crate::outcome::estimate::Estimate;
 use crate::outcome::folder::ResultFolder;
@@ -26,7 +27,16 @@ pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, Verb
         return motors::run(problem, settings, mistakes);
     }
     let control = settings.control();
+    let simulated = match problem.of_simulator() {
+        Some(simulator) => {
+            settings.say("identifying the simulator");
+            Some(task::run(&simulator, &control, |_| {})?)
+        }
+        None => None,
+    };
     let mut result = task::run(problem, &control, |step| settings.say(step.words()))?;
+    result.fitted.fit.simulator =
+        simulated.map(|simulated| simulator::compare(&side(&simulated), &side(&result)));
     let defect = result.defect.take();
     let outcome = Outcome {
         name: problem.name.value.clone(),
@@ -43,6 +53,18 @@ pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, Verb
         outcome,
         found: Found::Fit(Box::new(result)),
     })
+}
+
+/// What a fit identified, to be compared.
+fn side(run: &FitRun) -> Side<'_> {
+    Side {
+        estimate: &run.fitted.estimate,
+        fit: &run.fitted.fit,
+        findings: &[],
+        model: &run.fitted.model,
+        values: &run.fitted.values,
+        data: &run.data,
+    }
 }
 
 /// How an estimate ended that no defect did.

@@ -10,7 +10,12 @@ use std::path::PathBuf;
 pub fn of_recordings(problem: &ProblemFile) -> Vec<PathBuf> {
     let mut files = of_model(problem);
     if let Some(table) = &problem.recordings {
-        let groups = [&table.train, &table.loaded, &table.validation];
+        let groups = [
+            &table.train,
+            &table.loaded,
+            &table.validation,
+            &table.simulated,
+        ];
         let recordings = groups.into_iter().flatten();
         let listed = recordings.flat_map(|r| &r.files).map(|file| &file.path);
         let listed = listed.chain(table.positions.iter().map(|p| &p.value.value));

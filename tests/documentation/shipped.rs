@@ -40,6 +40,12 @@ const SHIPPED: &[Shipped] = &[
         settings: &[],
         says: "verdict: explained",
     },
+    Shipped {
+        problem: "mujoco_arm/problem.toml",
+        verb: "diagnose",
+        settings: &[],
+        says: "Only on the robot: joint3 loses",
+    },
     fit("kr150_payload/problem.toml", "mass "),
     fit("h4_parallel/problem.toml", "converged"),
     fit("h4_parallel/sensors.toml", "converged"),

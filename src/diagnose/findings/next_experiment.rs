@@ -123,6 +123,7 @@ fn declared(context: &Context<'_>) -> Option<Map<String, Value>> {
         ("train", &recordings.train),
         ("loaded", &recordings.loaded),
         ("validation", &recordings.validation),
+        ("simulated", &recordings.simulated),
     ] {
         if let Some(Value::Array(entries)) = written.get_mut(key) {
             for (entry, recording) in entries.iter_mut().zip(listed) {

@@ -116,6 +116,7 @@ impl Reporting<'_> {
                 ..after.fit.clone()
             }),
             evidence: finding::tried_hypotheses(&explanation.tried),
+            simulator: None,
         };
         Ok(Reported {
             diagnosis,

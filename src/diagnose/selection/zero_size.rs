@@ -3,7 +3,7 @@
 //! A hypothesis that forecasts the residual may owe that to parameters beside its size, or to a size that is tied to others:
 //! with θ ± 1.96 σ over the value at which its torque is none, the number that a finding would state may as well be zero.
 
-use crate::chain::effect::{EFFECTS, Linearity, ParameterInfo};
+use crate::chain::effect::{EFFECTS, Effect, Linearity, ParameterInfo};
 use crate::chain::model::Model;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
@@ -16,21 +16,29 @@ use crate::stats::distribution::Distribution;
 const COVERAGE: f64 = 0.95;
 
 /// A parameter that says how much of an effect there is, and its value where there is none.
-struct Size<'a> {
-    parameter: &'a str,
-    nothing: f64,
+pub struct Size<'a> {
+    pub parameter: &'a str,
+    pub nothing: f64,
 }
 
 /// Sizes of what a hypothesis adds, of which one has to be told from none.
 fn sizes<'a>(model: &'a Model, hypothesis: &Hypothesis) -> Vec<Size<'a>> {
-    let of = |names: &[&'a str], nothing: f64| -> Vec<Size<'a>> {
-        let size = |&parameter: &&'a str| Size { parameter, nothing };
+    match hypothesis.other {
+        Some(other) => vec![Size {
+            parameter: model.joints()[other].name.as_str(),
+            nothing: 0.0,
+        }],
+        None => sizes_alone(hypothesis.effect),
+    }
+}
+
+/// Sizes of an effect that takes no other joint.
+pub fn sizes_alone(effect: &Effect) -> Vec<Size<'static>> {
+    let of = |names: &[&'static str], nothing: f64| -> Vec<Size<'static>> {
+        let size = |&parameter: &&'static str| Size { parameter, nothing };
         names.iter().map(size).collect()
     };
-    if let Some(other) = hypothesis.other {
-        return of(&[model.joints()[other].name.as_str()], 0.0);
-    }
-    match hypothesis.effect.id {
+    match effect.id {
         "drive_gain" => of(&["gain"], 1.0),
         "transmission_efficiency" => of(&["R"], 1.0),
         "asymmetric_friction" => of(&["dFc", "dFv"], 0.0),
@@ -40,9 +48,9 @@ fn sizes<'a>(model: &'a Model, hypothesis: &Hypothesis) -> Vec<Size<'a>> {
         // Its coefficients trade against one another, and none of them is its size.
         "torque_current_nonlinearity" => Vec::new(),
         id => {
-            let parameters = hypothesis.effect.parameters;
+            let parameters = effect.parameters;
             let is_linear = |p: &&ParameterInfo| p.linearity == Linearity::Linear;
-            let linear: Vec<&str> = parameters
+            let linear: Vec<&'static str> = parameters
                 .iter()
                 .filter(is_linear)
                 .map(|p| p.name)

@@ -18,6 +18,7 @@ mod preprocessing;
 mod rollout;
 mod signals;
 mod simulation;
+mod simulator;
 mod solver;
 mod summary;
 mod trials;
@@ -70,10 +71,11 @@ impl<'a> Source<'a> {
 }
 
 /// Every section in the order of the page; each is absent where it has nothing to say.
-const SECTIONS: [fn(&Source) -> Option<Section>; 24] = [
+const SECTIONS: [fn(&Source) -> Option<Section>; 25] = [
     summary::section,
     diagnosis::missing,
     diagnosis::before_and_after,
+    simulator::section,
     evidence::located,
     findings::section,
     joints::section,

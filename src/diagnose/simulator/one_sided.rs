@@ -1,0 +1,165 @@
+//! What differs, what agrees, and physics that one of the two has and the other has not.
+
+use crate::diagnose::simulator::contrast::{LEVEL, Tested};
+use crate::diagnose::simulator::sentences;
+use crate::diagnose::simulator::side::{Named, Side};
+use crate::outcome::diagnose::Finding;
+use crate::outcome::simulator::{Contrast, OneSided};
+
+/// Share of a signal that is too small to matter, as it is for a finding.
+const NEGLIGIBLE: f64 = 0.002;
+
+/// Contrasts by what they say.
+#[derive(Default)]
+pub(super) struct Sorted {
+    pub differences: Vec<Contrast>,
+    pub agree: Vec<Contrast>,
+    pub only_robot: Vec<OneSided>,
+    pub only_simulator: Vec<OneSided>,
+    pub notes: Vec<String>,
+}
+
+/// The robot or the simulator.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Who {
+    Robot,
+    Simulator,
+}
+
+pub(super) fn sort(tested: Vec<Tested>, simulator: &Side<'_>, robot: &Side<'_>) -> Sorted {
+    let mut sorted = Sorted::default();
+    for Tested {
+        contrast,
+        leading,
+        single,
+    } in tested
+    {
+        let matters = contrast.share_of_signal.is_nan() || contrast.share_of_signal >= NEGLIGIBLE;
+        if !(contrast.p_value < LEVEL && matters) {
+            sorted.agree.push(contrast);
+            continue;
+        }
+        let named = single.then(|| Named::of(&leading)).flatten();
+        let alone =
+            named
+                .as_ref()
+                .and_then(|named| match (simulator.shows(named), robot.shows(named)) {
+                    (false, true) => Some(Who::Robot),
+                    (true, false) => Some(Who::Simulator),
+                    _ => None,
+                });
+        match (alone, &named) {
+            (Some(who), Some(named)) => {
+                let (list, side) = match who {
+                    Who::Robot => (&mut sorted.only_robot, robot),
+                    Who::Simulator => (&mut sorted.only_simulator, simulator),
+                };
+                add(list, (who, side), named, contrast);
+            }
+            _ => sorted.differences.push(contrast),
+        }
+    }
+    let sides = [
+        (Who::Robot, robot, simulator),
+        (Who::Simulator, simulator, robot),
+    ];
+    for (who, own, other) in sides {
+        for finding in own.findings {
+            let lists = match who {
+                Who::Robot => &mut sorted.only_robot,
+                Who::Simulator => &mut sorted.only_simulator,
+            };
+            if lists.iter().any(|l| is_same(l, finding)) {
+                continue;
+            }
+            match counterpart(finding, other) {
+                Counterpart::None => lists.push(of_finding(who, finding)),
+                Counterpart::Same => {}
+                Counterpart::Alike(effect) => sorted
+                    .notes
+                    .push(sentences::not_told_apart(who, finding, &effect)),
+            }
+        }
+    }
+    sorted
+}
+
+/// A contrast of an effect that one side has.
+fn add(
+    list: &mut Vec<OneSided>,
+    (who, side): (Who, &Side<'_>),
+    named: &Named<'_>,
+    contrast: Contrast,
+) {
+    let joints: Vec<String> = named.joint.iter().map(|j| j.to_string()).collect();
+    let known = list
+        .iter_mut()
+        .find(|o| o.effect == named.effect.id && o.joints == joints);
+    if let Some(known) = known {
+        known.contrasts.push(contrast);
+        return;
+    }
+    list.push(OneSided {
+        effect: named.effect.id.to_string(),
+        sentence: sentences::alone(who, &contrast),
+        joints,
+        parameters: side.of_effect(named).into_iter().cloned().collect(),
+        contrasts: vec![contrast],
+    });
+}
+
+fn of_finding(who: Who, finding: &Finding) -> OneSided {
+    OneSided {
+        effect: finding.effect.clone(),
+        joints: finding.joints.clone(),
+        parameters: finding.parameters.clone(),
+        contrasts: Vec::new(),
+        sentence: sentences::finding_alone(who, finding),
+    }
+}
+
+fn is_same(one: &OneSided, finding: &Finding) -> bool {
+    one.effect == finding.effect && one.joints == finding.joints
+}
+
+/// What the other side has of a finding.
+enum Counterpart {
+    None,
+    Same,
+    /// Physics that the recordings cannot tell from it.
+    Alike(String),
+}
+
+fn counterpart(finding: &Finding, other: &Side<'_>) -> Counterpart {
+    let declares = |effect: &str| {
+        let mut all = other.estimate.parameters.iter();
+        all.any(|p| {
+            Named::of(&p.name).is_some_and(|n| {
+                n.effect.id == effect
+                    && n.joint
+                        .is_none_or(|j| finding.joints.iter().any(|own| own == j))
+            })
+        })
+    };
+    let finds = |effect: &str, joints: &[String]| {
+        let mut all = other.findings.iter();
+        all.any(|f| f.effect == effect && f.joints == joints)
+    };
+    if finds(&finding.effect, &finding.joints) || declares(&finding.effect) {
+        return Counterpart::Same;
+    }
+    let own_rivals = finding.rivals.iter().filter(|r| !r.separable);
+    for rival in own_rivals {
+        if finds(&rival.effect, &rival.joints) {
+            return Counterpart::Alike(rival.effect.clone());
+        }
+    }
+    let theirs = other.findings.iter().find(|f| {
+        let mut alike = f.rivals.iter().filter(|r| !r.separable);
+        alike.any(|r| r.effect == finding.effect && r.joints == finding.joints)
+    });
+    match theirs {
+        Some(finding) => Counterpart::Alike(finding.effect.clone()),
+        None => Counterpart::None,
+    }
+}

@@ -1,0 +1,125 @@
+//! What the comparison of a simulator with the robot means, in sentences.
+
+use crate::diagnose::simulator::one_sided::Who;
+use crate::diagnose::simulator::side::Side;
+use crate::outcome::diagnose::Finding;
+use crate::outcome::simulator::{Contrast, Simulator};
+
+/// A number to four digits, without trailing zeros.
+fn short(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let decimals = (3 - value.abs().log10().floor() as i32).max(0) as usize;
+    match (1e-4..1e6).contains(&value.abs()) {
+        true => {
+            let text = format!("{value:.decimals$}");
+            match text.contains('.') {
+                true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
+                false => text,
+            }
+        }
+        false => format!("{value:.3e}"),
+    }
+}
+
+/// A value with its standard deviation at two digits.
+fn with_deviation(value: f64, std_dev: f64) -> String {
+    let exponent = std_dev.log10().floor();
+    if !exponent.is_finite() || !(-9.0..4.0).contains(&exponent) {
+        return short(value);
+    }
+    let decimals = (1 - exponent as i32).max(0) as usize;
+    format!("{value:.decimals$} ± {std_dev:.decimals$}")
+}
+
+/// A parameter by name and in words.
+fn called(contrast: &Contrast, robot: &Side<'_>) -> String {
+    let mut all = robot.estimate.parameters.iter();
+    let own = all.find(|p| p.name == contrast.parameter);
+    match own.filter(|p| !p.description.is_empty()) {
+        Some(parameter) => format!("{} ({})", contrast.parameter, parameter.description),
+        None => contrast.parameter.clone(),
+    }
+}
+
+fn unit(contrast: &Contrast) -> String {
+    match contrast.unit.is_empty() || contrast.unit == "1" {
+        true => String::new(),
+        false => format!(" {}", contrast.unit),
+    }
+}
+
+/// Both values, and the interval of the difference.
+fn values(contrast: &Contrast) -> String {
+    let [low, high] = contrast.ci95.unwrap_or([f64::NAN; 2]);
+    format!(
+        "{}{unit}; on the robot {}: a difference of {}{unit} (95 %: {} to {})",
+        with_deviation(contrast.simulated, contrast.simulated_std_dev),
+        with_deviation(contrast.robot, contrast.robot_std_dev),
+        short(contrast.difference),
+        short(low),
+        short(high),
+        unit = unit(contrast),
+    )
+}
+
+pub(super) fn contrast(contrast: &Contrast, robot: &Side<'_>) -> String {
+    let name = called(contrast, robot);
+    format!("In the simulation {name} is {}.", values(contrast))
+}
+
+/// Of an effect whose size one of the two has at none.
+pub(super) fn alone(who: Who, contrast: &Contrast) -> String {
+    let (one, other) = match who {
+        Who::Robot => ("the robot", "the simulation has none of it"),
+        Who::Simulator => ("the simulation", "the robot has none of it"),
+    };
+    format!(
+        "Only {one} has {}: in the simulation it is {}, so that {other} that shows.",
+        contrast.parameter,
+        values(contrast)
+    )
+}
+
+pub(super) fn finding_alone(who: Who, finding: &Finding) -> String {
+    let what = finding.sentence.split(';').next().unwrap_or_default();
+    let what = what.trim_end_matches('.');
+    match who {
+        Who::Robot => format!("Only on the robot: {what}; in the simulation nothing of it shows."),
+        Who::Simulator => {
+            format!("Only in the simulation: {what}; on the robot nothing of it shows.")
+        }
+    }
+}
+
+pub(super) fn not_told_apart(who: Who, finding: &Finding, other: &str) -> String {
+    let (here, there) = match who {
+        Who::Robot => ("robot", "simulation"),
+        Who::Simulator => ("simulation", "robot"),
+    };
+    format!(
+        "{} of {} in the {here} and {other} in the {there} are physics that the recordings do not tell apart, and count as \
+         neither equal nor different.",
+        finding.effect,
+        finding.joints.join(", ")
+    )
+}
+
+pub(super) fn summary(simulator: &Simulator) -> String {
+    let count = |n: usize, one: &str, many: &str| match n {
+        1 => format!("one {one}"),
+        n => format!("{n} {many}"),
+    };
+    format!(
+        "Of {} that both show, {} between simulation and robot; {} is on the robot alone, {} in the simulation alone.",
+        count(simulator.compared, "quantity", "quantities"),
+        match simulator.differences.len() {
+            0 => "none differs".to_string(),
+            1 => "one differs".to_string(),
+            n => format!("{n} differ"),
+        },
+        count(simulator.only_robot.len(), "effect", "effects"),
+        count(simulator.only_simulator.len(), "effect", "effects"),
+    )
+}
