@@ -4,6 +4,7 @@ use crate::design::error::DesignError;
 use crate::diagnose::error::DiagnoseError;
 use crate::estimate::task::FitError;
 use crate::export::error::ExportError;
+use crate::fleet::error::FleetError;
 use crate::init::error::InitError;
 use crate::motors::error::MotorsError;
 use crate::outcome::check::Finding;
@@ -31,6 +32,8 @@ pub enum CliError {
     Simulate(#[from] SimulateError),
     #[error(transparent)]
     Rollout(#[from] RolloutError),
+    #[error(transparent)]
+    Fleet(#[from] FleetError),
     #[error(transparent)]
     Init(#[from] InitError),
     #[error(transparent)]
@@ -87,9 +90,11 @@ impl CliError {
             Self::Init(error) => of_files(error.concerns_data()),
             Self::Mistakes(_) | Self::ChangedInputs(_) => Self::WRONG_DATA,
             Self::Output(_) => Self::NOT_PRINTED,
-            Self::Problem(_) | Self::Outcome(_) | Self::Export(_) | Self::WrongUse(_) => {
-                Self::WRONG_USE
-            }
+            Self::Fleet(_)
+            | Self::Problem(_)
+            | Self::Outcome(_)
+            | Self::Export(_)
+            | Self::WrongUse(_) => Self::WRONG_USE,
         }
     }
 }

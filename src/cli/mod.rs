@@ -11,6 +11,7 @@ mod effects;
 mod error;
 mod export;
 mod fit;
+mod fleet;
 mod init;
 mod inputs;
 mod interrupt;
@@ -63,6 +64,7 @@ fn dispatch(verb: &Verb) -> Result<u8, CliError> {
         Verb::Diagnose(run) => diagnose::run(run, &output::open(run)?),
         Verb::Simulate(run) => simulate::run(run, &output::open(run)?),
         Verb::Trials(campaign) => trials::run(campaign),
+        Verb::Fleet(query) => fleet::run(query),
         Verb::Effects(query) => effects::run(query),
         Verb::Export(query) => export::run(query),
         Verb::Rollout(query) => rollout::run(query),

@@ -36,6 +36,11 @@ pub fn run(query: &Repetition) -> Result<u8, CliError> {
     let code = match &earlier.part {
         Part::Trials(made) => trials::run(&campaign(query, &earlier, made, out.clone()))?,
         Part::Rollout(made) => rollout::run(&simulation(query, &earlier, made, out.clone()))?,
+        Part::Fleet(_) => {
+            return Err(CliError::WrongUse(
+                "a fleet is repeated by `exid fleet` with its manifest and other folders: --out and --items".to_string(),
+            ));
+        }
         part => {
             let mut problem = prepare(&earlier, &[], &mut notes)?;
             // What has been read once is not too long.
@@ -57,7 +62,7 @@ pub fn run(query: &Repetition) -> Result<u8, CliError> {
                 Part::Check(_) => check::run(&run, &problem)?,
                 Part::Simulate(_) => simulate::run(&run, &problem)?,
                 Part::Design(_) => design::run(&run, &problem)?,
-                Part::Diagnose(_) | Part::Trials(_) | Part::Rollout(_) => {
+                Part::Diagnose(_) | Part::Trials(_) | Part::Rollout(_) | Part::Fleet(_) => {
                     diagnose::run(&run, &problem)?
                 }
             }

@@ -15,6 +15,7 @@ mod plots;
 mod section;
 mod table;
 mod terminal;
+mod terminal_fleet;
 mod terminal_parameters;
 mod terminal_rollout;
 

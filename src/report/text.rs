@@ -18,7 +18,7 @@ use crate::report::facts;
 use crate::report::number::{optional, percent, significant};
 use crate::report::terminal::{GAP, align};
 use crate::report::terminal_parameters::{self, LOAD};
-use crate::report::terminal_rollout;
+use crate::report::{terminal_fleet, terminal_rollout};
 
 /// The summary of an outcome whose report is at `report`; ends with a newline.
 pub fn summary(outcome: &Outcome, report: Option<&Path>) -> String {
@@ -30,6 +30,7 @@ pub fn summary(outcome: &Outcome, report: Option<&Path>) -> String {
         Part::Diagnose(diagnosis) => diagnosis_lines(diagnosis),
         Part::Trials(trials) => trial_lines(trials),
         Part::Rollout(rollout) => terminal_rollout::lines(rollout),
+        Part::Fleet(fleet) => terminal_fleet::lines(fleet),
     };
     let mut head = vec![format!("{}: {}", outcome.name, outcome.part.verb())];
     head.extend(mistake_lines(&outcome.mistakes));

@@ -6,6 +6,7 @@ mod design;
 mod diagnosis;
 mod evidence;
 mod findings;
+pub(super) mod fleet;
 mod inputs;
 mod joints;
 mod load;
@@ -66,8 +67,11 @@ impl<'a> Source<'a> {
 }
 
 /// Every section in the order of the page; each is absent where it has nothing to say.
-const SECTIONS: [fn(&Source) -> Option<Section>; 22] = [
+const SECTIONS: [fn(&Source) -> Option<Section>; 25] = [
     summary::section,
+    fleet::look_at,
+    fleet::types,
+    fleet::failures,
     diagnosis::missing,
     diagnosis::before_and_after,
     evidence::located,

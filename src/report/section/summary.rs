@@ -49,6 +49,7 @@ fn sentence(outcome: &Outcome) -> String {
         Part::Diagnose(diagnosis) => diagnosis.summary.clone(),
         Part::Trials(trials) => facts::trials_sentence(trials),
         Part::Rollout(rollout) => rollout.summary.clone(),
+        Part::Fleet(fleet) => fleet.summary.clone(),
     }
 }
 
