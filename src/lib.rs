@@ -7,7 +7,7 @@
 //! | 6 | `cli` |
 //! | 5b | `verb` |
 //! | 5a | `report`, `export` |
-//! | 4d | `trials`, `rollout` |
+//! | 4d | `trials`, `rollout`, `fleet` |
 //! | 4c | `diagnose`, `init` |
 //! | 4b | `design`, `estimate`, `motors`, `simulate`, `check` |
 //! | 4a | `setup` |
@@ -46,6 +46,7 @@ pub mod simulate;
 pub mod diagnose;
 pub mod init;
 
+pub mod fleet;
 pub mod rollout;
 pub mod trials;
 

@@ -1,5 +1,6 @@
 //! The flags of every verb.
 
+use crate::fleet::shard::Shard;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -34,6 +35,9 @@ pub enum Verb {
     /// Random robots with concealed physics: how often the diagnosis is right
     #[command(after_help = TRIALS_EXAMPLES)]
     Trials(Campaign),
+    /// Many recordings of many robots: each fitted once, one table, and which robots have changed
+    #[command(after_help = FLEET_EXAMPLES)]
+    Fleet(FleetRun),
     /// The physics that the tool knows
     #[command(
         after_help = "Examples:\n  exid effects\n  exid effects backlash\n  exid effects --markdown > effects.md && exid effects --plots effects"
@@ -92,6 +96,14 @@ const TRIALS_EXAMPLES: &str = "Examples:
   exid trials --count 100 --seed 1
   exid trials --effects backlash,time_delay --robots arm6 --motion moves
   exid trials --seed 1 --only 57 --keep trials";
+const FLEET_EXAMPLES: &str = "Examples:
+  exid fleet nights.csv
+  exid fleet nights.parquet --shard 3/16 --items /shared/items    (one of 16 jobs; they can be killed and started again)
+  exid fleet nights.parquet --items /shared/items                 (after them: what is left, the table and fleet.html)
+  exid fleet nights.csv --set fit.estimator=wls --timeout 60 --json | jq '.look_at[].sentence'
+
+The manifest has a row for each item, or in TOML an [[item]]: robot, recordings (with ; between several), problem, time, and
+where wanted type, validation and verb (fit or diagnose). Paths start from its folder. What is done is not done again.";
 const EXPORT_EXAMPLES: &str = "Examples:
   exid export results/arm6/fit --to urdf
   exid export results/arm6/fit --to c --out controller
@@ -228,6 +240,60 @@ pub struct Campaign {
     pub threads: Option<u16>,
     #[command(flatten)]
     pub printing: Printing,
+}
+
+/// A fleet to work through; items that are done are not done again.
+#[derive(Args, Debug)]
+pub struct FleetRun {
+    /// The manifest (.csv, .parquet or .toml)
+    pub manifest: PathBuf,
+    /// Results folder [default: results/<manifest>/fleet]
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Folder in which the result of every item is kept [default: beside the results folder, its name with .items]
+    #[arg(long, value_name = "FOLDER")]
+    pub items: Option<PathBuf>,
+    /// Work on every N-th item from the I-th on, and write no table
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
+    /// Rate of false discoveries among the robots that are listed
+    #[arg(long, value_name = "Q", default_value_t = 0.05, value_parser = rate)]
+    pub rate: f64,
+    /// Seconds after which an attempt at an item is over
+    #[arg(long, value_name = "SECONDS", default_value_t = 600.0, value_parser = seconds)]
+    pub timeout: f64,
+    /// Attempts beyond the first at an item whose time is over or that meets a defect
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(0..=100))]
+    pub retries: u32,
+    /// Try items again that were set aside
+    #[arg(long)]
+    pub again: bool,
+    /// Override a key of every problem file, for example --set fit.estimator=wls
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Number of items that are worked on at a time [default: all processors]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Rows of a recording beyond which it is refused [default: 10000000]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub max_rows: Option<u64>,
+    #[command(flatten)]
+    pub printing: Printing,
+}
+
+/// A rate of false discoveries.
+fn rate(text: &str) -> Result<f64, String> {
+    let rate = text
+        .parse::<f64>()
+        .ok()
+        .filter(|rate| *rate > 0.0 && *rate < 1.0);
+    rate.ok_or_else(|| format!("`{text}` is no rate: write a number between 0 and 1"))
+}
+
+/// A time that is long enough to begin in.
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse::<f64>().ok().filter(|s| *s > 0.0 && *s < 1e9);
+    seconds.ok_or_else(|| format!("`{text}` is no time: write seconds above 0"))
 }
 
 /// What to print of the vocabulary.

@@ -1,6 +1,7 @@
 //! Errors of the command line and their exit codes.
 
 use crate::export::error::ExportError;
+use crate::fleet::error::FleetError;
 use crate::init::error::InitError;
 use crate::outcome::error::OutcomeError;
 use crate::problem_file::ProblemFileError;
@@ -18,6 +19,8 @@ pub enum CliError {
     Problem(#[from] ProblemFileError),
     #[error(transparent)]
     Setup(#[from] SetupError),
+    #[error(transparent)]
+    Fleet(#[from] FleetError),
     #[error(transparent)]
     Init(#[from] InitError),
     #[error(transparent)]
@@ -46,7 +49,8 @@ impl CliError {
             Self::Init(error) if error.concerns_data() => Self::WRONG_DATA,
             Self::Setup(error) if error.concerns_data() => Self::WRONG_DATA,
             Self::Output(_) => Self::NOT_PRINTED,
-            Self::Problem(_)
+            Self::Fleet(_)
+            | Self::Problem(_)
             | Self::Init(_)
             | Self::Setup(_)
             | Self::Outcome(_)

@@ -7,6 +7,7 @@ mod compare;
 mod effects;
 mod error;
 mod export;
+mod fleet;
 mod init;
 mod interrupt;
 mod manual;
@@ -57,6 +58,7 @@ fn dispatch(verb: &Verb) -> Result<u8, CliError> {
         Verb::Diagnose(options) => runs::run(Task::Diagnose, options, &output::open(options)?),
         Verb::Simulate(options) => runs::run(Task::Simulate, options, &output::open(options)?),
         Verb::Trials(campaign) => trials::run(campaign),
+        Verb::Fleet(query) => fleet::run(query),
         Verb::Effects(query) => effects::run(query),
         Verb::Export(query) => export::run(query),
         Verb::Rollout(query) => rollout::run(query),

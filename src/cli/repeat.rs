@@ -36,6 +36,11 @@ pub fn run(query: &Repetition) -> Result<u8, CliError> {
     let code = match &earlier.part {
         Part::Trials(made) => trials::run(&campaign(query, &earlier, made, out.clone()))?,
         Part::Rollout(made) => rollout::run(&simulation(query, &earlier, made, out.clone()))?,
+        Part::Fleet(_) => {
+            return Err(CliError::WrongUse(
+                "a fleet is repeated by `exid fleet` with its manifest and other folders: --out and --items".to_string(),
+            ));
+        }
         part => {
             let mut problem = prepare(&earlier, &[], &mut notes)?;
             // What has been read once is not too long.
@@ -58,7 +63,7 @@ pub fn run(query: &Repetition) -> Result<u8, CliError> {
                 Part::Check(_) => runs::run(Verb::Check, &options, &problem)?,
                 Part::Simulate(_) => runs::run(Verb::Simulate, &options, &problem)?,
                 Part::Design(_) => runs::run(Verb::Design, &options, &problem)?,
-                Part::Diagnose(_) | Part::Trials(_) | Part::Rollout(_) => {
+                Part::Diagnose(_) | Part::Trials(_) | Part::Rollout(_) | Part::Fleet(_) => {
                     runs::run(Verb::Diagnose, &options, &problem)?
                 }
             }

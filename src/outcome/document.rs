@@ -101,7 +101,7 @@ impl Serialize for Outcome {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let looks_for_mistakes = !matches!(
             self.part,
-            Part::Check(_) | Part::Trials(_) | Part::Rollout(_)
+            Part::Check(_) | Part::Trials(_) | Part::Rollout(_) | Part::Fleet(_)
         );
         Written {
             name: &self.name,
@@ -140,6 +140,7 @@ impl<'de> Deserialize<'de> for Outcome {
             "rollout" => {
                 Deserialize::deserialize(&value).map(|rollout| Part::Rollout(Box::new(rollout)))
             }
+            "fleet" => Deserialize::deserialize(&value).map(|fleet| Part::Fleet(Box::new(fleet))),
             "diagnose" => Deserialize::deserialize(&value)
                 .map(|diagnosis| Part::Diagnose(Box::new(diagnosis))),
             other => {

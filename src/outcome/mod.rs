@@ -14,6 +14,7 @@ pub mod error;
 pub mod estimate;
 pub mod feasibility;
 pub mod fit;
+pub mod fleet;
 pub mod folder;
 pub mod input;
 pub mod joint;
@@ -40,6 +41,7 @@ use crate::outcome::design::Design;
 use crate::outcome::diagnose::Diagnosis;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::fit::Fit;
+use crate::outcome::fleet::Fleet;
 use crate::outcome::rollout::Rollout;
 use crate::outcome::run::Run;
 use crate::outcome::simulation::Simulation;
@@ -56,6 +58,9 @@ pub const WINDOWS_FILE: &str = "rollouts.csv";
 
 /// Name of the rendered report in the results folder.
 pub const REPORT_FILE: &str = "report.html";
+
+/// Name of the rendered report of a fleet.
+pub const FLEET_REPORT_FILE: &str = "fleet.html";
 
 /// Name of the problem file for the recording that would tell rivals apart.
 pub const NEXT_FILE: &str = "next_experiment.toml";
@@ -90,6 +95,7 @@ pub enum Part {
     Diagnose(Box<Diagnosis>),
     Trials(Trials),
     Rollout(Box<Rollout>),
+    Fleet(Box<Fleet>),
 }
 
 impl Outcome {
@@ -125,6 +131,7 @@ impl Part {
             Part::Diagnose(_) => "diagnose",
             Part::Trials(_) => "trials",
             Part::Rollout(_) => "rollout",
+            Part::Fleet(_) => "fleet",
         }
     }
 }

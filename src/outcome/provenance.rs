@@ -55,7 +55,7 @@ fn processor() -> String {
 }
 
 /// An instant in UTC as ISO 8601 writes it, to the second; years from 1970 on.
-fn date(instant: SystemTime) -> String {
+pub fn date(instant: SystemTime) -> String {
     let since = instant.duration_since(UNIX_EPOCH).unwrap_or_default();
     let (mut days, second) = (since.as_secs() / 86_400, since.as_secs() % 86_400);
     let is_leap = |year: u64| {

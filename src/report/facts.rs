@@ -5,8 +5,10 @@ use crate::outcome::estimate::Solver;
 use crate::outcome::fit::Fit;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::parameter::{Parameter, Source};
+use crate::outcome::provenance::date;
 use crate::outcome::trials::{Calibration, Group, Share, Trials};
 use crate::report::number;
+use std::time::{Duration, UNIX_EPOCH};
 
 /// The rates of trials: what is counted, and how many of how many.
 pub(super) fn trial_rates(trials: &Trials) -> Vec<(&'static str, Share)> {
@@ -259,4 +261,16 @@ mod tests {
         assert_eq!(shell_word("a/b-1.toml"), "a/b-1.toml");
         assert_eq!(shell_word("my arm's.toml"), r"'my arm'\''s.toml'");
     }
+}
+
+/// Seconds since 1970 from which on a time is taken for a date: 1980.
+const FIRST_DATE: f64 = 3.2e8;
+
+/// A time of a manifest: a date where it looks like one, else the number.
+pub(super) fn moment(time: f64) -> String {
+    if !(FIRST_DATE..1e11).contains(&time) {
+        return format!("{time}");
+    }
+    let text = date(UNIX_EPOCH + Duration::from_secs(time as u64));
+    text.trim_end_matches("T00:00:00Z").to_string()
 }

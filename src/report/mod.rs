@@ -18,6 +18,7 @@ mod section;
 mod series;
 mod table;
 mod terminal;
+mod terminal_fleet;
 mod terminal_parameters;
 mod terminal_rollout;
 mod terminal_simulator;

@@ -18,8 +18,7 @@ use crate::report::facts;
 use crate::report::number::{optional, percent, significant};
 use crate::report::terminal::{GAP, align};
 use crate::report::terminal_parameters::{self, LOAD};
-use crate::report::terminal_rollout;
-use crate::report::terminal_simulator;
+use crate::report::{terminal_fleet, terminal_rollout, terminal_simulator};
 
 /// Lines of a fit or a diagnosis, about a screen: base parameters and places of the misfit give way to the rest.
 const LINES: usize = 40;
@@ -37,6 +36,7 @@ pub fn summary(outcome: &Outcome, report: Option<&Path>) -> String {
         Part::Diagnose(diagnosis) => diagnosis_lines(diagnosis, room),
         Part::Trials(trials) => trial_lines(trials),
         Part::Rollout(rollout) => terminal_rollout::lines(rollout),
+        Part::Fleet(fleet) => terminal_fleet::lines(fleet),
     };
     lines.splice(0..0, head);
     if let Some(report) = report {

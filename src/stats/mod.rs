@@ -1,10 +1,13 @@
-//! Statistics: distributions, robust scales and weights, models of coloured noise, and the test of one model's residuals
-//! against another's.
+//! Statistics: distributions, robust scales and weights, models of coloured noise, the test of one model's residuals
+//! against another's, changes of a mean, groups of a population, false discoveries.
 
 pub mod autoregression;
+pub mod change_point;
 pub mod deviation;
 pub mod distribution;
 pub mod encompassing;
+pub mod false_discovery;
 pub mod ljung_box;
+pub mod random_effects;
 pub mod range;
 pub mod robust;

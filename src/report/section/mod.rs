@@ -8,6 +8,7 @@ mod diagnosis;
 mod evidence;
 mod explorer;
 mod findings;
+pub(super) mod fleet;
 mod inputs;
 mod joints;
 mod load;
@@ -71,8 +72,11 @@ impl<'a> Source<'a> {
 }
 
 /// Every section in the order of the page; each is absent where it has nothing to say.
-const SECTIONS: [fn(&Source) -> Option<Section>; 25] = [
+const SECTIONS: [fn(&Source) -> Option<Section>; 28] = [
     summary::section,
+    fleet::look_at,
+    fleet::types,
+    fleet::failures,
     diagnosis::missing,
     diagnosis::before_and_after,
     simulator::section,

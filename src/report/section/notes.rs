@@ -12,6 +12,7 @@ pub(super) fn section(source: &Source) -> Option<Section> {
         Part::Diagnose(diagnosis) => &diagnosis.notes,
         Part::Trials(trials) => &trials.notes,
         Part::Rollout(rollout) => &rollout.notes,
+        Part::Fleet(fleet) => &fleet.notes,
         Part::Check(_) => return None,
     };
     if notes.is_empty() {

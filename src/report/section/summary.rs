@@ -57,6 +57,7 @@ fn sentence(outcome: &Outcome) -> String {
         Part::Diagnose(diagnosis) => diagnosis_sentence(diagnosis),
         Part::Trials(trials) => facts::trials_sentence(trials),
         Part::Rollout(rollout) => rollout.summary.clone(),
+        Part::Fleet(fleet) => fleet.summary.clone(),
     }
 }
 

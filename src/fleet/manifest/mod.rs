@@ -1,0 +1,236 @@
+//! The manifest: one row for each item, read one after the other so that its length does not matter.
+//!
+//! | column | what it holds |
+//! |---|---|
+//! | `robot` | name of the robot |
+//! | `type` | robots of one type share means and spreads; default: the problem |
+//! | `recordings` | file, or several with `;` between them (in TOML and Parquet also a list) |
+//! | `validation` | recordings that are not fitted, in the same form; default: none |
+//! | `problem` | the problem file, whose recordings these take the place of |
+//! | `time` | a number, or a date or instant of RFC 3339 |
+//! | `verb` | `fit` or `diagnose`; default: `fit` |
+//!
+//! Paths start from the folder of the manifest.
+
+mod by_csv;
+mod by_parquet;
+mod by_toml;
+
+use crate::fault::Place;
+use crate::fleet::error::{FleetError, FleetErrorKind};
+use crate::fleet::time;
+use std::path::{Path, PathBuf};
+
+/// Columns that a manifest may have, those that it must have first.
+const COLUMNS: [&str; 7] = [
+    "robot",
+    "recordings",
+    "problem",
+    "time",
+    "type",
+    "validation",
+    "verb",
+];
+
+/// How many of [`COLUMNS`] a manifest must have.
+const REQUIRED: usize = 4;
+
+/// What is done with an item.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verb {
+    Fit,
+    Diagnose,
+}
+
+impl Verb {
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Fit => "fit",
+            Self::Diagnose => "diagnose",
+        }
+    }
+}
+
+/// One item of a manifest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// Its position in the manifest, from 0.
+    pub position: u64,
+    pub robot: String,
+    pub kind: String,
+    /// Absolute, as are the others.
+    pub recordings: Vec<PathBuf>,
+    pub validation: Vec<PathBuf>,
+    pub problem: PathBuf,
+    /// A number as it stands, or seconds since 1970.
+    pub time: f64,
+    pub verb: Verb,
+}
+
+/// The cells of one row.
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Row {
+    robot: String,
+    kind: String,
+    recordings: Vec<String>,
+    validation: Vec<String>,
+    problem: String,
+    time: String,
+    verb: String,
+}
+
+impl Row {
+    /// Puts a text into the cell of a column.
+    fn set(&mut self, column: &str, text: String) {
+        match column {
+            "robot" => self.robot = text,
+            "type" => self.kind = text,
+            "problem" => self.problem = text,
+            "time" => self.time = text,
+            "verb" => self.verb = text,
+            "recordings" => self.recordings = listed(&text),
+            _ => self.validation = listed(&text),
+        }
+    }
+
+    /// Puts a list into the cell of a column that may have one.
+    fn set_list(&mut self, column: &str, list: Vec<String>) {
+        match column {
+            "recordings" => self.recordings = list,
+            "validation" => self.validation = list,
+            other => self.set(other, list.join(";")),
+        }
+    }
+}
+
+fn listed(text: &str) -> Vec<String> {
+    let parts = text.split(';').map(str::trim);
+    parts
+        .filter(|p| !p.is_empty())
+        .map(str::to_string)
+        .collect()
+}
+
+/// Rows with the place of each, as a format gives them.
+type Rows = Box<dyn Iterator<Item = Result<Placed, FleetError>> + Send>;
+
+struct Placed {
+    row: Row,
+    place: Place,
+}
+
+/// The items of a manifest in their order; the first fault ends them.
+pub struct Manifest {
+    rows: Rows,
+    folder: PathBuf,
+    next: u64,
+}
+
+impl Manifest {
+    /// Opens a manifest by the ending of its name.
+    ///
+    /// # Errors
+    /// The file cannot be read, is of another format, or lacks a column.
+    pub fn open(path: &Path) -> Result<Self, FleetError> {
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        let rows = match extension.to_lowercase().as_str() {
+            "csv" => by_csv::rows(path)?,
+            "parquet" => by_parquet::rows(path)?,
+            "toml" => by_toml::rows(path)?,
+            _ => {
+                let kind = FleetErrorKind::UnknownFormat;
+                return Err(FleetError::new(Place::file(path), kind));
+            }
+        };
+        let absolute = std::path::absolute(path).map_err(|e| FleetError::not_read(path, &e))?;
+        Ok(Self {
+            rows,
+            folder: absolute.parent().unwrap_or(Path::new("/")).to_path_buf(),
+            next: 0,
+        })
+    }
+
+    /// The folder that paths start from.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    fn entry(&self, Placed { row, place }: Placed) -> Result<Entry, FleetError> {
+        let bad = |column: &str, found: &str, expected| {
+            let found = found.to_string();
+            let kind = FleetErrorKind::BadCell { found, expected };
+            Err(FleetError::new(place.clone().key(column), kind))
+        };
+        if row.robot.is_empty() {
+            return bad("robot", "", "the name of a robot");
+        }
+        if row.recordings.is_empty() {
+            return bad("recordings", "", "a file");
+        }
+        if row.problem.is_empty() {
+            return bad("problem", "", "a problem file");
+        }
+        let Some(time) = time::parse(&row.time) else {
+            let expected = "a number, or a date such as 2026-01-31 or 2026-01-31T22:00:00Z";
+            return bad("time", &row.time, expected);
+        };
+        let verb = match row.verb.as_str() {
+            "" | "fit" => Verb::Fit,
+            "diagnose" => Verb::Diagnose,
+            other => return bad("verb", other, "fit or diagnose"),
+        };
+        let absolute = |files: &[String]| files.iter().map(|f| self.folder.join(f)).collect();
+        Ok(Entry {
+            position: self.next,
+            recordings: absolute(&row.recordings),
+            validation: absolute(&row.validation),
+            problem: self.folder.join(&row.problem),
+            kind: match row.kind.is_empty() {
+                true => row.problem,
+                false => row.kind,
+            },
+            robot: row.robot,
+            time,
+            verb,
+        })
+    }
+}
+
+impl Iterator for Manifest {
+    type Item = Result<Entry, FleetError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let entry = self.rows.next()?.and_then(|row| self.entry(row));
+        self.next += 1;
+        Some(entry)
+    }
+}
+
+/// Refuses columns that are not known, and a manifest without one that it needs.
+fn check_columns(place: &Place, found: &[String]) -> Result<(), FleetError> {
+    for name in found {
+        if !COLUMNS.contains(&name.as_str()) {
+            let distance = |known: &&&str| strsim::damerau_levenshtein(known, name);
+            let nearest = COLUMNS.iter().min_by_key(distance);
+            let nearest = nearest.filter(|known| distance(known) <= 2);
+            let kind = FleetErrorKind::UnknownColumn {
+                name: name.clone(),
+                nearest: nearest.map(|n| n.to_string()),
+            };
+            return Err(FleetError::new(place.clone(), kind));
+        }
+    }
+    for name in &COLUMNS[..REQUIRED] {
+        if !found.iter().any(|f| f == name) {
+            let kind = FleetErrorKind::MissingColumn {
+                name,
+                found: found.join(", "),
+            };
+            return Err(FleetError::new(place.clone(), kind));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;
