@@ -17,7 +17,9 @@ use exid::robot::tree::Tree;
 use exid::setup;
 use nalgebra::DMatrix;
 use numpy::ndarray::{Array2, Array3, ArrayView2, ArrayViewMut3, Axis, s};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{
+    IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::prelude::*;
@@ -205,9 +207,12 @@ impl Robot {
         }
         let n = self.tree.len();
         let cells = cells(&self.tree, &columns);
-        let mut regressor = Array3::zeros((motion.q.nrows(), n, columns.len()));
+        // NumPy's own memory: it asks the system for large pages, and most of the time goes into getting them.
+        let regressor = PyArray3::zeros(py, [motion.q.nrows(), n, columns.len()], false);
+        let mut writable = regressor.readwrite();
+        let mut values = writable.as_array_mut();
         py.detach(|| {
-            let chunks = regressor.axis_chunks_iter_mut(Axis(0), BLOCK);
+            let chunks = values.axis_chunks_iter_mut(Axis(0), BLOCK);
             let chunks = chunks.into_par_iter().enumerate();
             chunks.for_each_init(
                 || RegressorBatch::new(&self.tree, Rows::Torque, BLOCK),
@@ -219,7 +224,8 @@ impl Robot {
                 },
             );
         });
-        Ok(regressor.into_pyarray(py))
+        drop(writable);
+        Ok(regressor)
     }
 
     /// Mass matrices (samples, joints, joints), kg·m² (kg).
