@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::Arm;
+use common::arm::Arm;
 use std::collections::BTreeMap;
 use std::fs;
 use std::os::unix::fs::MetadataExt;
