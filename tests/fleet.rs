@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::Arm;
+use common::arm::Arm;
 use std::collections::BTreeMap;
 use std::fs;
 use std::os::unix::fs::MetadataExt;
@@ -146,8 +146,8 @@ fn wrong_use_is_said() {
     let arm = fleet();
     for (further, words) in [
         (&["--shard", "3/2"][..], "1 ≤ i ≤ n"),
-        (&["--rate", "2"], "between 0 and 1"),
-        (&["--timeout", "0"], "above 0"),
+        (&["--rate", "2"][..], "between 0 and 1"),
+        (&["--timeout", "0"][..], "above 0"),
     ] {
         let said = says(command(&arm, "out", further), 2);
         assert!(said.contains(words), "{said}");

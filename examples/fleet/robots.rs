@@ -40,7 +40,7 @@ const fn joint(
 const Y: &str = "0 1 0";
 const Z: &str = "0 0 1";
 
-pub const TYPES: [Type; 3] = [
+pub static TYPES: [Type; 3] = [
     Type {
         name: "swing",
         joints: &[

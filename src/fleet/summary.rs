@@ -157,8 +157,8 @@ fn sentence(shown: &Shown, kind: &kind::Kind) -> String {
 fn in_words(fleet: &Fleet) -> String {
     let aside = match fleet.set_aside {
         0 => String::new(),
-        1 => ", 1 of them set aside with its error".to_string(),
-        many => format!(", {many} of them set aside with their errors"),
+        1 => "; 1 item was set aside with its error".to_string(),
+        many => format!("; {many} items were set aside with their errors"),
     };
     let look = match fleet.look_at.len() {
         0 => "no robot has changed or stands out".to_string(),

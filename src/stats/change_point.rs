@@ -229,7 +229,7 @@ mod tests {
     use super::*;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution as _, StandardNormal};
+    use rand_distr::StandardNormal;
 
     fn series(variances: &[f64], rng: &mut ChaCha8Rng) -> Vec<Observation> {
         let draw = |&variance: &f64| Observation {

@@ -26,7 +26,7 @@ pub(super) fn look_at(source: &Source) -> Option<Section> {
         "<p class=\"hint\">The surest first. Of the robots listed at most {} may have nothing, in the mean over many fleets. \
          Pictures show the parameter by night, one standard deviation of each fit up and down, the level before (grey) \
          and after (red).</p>\n",
-        percent(fleet.rate)
+        short_percent(fleet.rate)
     ));
     let mut table = Table::new(&[
         "Robot",
@@ -114,6 +114,11 @@ fn fleet<'a>(source: &Source<'a>) -> Option<&'a Fleet> {
         Part::Fleet(fleet) => Some(fleet),
         _ => None,
     }
+}
+
+/// A rate as it was given: `5 %`.
+fn short_percent(rate: f64) -> String {
+    format!("{} %", (1e4 * rate).round() / 100.0)
 }
 
 /// A probability that is never rounded to certainty.
