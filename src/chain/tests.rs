@@ -3,7 +3,7 @@
 use crate::chain::base_parameters::BaseParameters;
 use crate::chain::effect::{EFFECTS, Effect, Law, find};
 use crate::chain::evaluate::{BLOCK, Block, Evaluator, KnownBodies, Segment};
-use crate::chain::model::{Inertials, JointModel, Model, ModelSettings, Payload, Signal};
+use crate::chain::model::{JointModel, Model, ModelSettings, Payload, Signal};
 use crate::chain::parameter::Role;
 use crate::robot::batch::Trajectory;
 use crate::robot::mdh;
@@ -19,13 +19,7 @@ mod laws;
 fn settings(tree: Tree, (effects, signal): (&[&'static Effect], Signal)) -> ModelSettings {
     let n = tree.len();
     ModelSettings {
-        signal,
-        inertials: Inertials::Estimate,
-        controllers: None,
         torque_constant: (signal == Signal::Current).then(|| vec![11.0; n]),
-        torque_constant_std: None,
-        current_polynomial: None,
-        rotor_inertia: None,
         coupling: Some(DMatrix::from_fn(n, n, |i, j| {
             if i == j {
                 1.0
@@ -40,7 +34,7 @@ fn settings(tree: Tree, (effects, signal): (&[&'static Effect], Signal)) -> Mode
             frame: Isometry3::new(Vector3::new(0.1, -0.2, 0.3), Vector3::new(0.4, 0.5, -0.6)),
         }),
         locked: vec![false; n],
-        tree,
+        ..ModelSettings::bodies(tree, signal)
     }
 }
 

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector, Isometry3, Point3, Vector3};
 use crate::chain::base_parameters::BaseParameters;
 use crate::chain::effect::find;
 use crate::chain::evaluate::{Evaluator, Segment};
-use crate::chain::model::{Inertials, Model, ModelSettings, Payload, Signal};
+use crate::chain::model::{Model, ModelSettings, Payload, Signal};
 use crate::chain::parameter::Role;
 use crate::design::columns::Columns;
 use crate::design::criterion::{CRITERIA, Criterion};
@@ -37,13 +37,7 @@ fn model(effects: &[&str]) -> Model {
     let mut coupling = DMatrix::identity(3, 3);
     coupling[(2, 1)] = 0.3;
     let mut model = Model::new(ModelSettings {
-        signal: Signal::Current,
-        inertials: Inertials::Estimate,
-        controllers: None,
         torque_constant: Some(vec![11.0, 7.0, 5.0]),
-        torque_constant_std: None,
-        current_polynomial: None,
-        rotor_inertia: None,
         coupling: Some(coupling),
         offset: Some(vec![0.0, 0.1, -0.2]),
         effects: vec![effects; 3],
@@ -51,8 +45,7 @@ fn model(effects: &[&str]) -> Model {
             link: 2,
             frame: Isometry3::new(Vector3::new(0.1, -0.2, 0.3), Vector3::new(0.4, 0.5, -0.6)),
         }),
-        locked: vec![false; 3],
-        tree: robot,
+        ..ModelSettings::bodies(robot, Signal::Current)
     })
     .unwrap();
     let load = body(&mut rng);

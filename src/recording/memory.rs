@@ -130,7 +130,7 @@ impl ArraysInMemory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::table::{columns_at, read_at};
+    use crate::recording::format::{columns_at, read_at};
 
     fn reading(arrays: Vec<NamedArray>) -> Reading {
         let mut reading = Reading::default();

@@ -199,6 +199,9 @@ fn arm() -> Outcome {
             realization: Vec::new(),
             model: None,
             machine: None,
+            nearest: Vec::new(),
+            possible_machine: None,
+            simulator: None,
             preprocessing: vec![Preprocessing {
                 recording: "train.csv".to_string(),
                 channel: Some("joint1".to_string()),
