@@ -80,6 +80,8 @@ fn model(file: &Path, further: &[&str]) -> Option<Model> {
         rotor_inertia: Some(rotor),
         coupling: to_motors().try_inverse(),
         offset: Some(offset),
+        catalogue: effect::Catalogue::known(),
+        period: None,
         effects: vec![list; 6],
         payload: Some(Payload {
             link: 5,

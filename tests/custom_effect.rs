@@ -92,7 +92,8 @@ fn an_effect_of_a_program_is_one_like_ours() {
     let fitted = fit::run(&read(", \"square_drag\""), &control, |_| ()).unwrap();
     let estimate = &fitted.fitted.estimate.parameters;
     let found = estimate.iter().find(|p| p.name == "elbow.square_drag.c");
-    let (value, std_dev) = (found.unwrap().value, found.unwrap().std_dev);
+    let found = found.unwrap();
+    let (value, std_dev) = (found.value.unwrap(), found.std_dev.unwrap());
     assert!(
         (value - 0.9).abs() <= 4.0 * std_dev + 0.01,
         "{value} ± {std_dev}"

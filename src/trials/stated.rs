@@ -8,6 +8,7 @@ use crate::chain::effect::{
 };
 use crate::robot::random::between;
 use crate::stats::deviation::rms;
+use crate::stats::range::within;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
@@ -48,7 +49,7 @@ pub fn values(
     let size = rms(&torques(effect, course, &drawn));
     let scale = if size > 0.0 { torque / size } else { 1.0 };
     let scaled = |(info, value): (&ParameterInfo, f64)| match info.linearity {
-        Linearity::Linear => (info.name, (scale * value).clamp(info.lower, info.upper)),
+        Linearity::Linear => (info.name, within(scale * value, [info.lower, info.upper])),
         Linearity::Nonlinear => (info.name, value),
     };
     effect.parameters.iter().zip(drawn).map(scaled).collect()
@@ -71,7 +72,7 @@ fn drawn(rng: &mut ChaCha8Rng, info: &ParameterInfo, course: Course) -> f64 {
         Search::Position(_) => value,
         _ => value * between(rng, 0.8, 1.25),
     };
-    near.clamp(info.lower, info.upper)
+    within(near, [info.lower, info.upper])
 }
 
 /// Torque along a sine over the range of the joint.

@@ -336,7 +336,7 @@ fn own_versions_of_effects_give_the_same_fits() {
             let Some(value) = entry["value"].as_f64() else {
                 continue;
             };
-            let other = name.replace(&format!(".{id}."), &format!(".{own}."));
+            let other = name.replace(&format!("elbow.{id}."), &format!("elbow.{own}."));
             let [found, std_dev] = parameter(&theirs, &other);
             let scale = value
                 .abs()

@@ -10,6 +10,7 @@ use crate::chain::effect::{
     Contribution, Flow, LawDynamics, Power, Samples, TorqueLaw, TransmissionLaw, Transmitted,
 };
 use crate::robot::random::{generator, symmetric};
+use crate::stats::range::within;
 
 /// A compiled law.
 #[derive(Debug)]
@@ -381,7 +382,7 @@ fn is_proportional(torque: &Expression, text: &LawText) -> bool {
     (0..16).all(|_| {
         let values = text.parameters.iter().map(|p| {
             let drawn = p.typical * (1.0 + symmetric(&mut rng, 0.5));
-            drawn.clamp(p.lower, p.upper)
+            within(drawn, [p.lower, p.upper])
         });
         let values: Vec<f64> = values.collect();
         let at: Vec<f64> = tape
