@@ -1,7 +1,7 @@
 //! The chain as a whole: derivatives of the signal in every kind of parameter, and known bases.
 
 use crate::chain::base_parameters::BaseParameters;
-use crate::chain::effect::{Catalogue, EFFECTS, Effect, Law, find};
+use crate::chain::effect::{EFFECTS, Effect, Law, find};
 use crate::chain::evaluate::{BLOCK, Block, Evaluator, KnownBodies, Segment};
 use crate::chain::model::{JointModel, Model, ModelSettings, Payload, Signal};
 use crate::chain::parameter::Role;
@@ -28,8 +28,6 @@ fn settings(tree: Tree, (effects, signal): (&[&'static Effect], Signal)) -> Mode
             }
         })),
         offset: Some((0..n).map(|k| 0.1 * k as f64).collect()),
-        catalogue: Catalogue::known(),
-        period: None,
         effects: vec![effects.to_vec(); n],
         payload: Some(Payload {
             link: n - 1,

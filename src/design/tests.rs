@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Isometry3, Point3, Vector3};
 
 use crate::chain::base_parameters::BaseParameters;
-use crate::chain::effect::{Catalogue, find};
+use crate::chain::effect::find;
 use crate::chain::evaluate::{Evaluator, Segment};
 use crate::chain::model::{Model, ModelSettings, Payload, Signal};
 use crate::chain::parameter::Role;
@@ -40,8 +40,6 @@ fn model(effects: &[&str]) -> Model {
         torque_constant: Some(vec![11.0, 7.0, 5.0]),
         coupling: Some(coupling),
         offset: Some(vec![0.0, 0.1, -0.2]),
-        catalogue: Catalogue::known(),
-        period: None,
         effects: vec![effects; 3],
         payload: Some(Payload {
             link: 2,
