@@ -121,6 +121,9 @@ fn setting(path: &[&'static str], keys: &'static [Key], key: &'static Key) -> Se
         if key.name == "per_turn" {
             siblings.push_str("unit = \"count\", ");
         }
+        if key.name == "share_of" {
+            siblings.push_str("search = [0.5], ");
+        }
         around[0] = format!(
             "{}={}{siblings}{} = ",
             prefix.join("."),

@@ -20,8 +20,8 @@ pub(crate) const KEYS: &[Key] = &[
     Key { name: "source", form: Form::Text, unit: "", default: "none", example: "\"Author 2020 eq. 3\"", meaning: "Where the law comes from" },
     Key { name: "acts_on", form: Form::Words(words::<ActsOn>), unit: "", default: "\"motor\"", example: "\"joint\"", meaning: "Where it acts: a torque of the motor, a torque at the joint, what the signal shows beyond the motor's torque, or a factor of the torque constant" },
     Key { name: "torque", form: Form::Text, unit: "N·m (N); of a gain none", default: REQUIRED, example: "\"a*tau*sin(n*q + phi)\"", meaning: "The formula, in q, v, acc, tau (transmitted torque), i, t, T (temperature), q[joint], v[joint], period, z and the parameters" },
-    Key { name: "dz", form: Form::Either(&[Form::Text, Form::List(&Form::Text, Length::Some)]), unit: "", default: "no state", example: "\"v - abs(v)*z/d\"", meaning: "Rate of a state z, in v, z and parameters; of several states z1, z2, ... a list, each in its own state" },
-    Key { name: "start", form: Form::Either(&[Form::Text, Form::List(&Form::Text, Length::Some)]), unit: "", default: "0", example: "\"d*sign(v)\"", meaning: "First value of the state, in v and parameters; of several states a list" },
+    Key { name: "dz", form: Form::Either(&[Form::Text, Form::List(&Form::Text, Length::Any)]), unit: "", default: "no state", example: "\"v - abs(v)*z/d\"", meaning: "Rate of a state z, in v, z and parameters; of several states z1, z2, ... a list, each in its own state" },
+    Key { name: "start", form: Form::Either(&[Form::Text, Form::List(&Form::Text, Length::Any)]), unit: "", default: "0", example: "\"d*sign(v)\"", meaning: "First value of the state, in v and parameters; of several states a list" },
     Key { name: "refines", form: Form::List(&Form::Effect, Length::Distinct), unit: "", default: "none", example: "[\"coulomb_friction\"]", meaning: "Effects without any of which, on the same joint, it is not looked for" },
     Key { name: "parameters", form: Form::NamedTables(PARAMETER_KEYS), unit: "", default: "none", example: "", meaning: "Its parameters by their names in the formula" },
 ];
@@ -34,7 +34,7 @@ pub(crate) const PARAMETER_KEYS: &[Key] = &[
     Key { name: "lower", form: Form::Number(Range::Any), unit: "", default: "-inf", example: "0.0", meaning: "Least value" },
     Key { name: "upper", form: Form::Number(Range::Any), unit: "", default: "inf", example: "1.0", meaning: "Greatest value" },
     Key { name: "typical", form: Form::Number(Range::Finite), unit: "", default: REQUIRED, example: "0.1", meaning: "Value from which estimates start, of a size at which it matters" },
-    Key { name: "search", form: Form::Either(&[Form::List(&Form::Number(Range::Finite), Length::SomeDistinct), Form::Words(cycles)]), unit: "", default: "typical alone", example: "[4.0, 8.0, 16.0]", meaning: "Values from which a search starts; \"cycles\": from one cycle over the joint's range to what the sampling resolves" },
+    Key { name: "search", form: Form::Either(&[Form::List(&Form::Number(Range::Finite), Length::Some), Form::Words(cycles)]), unit: "", default: "typical alone", example: "[4.0, 8.0, 16.0]", meaning: "Values from which a search starts; \"cycles\": from one cycle over the joint's range to what the sampling resolves" },
     Key { name: "share_of", form: Form::Words(words::<ShareOf>), unit: "", default: "none: the values themselves", example: "\"speed\"", meaning: "What the values of search are shares of: the way from the least to the greatest position, the range of positions, the greatest speed, one over it, or the duration" },
 ];
 
@@ -130,7 +130,7 @@ fn cycles() -> Vec<&'static str> {
 impl LawTable {
     pub(super) fn from_node(node: &Node, context: &Context) -> Result<Self, ProblemFileError> {
         let reader = Reader::open(node, KEYS)?;
-        let law = Self {
+        Ok(Self {
             id: reader.required("id", "give the law a name", values::text)?,
             sentence: reader.required("sentence", "say what it is", values::text)?,
             source: reader.optional("source", values::text)?,
@@ -140,23 +140,7 @@ impl LawTable {
             start: reader.list("start", texts)?,
             refines: reader.list("refines", |n| values::effects(n, context))?,
             parameters: reader.named("parameters", LawParameter::from_node)?,
-        };
-        if let Some(first) = law.start.first()
-            && law.start.len() != law.dz.len()
-        {
-            return Err(ProblemFileError::new(
-                &first.place,
-                KeyFault::Conflict {
-                    found: format!(
-                        "{} first values of {} states",
-                        law.start.len(),
-                        law.dz.len()
-                    ),
-                    remedy: "give each state of dz its first value, or none".into(),
-                },
-            ));
-        }
-        Ok(law)
+        })
     }
 }
 

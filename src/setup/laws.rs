@@ -25,6 +25,7 @@ pub fn catalogue(problem: &ProblemFile) -> Result<Catalogue, SetupError> {
 pub fn with_laws(laws: &[LawTable]) -> Result<Catalogue, SetupError> {
     let mut catalogue = Catalogue::known();
     for law in laws {
+        check_starts(law)?;
         let effect = own::effect(&text(law)).map_err(|e| fault(law, &e))?;
         // Its reader has refused an identifier that is taken, but for one that a program has registered since.
         catalogue = catalogue.with(effect).map_err(|taken| {
@@ -52,6 +53,23 @@ pub fn kept(problem: &serde_json::Value) -> Result<Catalogue, SetupError> {
 pub fn of_files(path: &Path) -> Result<Catalogue, SetupError> {
     let laws = law::read(path, &Catalogue::known().ids()).map_err(SetupError::ProblemFile)?;
     with_laws(&laws)
+}
+
+/// First values are those of all states, or none.
+fn check_starts(law: &LawTable) -> Result<(), SetupError> {
+    let (found, states) = (law.start.len(), law.dz.len());
+    match law.start.first() {
+        Some(first) if found != states => {
+            let message = format!("there are {found} first values of {states} states");
+            let remedy = "give each state of dz its first value, or none";
+            let description = Description::new("law-parameters", message, remedy);
+            Err(SetupError::mismatch(
+                &first.place,
+                Mismatch::Law(description),
+            ))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn text(table: &LawTable) -> LawText {

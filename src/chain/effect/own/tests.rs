@@ -298,7 +298,7 @@ fn what_a_law_depends_on_follows_from_its_formula() {
             Dependence::Direction
         ]
     );
-    let warm = of("a*exp(-T)*v");
+    let warm = of("a*exp(-a*T)*v");
     assert_eq!(warm.needs.memory, Memory::Time);
     let beside = of("a*v[next]*q[joint1]");
     assert_eq!(beside.needs.others, ["next", "joint1"]);
@@ -321,7 +321,7 @@ fn proportional_losses_are_told_from_others() {
         }
     };
     assert!(of("a*abs(tau)*sign(v)") && of("a*max(tau, 0)"));
-    assert!(!of("a*tau^2") && !of("a*tanh(tau)"));
+    assert!(!of("a*tau^2") && !of("a*tanh(a*tau)"));
 }
 
 #[test]
