@@ -105,9 +105,9 @@ class DriveTable(TypedDict, total=False):
     """Joint position where the motor stands at zero: q = V·(q_enc / ratio) + offset. Unit: rad (m). Default: none."""
     coupling: list[list[float]]
     """V, a square matrix by rows: joint speeds = V·(motor speeds / ratio). Default: the identity."""
-    effects: list[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "time_delay", "thermal_drift", "external_contact"]]
+    effects: list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "time_delay", "thermal_drift", "external_contact"], str]]
     """Physics in the model, for all joints; `exid effects` lists it. Default: none."""
-    effects_of: dict[str, list[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "time_delay", "thermal_drift", "external_contact"]]]
+    effects_of: dict[str, list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "time_delay", "thermal_drift", "external_contact"], str]]]
     """What replaces the list of effects on single joints. Default: none."""
     values: dict[str, float]
     """Parameters of the model with known values. Unit: each parameter's own. Default: none."""
@@ -943,6 +943,282 @@ class RecordingsLoadedTable(TypedDict, total=False):
     """What its columns are called. Default: those of recordings.columns."""
 
 
+class RecordingsSimulatedFilesColumnsTimeTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint. Required."""
+    unit: Literal["s", "ms", "us", "ns", "min"]
+    """Unit of the stamps. Default: SI."""
+
+
+class RecordingsSimulatedFilesColumnsPositionTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint. Required."""
+    unit: Union[Literal["rad", "mrad", "deg", "rev", "m", "cm", "mm", "um", "count"], list[Literal["rad", "mrad", "deg", "rev", "m", "cm", "mm", "um", "count"]]]
+    """One for all joints, or one for each. Default: SI."""
+    per_turn: float
+    """Counts in a turn, for the unit "count". Default: none."""
+
+
+class RecordingsSimulatedFilesColumnsVelocityTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint. Required."""
+    unit: Union[Literal["rad/s", "deg/s", "rev/s", "rpm", "m/s", "mm/s"], list[Literal["rad/s", "deg/s", "rev/s", "rpm", "m/s", "mm/s"]]]
+    """One for all joints, or one for each. Default: SI."""
+
+
+class RecordingsSimulatedFilesColumnsAccelerationTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint. Required."""
+    unit: Union[Literal["rad/s^2", "deg/s^2", "rev/s^2", "m/s^2", "mm/s^2"], list[Literal["rad/s^2", "deg/s^2", "rev/s^2", "m/s^2", "mm/s^2"]]]
+    """One for all joints, or one for each. Default: SI."""
+
+
+class RecordingsSimulatedFilesColumnsCurrentTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint. Required."""
+    unit: Union[Literal["A", "mA", "kA"], list[Literal["A", "mA", "kA"]]]
+    """One for all joints, or one for each. Default: SI."""
+
+
+class RecordingsSimulatedFilesColumnsTorqueTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint. Required."""
+    unit: Union[Literal["Nm", "mNm", "Ncm", "kNm", "N", "mN", "kN"], list[Literal["Nm", "mNm", "Ncm", "kNm", "N", "mN", "kN"]]]
+    """One for all joints, or one for each. Default: SI."""
+
+
+class RecordingsSimulatedFilesColumnsCommandTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint. Required."""
+    unit: Union[Literal["rad", "mrad", "deg", "rev", "m", "cm", "mm", "um", "count"], list[Literal["rad", "mrad", "deg", "rev", "m", "cm", "mm", "um", "count"]]]
+    """One for all joints, or one for each. Default: SI."""
+    per_turn: float
+    """Counts in a turn, for the unit "count". Default: none."""
+
+
+class RecordingsSimulatedFilesColumnsVelocityCommandTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint. Required."""
+    unit: Union[Literal["rad/s", "deg/s", "rev/s", "rpm", "m/s", "mm/s"], list[Literal["rad/s", "deg/s", "rev/s", "rpm", "m/s", "mm/s"]]]
+    """One for all joints, or one for each. Default: SI."""
+
+
+class RecordingsSimulatedFilesColumnsFeedForwardTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint. Required."""
+    unit: Union[Literal["Nm", "mNm", "Ncm", "kNm", "N", "mN", "kN"], list[Literal["Nm", "mNm", "Ncm", "kNm", "N", "mN", "kN"]]]
+    """One for all joints, or one for each. Default: SI."""
+
+
+class RecordingsSimulatedFilesColumnsTemperatureTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, a number from 1, or a list of either, one for each joint. Required."""
+
+
+class RecordingsSimulatedFilesColumnsMaskTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, a number from 1, or a list of either, one for each joint. Required."""
+
+
+class RecordingsSimulatedFilesColumnsTable(TypedDict, total=False):
+    """What its columns are called. Default: those of the recording."""
+
+    time: Union[str, RecordingsSimulatedFilesColumnsTimeTable]
+    """Time stamps. Unit: s. Default: "t" or "time"."""
+    position: Union[str, RecordingsSimulatedFilesColumnsPositionTable]
+    """Positions, or the motor's turns where position_side is "motor". Unit: rad (m). Default: the usual names."""
+    velocity: Union[str, RecordingsSimulatedFilesColumnsVelocityTable]
+    """Velocities of the joints, by sensors or by the controller. Unit: rad/s (m/s). Default: the usual names, if there."""
+    acceleration: Union[str, RecordingsSimulatedFilesColumnsAccelerationTable]
+    """Accelerations of the joints. Unit: rad/s² (m/s²). Default: the usual names, if there."""
+    current: Union[str, RecordingsSimulatedFilesColumnsCurrentTable]
+    """Motor currents. Unit: A. Default: the usual names."""
+    torque: Union[str, RecordingsSimulatedFilesColumnsTorqueTable]
+    """Torques, on the side of the gear that recordings.signal says. Unit: N·m (N). Default: the usual names."""
+    command: Union[str, RecordingsSimulatedFilesColumnsCommandTable]
+    """Commanded positions, for the signal "position_command". Unit: rad (m). Default: the usual names."""
+    velocity_command: Union[str, RecordingsSimulatedFilesColumnsVelocityCommandTable]
+    """Commanded speeds. Unit: rad/s (m/s). Default: the usual names, if there; otherwise the controller damps the speed itself."""
+    feed_forward: Union[str, RecordingsSimulatedFilesColumnsFeedForwardTable]
+    """Torques at the joint side that the controller adds. Unit: N·m (N). Default: the usual names, if there."""
+    wrench: list[str]
+    """Forces along x, y, z, then moments. Unit: N, N·m. Default: fx, fy, fz, mx, my and mz."""
+    temperature: Union[str, RecordingsSimulatedFilesColumnsTemperatureTable]
+    """Temperatures of the drives. Unit: °C. Default: the usual names, if there."""
+    mask: Union[str, RecordingsSimulatedFilesColumnsMaskTable]
+    """Samples with 0 are left out. Default: every sample counts."""
+
+
+class RecordingsSimulatedFilesTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    file: str
+    """One of the files. Required."""
+    columns: RecordingsSimulatedFilesColumnsTable
+    """What its columns are called. Default: those of the recording."""
+
+
+class RecordingsSimulatedColumnsTimeTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint. Required."""
+    unit: Literal["s", "ms", "us", "ns", "min"]
+    """Unit of the stamps. Default: SI."""
+
+
+class RecordingsSimulatedColumnsPositionTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint. Required."""
+    unit: Union[Literal["rad", "mrad", "deg", "rev", "m", "cm", "mm", "um", "count"], list[Literal["rad", "mrad", "deg", "rev", "m", "cm", "mm", "um", "count"]]]
+    """One for all joints, or one for each. Default: SI."""
+    per_turn: float
+    """Counts in a turn, for the unit "count". Default: none."""
+
+
+class RecordingsSimulatedColumnsVelocityTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint. Required."""
+    unit: Union[Literal["rad/s", "deg/s", "rev/s", "rpm", "m/s", "mm/s"], list[Literal["rad/s", "deg/s", "rev/s", "rpm", "m/s", "mm/s"]]]
+    """One for all joints, or one for each. Default: SI."""
+
+
+class RecordingsSimulatedColumnsAccelerationTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint. Required."""
+    unit: Union[Literal["rad/s^2", "deg/s^2", "rev/s^2", "m/s^2", "mm/s^2"], list[Literal["rad/s^2", "deg/s^2", "rev/s^2", "m/s^2", "mm/s^2"]]]
+    """One for all joints, or one for each. Default: SI."""
+
+
+class RecordingsSimulatedColumnsCurrentTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint. Required."""
+    unit: Union[Literal["A", "mA", "kA"], list[Literal["A", "mA", "kA"]]]
+    """One for all joints, or one for each. Default: SI."""
+
+
+class RecordingsSimulatedColumnsTorqueTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint. Required."""
+    unit: Union[Literal["Nm", "mNm", "Ncm", "kNm", "N", "mN", "kN"], list[Literal["Nm", "mNm", "Ncm", "kNm", "N", "mN", "kN"]]]
+    """One for all joints, or one for each. Default: SI."""
+
+
+class RecordingsSimulatedColumnsCommandTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint. Required."""
+    unit: Union[Literal["rad", "mrad", "deg", "rev", "m", "cm", "mm", "um", "count"], list[Literal["rad", "mrad", "deg", "rev", "m", "cm", "mm", "um", "count"]]]
+    """One for all joints, or one for each. Default: SI."""
+    per_turn: float
+    """Counts in a turn, for the unit "count". Default: none."""
+
+
+class RecordingsSimulatedColumnsVelocityCommandTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint. Required."""
+    unit: Union[Literal["rad/s", "deg/s", "rev/s", "rpm", "m/s", "mm/s"], list[Literal["rad/s", "deg/s", "rev/s", "rpm", "m/s", "mm/s"]]]
+    """One for all joints, or one for each. Default: SI."""
+
+
+class RecordingsSimulatedColumnsFeedForwardTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, in which {joint} stands for the joint's name and {n} for its number from 1; a number from 1; or a list of either, one for each joint. Required."""
+    unit: Union[Literal["Nm", "mNm", "Ncm", "kNm", "N", "mN", "kN"], list[Literal["Nm", "mNm", "Ncm", "kNm", "N", "mN", "kN"]]]
+    """One for all joints, or one for each. Default: SI."""
+
+
+class RecordingsSimulatedColumnsTemperatureTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, a number from 1, or a list of either, one for each joint. Required."""
+
+
+class RecordingsSimulatedColumnsMaskTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    column: Union[str, int, list[str], list[int]]
+    """A name, a number from 1, or a list of either, one for each joint. Required."""
+
+
+class RecordingsSimulatedColumnsTable(TypedDict, total=False):
+    """What its columns are called. Default: those of recordings.columns."""
+
+    time: Union[str, RecordingsSimulatedColumnsTimeTable]
+    """Time stamps. Unit: s. Default: "t" or "time"."""
+    position: Union[str, RecordingsSimulatedColumnsPositionTable]
+    """Positions, or the motor's turns where position_side is "motor". Unit: rad (m). Default: the usual names."""
+    velocity: Union[str, RecordingsSimulatedColumnsVelocityTable]
+    """Velocities of the joints, by sensors or by the controller. Unit: rad/s (m/s). Default: the usual names, if there."""
+    acceleration: Union[str, RecordingsSimulatedColumnsAccelerationTable]
+    """Accelerations of the joints. Unit: rad/s² (m/s²). Default: the usual names, if there."""
+    current: Union[str, RecordingsSimulatedColumnsCurrentTable]
+    """Motor currents. Unit: A. Default: the usual names."""
+    torque: Union[str, RecordingsSimulatedColumnsTorqueTable]
+    """Torques, on the side of the gear that recordings.signal says. Unit: N·m (N). Default: the usual names."""
+    command: Union[str, RecordingsSimulatedColumnsCommandTable]
+    """Commanded positions, for the signal "position_command". Unit: rad (m). Default: the usual names."""
+    velocity_command: Union[str, RecordingsSimulatedColumnsVelocityCommandTable]
+    """Commanded speeds. Unit: rad/s (m/s). Default: the usual names, if there; otherwise the controller damps the speed itself."""
+    feed_forward: Union[str, RecordingsSimulatedColumnsFeedForwardTable]
+    """Torques at the joint side that the controller adds. Unit: N·m (N). Default: the usual names, if there."""
+    wrench: list[str]
+    """Forces along x, y, z, then moments. Unit: N, N·m. Default: fx, fy, fz, mx, my and mz."""
+    temperature: Union[str, RecordingsSimulatedColumnsTemperatureTable]
+    """Temperatures of the drives. Unit: °C. Default: the usual names, if there."""
+    mask: Union[str, RecordingsSimulatedColumnsMaskTable]
+    """Samples with 0 are left out. Default: every sample counts."""
+
+
+class RecordingsSimulatedTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    file: str
+    """The file of the recording. Default: none; this or files is required."""
+    files: list[Union[str, RecordingsSimulatedFilesTable]]
+    """Files that are joined by their time stamps, on the clock of the first. Default: none; this or file is required."""
+    columns: RecordingsSimulatedColumnsTable
+    """What its columns are called. Default: those of recordings.columns."""
+
+
 class RecordingsColumnsTimeTable(TypedDict, total=False):
     """Keys of the table."""
 
@@ -1115,6 +1391,8 @@ class RecordingsTable(TypedDict, total=False):
     """Recordings that are held out; without them held-out figures are null. Default: []."""
     loaded: list[Union[str, RecordingsLoadedTable]]
     """Recordings that are fitted with the load on; the others are then without it. Needs robot.payload; where none is listed, every recording carries the load. Default: []."""
+    simulated: list[Union[str, RecordingsSimulatedTable]]
+    """Recordings of a simulator of the robot, of the same or other motions, with time stamps: it is identified first, and what differs from the robot is reported. Default: []."""
     signal: Literal["current", "torque", "motor_torque", "link_torque", "base_wrench", "both", "position_command"]
     """What the recordings hold: motor currents, motor torques at the joint side or at the motor side, torques of sensors behind the gears, the force and moment under the base, torques and those, or what a position controller is told, from whose error and gains the torque follows. Default: "current"."""
     position_side: Literal["joint", "motor", "link"]
@@ -1189,7 +1467,7 @@ class FitCompareTable(TypedDict, total=False):
 
     name: str
     """Name of the comparison. Required."""
-    effects: list[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "time_delay", "thermal_drift", "external_contact"]]
+    effects: list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "time_delay", "thermal_drift", "external_contact"], str]]
     """What replaces drive.effects. Required."""
 
 
@@ -1230,9 +1508,9 @@ class DesignRivalTable(TypedDict, total=False):
 
     name: str
     """Name of the rival. Required."""
-    effects: list[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "time_delay", "thermal_drift", "external_contact"]]
+    effects: list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "time_delay", "thermal_drift", "external_contact"], str]]
     """What replaces drive.effects. Default: the problem file's."""
-    effects_of: dict[str, list[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "time_delay", "thermal_drift", "external_contact"]]]
+    effects_of: dict[str, list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "time_delay", "thermal_drift", "external_contact"], str]]]
     """What replaces the effects of single joints. Default: none."""
     parameters: str
     """Result of a fit of this model: its values. Default: the problem file's values."""
@@ -1394,7 +1672,7 @@ class SimulateTable(TypedDict, total=False):
 class DiagnoseTable(TypedDict, total=False):
     """The physics to look for, and how sure a finding has to be. Default: the keys' own defaults."""
 
-    effects: Union[Literal["all"], list[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "time_delay", "thermal_drift", "external_contact"]]]
+    effects: Union[Literal["all"], list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "time_delay", "thermal_drift", "external_contact"], str]]]
     """The physics to look for. Default: "all"."""
     significance: float
     """Probability of a false finding, after correction for the number of hypotheses tried. Default: 0.001."""

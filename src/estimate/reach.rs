@@ -96,7 +96,7 @@ impl Motion {
 }
 
 /// Lets positions that laws are about start within the motion: where they begin outside, a law that acts on one side of them
-/// may do nothing, and no search sees it.
+/// may do nothing, and no search sees it. Starts that were stated, by the problem or the robot's file, stay.
 pub fn start_within(model: &mut Model, data: &Dataset) {
     let train: Vec<&Prepared> = data.of(Split::Train).collect();
     let mut moved = Vec::new();
@@ -115,7 +115,9 @@ pub fn start_within(model: &mut Model, data: &Dataset) {
         };
         let motion = Motion::of(&train, joint);
         let is_outside = !(motion.least..=motion.greatest).contains(&parameter.value);
-        if parameter.is_free() && is_outside && motion.least < motion.greatest {
+        let is_stated = parameter.value != info.typical;
+        let may_move = parameter.is_free() && !is_stated;
+        if may_move && is_outside && motion.least < motion.greatest {
             let share = shares[shares.len() / 2];
             moved.push((at, motion.least + share * (motion.greatest - motion.least)));
         }

@@ -176,8 +176,9 @@ mod tests {
         assert!((MEDIAN_OF_SQUARE - quartile * quartile).abs() < 1e-15);
     }
 
-    /// The scale from a median has a standard error of 1.17/sqrt(2n) at normal groups; five per cent of far groups move
-    /// the quantile by 0.025, the scale by 4 %.
+    /// Five per cent of far groups put the median of the others at their quantile 0.526, 6.4 % beyond their own in scale: τ comes
+    /// out 6.8 % too long where s = 0.1 alone counts and 15.7 % where s = 0.5 does. The scale from a median has a standard error
+    /// of 1.17/sqrt(2n) = 1.3 %, of which τ feels at most 2.6 times as much.
     #[test]
     fn recovers_known_mean_and_spread_with_one_group_in_twenty_far_away() {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -193,8 +194,10 @@ mod tests {
             })
             .collect();
         let population = Population::of(&groups).unwrap();
+        let excess = population.spread / 0.4 - 1.0;
+        let three_errors = 3.0 * 2.6 * 1.17 / f64::sqrt(8000.0);
         assert!(
-            (population.spread / 0.4 - 1.0).abs() < 0.12,
+            excess > 0.068 - three_errors && excess < 0.157 + three_errors,
             "{population:?}"
         );
         // Huber's bias is threshold · share / deviation of far groups, over the mean weight of all and the share 0.82 of them
