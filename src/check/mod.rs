@@ -255,7 +255,7 @@ fn declared_model(problem: &ProblemFile, robot: &robot::Robot, found: &mut Found
 
 fn build_model(problem: &ProblemFile, robot: &robot::Robot) -> Result<Model, Box<SetupError>> {
     let mut built = model::build(problem, robot)?;
-    prior::build(problem, &robot, &mut built)?;
+    prior::build(problem, robot, &mut built)?;
     for compared in &problem.fit.compare {
         model::build_compared(problem, robot, &compared.effects)?;
     }

@@ -12,8 +12,7 @@ use std::ops::Range;
 fn task_rows(rows: usize) -> usize {
     rows.div_ceil(4)
         .next_multiple_of(BLOCK)
-        .max(4 * BLOCK)
-        .min(64 * BLOCK)
+        .clamp(4 * BLOCK, 64 * BLOCK)
 }
 
 /// A part of a recording that one task works on.

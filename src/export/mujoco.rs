@@ -85,27 +85,26 @@ fn take(joint: &mut MachineJoint, catalogue: &Catalogue, one: bool) -> Native {
     let mut native = Native::default();
     let mut taken: Vec<&str> = Vec::new();
     if let (Some(stiffness), Some(rest)) = (value("joint_spring", "k"), value("joint_spring", "q0"))
+        && stiffness >= 0.0
+        && joint.locked.is_none()
     {
-        if stiffness >= 0.0 && joint.locked.is_none() {
-            (native.stiffness, native.rest) = (stiffness, rest);
-            taken.push("joint_spring");
-        }
+        (native.stiffness, native.rest) = (stiffness, rest);
+        taken.push("joint_spring");
     }
-    if let (true, Some(inertia)) = (one, value("rotor_inertia", "Jm")) {
-        if inertia >= 0.0 {
-            native.armature = inertia;
-            taken.push("rotor_inertia");
-        }
+    if let (true, Some(inertia)) = (one, value("rotor_inertia", "Jm"))
+        && inertia >= 0.0
+    {
+        native.armature = inertia;
+        taken.push("rotor_inertia");
     }
     if let (true, Some(damping), false) = (
         one,
         value("viscous_friction", "Fv"),
         is_lent("viscous_friction"),
-    ) {
-        if damping >= 0.0 {
-            native.damping = damping;
-            taken.push("viscous_friction");
-        }
+    ) && damping >= 0.0
+    {
+        native.damping = damping;
+        taken.push("viscous_friction");
     }
     let signed = |id: &str| {
         catalogue

@@ -24,14 +24,14 @@ pub enum FleetErrorKind {
     },
     MissingColumn {
         name: &'static str,
-        found: String,
+        found: Box<str>,
     },
     UnknownColumn {
-        name: String,
-        nearest: Option<String>,
+        name: Box<str>,
+        nearest: Option<&'static str>,
     },
     BadCell {
-        found: String,
+        found: Box<str>,
         expected: &'static str,
     },
     Empty,

@@ -31,10 +31,10 @@ pub(crate) const KEYS: &[Key] = &[
 pub(crate) const PARAMETER_KEYS: &[Key] = &[
     Key { name: "unit", form: Form::Text, unit: "", default: "not checked", example: "\"N·m/rad\"", meaning: "Unit, \"1\" for a pure number; where units are stated, formulas are checked" },
     Key { name: "meaning", form: Form::Text, unit: "", default: "none", example: "\"share of the load\"", meaning: "What the parameter is" },
-    Key { name: "lower", form: Form::Number(Range::Any), unit: "", default: "-inf", example: "0.0", meaning: "Least value" },
-    Key { name: "upper", form: Form::Number(Range::Any), unit: "", default: "inf", example: "1.0", meaning: "Greatest value" },
-    Key { name: "typical", form: Form::Number(Range::Finite), unit: "", default: REQUIRED, example: "0.1", meaning: "Value from which estimates start, of a size at which it matters" },
-    Key { name: "search", form: Form::Either(&[Form::List(&Form::Number(Range::Finite), Length::Some), Form::Words(cycles)]), unit: "", default: "typical alone", example: "[4.0, 8.0, 16.0]", meaning: "Values from which a search starts; \"cycles\": from one cycle over the joint's range to what the sampling resolves" },
+    Key { name: "lower", form: Form::Number(Range::Any), unit: "of the parameter", default: "-inf", example: "0.0", meaning: "Least value" },
+    Key { name: "upper", form: Form::Number(Range::Any), unit: "of the parameter", default: "inf", example: "1.0", meaning: "Greatest value" },
+    Key { name: "typical", form: Form::Number(Range::Finite), unit: "of the parameter", default: REQUIRED, example: "0.1", meaning: "Value from which estimates start, of a size at which it matters" },
+    Key { name: "search", form: Form::Either(&[Form::List(&Form::Number(Range::Finite), Length::Some), Form::Words(cycles)]), unit: "of the parameter", default: "typical alone", example: "[4.0, 8.0, 16.0]", meaning: "Values from which a search starts; \"cycles\": from one cycle over the joint's range to what the sampling resolves" },
     Key { name: "share_of", form: Form::Words(words::<ShareOf>), unit: "", default: "none: the values themselves", example: "\"speed\"", meaning: "What the values of search are shares of: the way from the least to the greatest position, the range of positions, the greatest speed, one over it, or the duration" },
 ];
 

@@ -25,7 +25,7 @@ pub enum RecordingErrorKind {
     UnknownExtension {
         found: String,
         /// The extensions that are known.
-        known: String,
+        known: &'static str,
     },
     TruncatedGzip,
     CorruptGzip {

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::LazyLock;
 
 use crate::fault::Place;
 use crate::recording::bag::{mcap, ros1, sqlite};
@@ -92,6 +93,12 @@ pub const FORMATS: &[Format] = &[
     },
 ];
 
+/// Ends of the names of all of them, for people.
+static KNOWN_EXTENSIONS: LazyLock<String> = LazyLock::new(|| {
+    let all: Vec<&str> = FORMATS.iter().map(|format| format.extension).collect();
+    all.join(", ")
+});
+
 /// The format of a file by the end of its name, after a look whether the file is there at all.
 ///
 /// Errors: not found, a directory, no permission, unknown extension.
@@ -112,8 +119,7 @@ pub fn format_of(path: &Path) -> Result<&'static Format, RecordingError> {
             let found = name
                 .find('.')
                 .map_or(String::new(), |dot| name[dot..].into());
-            let known: Vec<&str> = FORMATS.iter().map(|format| format.extension).collect();
-            let known = known.join(", ");
+            let known = KNOWN_EXTENSIONS.as_str();
             let kind = RecordingErrorKind::UnknownExtension { found, known };
             RecordingError::new(at(), kind)
         })

@@ -251,7 +251,11 @@ mod tests {
         // Friction that turns over within one sample, and something like noise.
         let of = |k: usize| {
             let noise = ((k * 7919 % 101) as f64 / 101.0 - 0.5) * 0.1;
-            let turn = if (k / 50) % 2 == 0 { 1.0 } else { -1.0 };
+            let turn = if (k / 50).is_multiple_of(2) {
+                1.0
+            } else {
+                -1.0
+            };
             turn + (k as f64 / 40.0).sin() + noise
         };
         (0..1000).map(of).collect()

@@ -252,17 +252,6 @@ pub(super) fn rank_in_words(fit: &Fit) -> String {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quotes_what_a_shell_would_split() {
-        assert_eq!(shell_word("a/b-1.toml"), "a/b-1.toml");
-        assert_eq!(shell_word("my arm's.toml"), r"'my arm'\''s.toml'");
-    }
-}
-
 /// Seconds since 1970 from which on a time is taken for a date: 1980.
 const FIRST_DATE: f64 = 3.2e8;
 
@@ -273,4 +262,15 @@ pub(super) fn moment(time: f64) -> String {
     }
     let text = date(UNIX_EPOCH + Duration::from_secs(time as u64));
     text.trim_end_matches("T00:00:00Z").to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quotes_what_a_shell_would_split() {
+        assert_eq!(shell_word("a/b-1.toml"), "a/b-1.toml");
+        assert_eq!(shell_word("my arm's.toml"), r"'my arm'\''s.toml'");
+    }
 }

@@ -10,8 +10,8 @@ const MIDDLE: f64 = 0.5;
 /// What a rollout says: every joint at half a second, then all joints over the horizon.
 pub(super) fn lines(rollout: &Rollout) -> Vec<String> {
     let mut lines = vec![rollout.summary.clone()];
-    let middle = rollout.horizons.iter().filter(|h| h.horizon <= MIDDLE);
-    if let Some(horizon) = middle.last() {
+    let middle = rollout.horizons.iter().rfind(|h| h.horizon <= MIDDLE);
+    if let Some(horizon) = middle {
         lines.extend(joints(rollout, horizon));
     }
     lines.extend(over_horizon(rollout));

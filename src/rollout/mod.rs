@@ -497,7 +497,7 @@ impl Summary<'_> {
 
     /// In plain words, at half a second or what is nearest to it.
     fn paragraph(&self, horizons: &[Horizon]) -> String {
-        let middle = horizons.iter().filter(|h| h.horizon <= 0.5).next_back();
+        let middle = horizons.iter().rfind(|h| h.horizon <= 0.5);
         let Some(horizon) = middle else {
             return String::new();
         };

@@ -370,10 +370,11 @@ fn without_commands(
     for (series, factor) in commands.velocity.iter_mut().zip(&scale.position) {
         multiply(series, *factor);
     }
-    if commanded.velocity && table.position_side.value != PositionSide::Motor {
-        if let Some(inverse) = to_motors_of(model) {
-            mix(&mut commands.velocity, &inverse);
-        }
+    if commanded.velocity
+        && table.position_side.value != PositionSide::Motor
+        && let Some(inverse) = to_motors_of(model)
+    {
+        mix(&mut commands.velocity, &inverse);
     }
     Ok((experiment, Some(commands)))
 }

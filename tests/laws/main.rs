@@ -127,8 +127,11 @@ fn shipped_laws_are_complete() {
     }
 }
 
+/// Values of a law's parameters by name.
+type Values = &'static [(&'static str, f64)];
+
 /// Shipped laws with a truth for the elbow, whose positions reach a third of a rad to either side, and what it stands in the place of.
-const TRUTHS: &[(&str, Option<&str>, &[(&str, f64)])] = &[
+const TRUTHS: &[(&str, Option<&str>, Values)] = &[
     (
         "dahl_friction",
         Some("coulomb_friction"),

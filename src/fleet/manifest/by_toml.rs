@@ -19,8 +19,8 @@ pub fn rows(path: &Path) -> Result<Rows, FleetError> {
     };
     if let Some(other) = table.keys().find(|key| *key != "item") {
         let kind = FleetErrorKind::UnknownColumn {
-            name: other.clone(),
-            nearest: Some("item".to_string()),
+            name: other.as_str().into(),
+            nearest: Some("item"),
         };
         return Err(FleetError::new(place, kind));
     }
@@ -34,7 +34,7 @@ pub fn rows(path: &Path) -> Result<Rows, FleetError> {
 fn row(item: Value, place: &Place) -> Result<Row, FleetError> {
     let bad = |found: &Value, expected| {
         let kind = FleetErrorKind::BadCell {
-            found: found.to_string(),
+            found: found.to_string().into(),
             expected,
         };
         FleetError::new(place.clone(), kind)

@@ -158,7 +158,10 @@ impl Manifest {
     fn entry(&self, Placed { row, place }: Placed) -> Result<Entry, FleetError> {
         let bad = |column: &str, found: &str, expected| {
             let found = found.to_string();
-            let kind = FleetErrorKind::BadCell { found, expected };
+            let kind = FleetErrorKind::BadCell {
+                found: found.into(),
+                expected,
+            };
             Err(FleetError::new(place.clone().key(column), kind))
         };
         if row.robot.is_empty() {
@@ -214,8 +217,8 @@ fn check_columns(place: &Place, found: &[String]) -> Result<(), FleetError> {
             let nearest = COLUMNS.iter().min_by_key(distance);
             let nearest = nearest.filter(|known| distance(known) <= 2);
             let kind = FleetErrorKind::UnknownColumn {
-                name: name.clone(),
-                nearest: nearest.map(|n| n.to_string()),
+                name: name.as_str().into(),
+                nearest: nearest.copied(),
             };
             return Err(FleetError::new(place.clone(), kind));
         }
@@ -224,7 +227,7 @@ fn check_columns(place: &Place, found: &[String]) -> Result<(), FleetError> {
         if !found.iter().any(|f| f == name) {
             let kind = FleetErrorKind::MissingColumn {
                 name,
-                found: found.join(", "),
+                found: found.join(", ").into(),
             };
             return Err(FleetError::new(place.clone(), kind));
         }
