@@ -1,7 +1,7 @@
 //! Arrays in memory that stand in the place of files, read as the arrays of a NumPy archive are: a vector `t` is the column
 //! `t`, a matrix `q` the columns `q1`, `q2`, ..., samples along the longer side.
 //!
-//! The arrays stay where they are, and their owner keeps them. What is computed with has one copy: [`Arrays::read`] takes
+//! The arrays stay where they are, and their owner keeps them. What is computed with has one copy: `Arrays::read` takes
 //! the columns that a problem wants into the table that is filtered and scaled afterwards.
 
 use std::borrow::Cow;

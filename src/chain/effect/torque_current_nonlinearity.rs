@@ -175,7 +175,7 @@ pub struct Branch {
     pub end: f64,
 }
 
-/// [`rising`] for given coefficients.
+/// `rising` for given coefficients.
 pub fn branch(c: [f64; COEFFICIENTS]) -> Branch {
     let least = LEAST_SLOPE * c[1];
     let end = last_rising(c, least);
