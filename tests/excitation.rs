@@ -96,6 +96,7 @@ impl Robot {
                 harmonics: vec![series.harmonics; n],
                 standing: vec![0.0; n],
                 trajectories: 1,
+                loops: None,
             },
             samples: 200,
             bounds: self.bounds.clone(),

@@ -1,7 +1,10 @@
 //! Robots with closed loops, fitted by the program: the parallel robot H4 at published parameters, and a linkage from
 //! a URDF with the joint that closes it. Recordings of both are made without exid: see their `make.py`.
 
+use exid::chain::evaluate::{Evaluator, Segment};
+use exid::chain::forward::{Accuracy, Driven, Forward};
 use exid::problem_file::ProblemFile;
+use exid::robot::batch::Trajectory;
 use exid::setup;
 use serde_json::Value;
 use std::fs;
@@ -118,7 +121,7 @@ fn recovers_known_truth_of_a_linkage() {
     assert_eq!(result["rank"], 8 + 4);
     let ids = exid::chain::effect::ids();
     let problem = ProblemFile::read(&shipped("parallelogram/problem.toml"), &[], &ids).unwrap();
-    let robot = setup::robot::open_any(&problem).unwrap();
+    let robot = setup::robot::open(&problem).unwrap();
     let model = setup::model::build(&problem, &robot).unwrap();
     let mut truth = model.tree().parameters();
     truth.resize(model.parameters().len(), 0.0);
@@ -212,4 +215,90 @@ fn faults_of_a_mechanism_name_the_remedy() {
     let output = run("design", &shipped("h4_parallel/problem.toml"));
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("closed loops"));
+}
+
+/// Largest distance of the motors from a motion of half a second about home, under the torques that the chain gives along it
+/// at a rate.
+fn distance_of_forward(problem: &str, rate: f64) -> f64 {
+    let ids = exid::chain::effect::ids();
+    let problem = ProblemFile::read(&shipped(problem), &[], &ids).unwrap();
+    let robot = setup::robot::open(&problem).unwrap();
+    let mut model = setup::model::build(&problem, &robot).unwrap();
+    for p in 0..model.parameters().len() {
+        let (name, scale) = (
+            model.parameters()[p].name.clone(),
+            model.parameters()[p].scale,
+        );
+        // Wide friction is smooth, and rotors and a platform give the joints that have no mass in the file one.
+        let value = match name.rsplit('.').next() {
+            Some("w") => 0.3,
+            Some("Jm") => 0.02,
+            Some("m") if name.starts_with("nacelle") => 1.0,
+            Some("Izz") if name.starts_with("nacelle") => 0.003,
+            Some("Fc" | "Fv") => scale,
+            _ => continue,
+        };
+        let _ = model.fix(p, value);
+    }
+    let values = model.values();
+    let mechanism = model.mechanism().unwrap();
+    let rows = (0.5 * rate) as usize + 1;
+    let n = model.joints().len();
+    let mut motion: [Vec<Vec<f64>>; 3] = [0, 1, 2].map(|_| vec![vec![0.0; rows]; n]);
+    for (m, &j) in mechanism.actuated().iter().enumerate() {
+        let (w, a) = (std::f64::consts::TAU * (0.6 + 0.3 * m as f64), 0.1);
+        for k in 0..rows {
+            let (sine, cosine) = (w * k as f64 / rate + m as f64).sin_cos();
+            motion[0][j][k] = mechanism.home()[j] + a * sine;
+            motion[1][j][k] = a * w * cosine;
+            motion[2][j][k] = -a * w * w * sine;
+        }
+    }
+    let parts = motion.each_mut().map(Vec::as_mut_slice);
+    mechanism.complete_motion(parts, 0..rows).unwrap();
+    let [q, dq, ddq] = &motion;
+    let mut evaluator = Evaluator::along(&model, &values, &[], rows);
+    let block = evaluator.evaluate_course(Segment::states(Trajectory { q, dq, ddq }, false));
+    let mut forward = Forward::new(&model, &values, false, Accuracy::default()).unwrap();
+    let motors = forward.motors().to_vec();
+    let at =
+        |series: &[Vec<f64>], k: usize| motors.iter().map(|&j| series[j][k]).collect::<Vec<_>>();
+    let torque = |k: usize| -> Vec<f64> {
+        let signal = motors.iter().enumerate();
+        signal
+            .map(|(m, &j)| forward.motor_torque(m, block.value(j)[k]))
+            .collect()
+    };
+    let torques: Vec<Vec<f64>> = (0..rows).map(torque).collect();
+    forward.hold(&at_all(q, 0));
+    forward.close_near(|joint| q[joint][0]);
+    let mut state = forward.settled(&at(q, 0), &at(dq, 0));
+    let mut most = 0.0_f64;
+    for k in 0..rows - 1 {
+        let driven = Driven::Torque {
+            from: &torques[k],
+            to: &torques[k + 1],
+        };
+        forward.advance(&mut state, driven, 1.0 / rate).unwrap();
+        let pairs = state.position.iter().zip(at(q, k + 1));
+        most = pairs.fold(most, |most, (x, q)| most.max((x - q).abs()));
+    }
+    most
+}
+
+fn at_all(series: &[Vec<f64>], k: usize) -> Vec<f64> {
+    series.iter().map(|s| s[k]).collect()
+}
+
+#[test]
+fn invariant_torques_of_a_mechanism_lead_along_its_motion() {
+    for problem in ["parallelogram/problem.toml", "h4_parallel/problem.toml"] {
+        let [coarse, fine] = [500.0, 1000.0].map(|rate| distance_of_forward(problem, rate));
+        eprintln!("{problem}: {coarse:.1e} rad at 500 Hz, {fine:.1e} at 1000 Hz");
+        // Torques that are linear between samples, and steps of order two: a quarter at twice the rate.
+        assert!(
+            fine < 0.35 * coarse && fine < 1e-5,
+            "{problem}: {coarse} {fine}"
+        );
+    }
 }

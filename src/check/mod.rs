@@ -115,7 +115,7 @@ pub fn mistakes(problem: &ProblemFile, control: &Control<'_>, extent: Extent) ->
 
 fn look(problem: &ProblemFile, control: &Control<'_>, extent: Extent) -> Found {
     let mut found = Found::default();
-    match robot::open_any(problem) {
+    match robot::open(problem) {
         Ok(robot) => with_robot(problem, &robot, extent, control, &mut found),
         Err(fault) => {
             found.faults.push(from_fault(&fault));

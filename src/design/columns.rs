@@ -52,11 +52,66 @@ impl Entries {
     }
 }
 
+/// An entry of the regressor in a column.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Part {
+    /// Number of the entry.
+    pub entry: usize,
+    pub weight: f64,
+    pub carried: Option<CarriedBy>,
+}
+
+/// How loops carry a row of a joint without a motor to a motor, both by their places among their kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CarriedBy {
+    pub passive: usize,
+    pub motor: usize,
+}
+
+/// A row of the tree in that of a motor.
+#[derive(Debug, Clone, Copy)]
+struct Row {
+    joint: usize,
+    weight: f64,
+    carried: Option<CarriedBy>,
+}
+
+/// The rows of the tree that a motor bears: those of joints that it turns, and those of joints without a motor that loops
+/// carry to them.
+fn rows_of(model: &Model, (motor, weight): (usize, f64), coupling: &DMatrix<f64>) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for joint in 0..model.joints().len() {
+        let weight = weight * coupling[(joint, motor)];
+        if weight == 0.0 {
+            continue;
+        }
+        rows.push(Row {
+            joint,
+            weight,
+            carried: None,
+        });
+        let Some(mechanism) = model.mechanism() else {
+            continue;
+        };
+        let Some(motor) = mechanism.actuated().iter().position(|&a| a == joint) else {
+            continue;
+        };
+        for (passive, &joint) in mechanism.passive().iter().enumerate() {
+            rows.push(Row {
+                joint,
+                weight,
+                carried: Some(CarriedBy { passive, motor }),
+            });
+        }
+    }
+    rows
+}
+
 /// What a column is made of.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Recipe {
     /// Σ weight · entry of the regressor.
-    Bodies(Vec<(usize, f64)>),
+    Bodies(Vec<Part>),
     /// A parameter of a law of the channel's motor, times the channel's weight.
     Law { effect: usize, parameter: usize },
 }
@@ -103,10 +158,7 @@ impl Columns {
                 columns: Vec::new(),
                 recipes: Vec::new(),
             };
-            let rows: Vec<(usize, f64)> = (0..n)
-                .map(|i| (i, weight * coupling[(i, joint)]))
-                .filter(|(_, v)| *v != 0.0)
-                .collect();
+            let rows = rows_of(model, (joint, weight), &coupling);
             for (k, &parameter) in parameters.iter().enumerate() {
                 let recipe = match model.parameters()[parameter].role {
                     Role::Effect {
@@ -161,14 +213,18 @@ fn seen(
 fn of_bodies(
     model: &Model,
     entries: &mut Entries,
-    rows: &[(usize, f64)],
+    rows: &[Row],
     parts: &[(usize, usize, f64)],
 ) -> Option<Recipe> {
     let mut sum = Vec::new();
-    for &(row, v) in rows {
+    for row in rows {
         for &(link, quantity, weight) in parts {
-            if model.tree().moves(row, link) {
-                sum.push((entries.number(row, link, quantity), v * weight));
+            if model.tree().moves(row.joint, link) {
+                sum.push(Part {
+                    entry: entries.number(row.joint, link, quantity),
+                    weight: row.weight * weight,
+                    carried: row.carried,
+                });
             }
         }
     }

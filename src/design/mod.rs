@@ -4,6 +4,7 @@
 //! `M(x) = W(x)ᵀ W(x)` of the observation matrix W, the derivatives of the signal with respect to the
 //! parameters, in units of the noise.
 
+pub mod closing;
 pub mod columns;
 pub mod compare;
 pub mod contenders;

@@ -4,7 +4,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::design::series::{Basis, Series};
+use crate::mechanism::loops::Mechanism;
 use crate::robot::batch::Trajectory;
+use crate::setup::limits::JointLimits;
 
 /// Derivatives of position that the dynamics need.
 pub const MOTION: usize = 3;
@@ -24,6 +26,8 @@ pub struct Joints {
     pub standing: Vec<f64>,
     /// Trajectories designed together.
     pub trajectories: usize,
+    /// The loops that the joints close; joints without a motor are none of those that move.
+    pub loops: Option<Mechanism>,
 }
 
 impl Joints {
@@ -42,6 +46,29 @@ impl Joints {
         trajectory * self.of_trajectory() + m * self.series.width()
     }
 
+    /// Moves the joints without a motor with the others, trajectory by trajectory; a motion along which the loops do not
+    /// close is open.
+    pub fn close(&self, motion: &mut Motion) {
+        let Some(mechanism) = &self.loops else {
+            return;
+        };
+        let samples = motion.len() / self.trajectories;
+        motion.is_open = (0..self.trajectories).any(|trajectory| {
+            let own = trajectory * samples..(trajectory + 1) * samples;
+            let values = motion.values.each_mut().map(Vec::as_mut_slice);
+            mechanism.complete_motion(values, own).is_err()
+        });
+    }
+
+    /// Limits of the joints, without any of those that loops move.
+    pub fn of_motors(&self, limits: &[JointLimits]) -> Vec<JointLimits> {
+        let mut own = limits.to_vec();
+        for &joint in self.loops.iter().flat_map(|m| m.passive()) {
+            own[joint] = JointLimits::NONE;
+        }
+        own
+    }
+
     /// The same joints in one trajectory.
     pub fn single(&self) -> Self {
         Self {
@@ -55,6 +82,8 @@ impl Joints {
 #[derive(Debug, Clone)]
 pub struct Motion {
     pub values: [Vec<Vec<f64>>; MOTION],
+    /// The loops of the robot do not close somewhere along it.
+    pub is_open: bool,
 }
 
 impl Motion {
@@ -65,7 +94,10 @@ impl Motion {
         for j in (0..joints.count).filter(|j| !joints.moving.contains(j)) {
             values[0][j].fill(joints.standing[j]);
         }
-        Self { values }
+        Self {
+            values,
+            is_open: false,
+        }
     }
 
     /// A motion of coefficients x.
@@ -87,6 +119,7 @@ impl Motion {
                 }
             }
         }
+        joints.close(self);
     }
 
     /// Adds the gradient with respect to the coefficients of a function whose slopes along the motion are
@@ -154,5 +187,8 @@ pub fn of_motors(
         };
         (0..n).map(mixed).collect()
     });
-    Motion { values }
+    Motion {
+        values,
+        is_open: motion.is_open,
+    }
 }

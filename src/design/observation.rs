@@ -10,7 +10,8 @@ use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::DMatrix;
 
 use crate::chain::model::Model;
-use crate::design::columns::{Columns, Entries, Recipe};
+use crate::design::closing::{AlongMotion, Carried};
+use crate::design::columns::{Channel, Columns, Entries, Recipe};
 use crate::design::laws::{Evaluated, Laws};
 use crate::design::motion::{Motion, of_motors};
 use crate::robot::batch::{LaneState, Trajectory};
@@ -42,6 +43,7 @@ pub struct Workspace {
     rows: Vec<Vec<f64>>,
     slopes: Vec<f64>,
     gram: Vec<f64>,
+    carried: Carried,
     motors: Motion,
     laws: Vec<Evaluated>,
 }
@@ -103,15 +105,17 @@ impl<'m> Observation<'m> {
                 .collect(),
             slopes: vec![0.0; widest * stride],
             gram: vec![0.0; widest * widest],
+            carried: Carried::default(),
             motors: Motion {
                 values: [none(), none(), none()],
+                is_open: false,
             },
             laws: vec![Evaluated::default(); n],
         }
     }
 
-    /// M of a motion of the joints; the workspace keeps W for [`Observation::pull`].
-    pub fn information(&self, motion: &Motion, work: &mut Workspace) -> DMatrix<f64> {
+    /// W of a motion of the joints, kept in the workspace.
+    fn observe(&self, motion: &Motion, work: &mut Workspace) {
         let set = InstructionSet::detect();
         let kernel = EntriesKernel {
             tree: self.model.tree(),
@@ -121,8 +125,16 @@ impl<'m> Observation<'m> {
             values: &mut work.entries,
         };
         instructions::run(kernel, set);
+        if let Some(mechanism) = self.model.mechanism() {
+            work.carried = Carried::along(mechanism, motion);
+        }
         self.motors(motion, work);
         self.fill_rows(work);
+    }
+
+    /// M of a motion of the joints; the workspace keeps W for [`Observation::pull`].
+    pub fn information(&self, motion: &Motion, work: &mut Workspace) -> DMatrix<f64> {
+        self.observe(motion, work);
         let p = self.columns.len();
         let mut information = DMatrix::zeros(p, p);
         for (channel, rows) in self.columns.channels.iter().zip(&work.rows) {
@@ -179,10 +191,18 @@ impl<'m> Observation<'m> {
                 match recipe {
                     Recipe::Bodies(parts) => {
                         out.fill(0.0);
-                        for &(entry, weight) in parts {
+                        for part in parts {
+                            let (entry, weight) = (part.entry, part.weight);
                             let series = &work.entries[entry * stride..(entry + 1) * stride];
-                            for (to, y) in out[..samples].iter_mut().zip(series) {
-                                *to += weight * y;
+                            let pairs = out[..samples].iter_mut().zip(series);
+                            match part.carried {
+                                None => pairs.for_each(|(to, y)| *to += weight * y),
+                                Some(by) => {
+                                    let turns = work.carried.of(by.passive, by.motor);
+                                    pairs
+                                        .zip(turns)
+                                        .for_each(|((to, y), p)| *to += weight * p * y);
+                                }
                             }
                         }
                     }
@@ -197,8 +217,43 @@ impl<'m> Observation<'m> {
         }
     }
 
+    /// G of every channel, column by column like its rows, for `∂f/∂M` at the motion that was evaluated last with this
+    /// workspace.
+    fn row_gradient(&self, by_information: &DMatrix<f64>, work: &Workspace) -> Vec<Vec<f64>> {
+        let stride = work.stride;
+        let weights = by_information.component_mul(&self.columns.multiplicity) * 2.0;
+        let channels = self.columns.channels.iter().zip(&work.rows);
+        let of_channel = |(channel, rows): (&Channel, &Vec<f64>)| {
+            let count = channel.columns.len();
+            let own = DMatrix::from_fn(count, count, |a, b| {
+                weights[(channel.columns[a], channel.columns[b])]
+            });
+            let mut gradient = vec![0.0; count * stride];
+            matmul(
+                MatMut::from_column_major_slice_mut(&mut gradient, stride, count),
+                Accum::Replace,
+                MatRef::from_column_major_slice(rows, stride, count),
+                MatRef::from_column_major_slice(own.as_slice(), count, count),
+                1.0,
+                Par::Seq,
+            );
+            gradient
+        };
+        channels.map(of_channel).collect()
+    }
+
+    /// `⟨G, W⟩` sample by sample, for `∂f/∂M` at the motion that was evaluated last with the workspace: how f changes with a
+    /// motion is how this does while G stays.
+    pub fn weighted(&self, by_information: &DMatrix<f64>, work: &Workspace) -> Weighted<'_, 'm> {
+        Weighted {
+            observation: self,
+            gradient: self.row_gradient(by_information, work),
+            work: work.clone(),
+        }
+    }
+
     /// Adds to `slopes` the gradient of f with respect to the motion of the joints, for `∂f/∂M` at the
-    /// motion that was evaluated last with this workspace.
+    /// motion that was evaluated last with this workspace. A tree's: loops have [`Observation::weighted`].
     pub fn pull(
         &self,
         motion: &Motion,
@@ -231,10 +286,11 @@ impl<'m> Observation<'m> {
                     continue;
                 };
                 let g = &work.slopes[k * stride..(k + 1) * stride];
-                for &(entry, weight) in parts {
-                    let out = &mut work.entry_slopes[entry * stride..(entry + 1) * stride];
+                for part in parts {
+                    let first = part.entry * stride;
+                    let out = &mut work.entry_slopes[first..first + stride];
                     for (to, y) in out.iter_mut().zip(g) {
-                        *to += weight * y;
+                        *to += part.weight * y;
                     }
                 }
             }
@@ -297,6 +353,29 @@ impl<'m> Observation<'m> {
                 }
             }
         }
+    }
+}
+
+/// Rows of motions, weighted by what a function of the information asks of them.
+#[derive(Debug)]
+pub struct Weighted<'o, 'm> {
+    observation: &'o Observation<'m>,
+    gradient: Vec<Vec<f64>>,
+    work: Workspace,
+}
+
+impl AlongMotion for Weighted<'_, '_> {
+    fn series(&mut self, motion: &Motion) -> Vec<Vec<f64>> {
+        let (stride, samples) = (self.work.stride, self.work.samples);
+        self.observation.observe(motion, &mut self.work);
+        let mut sum = vec![0.0; samples];
+        for (gradient, rows) in self.gradient.iter().zip(&self.work.rows) {
+            for (g, w) in gradient.chunks(stride).zip(rows.chunks(stride)) {
+                let terms = sum.iter_mut().zip(g.iter().zip(w));
+                terms.for_each(|(sum, (g, w))| *sum += g * w);
+            }
+        }
+        vec![sum]
     }
 }
 

@@ -119,6 +119,19 @@ impl Sampled {
         }
     }
 
+    /// The same with the joints without a motor moved by the others.
+    pub fn closed(self, joints: &Joints) -> Self {
+        let mut motion = Motion {
+            values: self.values,
+            is_open: false,
+        };
+        joints.close(&mut motion);
+        Self {
+            values: motion.values,
+            ..self
+        }
+    }
+
     /// Comma-separated text: t, then q_, dq_ and ddq_ of all joints.
     ///
     /// # Errors
@@ -196,6 +209,7 @@ fn motion_of(quintics: &[[f64; 6]], duration: f64) -> Motion {
     };
     Motion {
         values: std::array::from_fn(|order| quintics.iter().map(|c| of(order, c)).collect()),
+        is_open: false,
     }
 }
 

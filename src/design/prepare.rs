@@ -66,6 +66,13 @@ impl Prepared {
     pub fn read(problem: &ProblemFile) -> Result<Self, DesignError> {
         let robot = setup::robot::open(problem)?;
         refuse_leaders(problem, &robot)?;
+        if robot.mechanism.is_some() && problem.design.kind.value == DesignKind::ConstantVelocity {
+            let kind = Mismatch::NotYet {
+                what: "a plan of constant velocities for a mechanism with closed loops".to_string(),
+                instead: "set design.kind = \"fourier\"".to_string(),
+            };
+            return Err(SetupError::mismatch(&problem.design.kind.place, kind).into());
+        }
         // What a plan of constant velocities is for is not known before.
         let mut model = match problem.design.kind.value {
             DesignKind::ConstantVelocity => {

@@ -7,6 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use nalgebra::{DMatrix, DVector};
 
 use crate::chain::model::Model;
+use crate::design::closing::{self, AlongMotion, LoopRows};
 use crate::design::columns::Columns;
 use crate::design::motion::{Joints, Motion};
 use crate::design::observation::{Observation, Workspace as Memory};
@@ -28,6 +29,8 @@ pub struct Experiment<'m> {
     pub observation: Observation<'m>,
     pub torques: Torques<'m>,
     pub workspace: Workspace<'m>,
+    /// Where the robot closes loops.
+    pub loops: Option<LoopRows>,
     pub target: Target<'m>,
     /// Models that are to be told apart, in place of the target.
     pub rivals: Option<Rivals<'m>>,
@@ -69,6 +72,7 @@ impl<'m> Plan<'m> {
                 tree: self.model.tree(),
                 rules: self.rules,
             },
+            loops: self.joints.loops.as_ref().map(LoopRows::new),
             target: self.target,
             rivals: self.rivals,
             observation,
@@ -115,8 +119,17 @@ impl Experiment<'_> {
     /// Information of a motion of coefficients x.
     pub fn information(&self, x: &DVector<f64>) -> DMatrix<f64> {
         let motion = Motion::of(&self.joints, &self.basis, x);
+        self.of_motion(&motion)
+    }
+
+    /// Information of a motion; none where the loops do not close along it.
+    fn of_motion(&self, motion: &Motion) -> DMatrix<f64> {
+        if motion.is_open {
+            let count = self.observation.columns().len();
+            return DMatrix::zeros(count, count);
+        }
         let mut memory = self.observation.workspace(motion.len());
-        self.observation.information(&motion, &mut memory)
+        self.observation.information(motion, &mut memory)
     }
 
     /// Names, units and scales of the variables; number and kind of the rows.
@@ -156,6 +169,13 @@ impl Experiment<'_> {
         constraints.extend(self.workspace.rules.iter().map(|rule| Constraint {
             name: rule.name(),
             unit: rule.unit().to_string(),
+            rows: samples,
+            set: Set::Nonnegative,
+        }));
+        let loops = self.loops.iter().flat_map(LoopRows::names);
+        constraints.extend(loops.map(|(name, unit)| Constraint {
+            name,
+            unit: unit.to_string(),
             rows: samples,
             set: Set::Nonnegative,
         }));
@@ -219,12 +239,21 @@ impl<'a> Excitation<'a> {
 
     /// g at a motion.
     fn rows(&self, motion: &Motion) -> DVector<f64> {
+        if motion.is_open {
+            // Nothing holds where the loops do not close.
+            return DVector::from_element(self.form.constraint_rows(), -1.0);
+        }
         let torques = self.experiment.torques.values(motion);
         let mut rows = self.experiment.torques.margins(&torques, self.shrink);
         // A tightened rule keeps a distance of the same share of a metre, or of its limit.
         let room = 1.0 - self.shrink;
         for series in self.experiment.workspace.values(motion) {
             rows.extend(series.into_iter().map(|value| value - room));
+        }
+        if let Some(loops) = &self.experiment.loops {
+            for (series, limit) in loops.values(motion).into_iter().zip(loops.limits()) {
+                rows.extend(series.into_iter().map(|value| value - room * limit));
+            }
         }
         DVector::from_vec(rows)
     }
@@ -235,6 +264,19 @@ impl<'a> Excitation<'a> {
         let (joints, basis) = (&experiment.joints, &experiment.basis);
         let samples = motion.len();
         let mut jacobian = DMatrix::zeros(self.form.constraint_rows(), self.form.variables.len());
+        if joints.loops.is_some() {
+            let mut rows = Rows { excitation: self };
+            closing::slopes(
+                &mut rows,
+                motion,
+                joints,
+                &experiment.bounds,
+                |order, joint, by| {
+                    closing::to_coefficients(&mut jacobian, (joints, basis), (order, joint), by);
+                },
+            );
+            return jacobian;
+        }
         let torques = &experiment.torques;
         torques.jacobian((motion, self.shrink), (joints, basis), (&mut jacobian, 0));
         let first = torques.rows(samples);
@@ -257,6 +299,21 @@ impl<'a> Excitation<'a> {
     }
 }
 
+/// The rows g of an excitation along motions.
+struct Rows<'a> {
+    excitation: &'a Excitation<'a>,
+}
+
+impl AlongMotion for Rows<'_> {
+    fn series(&mut self, motion: &Motion) -> Vec<Vec<f64>> {
+        closing::blocks(&self.excitation.rows(motion), motion.len())
+    }
+}
+
+fn open() -> OutsideDomain {
+    OutsideDomain::new("the loops of the mechanism do not close along the motion")
+}
+
 fn singular() -> OutsideDomain {
     OutsideDomain::new("the motion does not determine the parameters")
 }
@@ -275,6 +332,9 @@ impl Problem for Excitation<'_> {
         } = &mut *memory;
         let experiment = self.experiment;
         motion.set(&experiment.joints, &experiment.basis, x);
+        if motion.is_open {
+            return Err(open());
+        }
         let cost = match &experiment.rivals {
             Some(rivals) => rivals.minimised(motion, &experiment.basis),
             None => {
@@ -297,6 +357,9 @@ impl Problem for Excitation<'_> {
         } = &mut *memory;
         let experiment = self.experiment;
         motion.set(&experiment.joints, &experiment.basis, x);
+        if motion.is_open {
+            return Err(open());
+        }
         let (joints, basis) = (&experiment.joints, &experiment.basis);
         let (cost, gradient) = if let Some(rivals) = &experiment.rivals {
             let graded = rivals.graded((joints, basis), x);
@@ -307,7 +370,15 @@ impl Problem for Excitation<'_> {
             let graded = graded.ok_or_else(singular)?;
             slopes.clear();
             let of = &experiment.observation;
-            of.pull(motion, &graded.gradient, observation, slopes);
+            if joints.loops.is_some() {
+                let mut weighted = of.weighted(&graded.gradient, observation);
+                let limits = &experiment.bounds;
+                closing::slopes(&mut weighted, motion, joints, limits, |order, joint, by| {
+                    slopes.values[order][joint].copy_from_slice(&by[0]);
+                });
+            } else {
+                of.pull(motion, &graded.gradient, observation, slopes);
+            }
             let mut gradient = DVector::zeros(x.len());
             slopes.pull(joints, basis, &mut gradient);
             (graded.value, gradient)

@@ -86,6 +86,9 @@ struct Pair {
 impl Rivals<'_> {
     /// −√D of the nearest pair; infinite where two rivals predict the same.
     pub fn value(&self, motion: &Motion, basis: &Basis) -> f64 {
+        if motion.is_open {
+            return f64::INFINITY;
+        }
         let Some(pairs) = self.pairs(motion, basis) else {
             return f64::INFINITY;
         };
@@ -108,7 +111,9 @@ impl Rivals<'_> {
         let (mean, by_distance) = nearest(&pairs);
         let weights: Vec<f64> = by_distance.iter().map(|d| -d).collect();
         let along = |motion: &Motion| self.residuals(motion, basis, (&pairs, &weights));
-        let stand_alone = self.models.iter().all(|r| r.model.memory() == Memory::None);
+        // Joints without a motor move with more than one of the others.
+        let stand_alone =
+            joints.loops.is_none() && self.models.iter().all(|r| r.model.memory() == Memory::None);
         let gradient = if stand_alone {
             of_states(&motion, (joints, basis), along)
         } else {
@@ -260,6 +265,7 @@ fn cut(motion: &Motion, range: std::ops::Range<usize>) -> Motion {
                 .map(|series| series[range.clone()].to_vec())
                 .collect()
         }),
+        is_open: motion.is_open,
     }
 }
 

@@ -198,7 +198,10 @@ impl Strokes {
                 }
             }
         }
-        Motion { values }
+        Motion {
+            values,
+            is_open: false,
+        }
     }
 }
 

@@ -159,6 +159,7 @@ fn experiment<'a>(
         moving,
         standing: (0..n).map(standing).collect(),
         trajectories: table.trajectories.value,
+        loops: prepared.robot.mechanism.clone(),
     };
     check_samples(problem, joints.series.harmonics)?;
     let plan = Plan {
@@ -278,7 +279,9 @@ fn files(
     }
     let rest = prepared.rest(problem)?;
     let holds = |motion: &Motion| {
-        let margins = verify::of_dynamics(experiment, (motion, 0.0), 0);
+        let mut motion = motion.clone();
+        single.close(&mut motion);
+        let margins = verify::of_dynamics(experiment, (&motion, 0.0), 0);
         verify::violation(&margins) <= verify::TOLERANCE
     };
     let mut plain = Vec::new();
@@ -287,7 +290,9 @@ fn files(
         let sampled = Sampled::period(&single, &own, rate(problem), &names);
         ramped.push(NamedTrajectory {
             name: format!("{name}_with_ramps"),
-            sampled: sampled.with_ramps(&rest, &prepared.limits, holds),
+            sampled: sampled
+                .with_ramps(&rest, &single.of_motors(&prepared.limits), holds)
+                .closed(&single),
         });
         plain.push(NamedTrajectory { name, sampled });
     }

@@ -85,6 +85,7 @@ fn joints(trajectories: usize) -> Joints {
         harmonics: vec![4, 3, 4],
         standing: vec![0.0; 3],
         trajectories,
+        loops: None,
     }
 }
 
@@ -150,7 +151,7 @@ impl Bench {
     }
 }
 
-fn some_motion(count: usize, seed: u64) -> DVector<f64> {
+pub(super) fn some_motion(count: usize, seed: u64) -> DVector<f64> {
     let mut rng = generator(seed);
     DVector::from_fn(count, |_, _| symmetric(&mut rng, 0.6))
 }
@@ -174,7 +175,7 @@ fn slope(
     (of(a.cost, b.cost, c.cost, e.cost), constraints)
 }
 
-fn assert_slopes_of_cost(problem: &dyn Problem, x: &DVector<f64>, name: &str) {
+pub(super) fn assert_slopes_of_cost(problem: &dyn Problem, x: &DVector<f64>, name: &str) {
     let exact = problem.linearize(x).unwrap();
     for seed in 0..4 {
         let d = some_motion(x.len(), 100 + seed);
@@ -187,7 +188,7 @@ fn assert_slopes_of_cost(problem: &dyn Problem, x: &DVector<f64>, name: &str) {
     }
 }
 
-fn assert_slopes_of_constraints(problem: &dyn Problem, x: &DVector<f64>) {
+pub(super) fn assert_slopes_of_constraints(problem: &dyn Problem, x: &DVector<f64>) {
     let exact = problem.linearize(x).unwrap();
     let d = some_motion(x.len(), 100);
     let (_, rows) = slope(problem, (x, &d), 1e-5);

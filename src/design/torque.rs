@@ -1,7 +1,7 @@
 //! Motor torques along a motion against their limits, and their derivatives with respect to the motion:
 //!
 //! ```text
-//! τ_M = Vᵀ τ(q, q̇, q̈) + laws(m, ṁ, m̈)
+//! τ_M = Vᵀ (τ + Pᵀ τ_p)(q, q̇, q̈) + laws(m, ṁ, m̈)    P and τ_p of joints without a motor, where loops are closed
 //! margin = 1 − |τ_M| / τ_max            as two rows, one for each sign
 //! ```
 
@@ -9,6 +9,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::chain::evaluate::{BLOCK, bodies};
 use crate::chain::model::Model;
+use crate::design::closing::Carried;
 use crate::design::laws::{Evaluated, Laws};
 use crate::design::motion::{Joints, MOTION, Motion, of_motors};
 use crate::design::observation::Observation;
@@ -83,6 +84,7 @@ impl<'m> Torques<'m> {
             .iter()
             .map(|bodies| batch::torques(tree, bodies, motion.trajectory()))
             .collect();
+        let carried = (self.model.mechanism()).map(|m| Carried::along(m, motion));
         let mut scratch = Evaluated::default();
         let motors = self.motors(motion);
         let of = |limited: &Limited| {
@@ -93,6 +95,18 @@ impl<'m> Torques<'m> {
                 if v != 0.0 {
                     for (to, t) in torque.iter_mut().zip(series) {
                         *to += v * t;
+                    }
+                }
+            }
+            if let (Some(mechanism), Some(carried)) = (self.model.mechanism(), &carried) {
+                for (a, &i) in mechanism.actuated().iter().enumerate() {
+                    let v = self.coupling[(i, j)];
+                    for (p, &passive) in mechanism.passive().iter().enumerate() {
+                        let terms = of_joints[limited.load][passive]
+                            .iter()
+                            .zip(carried.of(p, a));
+                        let pairs = torque.iter_mut().zip(terms);
+                        pairs.for_each(|(to, (t, turns))| *to += v * turns * t);
                     }
                 }
             }

@@ -175,6 +175,19 @@ pub fn of_dynamics(
 ) -> Vec<Margin> {
     let model = experiment.observation.model();
     let mut all = Vec::new();
+    if motion.is_open {
+        all.push(Margin {
+            constraint: "closed loops".to_string(),
+            joint: None,
+            trajectory,
+            time: 0.0,
+            margin: -1.0,
+            relative: -1.0,
+            limit: 0.0,
+            unit: "1".to_string(),
+        });
+        return all;
+    }
     let torques = experiment.torques.values(motion);
     for (limited, series) in experiment.torques.limited.iter().zip(&torques) {
         let joint = &model.tree().joints()[limited.joint];
@@ -203,6 +216,23 @@ pub fn of_dynamics(
             limit: rule.limit(),
             unit: rule.unit().to_string(),
         });
+    }
+    if let Some(loops) = &experiment.loops {
+        for ((series, limit), (name, unit)) in
+            (loops.values(motion).iter().zip(loops.limits())).zip(loops.names())
+        {
+            let (k, least) = extreme(series.iter().copied());
+            all.push(Margin {
+                constraint: name,
+                joint: None,
+                trajectory,
+                time: k as f64 * step,
+                margin: least,
+                relative: least / limit,
+                limit,
+                unit: unit.to_string(),
+            });
+        }
     }
     all
 }

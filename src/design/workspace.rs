@@ -348,6 +348,7 @@ mod tests {
         let at = |rng: &mut ChaCha8Rng| (0..5).map(|_| vec![symmetric(rng, 2.0)]).collect();
         let motion = Motion {
             values: [at(&mut rng), at(&mut rng), at(&mut rng)],
+            is_open: false,
         };
         let slopes = workspace.slopes(&motion);
         let h = 1e-6;

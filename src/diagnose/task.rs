@@ -130,9 +130,11 @@ fn of_robot(
     let estimated = &reported.diagnosis.outcome.parameters;
     let differences = setup::declared::differences(problem, &robot, &model, estimated);
     reported.diagnosis.notes.extend(differences);
-    if let (None, Some(fit)) = (&robot.mechanism, &mut reported.diagnosis.fit) {
+    if let Some(fit) = &mut reported.diagnosis.fit {
         fit.machine = Some(machine((problem, &robot), &reported.fitted));
-        fit.possible_machine = possible_machine((problem, &robot), &reported.fitted);
+        if robot.mechanism.is_none() {
+            fit.possible_machine = possible_machine((problem, &robot), &reported.fitted);
+        }
     }
     Ok(DiagnoseRun {
         diagnosis: reported.diagnosis,

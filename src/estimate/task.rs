@@ -78,7 +78,7 @@ pub fn run(
     control: &Control<'_>,
     watch: impl Fn(Step),
 ) -> Result<FitRun, FitError> {
-    let robot = setup::robot::open_any(problem)?;
+    let robot = setup::robot::open(problem)?;
     let mut model = setup::model::build(problem, &robot)?;
     let prior = setup::prior::build(problem, &robot, &mut model)?;
     watch(Step::Reading);
@@ -105,8 +105,8 @@ pub fn run(
         let theta_d = reactions::joint_torque_parameters(&fitted.model, &fitted.fit.posterior);
         fitted.fit.joint_torque_parameters = theta_d;
     }
+    fitted.fit.machine = Some(machine((problem, &robot), &fitted));
     if robot.mechanism.is_none() {
-        fitted.fit.machine = Some(machine((problem, &robot), &fitted));
         fitted.fit.possible_machine = possible_machine((problem, &robot), &fitted);
     }
     fitted.fit.model = Some(in_full(&fitted.model, &fitted.values));

@@ -11,7 +11,7 @@ use std::path::Path;
 pub enum ExportError {
     /// The verb identifies no robot, or the result is of a version that did not keep it.
     NoRobot { name: String, verb: &'static str },
-    /// Joints of the robot close loops, for which other formats want its bodies and closures.
+    /// Joints of the robot close loops, which the format does not have.
     ClosedLoops { name: String },
     /// An effect that this version does not know.
     UnknownEffect { joint: String, effect: String },
@@ -50,9 +50,10 @@ impl ExportError {
             Self::ClosedLoops { name } => Description::new(
                 "closed-loops-not-exported",
                 format!(
-                    "joints of the robot of `{name}` close loops, and robots whose joints are a tree are exported alone"
+                    "joints of the robot of `{name}` close loops, which programs of inverse dynamics and the plugin of drives do not \
+                     have"
                 ),
-                "take the values from `parameters` and `base_parameters` of result.json",
+                "export to mjcf, which closes the loops, or to urdf or toml, which have the tree that they were cut to",
             ),
             Self::UnknownEffect { joint, effect } => Description::new(
                 "unknown-effect",

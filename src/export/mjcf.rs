@@ -1,5 +1,6 @@
 //! MJCF: bodies, armature, damping and frictionloss; frames as sites.
 
+use crate::export::closing;
 use crate::export::xml::{escaped, triple};
 use crate::export::{Export, File};
 use crate::outcome::machine::{Machine, MachineJoint, Motion, Pose};
@@ -72,9 +73,14 @@ pub fn document(machine: &Machine, natives: &[Native], actuation: Actuation) -> 
         text = text.replace("  <worldbody>\n", extension);
     }
     sites(machine, None, "    ", &mut text);
+    closing::sites(machine, None, "    ", &mut text);
     bodies((machine, natives), None, "    ", &mut text);
     text.push_str("  </worldbody>\n");
-    couplings(machine, &mut text);
+    let equalities = [couplings(machine), closing::equalities(machine)].concat();
+    if !equalities.is_empty() {
+        text.push_str(&format!("  <equality>\n{equalities}  </equality>\n"));
+    }
+    text.push_str(&closing::rods(machine));
     if actuation == Actuation::Plugin {
         text.push_str("  <actuator>\n");
         for joint in &machine.joints {
@@ -92,7 +98,7 @@ pub fn document(machine: &Machine, natives: &[Native], actuation: Actuation) -> 
 }
 
 /// Joints that follow others.
-fn couplings(machine: &Machine, text: &mut String) {
+fn couplings(machine: &Machine) -> String {
     let following = machine.joints.iter();
     let following = following.filter_map(|joint| Some((joint, joint.follows.as_ref()?)));
     let lines: Vec<String> = following
@@ -106,9 +112,7 @@ fn couplings(machine: &Machine, text: &mut String) {
             )
         })
         .collect();
-    if !lines.is_empty() {
-        text.push_str(&format!("  <equality>\n{}  </equality>\n", lines.concat()));
-    }
+    lines.concat()
 }
 
 fn bodies(
@@ -135,6 +139,7 @@ fn bodies(
         let _ = writeln!(text, "{inner}{}", inertial(&body));
         let _ = writeln!(text, "{inner}{}", moving(joint, &natives[k]));
         sites(machine, Some(k), &inner, text);
+        closing::sites(machine, Some(k), &inner, text);
         bodies((machine, natives), Some(k), &inner, text);
         let _ = writeln!(text, "{indent}</body>");
     }

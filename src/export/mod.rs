@@ -3,6 +3,7 @@
 //! Each format takes what it has a place for; what it has none for stands in a side file or in the notes,
 //! never silently left out.
 
+mod closing;
 mod code;
 mod dress;
 mod drive;
@@ -58,17 +59,16 @@ pub struct Export {
 /// # Errors
 /// Where the result identified no robot, or the robot's own file does not read any more.
 pub fn export(outcome: &Outcome, format: Format) -> Result<Export, ExportError> {
-    let robot = &outcome.run.problem["robot"];
-    let has_loops = robot.get("mechanism").is_some() || robot.get("closed").is_some();
-    let identified = outcome.machine().ok_or_else(|| match has_loops {
-        true => ExportError::ClosedLoops {
-            name: outcome.name.clone(),
-        },
-        false => ExportError::NoRobot {
-            name: outcome.name.clone(),
-            verb: outcome.part.verb(),
-        },
+    let identified = outcome.machine().ok_or_else(|| ExportError::NoRobot {
+        name: outcome.name.clone(),
+        verb: outcome.part.verb(),
     })?;
+    let is_of_trees = !matches!(format, Format::Urdf | Format::Mjcf | Format::Toml);
+    if is_of_trees && !identified.loops.is_empty() {
+        return Err(ExportError::ClosedLoops {
+            name: outcome.name.clone(),
+        });
+    }
     // MuJoCo does not load bodies that are not possible.
     let nearest = match format {
         Format::Mjcf | Format::Mujoco => outcome.possible_machine(),
@@ -95,6 +95,9 @@ pub fn export(outcome: &Outcome, format: Format) -> Result<Export, ExportError> 
         Format::NumPy => code::write(robot, (name, Language::NumPy))?,
     };
     export.notes.extend(nearest.map(|_| NEAREST.to_string()));
+    if !machine.loops.is_empty() && format != Format::Mjcf {
+        export.notes.push(CUT.to_string());
+    }
     export.notes.extend(caveats(machine));
     export.notes.extend(nameless(outcome));
     Ok(export)
@@ -105,6 +108,9 @@ const TILT: &str = "base_tilt.roll";
 
 const NEAREST: &str = "no set of real bodies has the fitted base parameters: the robot is the possible one that is nearest by the \
                        covariance of the fit, friction moved along with its bodies";
+
+const CUT: &str =
+    "the file has the tree that the loops were cut to: what reads it has to close them again";
 
 /// What a diagnosis calls a finding that has no law.
 const UNNAMED: &str = "unnamed";

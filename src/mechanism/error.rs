@@ -2,6 +2,14 @@
 
 use thiserror::Error;
 
+/// The first sample of a motion at which a mechanism has no position.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("sample {sample}: {error}")]
+pub struct OpenLoop {
+    pub sample: usize,
+    pub error: MechanismError,
+}
+
 /// A fault of a mechanism or of a position that it is asked for.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MechanismError {

@@ -2,12 +2,13 @@
 //! way of torques to the motors.
 
 use crate::mechanism::condition::Condition;
-use crate::mechanism::error::MechanismError;
+use crate::mechanism::error::{MechanismError, OpenLoop};
 use crate::mechanism::motion::Links;
 use crate::robot::random::symmetric;
 use crate::robot::tree::Tree;
 use nalgebra::{DMatrix, DVector, Dyn, QR};
 use rand_chacha::ChaCha8Rng;
+use std::ops::Range;
 
 /// Steps of Newton's iteration after which the loops count as open.
 const MOST_STEPS: usize = 60;
@@ -108,6 +109,11 @@ impl Mechanism {
     /// Joints with a motor, ascending.
     pub fn actuated(&self) -> &[usize] {
         &self.actuated
+    }
+
+    /// What closes the loops.
+    pub fn conditions(&self) -> &[Condition] {
+        &self.conditions
     }
 
     /// Whether a link weighs nothing by construction.
@@ -231,6 +237,51 @@ impl Mechanism {
         }
     }
 
+    /// Sets the passive entries of a state (q, q̇, q̈ of n each) to what the actuated ones give; the passive entries of
+    /// q are where the search begins.
+    ///
+    /// # Errors
+    /// As of [`close`](Self::close).
+    pub fn complete(&self, [q, dq, ddq]: [&mut [f64]; 3]) -> Result<(), MechanismError> {
+        self.close(q)?;
+        self.velocities(q, dq);
+        self.accelerations(q, dq, ddq);
+        Ok(())
+    }
+
+    /// Sets the passive joints over some samples of a motion (position, velocity and acceleration, `[joint][sample]`) to what
+    /// the actuated ones give; the search at a sample begins where the one before ended, the first one at home.
+    ///
+    /// # Errors
+    /// The first sample at which the loops stay open or the passive joints are not held.
+    pub fn complete_motion(
+        &self,
+        mut motion: [&mut [Vec<f64>]; 3],
+        samples: Range<usize>,
+    ) -> Result<(), OpenLoop> {
+        let mut state = [
+            self.home.clone(),
+            vec![0.0; self.home.len()],
+            vec![0.0; self.home.len()],
+        ];
+        for sample in samples {
+            for (values, series) in state.iter_mut().zip(&motion) {
+                for &joint in &self.actuated {
+                    values[joint] = series[joint][sample];
+                }
+            }
+            let [q, dq, ddq] = &mut state;
+            self.complete([q, dq, ddq])
+                .map_err(|error| OpenLoop { sample, error })?;
+            for (values, series) in state.iter().zip(motion.iter_mut()) {
+                for &joint in &self.passive {
+                    series[joint][sample] = values[joint];
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// g(q), m and rad.
     pub fn gap(&self, q: &[f64]) -> DVector<f64> {
         let links = Links::at(&self.tree, q, &vec![0.0; q.len()]);
@@ -268,8 +319,8 @@ impl Mechanism {
         }
     }
 
-    /// Least singular value of G_p as a share of the largest.
-    fn determination(&self, q: &[f64]) -> f64 {
+    /// Least singular value of G_p as a share of the largest: how well the motors hold the joints without one.
+    pub fn determination(&self, q: &[f64]) -> f64 {
         let passive = self.derivatives(q).select_columns(&self.passive);
         let values = passive.singular_values();
         match values.amax() {

@@ -19,7 +19,7 @@ use crate::recording::samples::Recording;
 use crate::recording::split::Split;
 use crate::robot::newton_euler::NewtonEuler;
 use crate::setup;
-use crate::setup::error::SetupError;
+use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::recordings::{Read, read_all};
 use crate::setup::robot::Robot;
 
@@ -38,6 +38,7 @@ pub fn run(problem: &ProblemFile) -> Result<MotorRun, MotorsError> {
     let table = problem.recordings().map_err(SetupError::from)?;
     check_settings(problem, table)?;
     let robot = setup::robot::open(problem)?;
+    require_tree(problem, &robot)?;
     check_names(problem, &robot)?;
     let mut model = setup::model::build(&setup::model::with_unit_constant(problem), &robot)?;
     // Bodies of an earlier fit become those of the model; priors of torque constants have a table of their own.
@@ -65,6 +66,18 @@ pub fn run(problem: &ProblemFile) -> Result<MotorRun, MotorsError> {
         joints: joints.into_iter().map(|joint| joint.name).collect(),
         predictions,
     })
+}
+
+/// The balance of a joint at constant speed is that of a tree.
+fn require_tree(problem: &ProblemFile, robot: &Robot) -> Result<(), MotorsError> {
+    if robot.mechanism.is_none() {
+        return Ok(());
+    }
+    let kind = Mismatch::NotYet {
+        what: "a fit of motor constants at constant speed of a mechanism with closed loops".into(),
+        instead: "fit it by maximum likelihood or least squares".into(),
+    };
+    Err(SetupError::mismatch(&problem.fit.estimator.place, kind).into())
 }
 
 fn check_settings(problem: &ProblemFile, table: &RecordingsTable) -> Result<(), MotorsError> {

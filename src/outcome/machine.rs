@@ -25,6 +25,9 @@ pub struct Machine {
     pub joints: Vec<MachineJoint>,
     /// Frames that are fixed to a link or to the base.
     pub frames: Vec<MachineFrame>,
+    /// What closes the loops of joints without a motor; empty for a tree.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub loops: Vec<MachineLoop>,
     /// V of `q = V m + offset` by rows; absent where every motor moves its own joint alone.
     pub coupling: Option<Vec<Vec<f64>>>,
     pub payload: Option<MachineLoad>,
@@ -77,6 +80,9 @@ pub struct MachineJoint {
     pub body: [f64; PER_LINK],
     /// Position at which the joint stood still in every recording.
     pub locked: Option<f64>,
+    /// The loops move this joint, which has no motor of its own.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub passive: bool,
     /// The joint that moves this one, which has no motor of its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub follows: Option<MachineLeader>,
@@ -85,6 +91,35 @@ pub struct MachineJoint {
     /// Constant of `q = V m + offset`, rad (m).
     pub offset: f64,
     pub effects: Vec<MachineEffect>,
+}
+
+/// What closes a loop of the tree.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "joint", rename_all = "lowercase")]
+pub enum MachineLoop {
+    /// Two points are one.
+    Ball { ends: [MachineAnchor; 2] },
+    /// Two points are one and two axes, unit vectors in the links' frames, are parallel.
+    Hinge {
+        ends: [MachineAnchor; 2],
+        axes: [[f64; 3]; 2],
+    },
+    /// A massless rod between two points, m.
+    Rod {
+        ends: [MachineAnchor; 2],
+        length: f64,
+    },
+    /// Two joints have one position.
+    Equal { joints: [usize; 2] },
+}
+
+/// A point that is fixed to a link.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MachineAnchor {
+    /// Position of the joint that carries the link; absent for the base.
+    pub link: Option<usize>,
+    /// In the link's frame, m.
+    pub point: [f64; 3],
 }
 
 /// The law `q = multiplier · q_leader + offset` of a joint that follows another.

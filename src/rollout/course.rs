@@ -2,7 +2,7 @@
 
 use crate::chain::dataset::Prepared;
 use crate::chain::evaluate::Evaluator;
-use crate::chain::forward::{Accuracy, Driven, Forward, NoInertia, NotForward, State};
+use crate::chain::forward::{Accuracy, Driven, Forward, NotForward, State};
 use crate::robot::tree::JointKind;
 use crate::rollout::candidate::Candidate;
 use crate::stats::range::within;
@@ -102,11 +102,18 @@ impl<'a> Course<'a> {
         series.iter().map(|s| s[row]).collect()
     }
 
+    /// Loops close where they were recorded.
+    fn close_near(&self, forward: &mut Forward<'_>, row: usize) {
+        let recorded = &self.recording.experiment.motion.position;
+        forward.close_near(|joint| recorded[joint][row]);
+    }
+
     /// States at the starts: the motors as recorded, and what follows them from the beginning of the recording on, of a motion that
     /// repeats from a period before.
     fn follow(&self, forward: &mut Forward<'_>) -> Vec<State> {
         let recorded = |row: usize| [0, 1].map(|order: usize| Self::at(&self.motion[order], row));
         let [q, dq] = recorded(0);
+        self.close_near(forward, 0);
         let mut state = forward.settled(&q, &dq);
         let remembers = forward.lags() > 0 || forward.has_memory();
         let (rows, rate) = (
@@ -154,6 +161,7 @@ impl<'a> Course<'a> {
         let mut forward = Forward::new(model, values, self.recording.loaded, accuracy)?;
         forward.hold(&self.held);
         let start = self.starts[window];
+        self.close_near(&mut forward, start);
         let mut state = self.states[window].clone();
         if let Some([position, velocity]) = errors {
             let motors = forward.motors().to_vec();
@@ -199,8 +207,8 @@ impl<'a> Course<'a> {
                 from: &from,
                 to: &to,
             };
-            // A mass matrix that is not positive is as lost as a robot that flies away.
-            if let Err(NoInertia { .. }) = forward.advance(&mut state, driven, duration) {
+            // A mass matrix that is not positive, or a mechanism that tears, is as lost as a robot that flies away.
+            if forward.advance(&mut state, driven, duration).is_err() {
                 break;
             }
         }

@@ -111,7 +111,7 @@ pub fn run(
     watch: &dyn Fn(&str),
 ) -> Result<RolloutRun, RolloutError> {
     let problem = task.problem;
-    let robot = setup::robot::open_any(problem)?;
+    let robot = setup::robot::open(problem)?;
     let candidates = Candidates::of(task.outcome, problem, &robot)?;
     watch("reading and differentiating the recordings");
     let mut declared = setup::model::build(problem, &robot)?;

@@ -20,6 +20,16 @@ pub struct JointLimits {
 }
 
 impl JointLimits {
+    /// No limits.
+    pub const NONE: Self = Self {
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+        velocity: f64::INFINITY,
+        acceleration: f64::INFINITY,
+        jerk: None,
+        torque: None,
+    };
+
     /// The middle of the positions.
     pub fn middle(&self) -> f64 {
         0.5 * (self.lower + self.upper)
@@ -81,7 +91,10 @@ pub fn of_joints(problem: &ProblemFile, robot: &Robot) -> Result<Vec<JointLimits
             (Some(lower), Some(upper)) => (lower, upper),
             (Some(lower), None) => (lower, lower + range),
             (None, Some(upper)) => (upper - range, upper),
-            (None, None) => (-usual.half_range, usual.half_range),
+            (None, None) => {
+                let middle = robot.mechanism.as_ref().map_or(0.0, |m| m.home()[k]);
+                (middle - usual.half_range, middle + usual.half_range)
+            }
         };
         if lower >= upper && robot.locked[k].is_none() {
             return Err(SetupError::mismatch(

@@ -12,7 +12,7 @@ use crate::problem_file::robot::{ClosedTable, H4_KEYS, RobotTable};
 use crate::problem_file::{Located, Named, RecordingsTable};
 use crate::recording::columns::read_further;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
-use crate::recording::experiment::{Bandwidth, Experiment};
+use crate::recording::experiment::{Bandwidth, Experiment, Motion};
 use crate::recording::preprocess::prepare;
 use crate::recording::samples::Recording;
 use crate::recording::settings::Preparation;
@@ -240,29 +240,21 @@ pub fn complete(
     mechanism: &Mechanism,
     sensed: &Sensed,
 ) -> Result<(), RecordingError> {
-    let mut q = mechanism.home().to_vec();
-    let (mut dq, mut ddq) = (vec![0.0; q.len()], vec![0.0; q.len()]);
-    for row in 0..experiment.rows() {
-        let motion = &mut experiment.motion;
-        for &joint in mechanism.actuated() {
-            q[joint] = motion.position[joint][row];
-            dq[joint] = motion.velocity[joint][row];
-            ddq[joint] = motion.acceleration[joint][row];
-        }
-        mechanism.close(&mut q).map_err(|error| RecordingError {
-            place: Place::file(&experiment.file).key(format!("t = {:.4} s", experiment.t[row])),
+    let rows = experiment.rows();
+    let Motion {
+        position,
+        velocity,
+        acceleration,
+    } = &mut experiment.motion;
+    mechanism
+        .complete_motion([position, velocity, acceleration], 0..rows)
+        .map_err(|open| RecordingError {
+            place: Place::file(&experiment.file)
+                .key(format!("t = {:.4} s", experiment.t[open.sample])),
             kind: RecordingErrorKind::NoMotion {
-                reason: error.to_string(),
+                reason: open.error.to_string(),
             },
         })?;
-        mechanism.velocities(&q, &mut dq);
-        mechanism.accelerations(&q, &dq, &mut ddq);
-        for &joint in mechanism.passive() {
-            motion.position[joint][row] = q[joint];
-            motion.velocity[joint][row] = dq[joint];
-            motion.acceleration[joint][row] = ddq[joint];
-        }
-    }
     for (joint, series) in &sensed.accelerations {
         experiment.motion.acceleration[*joint].clone_from(series);
     }

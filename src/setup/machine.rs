@@ -2,9 +2,10 @@
 
 use crate::chain::effect::base_tilt;
 use crate::chain::model::{Model, Signal};
+use crate::mechanism::condition::{Anchor, Condition};
 use crate::outcome::machine::{
-    Machine, MachineEffect, MachineFrame, MachineJoint, MachineLeader, MachineLoad, MachineValue,
-    Pose, RobotDescription,
+    Machine, MachineAnchor, MachineEffect, MachineFrame, MachineJoint, MachineLeader, MachineLoad,
+    MachineLoop, MachineValue, Pose, RobotDescription,
 };
 use crate::problem_file::ProblemFile;
 use crate::problem_file::robot::PayloadPlace;
@@ -40,11 +41,37 @@ pub fn record(
         tilt,
         joints: joints.collect(),
         frames: frames.collect(),
+        loops: model
+            .mechanism()
+            .map_or_else(Vec::new, |m| m.conditions().iter().map(closed).collect()),
         coupling: (!model.is_uncoupled()).then(|| rows.collect()),
         payload: load(problem, model, values),
         feasible,
         signal: word(model.signal()).to_string(),
         description: description(robot),
+    }
+}
+
+fn closed(condition: &Condition) -> MachineLoop {
+    let anchors = |ends: &[Anchor; 2]| {
+        ends.map(|end| MachineAnchor {
+            link: end.link,
+            point: end.point.into(),
+        })
+    };
+    match condition {
+        Condition::Ball { ends } => MachineLoop::Ball {
+            ends: anchors(ends),
+        },
+        Condition::Hinge { ends, axes } => MachineLoop::Hinge {
+            ends: anchors(ends),
+            axes: axes.map(Into::into),
+        },
+        Condition::Rod { ends, length } => MachineLoop::Rod {
+            ends: anchors(ends),
+            length: *length,
+        },
+        Condition::Equal { joints } => MachineLoop::Equal { joints: *joints },
     }
 }
 
@@ -80,6 +107,7 @@ fn joint(robot: &Robot, model: &Model, values: &DVector<f64>, j: usize) -> Machi
         multiplier: d.multiplier,
         offset: d.offset,
     });
+    let passive = (model.mechanism()).is_some_and(|m| m.passive().contains(&j));
     MachineJoint {
         name: joint.name.clone(),
         link: joint.link.clone(),
@@ -92,7 +120,8 @@ fn joint(robot: &Robot, model: &Model, values: &DVector<f64>, j: usize) -> Machi
         velocity: joint.limits.velocity,
         effort: joint.limits.effort,
         body: std::array::from_fn(|k| values[first + k]),
-        locked: robot.locked[j].filter(|_| follows.is_none()),
+        locked: robot.locked[j].filter(|_| follows.is_none() && !passive),
+        passive,
         follows,
         torque_constant: (model.signal() == Signal::Current).then_some(drive.torque_constant),
         offset: model.offset()[j],

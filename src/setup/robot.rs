@@ -33,29 +33,8 @@ pub struct Robot {
     pub dependents: Vec<Dependent>,
 }
 
-/// Reads the robot of a problem file, a tree without loops.
-pub fn open(problem: &ProblemFile) -> Result<Robot, SetupError> {
-    let robot = open_any(problem)?;
-    if robot.mechanism.is_none() {
-        return Ok(robot);
-    }
-    let table = &problem.robot;
-    let closed = table.closed.first().map(|closed| &closed.frames.place);
-    let place = match &table.source {
-        RobotSource::Mechanism { mechanism, .. } => mechanism.place.clone(),
-        _ => closed.cloned().unwrap_or_default(),
-    };
-    Err(SetupError::mismatch(
-        &place,
-        Mismatch::NotYet {
-            what: "a mechanism with closed loops".to_string(),
-            instead: "mechanisms can be checked and fitted: `exid check`, `exid fit`".to_string(),
-        },
-    ))
-}
-
 /// Reads the robot of a problem file, which may have loops.
-pub fn open_any(problem: &ProblemFile) -> Result<Robot, SetupError> {
+pub fn open(problem: &ProblemFile) -> Result<Robot, SetupError> {
     let table = &problem.robot;
     let Source {
         description,

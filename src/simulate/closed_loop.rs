@@ -14,7 +14,7 @@ use crate::fault::Place;
 use crate::problem::solution::Control;
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
 use crate::simulate::path::{Motion, Path};
-use crate::simulate::plant::{Linearised, Plant, SingularMass, State};
+use crate::simulate::plant::{Linearised, NoAcceleration, Plant, State};
 use crate::simulate::truth::DEFAULT_WIDTH;
 
 /// Lowest rate of the controller, Hz: that of usual position loops.
@@ -101,12 +101,13 @@ impl Loop<'_> {
                         velocity: goal[1].clone(),
                     };
                 }
-                let acceleration = runner.tick(&goal).map_err(|e| self.singular(e))?;
-                self.check(&runner, (&goal[0], tick as f64 / rate))?;
+                let time = tick as f64 / rate;
+                let acceleration = runner.tick(&goal).map_err(|e| self.stopped(e, time))?;
+                self.check(&runner, (&goal[0], time))?;
                 if tick >= before && (tick - before).is_multiple_of(every) {
                     runner.record(&acceleration, &mut motion);
                 }
-                runner.advance().map_err(|e| self.singular(e))?;
+                runner.advance().map_err(|e| self.stopped(e, time))?;
             }
         }
         Ok(motion)
@@ -120,10 +121,16 @@ impl Loop<'_> {
         self.plant.joints()[joint].name.clone()
     }
 
-    fn singular(&self, e: SingularMass) -> SimulateError {
-        self.fault(SimulateErrorKind::SingularMass {
-            joint: self.name(e.joint),
-            pivot: e.pivot,
+    fn stopped(&self, error: NoAcceleration, time: f64) -> SimulateError {
+        self.fault(match error {
+            NoAcceleration::SingularMass { joint, pivot } => SimulateErrorKind::SingularMass {
+                joint: self.name(joint),
+                pivot,
+            },
+            NoAcceleration::Open(error) => SimulateErrorKind::OpenLoops {
+                time,
+                reason: error.to_string(),
+            },
         })
     }
 
@@ -199,7 +206,7 @@ impl<'m> Runner<'m> {
     }
 
     /// Commands the torque of a tick; returns the mean of the accelerations before and after it.
-    fn tick(&mut self, [q, dq, ddq]: &[Vec<f64>; 3]) -> Result<Vec<f64>, SingularMass> {
+    fn tick(&mut self, [q, dq, ddq]: &[Vec<f64>; 3]) -> Result<Vec<f64>, NoAcceleration> {
         let mut wanted = ddq.clone();
         for &j in self.plant.moving() {
             let (lag, slip) = (
@@ -209,13 +216,13 @@ impl<'m> Runner<'m> {
             wanted[j] += 2.0 * BANDWIDTH * slip + BANDWIDTH * BANDWIDTH * lag;
         }
         let mut command = vec![0.0; self.command.len()];
-        self.nominal.torque([q, dq, &wanted], &mut command);
+        self.nominal.torque([q, dq, &wanted], &mut command)?;
         let before = self
             .held
             .replace(command.clone())
             .unwrap_or(command.clone());
         self.command = command;
-        let chain = self.plant.linearise(&self.state);
+        let chain = self.plant.linearise(&self.state)?;
         let mean: Vec<f64> = before
             .iter()
             .zip(&self.command)
@@ -227,13 +234,13 @@ impl<'m> Runner<'m> {
     }
 
     /// Integrates to the next tick. Steps are the interval halved as often as the error wants it.
-    fn advance(&mut self) -> Result<(), SingularMass> {
+    fn advance(&mut self) -> Result<(), NoAcceleration> {
         let (mut halvings, mut done) = (0, 0);
         let whole = 1_u32 << MOST_HALVINGS;
         while done < whole {
             let chain = match self.chain.take() {
                 Some(chain) => chain,
-                None => self.plant.linearise(&self.state),
+                None => self.plant.linearise(&self.state)?,
             };
             let share = whole >> halvings;
             let h = self.interval * f64::from(share) / f64::from(whole);

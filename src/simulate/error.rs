@@ -74,6 +74,11 @@ pub enum SimulateErrorKind {
     TooManyJoints {
         found: usize,
     },
+    /// The loops of a mechanism stay open.
+    OpenLoops {
+        time: f64,
+        reason: String,
+    },
     Interrupted,
 }
 
@@ -236,6 +241,11 @@ fn of_dynamics(kind: &SimulateErrorKind) -> Description {
             "too-many-joints",
             format!("forward dynamics of {found} joints is not available"),
             "use mode = \"inverse\"",
+        ),
+        Kind::OpenLoops { time, reason } => Description::new(
+            "loops-open",
+            format!("at t = {time:.3} s of the motion {reason}"),
+            "narrow design.limits.position_lower and position_upper about a position at which the loops close",
         ),
         _ => Description::new(
             "interrupted",

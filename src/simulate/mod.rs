@@ -273,7 +273,7 @@ impl Task<'_> {
         let path = self.path(number, plan.loaded)?;
         let motion = self.motion(&path, plan.loaded, control)?;
         let model = &self.truth.recorded;
-        let signals = self.signals(&path, &motion, plan.loaded);
+        let signals = self.signals(&path, &motion, plan.loaded)?;
         let streams = |channel: usize| self.generator(number, 1 + channel as u64);
         let (table, noise) = self
             .sensors
@@ -291,7 +291,12 @@ impl Task<'_> {
 
     /// Signals of the channels along a motion. Laws with memory are solved on a finer grid than the
     /// recording's where the motion between its samples is known.
-    fn signals(&self, path: &Path, motion: &Motion, loaded: bool) -> Vec<Vec<f64>> {
+    fn signals(
+        &self,
+        path: &Path,
+        motion: &Motion,
+        loaded: bool,
+    ) -> Result<Vec<Vec<f64>>, SimulateError> {
         let model = &self.truth.recorded;
         let channels: Vec<usize> = self.sensors.channels.iter().map(|c| c.index).collect();
         let follows = self.problem.simulate.mode.value == SimulationMode::Inverse;
@@ -305,13 +310,13 @@ impl Task<'_> {
             loaded,
         };
         if finer == 1 {
-            return torques(model, motion, course, &channels);
+            return Ok(torques(model, motion, course, &channels));
         }
         let count = finer * motion[0].first().map_or(0, Vec::len);
-        let fine = path.sample((0.0, course.rate), count);
+        let fine = self.closed(path.sample((0.0, course.rate), count), course.rate)?;
         let signals = torques(model, &fine, course, &channels);
         let thin = |series: Vec<f64>| series.into_iter().step_by(finer).collect();
-        signals.into_iter().map(thin).collect()
+        Ok(signals.into_iter().map(thin).collect())
     }
 
     /// The path of the motors that is commanded.
@@ -372,7 +377,7 @@ impl Task<'_> {
             return Err(SimulateError::new(&table.periods.place, kind));
         }
         if table.mode.value == SimulationMode::Inverse {
-            return Ok(path.sample((0.0, self.rate), samples));
+            return self.closed(path.sample((0.0, self.rate), samples), self.rate);
         }
         let warmup = match path.repeats() {
             true => table.warmup_periods.value as f64 * path.duration(),
@@ -390,12 +395,27 @@ impl Task<'_> {
             samples,
             warmup,
         };
-        closed.run(schedule, control)
+        self.closed(closed.run(schedule, control)?, self.rate)
+    }
+
+    /// A motion of the motors at `rate`, Hz, with that of the joints that have none.
+    fn closed(&self, motion: Motion, rate: f64) -> Result<Motion, SimulateError> {
+        let place = &self.problem.simulate.trajectory.place;
+        path::with_loops(&self.truth.plant, motion).map_err(|open| {
+            SimulateError::new(
+                place,
+                SimulateErrorKind::OpenLoops {
+                    time: open.sample as f64 / rate,
+                    reason: open.error.to_string(),
+                },
+            )
+        })
     }
 
     /// One pass of the joints: t, q_<joint>, then dq_<joint>, then ddq_<joint>.
     fn trajectory(&self, path: &Path, recording: &str) -> SimulatedRecording {
         let model = &self.truth.nominal;
+        let passive = model.mechanism().map_or(&[][..], |m| m.passive());
         let count = (path.duration() * self.rate).round().max(1.0) as usize;
         let rate = count as f64 / path.duration();
         let motion = path.sample((0.0, rate), count);
@@ -403,7 +423,11 @@ impl Task<'_> {
         table.push("t".into(), (0..count).map(|k| k as f64 / rate).collect());
         for (order, prefix) in ["q", "dq", "ddq"].into_iter().enumerate() {
             let joints = joints_of(model, &motion[order]);
-            for (j, mut series) in joints.into_iter().enumerate() {
+            let of_motors = joints
+                .into_iter()
+                .enumerate()
+                .filter(|(j, _)| !passive.contains(j));
+            for (j, mut series) in of_motors {
                 if order == 0 {
                     series.iter_mut().for_each(|x| *x += model.offset()[j]);
                 }

@@ -4,6 +4,8 @@
 //! x_j(t) = c_j + Σ_h a_jh cos(hωt) + b_jh sin(hωt),   ω = 2π / period
 //! ```
 
+use crate::chain::model::Model;
+use crate::mechanism::error::OpenLoop;
 use crate::simulate::free::Free;
 use crate::stats::range::within;
 use nalgebra::{DMatrix, DVector};
@@ -11,6 +13,18 @@ use std::f64::consts::TAU;
 
 /// Position, velocity and acceleration `[joint][sample]`.
 pub type Motion = [Vec<Vec<f64>>; 3];
+
+/// A motion of the motors with that of the joints without a motor where the model's loops are closed.
+///
+/// # Errors
+/// A sample at which the loops stay open.
+pub(super) fn with_loops(model: &Model, mut motion: Motion) -> Result<Motion, OpenLoop> {
+    if let Some(mechanism) = model.mechanism() {
+        let samples = motion[0].first().map_or(0, Vec::len);
+        mechanism.complete_motion(motion.each_mut().map(Vec::as_mut_slice), 0..samples)?;
+    }
+    Ok(motion)
+}
 
 /// A path of all joints.
 #[derive(Debug, Clone)]

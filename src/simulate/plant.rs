@@ -14,6 +14,8 @@
 
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
 use crate::chain::model::Model;
+use crate::mechanism::error::MechanismError;
+use crate::mechanism::loops::Mechanism;
 use crate::robot::batch::Trajectory;
 
 /// γ = 1 − 1/√2: ROS2 is L-stable.
@@ -29,11 +31,13 @@ const SINGULAR: f64 = 1e-12;
 /// States that the block holds besides one per joint: the state itself, and with other speeds.
 const EXTRA_STATES: usize = 2;
 
-/// The mass matrix is singular at this joint.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SingularMass {
-    pub joint: usize,
-    pub pivot: f64,
+/// Why no acceleration follows from a torque.
+#[derive(Debug, Clone, PartialEq)]
+pub enum NoAcceleration {
+    /// The mass matrix is singular at this joint.
+    SingularMass { joint: usize, pivot: f64 },
+    /// The loops of the mechanism do not close.
+    Open(MechanismError),
 }
 
 /// Positions and speeds of all motors.
@@ -59,6 +63,7 @@ pub struct Linearised {
 pub struct Plant<'m> {
     evaluator: Evaluator<'m>,
     moving: Vec<usize>,
+    mechanism: Option<&'m Mechanism>,
     loaded: bool,
     /// Last known acceleration of the joints that move: where the chain is linearised.
     about: Vec<f64>,
@@ -73,6 +78,7 @@ impl<'m> Plant<'m> {
         let width = moving.len() + EXTRA_STATES;
         (width <= BLOCK).then(|| Self {
             evaluator: Evaluator::new(model, &model.values(), &[]),
+            mechanism: model.mechanism(),
             loaded,
             about: vec![0.0; moving.len()],
             states: std::array::from_fn(|_| vec![vec![0.0; width]; joints.len()]),
@@ -81,12 +87,20 @@ impl<'m> Plant<'m> {
     }
 
     /// The commanded torque that a motion takes, for the joints that move.
-    pub fn torque(&mut self, [q, dq, ddq]: [&[f64]; 3], out: &mut [f64]) {
+    ///
+    /// # Errors
+    /// Loops that do not close.
+    pub fn torque(
+        &mut self,
+        [q, dq, ddq]: [&[f64]; 3],
+        out: &mut [f64],
+    ) -> Result<(), NoAcceleration> {
         for (series, from) in self.states.iter_mut().zip([q, dq, ddq]) {
             for (values, x) in series.iter_mut().zip(from) {
                 values[0] = *x;
             }
         }
+        self.close_loops(1)?;
         let [q, dq, ddq] = &self.states;
         let motors = Trajectory { q, dq, ddq };
         let loaded = self.loaded;
@@ -96,10 +110,39 @@ impl<'m> Plant<'m> {
         for (slot, &j) in out.iter_mut().zip(&self.moving) {
             *slot = block.value(j)[0];
         }
+        Ok(())
+    }
+
+    /// Moves the joints without a motor with the motors, in the first `count` of the states side by side.
+    fn close_loops(&mut self, count: usize) -> Result<(), NoAcceleration> {
+        let Some(mechanism) = self.mechanism else {
+            return Ok(());
+        };
+        let n = self.states[0].len();
+        // Where the loops close is sought from where they closed last.
+        let mut near: Vec<f64> = mechanism.home().to_vec();
+        for state in 0..count {
+            let take = |series: &[Vec<f64>]| series.iter().map(|x| x[state]).collect::<Vec<f64>>();
+            let [mut q, mut dq, mut ddq] = [0, 1, 2].map(|order| take(&self.states[order]));
+            for &joint in mechanism.passive() {
+                q[joint] = near[joint];
+            }
+            mechanism
+                .complete([&mut q, &mut dq, &mut ddq])
+                .map_err(NoAcceleration::Open)?;
+            for (series, values) in self.states.iter_mut().zip([&q, &dq, &ddq]) {
+                (0..n).for_each(|joint| series[joint][state] = values[joint]);
+            }
+            near = q;
+        }
+        Ok(())
     }
 
     /// The chain about a state.
-    pub fn linearise(&mut self, state: &State) -> Linearised {
+    ///
+    /// # Errors
+    /// Loops that do not close.
+    pub fn linearise(&mut self, state: &State) -> Result<Linearised, NoAcceleration> {
         let count = self.moving.len();
         let width = count + EXTRA_STATES;
         for (j, values) in self.states[0].iter_mut().enumerate() {
@@ -113,6 +156,7 @@ impl<'m> Plant<'m> {
             self.states[2][j].fill(self.about[k]);
             self.states[2][j][EXTRA_STATES + k] += 1.0;
         }
+        self.close_loops(width)?;
         let [q, dq, ddq] = &self.states;
         let motors = Trajectory { q, dq, ddq };
         let segment = Segment::states(motors, self.loaded);
@@ -131,7 +175,7 @@ impl<'m> Plant<'m> {
             let columns = value[EXTRA_STATES..].iter();
             out.mass.extend(columns.map(|x| x - value[0]));
         }
-        out
+        Ok(out)
     }
 
     /// m̈ of the joints that move under commanded torques.
@@ -139,7 +183,7 @@ impl<'m> Plant<'m> {
         &self,
         chain: &Linearised,
         command: &[f64],
-    ) -> Result<Vec<f64>, SingularMass> {
+    ) -> Result<Vec<f64>, NoAcceleration> {
         let mut right: Vec<f64> = command
             .iter()
             .zip(&chain.torque)
@@ -159,7 +203,7 @@ impl<'m> Plant<'m> {
         (state, chain): (&State, &Linearised),
         command: &[f64],
         h: f64,
-    ) -> Result<(State, f64), SingularMass> {
+    ) -> Result<(State, f64), NoAcceleration> {
         let count = self.moving.len();
         let mut implicit = chain.mass.clone();
         for k in 0..count {
@@ -174,7 +218,7 @@ impl<'m> Plant<'m> {
             trial.position[j] += h * state.velocity[j];
             trial.velocity[j] += h * k1[k];
         }
-        let ahead = self.linearise(&trial);
+        let ahead = self.linearise(&trial)?;
         let second = self.acceleration(&ahead, command)?;
         let difference: Vec<f64> = second.iter().zip(&k1).map(|(f, k)| f - 2.0 * k).collect();
         let mut k2 = times(&chain.mass, &difference);
@@ -191,7 +235,7 @@ impl<'m> Plant<'m> {
 
     /// Gaussian elimination without pivoting: the matrix is positive definite, or nearly symmetric where
     /// losses depend on load; `right` becomes the solution.
-    fn solve(&self, mut matrix: Vec<f64>, right: &mut [f64]) -> Result<(), SingularMass> {
+    fn solve(&self, mut matrix: Vec<f64>, right: &mut [f64]) -> Result<(), NoAcceleration> {
         let n = right.len();
         let largest = (0..n).fold(0.0_f64, |m, k| m.max(matrix[k * n + k]));
         for k in 0..n {
@@ -200,7 +244,7 @@ impl<'m> Plant<'m> {
             let regular = pivot > SINGULAR * largest;
             if !regular {
                 let joint = self.moving[k];
-                return Err(SingularMass { joint, pivot });
+                return Err(NoAcceleration::SingularMass { joint, pivot });
             }
             for i in k + 1..n {
                 let factor = matrix[i * n + k] / pivot;

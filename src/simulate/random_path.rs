@@ -12,7 +12,7 @@ use crate::fault::Place;
 use crate::robot::batch::Trajectory;
 use crate::setup::limits::JointLimits;
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
-use crate::simulate::path::{Fourier, Motion, Path};
+use crate::simulate::path::{self, Fourier, Motion, Path};
 use crate::simulate::random_free::{self, Kind, LOOK_RATE};
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
@@ -83,6 +83,13 @@ impl Frame<'_> {
             factor *= SHRINK;
         }
         let (joint, ratio) = worst;
+        if ratio.is_infinite() && self.plant.mechanism().is_some() {
+            let kind = SimulateErrorKind::OpenLoops {
+                time: 0.0,
+                reason: "the loops do not close, however small it is".to_string(),
+            };
+            return Err(SimulateError::new(place, kind));
+        }
         let limit = self.limits[joint].torque.unwrap_or(f64::INFINITY);
         Err(SimulateError::new(
             place,
@@ -154,19 +161,21 @@ impl Frame<'_> {
         SHARE * ratios.fold(f64::INFINITY, f64::min)
     }
 
-    /// The joint with the largest torque over its limit, and that ratio.
+    /// The joint with the largest torque over its limit, and that ratio; infinite where loops of the robot stay open.
     fn worst_torque(&self, path: &Path, loaded: bool) -> (usize, f64) {
         let limited = |j: &usize| self.limits[*j].torque.is_some();
         let joints: Vec<usize> = (0..self.limits.len()).filter(limited).collect();
         let mut worst = (0, 0.0);
-        if joints.is_empty() {
+        if joints.is_empty() && self.plant.mechanism().is_none() {
             return worst;
         }
         let (count, rate) = match self.shape {
             Shape::Fourier => (self.instants(), self.instants() as f64 / self.period),
             Shape::Free { duration, .. } => ((duration * LOOK_RATE).ceil() as usize, LOOK_RATE),
         };
-        let motion = path.sample((0.0, rate), count);
+        let Ok(motion) = path::with_loops(self.plant, path.sample((0.0, rate), count)) else {
+            return (0, f64::INFINITY);
+        };
         let course = Course {
             rate,
             cyclic: path.repeats(),

@@ -9,6 +9,9 @@
 //! bristles and the like:  ż = f(z, ṁ)
 //! ```
 //!
+//! Where loops are closed, q̇ = (1; P) q̇_a and q̈ = (1; P) q̈_a + c of the [mechanism](crate::mechanism): rows of B at joints
+//! without a motor are P times those of the others, and h is that at the acceleration c.
+//!
 //! Friction near standstill, flanks and bristles are stiff, links are not. So M(q) and h(q, q̇) are taken once for each
 //! [step](Forward::advance), at its middle, and the rest is integrated within it by as many steps as it asks for of ROS2,
 //! an L-stable Rosenbrock method that is of order two for any approximate Jacobian (Verwer, Spee, Blom and Hundsdorfer
@@ -27,9 +30,12 @@ use crate::chain::forward::drive::{Drive, LEAST_WIDTH};
 use crate::chain::forward::rosenbrock::Rosenbrock;
 use crate::chain::forward::state::Lagging;
 use crate::chain::model::{JointModel, Model, Signal};
+use crate::mechanism::error::MechanismError;
+use crate::mechanism::loops::Mechanism;
 use crate::robot::forward_dynamics::ForwardDynamics;
 use crate::robot::tree::Tree;
 use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
 
 pub use crate::chain::forward::state::{Driven, State};
 
@@ -67,10 +73,6 @@ impl Accuracy {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NotForward {
     #[error(
-        "joints close loops; only robots whose joints are a tree can be simulated forward from torques"
-    )]
-    Loops,
-    #[error(
         "the signal is a base wrench, which no motion follows from; record motor currents or torques too"
     )]
     NoTorque,
@@ -78,11 +80,16 @@ pub enum NotForward {
     NothingMoves,
 }
 
-/// The inertia that accelerates is not positive: these are no bodies.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NoInertia {
-    /// Index of the joint.
-    pub joint: usize,
+/// Why a motion ends.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MotionEnds {
+    /// The inertia that accelerates is not positive: these are no bodies.
+    NoInertia {
+        /// Index of the joint.
+        joint: usize,
+    },
+    /// The loops of the mechanism stay open, or nothing holds them.
+    Open(MechanismError),
 }
 
 /// Least inertia of a motor in front of a lag, as a share of that of its link: without any, its acceleration would not
@@ -113,6 +120,17 @@ pub struct Forward<'m> {
     acceleration: Vec<f64>,
     joints: [Vec<f64>; 2],
     middle: [Vec<f64>; 2],
+    loops: Option<Loops<'m>>,
+}
+
+/// The loops of a mechanism at the state of the last step.
+#[derive(Debug)]
+struct Loops<'m> {
+    mechanism: &'m Mechanism,
+    /// All joints where the loops closed last: the next search begins there.
+    near: Vec<f64>,
+    /// Accelerations of all joints while those of the motors vanish.
+    bias: Vec<f64>,
 }
 
 impl<'m> Forward<'m> {
@@ -126,9 +144,6 @@ impl<'m> Forward<'m> {
         loaded: bool,
         accuracy: Accuracy,
     ) -> Result<Self, NotForward> {
-        if model.mechanism().is_some() {
-            return Err(NotForward::Loops);
-        }
         if model.signal() == Signal::BaseWrench {
             return Err(NotForward::NoTorque);
         }
@@ -169,6 +184,11 @@ impl<'m> Forward<'m> {
             acceleration: vec![0.0; size],
             joints: [vec![0.0; n], vec![0.0; n]],
             middle: [vec![0.0; size], vec![0.0; size]],
+            loops: model.mechanism().map(|mechanism| Loops {
+                mechanism,
+                near: mechanism.home().to_vec(),
+                bias: vec![0.0; n],
+            }),
             values: values.clone(),
             model,
             tree,
@@ -216,6 +236,14 @@ impl<'m> Forward<'m> {
         }
     }
 
+    /// Has the loops of a mechanism close near the given positions of all joints.
+    pub fn close_near(&mut self, position: impl Fn(usize) -> f64) {
+        if let Some(loops) = &mut self.loops {
+            let joints = loops.near.iter_mut().enumerate();
+            joints.for_each(|(joint, near)| *near = position(joint));
+        }
+    }
+
     /// Positions of the drives' side of all joints that move, `V m + offset`.
     pub fn joint_positions(&self, position: &[f64], out: &mut [f64]) {
         for (slot, &j) in out.iter_mut().zip(&self.motors) {
@@ -240,10 +268,15 @@ impl<'m> Forward<'m> {
         };
         state.position.resize(size, 0.0);
         state.velocity.resize(size, 0.0);
-        self.linearise(&state.position, &state.velocity);
+        // Where loops stay open nothing bears on the flanks, and the first step says so.
+        let is_closed = self.linearise(&state.position, &state.velocity).is_ok();
         for (f, lag) in self.lags.iter().enumerate() {
             let at = self.motors.len() + f;
-            let torque = -self.solver.bias[at];
+            let torque = if is_closed {
+                -self.solver.bias[at]
+            } else {
+                0.0
+            };
             state.position[at] =
                 torque / lag.flank.stiffness + lag.flank.half_gap * torque.signum();
         }
@@ -262,13 +295,13 @@ impl<'m> Forward<'m> {
     /// Advances a state by `duration`, s, in equal steps that are no longer than the accuracy allows.
     ///
     /// # Errors
-    /// Where the inertia is not positive.
+    /// Where the inertia is not positive, or loops stay open.
     pub fn advance(
         &mut self,
         state: &mut State,
         driven: Driven<'_>,
         duration: f64,
-    ) -> Result<(), NoInertia> {
+    ) -> Result<(), MotionEnds> {
         // A share of a step more is rounding of the rate.
         let steps = (duration / self.accuracy.step - 1e-9).ceil().max(1.0);
         let h = duration / steps;
@@ -285,15 +318,16 @@ impl<'m> Forward<'m> {
         state: &mut State,
         driven: Driven<'_>,
         (h, ends): (f64, [f64; 2]),
-    ) -> Result<(), NoInertia> {
+    ) -> Result<(), MotionEnds> {
         let mut middle = std::mem::take(&mut self.middle);
         for k in 0..state.position.len() {
             let (v, a) = (state.velocity[k], self.acceleration[k]);
             middle[0][k] = state.position[k] + 0.5 * h * (v + 0.25 * h * a);
             middle[1][k] = v + 0.5 * h * a;
         }
-        self.linearise(&middle[0], &middle[1]);
+        let linearised = self.linearise(&middle[0], &middle[1]);
         self.middle = middle;
+        linearised?;
         self.acceleration.copy_from_slice(&state.velocity);
         let solved =
             self.solver
@@ -301,7 +335,7 @@ impl<'m> Forward<'m> {
         for (a, v) in self.acceleration.iter_mut().zip(&state.velocity) {
             *a = (v - *a) / h;
         }
-        solved.map_err(|at| NoInertia {
+        solved.map_err(|at| MotionEnds::NoInertia {
             joint: match at.checked_sub(self.motors.len()) {
                 None => self.motors[at],
                 Some(lag) => self.lags[lag].joint,
@@ -310,7 +344,7 @@ impl<'m> Forward<'m> {
     }
 
     /// Bᵀ M B and Bᵀ h at (x, ẋ), torques of laws at the joints among h.
-    fn linearise(&mut self, position: &[f64], velocity: &[f64]) {
+    fn linearise(&mut self, position: &[f64], velocity: &[f64]) -> Result<(), MotionEnds> {
         let n = self.constant.len();
         let size = position.len();
         let [q, dq] = &mut self.joints;
@@ -326,6 +360,13 @@ impl<'m> Forward<'m> {
                 dq[i] = along(velocity);
             }
         }
+        let map = match &mut self.loops {
+            None => Cow::Borrowed(&self.map),
+            Some(loops) => {
+                let passive = loops.close([q, dq]).map_err(MotionEnds::Open)?;
+                Cow::Owned(loops.with_passive(&self.map, &passive))
+            }
+        };
         let equation = self.dynamics.equation(&self.tree, &self.bodies, [q, dq]);
         let entry = |i: usize, j: usize| equation.mass[i.max(j) * n + i.min(j)];
         let (mass, bias) = (&mut self.solver.mass, &mut self.solver.bias);
@@ -339,14 +380,14 @@ impl<'m> Forward<'m> {
                 }
                 bias[i] = joint_torque(i);
             }
-            return;
+            return Ok(());
         }
         let full = DMatrix::from_fn(n, n, entry);
-        let torque = DVector::from_fn(n, |j, _| joint_torque(j));
-        let (projected, load) = (
-            self.map.tr_mul(&(full * &self.map)),
-            self.map.tr_mul(&torque),
-        );
+        let mut torque = DVector::from_fn(n, |j, _| joint_torque(j));
+        if let Some(loops) = &self.loops {
+            torque += &full * DVector::from_column_slice(&loops.bias);
+        }
+        let (projected, load) = (map.tr_mul(&(full * map.as_ref())), map.tr_mul(&torque));
         for i in 0..size {
             for j in 0..size {
                 mass[i * size + j] = projected[(i, j)];
@@ -361,6 +402,31 @@ impl<'m> Forward<'m> {
             let least = LEAST_ROTOR * mass[at * size + at];
             mass[k * size + k] += (least - self.drives[k].inertia).max(0.0);
         }
+        Ok(())
+    }
+}
+
+impl Loops<'_> {
+    /// Moves the joints without a motor with the others; gives P (passive x actuated).
+    fn close(&mut self, [q, dq]: [&mut Vec<f64>; 2]) -> Result<DMatrix<f64>, MechanismError> {
+        let mechanism = self.mechanism;
+        for &joint in mechanism.passive() {
+            q[joint] = self.near[joint];
+        }
+        self.bias.fill(0.0);
+        mechanism.complete([q, dq, &mut self.bias])?;
+        self.near.copy_from_slice(q);
+        Ok(mechanism.velocity_map(q))
+    }
+
+    /// B with its rows at the joints without a motor, P times those of the others.
+    fn with_passive(&self, map: &DMatrix<f64>, passive: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut whole = map.clone();
+        let moved = passive * map.select_rows(self.mechanism.actuated());
+        for (row, &joint) in self.mechanism.passive().iter().enumerate() {
+            whole.set_row(joint, &moved.row(row));
+        }
+        whole
     }
 }
 

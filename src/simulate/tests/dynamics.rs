@@ -173,7 +173,7 @@ fn matches_closed_form_of_a_rotor_in_stiff_viscous_friction() {
         position: vec![0.0; 7],
         velocity: vec![0.0; 7],
     };
-    let chain = plant.linearise(&rest);
+    let chain = plant.linearise(&rest).unwrap();
     // The axis is vertical: without speed the torque is that of the inertia alone.
     let inertia = 1.0 / plant.acceleration(&chain, &[1.0]).unwrap()[0];
     let mut errors = Vec::new();
@@ -181,7 +181,7 @@ fn matches_closed_form_of_a_rotor_in_stiff_viscous_friction() {
         let h = 2.0 * inertia / 500.0 / f64::from(steps);
         let mut state = rest.clone();
         for _ in 0..steps {
-            let chain = plant.linearise(&state);
+            let chain = plant.linearise(&state).unwrap();
             state = plant.step((&state, &chain), &[10.0], h).unwrap().0;
         }
         errors.push((state.velocity[0] - 10.0 / 500.0 * (1.0 - (-2.0_f64).exp())).abs());
@@ -191,7 +191,7 @@ fn matches_closed_form_of_a_rotor_in_stiff_viscous_friction() {
         assert!((pair[1] / pair[0] - 0.25).abs() < 0.06, "{errors:?}");
     }
     // L-stable: one step over many time constants ends at the equilibrium.
-    let chain = plant.linearise(&rest);
+    let chain = plant.linearise(&rest).unwrap();
     let (after, _) = plant
         .step((&rest, &chain), &[10.0], 1e4 * inertia / 500.0)
         .unwrap();

@@ -1,0 +1,344 @@
+//! Motions of mechanisms with closed loops: what the loops carry to the motors, and slopes by differences.
+//!
+//! ```text
+//! q̇_p = P q̇_a,   τ_a = τ_a + Pᵀ τ_p
+//! ```
+//!
+//! Everything at a sample depends on the motors' position, velocity and acceleration at that sample alone. So one shift of
+//! one of these at all samples, with the loops closed anew, gives the slopes at all samples at once: six evaluations for
+//! each motor that moves, whatever the number of coefficients.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::design::motion::{Joints, MOTION, Motion};
+use crate::design::series::Basis;
+use crate::mechanism::loops::Mechanism;
+use crate::setup::limits::JointLimits;
+
+/// Half of a difference as a share of the joint's limit: its square, the share of the curvature, is as far below the
+/// thousandth part of a sign's transition as rounding over it.
+const STEP: f64 = 1e-5;
+
+/// P along a motion, `[passive joint · motors + motor][sample]`.
+#[derive(Debug, Clone, Default)]
+pub struct Carried {
+    motors: usize,
+    series: Vec<Vec<f64>>,
+}
+
+impl Carried {
+    /// P of a mechanism along a closed motion.
+    pub fn along(mechanism: &Mechanism, motion: &Motion) -> Self {
+        let (passive, motors) = (mechanism.passive().len(), mechanism.actuated().len());
+        let mut series = vec![Vec::with_capacity(motion.len()); passive * motors];
+        for sample in 0..motion.len() {
+            let q: Vec<f64> = motion.values[0].iter().map(|s| s[sample]).collect();
+            let map = mechanism.velocity_map(&q);
+            for p in 0..passive {
+                for a in 0..motors {
+                    series[p * motors + a].push(map[(p, a)]);
+                }
+            }
+        }
+        Self { motors, series }
+    }
+
+    /// What turns of a motor (by its place among the motors) turn a passive joint (by its place among those) by.
+    pub fn of(&self, passive: usize, motor: usize) -> &[f64] {
+        &self.series[passive * self.motors + motor]
+    }
+}
+
+/// Least share of the least singular value of ∂g/∂q_p in the largest along a design: forces in the loops, and errors of the
+/// positions that follow from the motors, grow by its inverse, so that here at most two digits are lost.
+const LEAST_HOLD: f64 = 0.01;
+
+/// Rows g ≥ 0 that keep a mechanism in one assembly and within the ranges of its joints without a motor.
+#[derive(Debug, Clone)]
+pub struct LoopRows {
+    mechanism: Mechanism,
+    /// Joints without a motor whose range the robot file states, and the range, rad or m.
+    ranges: Vec<(usize, [f64; 2])>,
+}
+
+impl LoopRows {
+    pub fn new(mechanism: &Mechanism) -> Self {
+        let joints = mechanism.tree().joints();
+        let range = |&joint: &usize| {
+            let limits = joints[joint].limits;
+            let stated = [limits.lower?, limits.upper?];
+            (stated[0] < stated[1]).then_some((joint, stated))
+        };
+        Self {
+            ranges: mechanism.passive().iter().filter_map(range).collect(),
+            mechanism: mechanism.clone(),
+        }
+    }
+
+    /// What each series of rows is, with its unit.
+    pub fn names(&self) -> Vec<(String, &'static str)> {
+        let joints = self.mechanism.tree().joints();
+        let of_range = self.ranges.iter().map(|(joint, _)| {
+            let joint = &joints[*joint];
+            (
+                format!("range of {}", joint.name),
+                joint.kind.position_unit(),
+            )
+        });
+        std::iter::once(("distance from a singularity".to_string(), "1"))
+            .chain(of_range)
+            .collect()
+    }
+
+    /// What each series of rows is measured against.
+    pub fn limits(&self) -> Vec<f64> {
+        let halves = self
+            .ranges
+            .iter()
+            .map(|(_, [low, high])| 0.5 * (high - low));
+        std::iter::once(LEAST_HOLD).chain(halves).collect()
+    }
+
+    /// Rows along a closed motion, `[series][sample]`.
+    pub fn values(&self, motion: &Motion) -> Vec<Vec<f64>> {
+        let position = &motion.values[0];
+        let hold = |sample: usize| {
+            let q: Vec<f64> = position.iter().map(|s| s[sample]).collect();
+            self.mechanism.determination(&q) - LEAST_HOLD
+        };
+        let of_range = self.ranges.iter().map(|(joint, [low, high])| {
+            let inside = |q: &f64| 0.5 * (high - low) - (q - 0.5 * (low + high)).abs();
+            position[*joint].iter().map(inside).collect()
+        });
+        std::iter::once((0..motion.len()).map(hold).collect())
+            .chain(of_range)
+            .collect()
+    }
+}
+
+/// What has a value at every sample.
+pub trait AlongMotion {
+    /// Series over the samples of a closed motion, always as many.
+    fn series(&mut self, motion: &Motion) -> Vec<Vec<f64>>;
+}
+
+/// Slopes of series by the motion of a motor: `(order, joint, [series][sample])` for every motor that moves.
+pub fn slopes(
+    of: &mut impl AlongMotion,
+    motion: &Motion,
+    joints: &Joints,
+    limits: &[JointLimits],
+    mut visit: impl FnMut(usize, usize, &[Vec<f64>]),
+) {
+    let mut shifted = motion.clone();
+    for &joint in &joints.moving {
+        let scales = [
+            limits[joint].half_range(),
+            limits[joint].velocity,
+            limits[joint].acceleration,
+        ];
+        for order in 0..MOTION {
+            let h = STEP * scales[order];
+            let mut at = |change: f64| {
+                let pairs = shifted.values[order][joint].iter_mut();
+                pairs
+                    .zip(&motion.values[order][joint])
+                    .for_each(|(to, x)| *to = x + change);
+                joints.close(&mut shifted);
+                of.series(&shifted)
+            };
+            let (mut after, before) = (at(h), at(-h));
+            for (after, before) in after.iter_mut().zip(&before) {
+                for (a, b) in after.iter_mut().zip(before) {
+                    *a = (*a - b) / (2.0 * h);
+                }
+            }
+            visit(order, joint, &after);
+            shifted.values[order][joint].clone_from(&motion.values[order][joint]);
+        }
+    }
+}
+
+/// Adds the derivatives by the coefficients of the motor `joint` of rows whose slopes by one order of its motion are given,
+/// all samples of one series after the other.
+pub fn to_coefficients(
+    jacobian: &mut DMatrix<f64>,
+    (joints, basis): (&Joints, &Basis),
+    (order, joint): (usize, usize),
+    slopes: &[Vec<f64>],
+) {
+    let Some(m) = joints.moving.iter().position(|&j| j == joint) else {
+        return;
+    };
+    for (block, series) in slopes.iter().enumerate() {
+        for (s, slope) in series.iter().enumerate() {
+            let (trajectory, k) = (s / basis.samples, s % basis.samples);
+            let first = joints.first(trajectory, m);
+            for c in 0..joints.series.width() {
+                jacobian[(block * series.len() + s, first + c)] +=
+                    slope * basis.function(order, c, k);
+            }
+        }
+    }
+}
+
+/// The series of rows that lie one after the other.
+pub fn blocks(rows: &DVector<f64>, samples: usize) -> Vec<Vec<f64>> {
+    rows.as_slice()
+        .chunks(samples)
+        .map(<[f64]>::to_vec)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::base_parameters::BaseParameters;
+    use crate::chain::evaluate::{Evaluator, Segment};
+    use crate::chain::model::Model;
+    use crate::design::columns::Columns;
+    use crate::design::criterion::CRITERIA;
+    use crate::design::problem::{Excitation, Experiment, Plan};
+    use crate::design::series::Series;
+    use crate::design::target::{Scale, Target};
+    use crate::design::tests::{assert_slopes_of_constraints, assert_slopes_of_cost, some_motion};
+    use crate::problem_file::ProblemFile;
+    use crate::setup;
+    use crate::setup::limits::JointLimits;
+    use std::path::Path;
+
+    const NOISE: [f64; 4] = [0.3, 0.2, 1.0, 1.0];
+    /// rad/s; wide against the steps of differences.
+    const WIDTH: f64 = 0.4;
+
+    /// A linkage of two motors and two joints without.
+    struct Linkage {
+        model: Model,
+        columns: Columns,
+        values: DVector<f64>,
+        loops: Mechanism,
+    }
+
+    impl Linkage {
+        fn new() -> Self {
+            let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+            let ids = crate::chain::effect::ids();
+            let problem =
+                ProblemFile::read(&root.join("problems/parallelogram/problem.toml"), &[], &ids);
+            let problem = problem.unwrap();
+            let robot = setup::robot::open(&problem).unwrap();
+            let model = setup::model::build(&problem, &robot).unwrap();
+            let mut values = model.values();
+            for (p, parameter) in model.parameters().iter().enumerate() {
+                if parameter.name.ends_with(".w") {
+                    values[p] = WIDTH;
+                } else if parameter.name.contains("friction") {
+                    values[p] = parameter.scale;
+                }
+            }
+            let none = DMatrix::zeros(0, model.parameters().len());
+            let kept = BaseParameters::structural(&model, &[false], &none).kept();
+            Self {
+                columns: Columns::new(&model, kept, &[false], &NOISE),
+                loops: robot.mechanism.unwrap(),
+                values,
+                model,
+            }
+        }
+
+        fn experiment(&self) -> Experiment<'_> {
+            let count = self.model.joints().len();
+            let limits = JointLimits {
+                lower: -0.6,
+                upper: 0.6,
+                velocity: 2.0,
+                acceleration: 8.0,
+                jerk: None,
+                torque: Some(400.0),
+            };
+            let plan = Plan {
+                model: &self.model,
+                columns: &self.columns,
+                values: &self.values,
+                loads: &[false],
+                joints: Joints {
+                    series: Series {
+                        harmonics: 3,
+                        period: 5.0,
+                    },
+                    count,
+                    moving: self.loops.actuated().to_vec(),
+                    harmonics: vec![3; self.loops.actuated().len()],
+                    standing: vec![0.0; count],
+                    trajectories: 2,
+                    loops: Some(self.loops.clone()),
+                },
+                samples: 25,
+                bounds: vec![limits; count],
+                rules: Vec::new(),
+                target: Target {
+                    criterion: CRITERIA[0],
+                    wanted: None,
+                    prior: DMatrix::identity(self.columns.len(), self.columns.len()) * 1e-3,
+                    scale: Scale::Own,
+                },
+                rivals: None,
+            };
+            plan.experiment()
+        }
+    }
+
+    /// Coefficients of a motion about home within some tenths of a radian.
+    fn near_home(experiment: &Experiment<'_>, linkage: &Linkage, seed: u64) -> DVector<f64> {
+        let joints = &experiment.joints;
+        let mut x = 0.5 * some_motion(joints.coefficients(), seed);
+        for trajectory in 0..joints.trajectories {
+            for (m, &j) in joints.moving.iter().enumerate() {
+                x[joints.first(trajectory, m)] = linkage.loops.home()[j];
+            }
+        }
+        x
+    }
+
+    #[test]
+    fn invariant_information_of_a_mechanism_is_that_of_the_chain() {
+        let linkage = Linkage::new();
+        let experiment = linkage.experiment();
+        let x = near_home(&experiment, &linkage, 8);
+        let motion = Motion::of(&experiment.joints, &experiment.basis, &x);
+        assert!(!motion.is_open);
+        let found = experiment.information(&x);
+        let parameters = &linkage.columns.parameters;
+        let [q, dq, ddq] = &motion.values;
+        let motors = crate::robot::batch::Trajectory { q, dq, ddq };
+        let mut evaluator =
+            Evaluator::along(&linkage.model, &linkage.values, parameters, motion.len());
+        let block = evaluator.evaluate_course(Segment::states(motors, false));
+        let mut expected = DMatrix::zeros(parameters.len(), parameters.len());
+        for channel in &linkage.columns.channels {
+            let w = DMatrix::from_fn(motion.len(), parameters.len(), |s, k| {
+                let column = block.derivative(channel.joint, k);
+                column.map_or(0.0, |d| d[s] * channel.weight)
+            });
+            expected += w.tr_mul(&w);
+        }
+        let size = expected.diagonal().map(f64::sqrt);
+        for i in 0..size.len() {
+            for j in 0..size.len() {
+                let error = (found[(i, j)] - expected[(i, j)]).abs();
+                // Sums of some hundred products, each rounded.
+                assert!(error <= 1e-11 * size[i] * size[j], "{i} {j}: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn invariant_slopes_of_a_mechanism_agree_with_differences_of_coefficients() {
+        let linkage = Linkage::new();
+        let experiment = linkage.experiment();
+        let x = near_home(&experiment, &linkage, 5);
+        let problem = Excitation::new(&experiment, CRITERIA[0].exponents()[0], 0.97);
+        assert_slopes_of_cost(&problem, &x, "mechanism");
+        assert_slopes_of_constraints(&problem, &x);
+    }
+}
