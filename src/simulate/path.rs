@@ -5,12 +5,10 @@
 //! ```
 
 use crate::simulate::free::Free;
+pub use crate::simulate::motion::Motion;
 use crate::stats::range::within;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
-
-/// Position, velocity and acceleration `[joint][sample]`.
-pub type Motion = [Vec<Vec<f64>>; 3];
 
 /// A path of all joints.
 #[derive(Debug, Clone)]
