@@ -1,6 +1,7 @@
 //! exid: excite, identify, diagnose.
 //!
-//! A module uses only modules of lower layers, and `tests/architecture.rs` holds it to this table:
+//! A module uses only modules of lower layers, and `tests/architecture` holds it to this table; inside a module no
+//! files use each other in a circle:
 //!
 //! | layer | modules |
 //! |---|---|

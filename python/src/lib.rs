@@ -29,6 +29,6 @@ mod _core {
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         // A defect becomes an exception, and says what it is there.
         std::panic::set_hook(Box::new(|_| {}));
-        module.add("__version__", exid::outcome::run::VERSION)
+        module.add("__version__", exid::outcome::provenance::VERSION)
     }
 }

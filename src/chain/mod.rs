@@ -14,6 +14,8 @@
 
 pub mod assemble;
 pub mod base_parameters;
+pub mod bodies_alone;
+mod channel;
 pub mod controller;
 pub mod dataset;
 pub mod effect;
@@ -22,10 +24,12 @@ pub mod evaluate;
 pub mod flank;
 pub mod forward;
 pub mod illustration;
+mod joint_model;
 pub mod model;
 pub mod parameter;
 pub mod platform;
 pub mod prior;
+mod settings;
 
 #[cfg(test)]
 mod tests;

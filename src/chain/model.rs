@@ -1,205 +1,21 @@
 //! A model of a robot with its drives: every parameter by name, known or free.
 
 use crate::chain::assemble;
-use crate::chain::controller::Controller;
-use crate::chain::effect::{
-    Catalogue, Effect, Law, Memory, ParameterInfo, coulomb_friction, torque_current_nonlinearity,
-    viscous_friction,
-};
+pub use crate::chain::channel::Channel;
+pub(super) use crate::chain::channel::WRENCH;
+use crate::chain::effect::{Catalogue, Law, Memory, coulomb_friction, viscous_friction};
 use crate::chain::error::ModelError;
+pub use crate::chain::joint_model::JointModel;
 use crate::chain::parameter::{Parameter, Role, State};
 use crate::chain::platform::Platform;
+pub use crate::chain::settings::{Inertials, ModelSettings, Payload, Signal};
 use crate::mechanism::loops::Mechanism;
 use crate::robot::description::Dependent;
-use crate::robot::inertia::{Inertia, PER_LINK, QUANTITIES, UNITS};
+use crate::robot::inertia::{PER_LINK, QUANTITIES, UNITS};
 use crate::robot::regressor::Rows;
-use crate::robot::tree::{JointKind, Tree};
+use crate::robot::tree::Tree;
 use crate::stats::range::within;
-use nalgebra::{DMatrix, DVector, Isometry3, SMatrix};
-
-/// What the signal is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Signal {
-    /// Motor currents, A.
-    Current,
-    /// Motor torques at joint scale, N·m or N.
-    Torque,
-    /// Torques of sensors behind the gears: rotors are not in them.
-    LinkTorque,
-    /// Force and moment of the base on the first link, N and N·m.
-    BaseWrench,
-    /// Motor torques, then base wrench.
-    Both,
-    /// Errors of position controllers, command minus position, rad or m.
-    PositionCommand,
-}
-
-impl Signal {
-    /// Rows of the rigid-body regressor that the signal needs.
-    pub fn rows(self) -> Rows {
-        match self {
-            Self::Current | Self::Torque | Self::LinkTorque | Self::PositionCommand => Rows::Torque,
-            Self::BaseWrench => Rows::Base,
-            Self::Both => Rows::Both,
-        }
-    }
-}
-
-/// One measured series.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Channel {
-    /// Name of the joint, or of the component of the wrench.
-    pub name: String,
-    pub unit: &'static str,
-    /// Joint of a torque or current; `None` for a component of the wrench.
-    pub joint: Option<usize>,
-    /// Locked joints and their motors are not predicted.
-    pub active: bool,
-}
-
-/// Names and units of the components of a wrench.
-pub(super) const WRENCH: [(&str, &str); 6] = [
-    ("fx", "N"),
-    ("fy", "N"),
-    ("fz", "N"),
-    ("mx", "N·m"),
-    ("my", "N·m"),
-    ("mz", "N·m"),
-];
-
-/// A load on a link, in a frame that is fixed to it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Payload {
-    pub link: usize,
-    /// Placement of the load's frame in the link's frame.
-    pub frame: Isometry3<f64>,
-}
-
-impl Payload {
-    /// T with `π_link = T π_payload` (10 x 10): the load's parameters seen from the link's frame.
-    pub fn transfer(&self) -> SMatrix<f64, PER_LINK, PER_LINK> {
-        let rotation = self.frame.rotation.to_rotation_matrix();
-        let mut transfer = SMatrix::<f64, PER_LINK, PER_LINK>::zeros();
-        for k in 0..PER_LINK {
-            let mut unit = Inertia::default();
-            unit.0[k] = 1.0;
-            let seen = unit.seen_from(&rotation, &self.frame.translation.vector);
-            transfer.set_column(k, &SMatrix::<f64, PER_LINK, 1>::from(seen.0));
-        }
-        transfer
-    }
-}
-
-/// Whether the links' inertial parameters are known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Inertials {
-    Estimate,
-    Known,
-}
-
-/// What a model is built from; arrays have one entry per joint.
-#[derive(Debug, Clone)]
-pub struct ModelSettings {
-    pub tree: Tree,
-    pub signal: Signal,
-    pub inertials: Inertials,
-    /// Position controllers, where the signal is their error.
-    pub controllers: Option<Vec<Controller>>,
-    /// N·m/A at joint scale; `None` where the signal is a torque.
-    pub torque_constant: Option<Vec<f64>>,
-    /// Relative standard deviations of the torque constants.
-    pub torque_constant_std: Option<Vec<f64>>,
-    /// c0 to c3 of the torque in powers of the current, instead of the torque constant.
-    pub current_polynomial: Option<Vec<[f64; torque_current_nonlinearity::COEFFICIENTS]>>,
-    /// Known rotor inertias, kg·m² at joint scale.
-    pub rotor_inertia: Option<Vec<f64>>,
-    /// V of `q = V m + offset`; `None` is the identity.
-    pub coupling: Option<DMatrix<f64>>,
-    pub offset: Option<Vec<f64>>,
-    pub effects: Vec<Vec<&'static Effect>>,
-    /// The effects that it may have.
-    pub catalogue: Catalogue,
-    /// s, after which the motion is declared to repeat.
-    pub period: Option<f64>,
-    pub payload: Option<Payload>,
-    /// Joints that stand still.
-    pub locked: Vec<bool>,
-}
-
-impl ModelSettings {
-    /// Bodies that are estimated and nothing else: no drive, no effect, no load, every joint free to move.
-    pub fn bodies(tree: Tree, signal: Signal) -> Self {
-        let n = tree.len();
-        Self {
-            tree,
-            signal,
-            inertials: Inertials::Estimate,
-            controllers: None,
-            torque_constant: None,
-            torque_constant_std: None,
-            current_polynomial: None,
-            rotor_inertia: None,
-            coupling: None,
-            offset: None,
-            effects: vec![Vec::new(); n],
-            catalogue: Catalogue::known(),
-            period: None,
-            payload: None,
-            locked: vec![false; n],
-        }
-    }
-}
-
-/// A joint with its drive.
-#[derive(Debug, Clone)]
-pub struct JointModel {
-    pub name: String,
-    pub kind: JointKind,
-    pub torque_constant: f64,
-    /// Relative; 0 where the constant is certain.
-    pub torque_constant_std: f64,
-    pub locked: bool,
-    /// Effects and the position of their first parameter in the model's list.
-    pub effects: Vec<(&'static Effect, usize)>,
-    /// Positions of the parameters that each effect borrows from others.
-    pub borrowed: Vec<Vec<usize>>,
-    /// Joints whose motion each effect knows beside its own.
-    pub others: Vec<Vec<usize>>,
-    /// Whether another effect takes the place of each effect's torque.
-    pub replaced: Vec<bool>,
-    /// Position of the transition speed w of Coulomb friction, if the joint has it.
-    pub width: Option<usize>,
-    /// Position of the gain, if the joint has one.
-    pub gain: Option<usize>,
-    /// Position of c0 of the current's polynomial, if the joint has one.
-    pub polynomial: Option<usize>,
-    /// Position of the proportional gain of the controller (the derivative gain is behind it), if the joint has one.
-    pub controller: Option<usize>,
-    /// Position of the delay, if the joint has one.
-    pub delay: Option<usize>,
-    /// Position of the stiffness (the damping is behind it), if the joint is elastic.
-    pub elasticity: Option<usize>,
-    /// Position of the play, if the joint has one.
-    pub backlash: Option<usize>,
-    /// N·m (N) of transmitted torque about zero within which the switch of losses is rounded off; 0: not at all.
-    pub rounding: f64,
-}
-
-impl JointModel {
-    /// Whether the link lags behind the motor.
-    pub fn has_lag(&self) -> bool {
-        self.elasticity.is_some() || self.backlash.is_some()
-    }
-
-    /// What is known of the parameters of one of its effects, with their positions in the model's list; none of an effect
-    /// that it does not have.
-    pub fn parameters_of(&self, id: &str) -> impl Iterator<Item = (&'static ParameterInfo, usize)> {
-        let found = self.effects.iter().find(|(effect, _)| effect.id == id);
-        let own =
-            |&(effect, first): &(&'static Effect, usize)| effect.parameters.iter().zip(first..);
-        found.map(own).into_iter().flatten()
-    }
-}
+use nalgebra::{DMatrix, DVector};
 
 /// A robot with its drives and all parameters.
 #[derive(Debug, Clone)]

@@ -8,8 +8,6 @@
 //! J is a rotor's own inertia, r its turns per joint turn, R a its axis, which its carrier turns (Raucent,
 //! Campion, Bastin, Samin and Willems 1992, section 4: the term n·q̈·J^m of the R-model). A carrier's mass and inertia contain the rotor at rest.
 
-use crate::chain::error::ModelError;
-use crate::chain::model::{Model, ModelSettings, Signal};
 use crate::robot::batch::Trajectory;
 use crate::robot::tree::{JointKind, Tree};
 use nalgebra::{Isometry3, Matrix3, Matrix6, Rotation3, Vector3};
@@ -107,24 +105,4 @@ fn turning(
         });
     }
     links
-}
-
-/// The bodies of a model alone, under another signal: no drives, the same inertials known.
-///
-/// # Errors
-/// None that a model which exists can cause.
-pub fn bodies_alone(model: &Model, signal: Signal) -> Result<Model, ModelError> {
-    let joints = model.joints();
-    let mut alone = Model::new(ModelSettings {
-        offset: Some(model.offset().as_slice().to_vec()),
-        payload: model.payload().map(|(payload, _)| payload),
-        locked: joints.iter().map(|joint| joint.locked).collect(),
-        ..ModelSettings::bodies(model.tree().clone(), signal)
-    })?;
-    for parameter in model.parameters().iter().filter(|p| !p.is_free()) {
-        if let Ok(position) = alone.find(&parameter.name) {
-            alone.fix(position, parameter.value)?;
-        }
-    }
-    Ok(alone)
 }

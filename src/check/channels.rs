@@ -1,7 +1,8 @@
 //! Single channels: cut off at a limit, standing still while the joint moves, too coarse.
 
-use crate::check::finding;
-use crate::check::setting::{Read, extent};
+use crate::check::extent::extent;
+use crate::check::report::finding;
+use crate::check::setting::Read;
 use crate::outcome::check::{Finding, Severity};
 use crate::recording::spikes::quantum;
 

@@ -6,8 +6,8 @@
 //! over its variance.
 
 use crate::chain::model::Signal;
-use crate::check::finding;
 use crate::check::regression::{Columns, Sampled, columns, factor, rest};
+use crate::check::report::finding;
 use crate::check::setting::Ready;
 use crate::outcome::check::{Finding, Severity};
 use crate::stats::robust::median;

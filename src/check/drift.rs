@@ -1,6 +1,6 @@
 //! Drift: the power that the signal feeds into the motion changes from period to period.
 
-use crate::check::finding;
+use crate::check::report::finding;
 use crate::check::setting::Ready;
 use crate::outcome::check::{Finding, Severity};
 

@@ -1,7 +1,7 @@
 //! The motion and the signal against the limits in the robot file.
 
 use crate::chain::model::Signal;
-use crate::check::finding;
+use crate::check::report::finding;
 use crate::check::setting::Ready;
 use crate::outcome::check::{Finding, Severity};
 

@@ -1,10 +1,12 @@
 //! Joints that the problem locks and the recording moves.
 
-use crate::check::finding;
-use crate::check::setting::{Setting, extent};
+use crate::check::extent::extent;
+use crate::check::report::finding;
+use crate::check::setting::Setting;
 use crate::fault::Place;
 use crate::outcome::check::{Finding, Severity};
-use crate::setup::recordings::{Named, read_one};
+use crate::setup::read::Named;
+use crate::setup::recordings::read_one;
 use crate::setup::robot::Robot;
 
 /// A locked joint may be this far from where it is locked, rad or m: what bodies weigh about the other joints then

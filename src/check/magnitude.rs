@@ -1,6 +1,6 @@
 //! Efforts that are magnitudes: no joint's is ever negative, though joints move both ways.
 
-use crate::check::finding;
+use crate::check::report::finding;
 use crate::check::setting::Read;
 use crate::outcome::check::{Finding, Severity};
 use crate::problem_file::choices::Signal;

@@ -1,6 +1,6 @@
 //! Cells of a recording that hold no number.
 
-use crate::check::finding;
+use crate::check::report::finding;
 use crate::check::setting::Read;
 use crate::outcome::check::{Finding, Severity};
 

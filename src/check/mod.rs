@@ -8,6 +8,7 @@
 mod channels;
 mod delay;
 mod drift;
+mod extent;
 mod identifiability;
 mod limits;
 mod locked;
@@ -17,6 +18,7 @@ mod motion;
 mod order;
 mod period;
 mod regression;
+mod report;
 mod robot_file;
 mod scale;
 mod setting;
@@ -33,7 +35,7 @@ mod tests;
 use crate::chain::dataset::Dataset;
 use crate::chain::model::Model;
 use crate::check::setting::{Read, Ready, Setting};
-use crate::fault::{Fault, Place};
+use crate::fault::Fault;
 use crate::outcome::check::{Finding, Severity};
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
@@ -42,7 +44,8 @@ use crate::recording::format::columns_at;
 use crate::recording::samples::Recording;
 use crate::recording::split::Split;
 use crate::setup::error::SetupError;
-use crate::setup::recordings::{Named, Read as RecordingRead, list, prepare_one, read_one};
+use crate::setup::read::{Named, Read as RecordingRead};
+use crate::setup::recordings::{list, prepare_one, read_one};
 use crate::setup::shared_rows::shared_rows;
 use crate::setup::{model, prior, robot};
 
@@ -215,7 +218,8 @@ fn with_robot(
             // The regressions that look for mixed-up columns know trees alone.
             Ok(_) if robot.mechanism.is_some() => complete = false,
             Ok(prepared) => {
-                let ready = Ready::new(&setting, model, &prepared);
+                let mut ready = Ready::new(&setting, model, &prepared);
+                ready.other_reading = order::find(&ready);
                 let of_ready = OF_READY.iter().flat_map(|check| check(&ready));
                 let of_ready: Vec<Finding> = of_ready.collect();
                 // What recordings determine cannot be said of columns that are mixed up.
@@ -305,21 +309,4 @@ fn unreadable_files(problem: &ProblemFile) -> Vec<Finding> {
         .filter_map(fault)
         .map(|fault| from_fault(&fault))
         .collect()
-}
-
-/// A finding about a file, or about one channel or element of it.
-fn finding(
-    severity: Severity,
-    place: Place,
-    (code, message, remedy): (&str, String, String),
-) -> Finding {
-    Finding {
-        code: code.to_string(),
-        severity,
-        file: Some(place.file.display().to_string()),
-        channel: place.key,
-        message,
-        remedy,
-        line: place.line,
-    }
 }

@@ -2,9 +2,10 @@
 
 use crate::chain::dataset::Dataset;
 use crate::chain::model::{JointModel, Model};
-use crate::check::finding;
+use crate::check::extent::extent;
 use crate::check::regression::still;
-use crate::check::setting::{Setting, extent};
+use crate::check::report::finding;
+use crate::check::setting::Setting;
 use crate::fault::Place;
 use crate::outcome::check::{Finding, Severity};
 use crate::recording::split::Split;

@@ -6,8 +6,8 @@
 //! deviations: N·G is the logarithm of the likelihood ratio for N rows of normal noise.
 
 use crate::chain::model::Model;
-use crate::check::finding;
 use crate::check::regression::{Comparison, Sampled, with_tree};
+use crate::check::report::finding;
 use crate::check::setting::Ready;
 use crate::check::shared::{Rows, base};
 use crate::outcome::check::{Finding, Severity};

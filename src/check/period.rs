@@ -1,6 +1,6 @@
 //! The period of the motion, as runs settle it: stated and wrong, or there and not stated.
 
-use crate::check::finding;
+use crate::check::report::finding;
 use crate::check::setting::Read;
 use crate::outcome::check::{Finding, Severity};
 use crate::problem_file::choices::DifferentiationMethod;

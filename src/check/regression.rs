@@ -7,7 +7,7 @@ use crate::chain::dataset::Prepared;
 use crate::chain::effect::{self, Effect};
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
 use crate::chain::model::{Channel, Inertials, Model, ModelSettings, Signal};
-use crate::check::setting::extent;
+use crate::check::extent::extent;
 use crate::linalg::triangular::Triangular;
 use crate::robot::batch::Trajectory;
 use crate::robot::tree::{JointKind, Tree};

@@ -1,6 +1,6 @@
 //! The robot file: bodies that cannot be, masses and limits that are absent.
 
-use crate::check::finding;
+use crate::check::report::finding;
 use crate::fault::Place;
 use crate::outcome::check::{Finding, Severity};
 use crate::problem_file::ProblemFile;

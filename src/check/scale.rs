@@ -3,8 +3,8 @@
 
 use crate::chain::model::Signal;
 use crate::chain::parameter::Role;
-use crate::check::finding;
 use crate::check::regression::{Columns, Comparison, factor, last_coefficients, rest};
+use crate::check::report::finding;
 use crate::check::setting::Ready;
 use crate::outcome::check::{Finding, Severity};
 use crate::robot::inertia::PER_LINK;

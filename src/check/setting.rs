@@ -2,7 +2,6 @@
 
 use crate::chain::dataset::Prepared;
 use crate::chain::model::Model;
-use crate::check::order;
 use crate::check::regression::Comparison;
 use crate::fault::Place;
 use crate::outcome::check::Finding;
@@ -141,15 +140,13 @@ pub(super) struct Ready<'a> {
 
 impl<'a> Ready<'a> {
     pub fn new(setting: &'a Setting<'a>, model: &'a Model, prepared: &'a Prepared) -> Self {
-        let mut ready = Self {
+        Self {
             comparison: Comparison::new(model, prepared),
             setting,
             model,
             prepared,
             other_reading: Vec::new(),
-        };
-        ready.other_reading = order::find(&ready);
-        ready
+        }
     }
 
     pub fn place(&self) -> Place {
@@ -165,11 +162,4 @@ impl<'a> Ready<'a> {
     pub fn at_channel_of(&self, joint: usize) -> Place {
         self.place().key(&self.model.joints()[joint].name)
     }
-}
-
-/// Lowest and highest of some values; (∞, −∞) of none.
-pub(super) fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
-    let ends = |(low, high): (f64, f64), x: f64| (low.min(x), high.max(x));
-    let none = (f64::INFINITY, f64::NEG_INFINITY);
-    values.into_iter().fold(none, ends)
 }

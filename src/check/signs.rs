@@ -3,8 +3,8 @@
 //! `P = mean((Fc·sign(q̇) + Fv·q̇)·q̇)` is the power lost in friction, which cannot be negative; nor can the
 //! factor between the signal and the torque that the robot file's inertials give.
 
-use crate::check::finding;
 use crate::check::regression::{Comparison, factor, last_coefficients, rest};
+use crate::check::report::finding;
 use crate::check::scale;
 use crate::check::setting::Ready;
 use crate::outcome::check::{Finding, Severity};

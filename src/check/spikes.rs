@@ -1,6 +1,6 @@
 //! Spikes: single samples far from the median of their neighbours.
 
-use crate::check::finding;
+use crate::check::report::finding;
 use crate::check::setting::Read;
 use crate::outcome::check::{Finding, Severity};
 use crate::recording::spikes::{Channel, SPIKE_SIGMA, spikes};

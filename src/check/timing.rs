@@ -1,6 +1,6 @@
 //! The time base: unit of the stamps, samples that are missing, uneven steps, a rate that the motion outruns.
 
-use crate::check::finding;
+use crate::check::report::finding;
 use crate::check::setting::{Read, Ready};
 use crate::fault::Place;
 use crate::outcome::check::{Finding, Severity};

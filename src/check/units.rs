@@ -2,8 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use crate::check::finding;
-use crate::check::setting::{self, Read};
+use crate::check::extent::extent;
+use crate::check::report::finding;
+use crate::check::setting::Read;
 use crate::outcome::check::{Finding, Severity};
 
 /// Degrees per radian.
@@ -42,7 +43,7 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
     } else {
         read.place()
     };
-    let (low, high) = extent(read, worst, 1.0);
+    let (low, high) = reach(read, worst, 1.0);
     vec![finding(
         Severity::Error,
         place,
@@ -63,11 +64,11 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
 }
 
 /// Lowest and highest position of a joint, the recorded numbers multiplied by `unit`.
-fn extent(read: &Read<'_>, index: usize, unit: f64) -> (f64, f64) {
+fn reach(read: &Read<'_>, index: usize, unit: f64) -> (f64, f64) {
     let factor = unit * read.setting.position_factor(index);
     let offset = read.setting.position_offset(index);
     let recorded = read.recording.position[index].iter();
-    setting::extent(recorded.map(|q| factor * q + offset))
+    extent(recorded.map(|q| factor * q + offset))
 }
 
 /// How far a joint goes beyond its limits, in shares of their range; without limits one turn each way is
@@ -78,6 +79,6 @@ fn excess(read: &Read<'_>, index: usize, unit: f64) -> f64 {
         (Some(lower), Some(upper)) if upper > lower => (lower, upper),
         _ => (-TAU, TAU),
     };
-    let (low, high) = extent(read, index, unit);
+    let (low, high) = reach(read, index, unit);
     (high - upper).max(lower - low) / (upper - lower)
 }

@@ -2,7 +2,7 @@
 //!
 //! Integrals instead of derivatives: the quantum of an encoder stays one quantum, whatever the rate.
 
-use crate::check::finding;
+use crate::check::report::finding;
 use crate::check::setting::Read;
 use crate::check::units::DEGREES;
 use crate::outcome::check::{Finding, Severity};

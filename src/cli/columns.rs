@@ -1,9 +1,10 @@
 //! `exid check --columns`: what files hold, before anything is said about them.
 
 use crate::cli::args::Look;
+use crate::cli::complain::complain;
 use crate::cli::error::CliError;
+use crate::cli::interrupt;
 use crate::cli::output::print;
-use crate::cli::{complain, interrupt};
 use crate::recording::error::RecordingErrorKind;
 use crate::recording::reading::Reading;
 use crate::recording::survey::{ColumnKind, ColumnSurvey, Survey, survey};

@@ -4,6 +4,8 @@ mod args;
 mod colour;
 mod columns;
 mod compare;
+mod complain;
+mod earlier;
 mod effects;
 mod error;
 mod export;
@@ -21,12 +23,12 @@ mod schema;
 mod trials;
 
 use crate::cli::args::{Arguments, Verb};
+use crate::cli::complain::complain;
 use crate::cli::error::CliError;
 use crate::problem::defect::guarded;
 use crate::verb::Verb as Task;
 use clap::Parser;
 use std::ffi::OsString;
-use std::io::Write;
 use std::process::ExitCode;
 
 /// Parses the command line, runs the verb, prints the error; gives the exit code.
@@ -81,9 +83,4 @@ fn answer_without_run(error: &clap::Error) -> ExitCode {
     } else {
         ExitCode::SUCCESS
     }
-}
-
-fn complain(text: &str) {
-    let mut stream = std::io::stderr();
-    let _ = writeln!(stream, "{}", colour::for_stream(text, &stream));
 }

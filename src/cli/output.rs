@@ -2,8 +2,9 @@
 
 use crate::chain::effect;
 use crate::cli::args::{Printing, Run};
+use crate::cli::complain::complain;
 use crate::cli::error::CliError;
-use crate::cli::{colour, complain, interrupt};
+use crate::cli::{colour, interrupt};
 use crate::outcome::estimate::Solver;
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::provenance::Provenance;

@@ -1,18 +1,17 @@
 //! `exid repeat`: the same run again, from the problem kept in the result, and whether it gives the same.
 
 use crate::cli::args::{Campaign, Printing, Repetition, Run, Simulation};
+use crate::cli::earlier::{absolute, prepare};
 use crate::cli::error::CliError;
 use crate::cli::output::{self, print};
 use crate::cli::{rollout, runs, trials};
 use crate::outcome::difference::{Difference, differences};
 use crate::outcome::document::answer;
+use crate::outcome::provenance::VERSION;
 use crate::outcome::rollout::Rollout;
-use crate::outcome::run::VERSION;
 use crate::outcome::trials::Trials;
 use crate::outcome::{Outcome, Part, REPORT_FILE, RESULT_FILE};
-use crate::problem_file::ProblemFile;
 use crate::verb::Verb;
-use crate::verb::kept::KeptProblem;
 use serde_json::json;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -194,25 +193,6 @@ fn notes_before(earlier: &Outcome) -> Vec<String> {
     notes
 }
 
-/// The problem of a result, its inputs as they were; the process moves to the folder from which they are found.
-pub(super) fn prepare(
-    earlier: &Outcome,
-    overrides: &[String],
-    notes: &mut Vec<String>,
-) -> Result<ProblemFile, CliError> {
-    let mut kept = KeptProblem::of(earlier)?;
-    if let Some(folder) = kept.elsewhere.take() {
-        std::env::set_current_dir(&folder).map_err(|e| {
-            CliError::WrongUse(format!(
-                "{}: {e}; run exid where its inputs are",
-                folder.display()
-            ))
-        })?;
-    }
-    notes.append(&mut kept.notes);
-    Ok(kept.read(overrides)?)
-}
-
 /// The same trials, drawn from the same.
 fn campaign(query: &Repetition, earlier: &Outcome, made: &Trials, out: PathBuf) -> Campaign {
     let listed = |key: &str| -> Vec<String> {
@@ -254,9 +234,4 @@ fn simulation(query: &Repetition, earlier: &Outcome, made: &Rollout, out: PathBu
         seed: earlier.run.seed,
         printing: Printing::SILENT,
     }
-}
-
-pub(super) fn absolute(path: &Path) -> Result<PathBuf, CliError> {
-    std::path::absolute(path)
-        .map_err(|e| CliError::WrongUse(format!("{}: {e}; give another folder", path.display())))
 }

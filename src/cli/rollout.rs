@@ -3,7 +3,7 @@
 use crate::cli::args::Simulation;
 use crate::cli::error::CliError;
 use crate::cli::progress::Progress;
-use crate::cli::{interrupt, output, repeat};
+use crate::cli::{earlier, interrupt, output};
 use crate::outcome::input::Input;
 use crate::outcome::{Outcome, RESULT_FILE};
 use crate::verb::rollout::{self, RolledResult};
@@ -21,14 +21,14 @@ pub fn run(query: &Simulation) -> Result<u8, CliError> {
         None => Path::new("results").join(&outcome.name).join("rollout"),
     };
     // Before the process moves to where the inputs are.
-    let out = repeat::absolute(&out)?;
+    let out = earlier::absolute(&out)?;
     let result = match query.result.is_dir() {
         true => query.result.join(RESULT_FILE),
         false => query.result.clone(),
     };
     let file = Input::of(&result).ok();
     let mut notes = Vec::new();
-    let mut problem = repeat::prepare(&outcome, &query.set, &mut notes)?;
+    let mut problem = earlier::prepare(&outcome, &query.set, &mut notes)?;
     // What has been read once is not too long.
     output::bound(&mut problem, Some(u64::MAX));
     let target = output::writable(out)?;

@@ -14,7 +14,8 @@
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
 use crate::chain::prior::Prior;
-use crate::estimate::fit::{Estimator, minimise};
+use crate::estimate::coarse::minimise;
+use crate::estimate::estimator::Estimator;
 use crate::estimate::noise::counting_rows;
 use crate::estimate::unknowns::Unknowns;
 use crate::problem::solution::Control;
@@ -23,7 +24,8 @@ use crate::recording::experiment::Chosen;
 use crate::recording::settings::Method;
 use crate::recording::split::Split;
 use crate::setup::error::SetupError;
-use crate::setup::recordings::{Read, prepare_all, read_all};
+use crate::setup::read::Read;
+use crate::setup::recordings::{prepare_all, read_all};
 use crate::setup::robot::Robot;
 use crate::stats::robust::median;
 

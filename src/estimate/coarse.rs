@@ -6,8 +6,11 @@
 
 use crate::chain::dataset::Prepared;
 use crate::chain::model::Model;
-use crate::estimate::fit::{Estimator, Training, minimise};
+use crate::estimate::error::EstimateError;
+use crate::estimate::estimator::{Estimator, Training};
+use crate::estimate::minimise::Search;
 use crate::estimate::noise::counting_rows;
+use crate::estimate::problem::FitProblem;
 use crate::estimate::rows::needs_all;
 use crate::estimate::unknowns::Unknowns;
 use crate::problem::solution::{Control, Solution};
@@ -18,9 +21,27 @@ const FEW_ROWS: usize = 20_000;
 /// The search before takes every n-th row.
 const EVERY: usize = 8;
 
+/// The optimum of an estimator, begun from that of a few of the rows where there are many.
+pub(crate) fn minimise<'a>(
+    model: &'a Model,
+    unknowns: &'a Unknowns,
+    training: Training<'a>,
+    (estimator, control): (Estimator, &Control<'_>),
+) -> Result<(Solution, FitProblem<'a>), EstimateError> {
+    let begun = end(model, unknowns, training, (estimator, control));
+    let search = Search {
+        model,
+        unknowns,
+        training,
+        estimator,
+        control,
+    };
+    search.from(begun)
+}
+
 /// Where the search over fewer rows ends; `None` for few rows, for what one solution of linear equations settles,
 /// and for models and filters that need every row.
-pub(super) fn end(
+fn end(
     model: &Model,
     unknowns: &Unknowns,
     (recordings, prior): Training<'_>,

@@ -12,46 +12,30 @@
 
 use crate::chain::base_parameters::scan_order;
 use crate::chain::dataset::{Dataset, Prepared};
-use crate::chain::model::{Channel, JointModel, Model};
+use crate::chain::model::{JointModel, Model};
 use crate::chain::parameter::{Parameter, Role};
 use crate::chain::prior::Prior;
-use crate::estimate::coarse;
+use crate::estimate::coarse::minimise;
 use crate::estimate::covariance::of_unknowns;
 use crate::estimate::error::EstimateError;
+use crate::estimate::estimator::Estimator;
 use crate::estimate::figures::{Predictions, figures, predictions};
-use crate::estimate::noise::{counting_rows, row_covariance};
+use crate::estimate::noise::counting_rows;
 use crate::estimate::physical::{Estimated, report};
 use crate::estimate::problem::{FitProblem, NoiseSource};
-use crate::estimate::ratios;
-use crate::estimate::realization;
-use crate::estimate::reweight::{by_periods, reweighted, robust};
-use crate::estimate::rounded::{accumulate, search};
-use crate::estimate::start;
-use crate::estimate::torque_constants;
 use crate::estimate::unknowns::Unknowns;
-use crate::estimate::weights::Weights;
+use crate::estimate::{ratios, realization, torque_constants};
 use crate::linalg::triangular::{ColumnScaling, Triangular};
 use crate::outcome::estimate::{Estimate, Solver};
 use crate::outcome::fit::{
     BaseParameter, Combination, Fit, FittedModel, Posterior, Realized, Term,
 };
-use crate::problem::form::{Form, Structure};
+use crate::problem::form::Structure;
 use crate::problem::solution::{Control, Solution};
-use crate::problem::view::LeastSquares;
 use crate::problem::{Problem, bounds};
 use crate::recording::split::Split;
-use crate::solve::{levenberg_marquardt, linear};
 use crate::stats::distribution::Distribution;
 use nalgebra::{DMatrix, DVector};
-
-/// How parameters follow from recordings.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Estimator {
-    Ordinary,
-    Weighted,
-    Robust,
-    MaximumLikelihood,
-}
 
 /// A fit as it is reported, and what it predicts.
 #[derive(Debug, Clone)]
@@ -63,16 +47,6 @@ pub struct Fitted {
     /// Values of all parameters.
     pub values: DVector<f64>,
 }
-
-/// Share of the cost that a search may leave. The cost is half the number of residuals, and half a unit of
-/// it is a standard deviation: for 1e6 residuals the search ends within 0.03 of one.
-const COST_TOLERANCE: f64 = 1e-9;
-
-/// Iterations after which a search has failed.
-pub(super) const ITERATION_LIMIT: usize = 200;
-
-/// Iterations between two estimates of the covariance: both converge together.
-pub(super) const ITERATIONS_PER_ROUND: usize = 5;
 
 /// Fits a model to the training recordings of a dataset.
 pub fn fit(
@@ -110,153 +84,6 @@ pub(crate) fn check_counts(
         });
     }
     Ok(())
-}
-
-pub(crate) type Training<'a> = (&'a [&'a Prepared], &'a Prior);
-
-pub(crate) fn minimise<'a>(
-    model: &'a Model,
-    unknowns: &'a Unknowns,
-    training: Training<'a>,
-    (estimator, control): (Estimator, &Control<'_>),
-) -> Result<(Solution, FitProblem<'a>), EstimateError> {
-    let begun = coarse::end(model, unknowns, training, (estimator, control));
-    if estimator == Estimator::MaximumLikelihood
-        && let Some((solution, problem)) =
-            by_periods(model, unknowns, training, (begun.as_ref(), control))?
-    {
-        return match problem.noise {
-            NoiseSource::Periods => Ok((solution, problem)),
-            NoiseSource::Residuals => reweighted(problem, solution, control),
-        };
-    }
-    let ordinary = FitProblem::new(
-        model,
-        unknowns,
-        training,
-        ordinary_weights(model, training.0),
-    );
-    let first = match begun {
-        Some(begun) if estimator != Estimator::Ordinary => begun,
-        begun => searched(&ordinary, begun.as_ref(), control)?,
-    };
-    if estimator == Estimator::Ordinary {
-        let scale = residual_deviation(&ordinary, &first);
-        let scaled = ordinary.weights().scaled(1.0 / scale);
-        let problem = FitProblem::new(model, unknowns, training, scaled);
-        return Ok((first, problem));
-    }
-    let covariance = covariance_at(&ordinary, &first.x);
-    let deviations: Vec<f64> = covariance.diagonal().iter().map(|v| v.sqrt()).collect();
-    let weighted = FitProblem::new(
-        model,
-        unknowns,
-        training,
-        Weights::by_deviation(&deviations),
-    );
-    match estimator {
-        Estimator::Robust => {
-            let second = solve(&weighted, &first.x, (ITERATIONS_PER_ROUND, control))?;
-            robust(weighted, second, control)
-        }
-        _ => reweighted(weighted, first, control),
-    }
-}
-
-/// The optimum from where another search ended, or else from the start that the recordings suggest.
-pub(super) fn searched(
-    problem: &FitProblem<'_>,
-    begun: Option<&Solution>,
-    control: &Control<'_>,
-) -> Result<Solution, EstimateError> {
-    match begun {
-        Some(begun) => {
-            let next = search(problem, &begun.x, (ITERATION_LIMIT, control))?;
-            Ok(accumulate(begun.clone(), next))
-        }
-        None => {
-            let start = start::find(problem, control)?;
-            search(problem, &start, (ITERATION_LIMIT, control))
-        }
-    }
-}
-
-/// One weight for the torque of every joint: currents count by their torque constants, and torques of
-/// coupled motors as those of the joints that they move, `τ = V⁻ᵀ τ_M`.
-fn ordinary_weights(model: &Model, recordings: &[&Prepared]) -> Weights {
-    let of = |(k, c): (usize, &Channel)| match (c.joint, model.platform().accuracy) {
-        (Some(j), _) if c.active => torque_per_signal(model, j),
-        (None, Some(accuracy)) => 1.0 / (accuracy * root_mean_square(recordings, k)),
-        _ => 1.0,
-    };
-    let channels = model.channels();
-    let factors = channels.iter().enumerate().map(of);
-    let factors = DVector::from_iterator(channels.len(), factors);
-    let torques = channels.iter().filter(|c| c.joint.is_some()).count();
-    let coupling = model.coupling(&model.values());
-    match coupling.transpose().try_inverse() {
-        Some(to_joints) if !model.is_uncoupled() && torques > 0 => {
-            let mut whole = DMatrix::identity(channels.len(), channels.len());
-            whole
-                .view_mut((0, 0), (torques, torques))
-                .copy_from(&to_joints);
-            Weights::Full(whole * DMatrix::from_diagonal(&factors))
-        }
-        _ => Weights::PerChannel(factors),
-    }
-}
-
-/// Torque at joint scale per unit of a joint's signal.
-fn torque_per_signal(model: &Model, joint: usize) -> f64 {
-    let joint = &model.joints()[joint];
-    let gain = joint.controller.map(|kp| model.parameters()[kp].value);
-    gain.unwrap_or(joint.torque_constant).abs()
-}
-
-/// Root mean square of a channel over all rows, 1 where it is zero.
-fn root_mean_square(recordings: &[&Prepared], channel: usize) -> f64 {
-    let all = recordings.iter().flat_map(|r| r.signal(channel));
-    let (count, squares) = all.fold((0.0, 0.0), |(n, s), x| (n + 1.0, s + x * x));
-    if squares > 0.0 {
-        f64::sqrt(squares / count)
-    } else {
-        1.0
-    }
-}
-
-/// Standard deviation of the weighted residual over all channels.
-fn residual_deviation(problem: &FitProblem<'_>, solution: &Solution) -> f64 {
-    let form: &Form = problem.form();
-    let crate::problem::form::Objective::SumOfSquares { rows } = form.objective else {
-        return 1.0;
-    };
-    let freedom = rows.saturating_sub(solution.x.len()).max(1) as f64;
-    let deviation = (2.0 * solution.cost / freedom).sqrt();
-    if deviation > 0.0 { deviation } else { 1.0 }
-}
-
-pub(crate) fn covariance_at(problem: &FitProblem<'_>, x: &DVector<f64>) -> DMatrix<f64> {
-    row_covariance(problem.model, &problem.counted_residuals(x), x.len())
-}
-
-pub(super) fn solve(
-    problem: &dyn Problem,
-    start: &DVector<f64>,
-    (max_iterations, control): (usize, &Control<'_>),
-) -> Result<Solution, EstimateError> {
-    let view = LeastSquares::try_from(problem)?;
-    if problem.form().structure == Structure::Affine {
-        let solved = linear::solve(view, start, &linear::Settings::default())?;
-        return Ok(solved.solution);
-    }
-    let settings = levenberg_marquardt::Settings {
-        cost_tolerance: COST_TOLERANCE,
-        max_iterations,
-        ..levenberg_marquardt::Settings::default()
-    };
-    Ok(levenberg_marquardt::minimize(
-        view, start, &settings, control,
-    )?)
 }
 
 /// Everything that is reported of a fit at its optimum.

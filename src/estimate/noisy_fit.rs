@@ -3,11 +3,12 @@
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
 use crate::chain::prior::Prior;
+use crate::estimate::coarse::minimise;
 use crate::estimate::covariance::of_unknowns;
 use crate::estimate::error::EstimateError;
-use crate::estimate::fit::{
-    Estimator, Fitted, ITERATION_LIMIT, check_counts, minimise, outcome_with, solve,
-};
+use crate::estimate::estimator::Estimator;
+use crate::estimate::fit::{Fitted, check_counts, outcome_with};
+use crate::estimate::least_squares::{ITERATION_LIMIT, solve};
 use crate::estimate::motion::NoisyMotion;
 use crate::estimate::problem::NoiseSource;
 use crate::estimate::reweight::weights_of_periods;

@@ -9,8 +9,8 @@
 //! of those. Base reactions know nothing of the forces inside, and θ_d comes out free of friction.
 
 use crate::chain::base_parameters::BaseParameters;
+use crate::chain::bodies_alone::bodies_alone;
 use crate::chain::model::{Model, Signal};
-use crate::chain::platform::bodies_alone;
 use crate::outcome::fit::{BaseParameter, Posterior};
 use crate::stats::distribution::Distribution;
 use nalgebra::{DMatrix, DVector};

@@ -10,10 +10,10 @@
 use crate::chain::dataset::Prepared;
 use crate::chain::model::Model;
 use crate::estimate::error::EstimateError;
-use crate::estimate::fit::{
-    ITERATION_LIMIT, ITERATIONS_PER_ROUND, Training, covariance_at, searched, solve,
-};
+use crate::estimate::estimator::Training;
+use crate::estimate::least_squares::{ITERATION_LIMIT, ITERATIONS_PER_ROUND, covariance_at, solve};
 use crate::estimate::noise::{ResidualSeries, counting_rows};
+use crate::estimate::optimum::searched;
 use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::rounded::{accumulate, search};
 use crate::estimate::unknowns::Unknowns;

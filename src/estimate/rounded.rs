@@ -14,7 +14,7 @@
 
 use crate::chain::model::Model;
 use crate::estimate::error::EstimateError;
-use crate::estimate::fit::{covariance_at, solve};
+use crate::estimate::least_squares::{covariance_at, solve};
 use crate::estimate::problem::FitProblem;
 use crate::problem::Problem;
 use crate::problem::form::Objective;

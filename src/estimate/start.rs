@@ -12,7 +12,7 @@ use crate::chain::effect::{Law, ParameterInfo, Search};
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
 use crate::estimate::error::EstimateError;
-use crate::estimate::fit::{ITERATIONS_PER_ROUND, solve};
+use crate::estimate::least_squares::{ITERATIONS_PER_ROUND, solve};
 use crate::estimate::noise::predict;
 use crate::estimate::problem::FitProblem;
 use crate::estimate::reach::Motion;

@@ -17,7 +17,7 @@ use crate::export::symbol::{Symbol, record};
 use crate::export::tape::{Operation, Tape};
 use crate::export::{Export, File};
 use crate::outcome::machine::Machine;
-use crate::outcome::run::VERSION;
+use crate::outcome::provenance::VERSION;
 use crate::robot::newton_euler::NewtonEuler;
 use crate::robot::scalar::Scalar;
 use crate::robot::tree::Tree;

@@ -1,7 +1,6 @@
 //! A URDF with other inertials and losses: the text of the file stays, elements are replaced in it.
 
 use crate::export::error::ExportError;
-use crate::export::urdf::dynamics;
 use crate::fault::Place;
 use crate::outcome::machine::{Machine, MachineJoint};
 use crate::robot::error::{RobotError, RobotErrorKind};
@@ -99,4 +98,14 @@ fn apply(text: &str, mut edits: Vec<(Range<usize>, String)>) -> String {
     }
     out.push_str(&text[at..]);
     out
+}
+
+/// The element of the losses of a joint.
+pub(super) fn dynamics(joint: &MachineJoint) -> String {
+    let value = |effect, parameter| joint.value(effect, parameter).unwrap_or(0.0);
+    format!(
+        "<dynamics damping=\"{:?}\" friction=\"{:?}\"/>",
+        value("viscous_friction", "Fv"),
+        value("coulomb_friction", "Fc")
+    )
 }

@@ -8,6 +8,7 @@ mod code;
 mod dress;
 mod drive;
 pub mod error;
+mod file;
 mod language;
 mod mjcf;
 mod mujoco;
@@ -21,6 +22,7 @@ mod urdf;
 mod xml;
 
 use crate::export::error::ExportError;
+pub use crate::export::file::{Export, File};
 use crate::export::language::Language;
 use crate::outcome::machine::Machine;
 use crate::outcome::{Outcome, Part};
@@ -36,22 +38,6 @@ pub enum Format {
     Rust,
     C,
     NumPy,
-}
-
-/// A file of an export.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct File {
-    /// Name without folder.
-    pub name: String,
-    pub text: String,
-}
-
-/// The files of an export, and what a reader has to know of them.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Export {
-    pub files: Vec<File>,
-    /// What the format has no place for, one sentence each.
-    pub notes: Vec<String>,
 }
 
 /// Writes the robot of a result in a format.

@@ -7,7 +7,7 @@ use crate::export::error::ExportError;
 use crate::export::{Export, File};
 use crate::outcome::machine::{Machine, MachineFrame, MachineJoint, MachineLoad, Motion, Pose};
 use crate::outcome::parameter::Parameter;
-use crate::outcome::run::VERSION;
+use crate::outcome::provenance::VERSION;
 use crate::robot::inertia::{CentralInertia, Inertia, PER_LINK};
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use serde::{Deserialize, Serialize};

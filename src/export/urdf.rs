@@ -4,11 +4,10 @@
 //! of links behind fixed joints are part of the moving link that carries them. Otherwise a file is written
 //! from the geometry alone.
 
-use crate::export::dress::dress;
+use crate::export::dress::{dress, dynamics};
 use crate::export::error::ExportError;
-use crate::export::side_file;
 use crate::export::xml::{escaped, triple};
-use crate::export::{Export, File};
+use crate::export::{Export, File, side_file};
 use crate::outcome::machine::{Machine, MachineFrame, MachineJoint, Motion, Pose};
 use crate::robot::inertia::Inertia;
 use crate::robot::urdf::inertial;
@@ -43,16 +42,6 @@ pub fn write(machine: &Machine, name: &str) -> Result<Export, ExportError> {
         files: vec![File { name: file, text }, side],
         notes,
     })
-}
-
-/// The element of the losses of a joint.
-pub(super) fn dynamics(joint: &MachineJoint) -> String {
-    let value = |effect, parameter| joint.value(effect, parameter).unwrap_or(0.0);
-    format!(
-        "<dynamics damping=\"{:?}\" friction=\"{:?}\"/>",
-        value("viscous_friction", "Fv"),
-        value("coulomb_friction", "Fc")
-    )
 }
 
 fn origin(pose: &Pose) -> String {

@@ -6,10 +6,10 @@
 
 use crate::fleet::attempt::{Looked, Running, Turn, Work, Worked, Worker};
 use crate::fleet::error::FleetError;
-use crate::fleet::item::CameTo;
+use crate::fleet::item::{CameTo, Item};
 use crate::fleet::manifest::{Entry, Manifest};
+use crate::fleet::settings::{Counts, Settings};
 use crate::fleet::store::Store;
-use crate::fleet::task::{Counts, Settings};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{SyncSender, sync_channel};
@@ -22,12 +22,6 @@ const ON_THEIR_WAY: usize = 16;
 
 /// How often the clock looks at the time of items: what a timeout may be late by.
 const TICK: Duration = Duration::from_millis(20);
-
-/// An item and what it came to.
-pub struct Item {
-    pub entry: Entry,
-    pub came_to: CameTo,
-}
 
 /// A fleet at work.
 pub struct Driver<'a> {

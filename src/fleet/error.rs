@@ -80,7 +80,7 @@ impl FleetError {
     pub fn table_not_written(reason: &impl fmt::Display) -> Self {
         let reason = reason.to_string();
         Self::new(
-            Place::file(super::task::TABLE_FILE),
+            Place::file(super::settings::TABLE_FILE),
             FleetErrorKind::TableNotWritten { reason },
         )
     }

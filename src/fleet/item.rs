@@ -1,5 +1,6 @@
 //! What is kept of one item: what it came to, under the hash of all that it depends on.
 
+use crate::fleet::manifest::Entry;
 use crate::outcome::number;
 use crate::outcome::parameter::{Parameter, Source};
 use serde::{Deserialize, Serialize};
@@ -78,4 +79,10 @@ pub struct SetAside {
     pub code: String,
     pub message: String,
     pub attempts: u32,
+}
+
+/// An item and what it came to.
+pub struct Item {
+    pub entry: Entry,
+    pub came_to: CameTo,
 }

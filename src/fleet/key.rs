@@ -6,7 +6,7 @@
 use crate::fleet::manifest::Verb;
 use crate::outcome::error::OutcomeError;
 use crate::outcome::input::Input;
-use crate::outcome::run::VERSION;
+use crate::outcome::provenance::VERSION;
 use crate::problem_file::ProblemFile;
 use sha2::{Digest, Sha256};
 use std::path::PathBuf;

@@ -25,6 +25,7 @@ mod key;
 pub mod kind;
 pub mod manifest;
 mod scratch;
+mod settings;
 pub mod shard;
 mod store;
 mod summary;

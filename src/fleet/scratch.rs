@@ -2,10 +2,9 @@
 //!
 //! Items come in the order in which they are done; every query has an order of its own, so that nothing depends on it.
 
-use crate::fleet::driver::Item;
 use crate::fleet::error::FleetError;
 use crate::fleet::history::Night;
-use crate::fleet::item::{CameTo, Found, Value};
+use crate::fleet::item::{CameTo, Found, Item, Value};
 use crate::outcome::fleet::{Failure, Reason, Shown};
 use crate::outcome::parameter::Source;
 use crate::stats::random_effects::Pooled;

@@ -6,10 +6,9 @@
 
 use crate::fleet::error::FleetError;
 use crate::fleet::item::{CameTo, Kept};
-use crate::outcome::run::VERSION;
-use std::fs;
-use std::io;
+use crate::outcome::provenance::VERSION;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 /// A folder of items.
 #[derive(Debug)]

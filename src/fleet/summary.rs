@@ -6,7 +6,7 @@ use crate::fleet::error::FleetError;
 use crate::fleet::history::Night;
 use crate::fleet::kind;
 use crate::fleet::scratch::{Flag, Group, Scratch, Test, Tested, is_of_history};
-use crate::fleet::task::Counts;
+use crate::fleet::settings::Counts;
 use crate::outcome::fleet::{Fleet, HistoryPoint, LookAt, Reason, Shown, TypeFigures};
 use crate::stats::false_discovery::Listing;
 

@@ -5,51 +5,14 @@ use crate::fleet::driver::Driver;
 use crate::fleet::error::{FleetError, FleetErrorKind};
 use crate::fleet::manifest::Manifest;
 use crate::fleet::scratch::Scratch;
-use crate::fleet::shard::Shard;
+pub use crate::fleet::settings::{Counts, Settings, TABLE_FILE};
 use crate::fleet::store::Store;
 use crate::fleet::{summary, table};
 use crate::outcome::fleet::Fleet;
-use crate::problem_file::ProblemFile;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
-
-/// Name of the table in the results folder.
-pub const TABLE_FILE: &str = "summary.parquet";
-
-/// How items are worked on.
-#[derive(Debug, Clone)]
-pub struct Settings {
-    /// The part of the manifest; all of it where absent.
-    pub shard: Option<Shard>,
-    /// Overrides of every problem.
-    pub set: Vec<String>,
-    /// At least one.
-    pub threads: usize,
-    /// Of one attempt at one item.
-    pub timeout: Duration,
-    /// Attempts beyond the first at what may go otherwise: time that is over, defects.
-    pub retries: u32,
-    /// Items that were set aside are tried again.
-    pub again: bool,
-    /// Rate of false discoveries.
-    pub rate: f64,
-    /// Rows of a recording beyond which it is refused.
-    pub max_rows: Option<usize>,
-    /// Files that a problem reads.
-    pub inputs: fn(&ProblemFile) -> Vec<PathBuf>,
-}
-
-/// How many items there are.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Counts {
-    pub items: u64,
-    /// Worked on by this run; the others were done by earlier ones.
-    pub now: u64,
-    pub set_aside: u64,
-}
 
 /// A fleet whose items are done.
 pub struct Ran {

@@ -1,7 +1,6 @@
 //! Fleets of a robot of one joint: what is kept, what is set aside, what is said.
 
-use crate::fleet::driver::Item;
-use crate::fleet::item::{CameTo, Done, Value};
+use crate::fleet::item::{CameTo, Done, Item, Value};
 use crate::fleet::manifest::{Entry, Verb};
 use crate::fleet::scratch::Scratch;
 use crate::fleet::shard::Shard;

@@ -20,7 +20,8 @@ use crate::recording::split::Split;
 use crate::robot::newton_euler::NewtonEuler;
 use crate::setup;
 use crate::setup::error::{Mismatch, SetupError};
-use crate::setup::recordings::{Read, read_all};
+use crate::setup::read::Read;
+use crate::setup::recordings::read_all;
 use crate::setup::robot::Robot;
 
 /// What the fit gives.
@@ -122,7 +123,7 @@ fn check_names(problem: &ProblemFile, robot: &Robot) -> Result<(), MotorsError> 
         .map(|e| (&e.value, &e.place));
     for (name, place) in given.chain(listed) {
         if robot.tree.joint_index(name).is_none() {
-            return Err(setup::robot::unknown(place, name, &robot.order).into());
+            return Err(setup::error::unknown(place, name, &robot.order).into());
         }
     }
     Ok(())

@@ -10,8 +10,8 @@
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
-use crate::outcome::diagnose::Finding;
 use crate::outcome::estimate::Covariance;
+use crate::outcome::finding::Finding;
 use crate::outcome::fit::Fit;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::{Outcome, Part};

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::outcome::finding::Finding;
 use crate::outcome::fit::{Fit, FittedModel, Preprocessing};
 use crate::outcome::joint::JointFigures;
 use crate::outcome::number;
@@ -121,31 +122,6 @@ pub struct CurvePoint {
     pub std_error: f64,
 }
 
-/// Physics that the declared model lacks.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Finding {
-    pub effect: String,
-    pub joints: Vec<String>,
-    pub parameters: Vec<Parameter>,
-    #[serde(with = "number::nullable")]
-    pub rmse_validation_before: f64,
-    #[serde(with = "number::nullable")]
-    pub rmse_validation_after: f64,
-    #[serde(with = "number::nullable")]
-    pub explained_share: f64,
-    #[serde(with = "number::nullable")]
-    pub p_value: f64,
-    pub sentence: String,
-    pub rivals: Vec<Rival>,
-    /// That this, and not a rival, something without a name or nothing, is what is there.
-    #[serde(default, with = "number::nullable")]
-    pub probability: f64,
-    #[serde(default, with = "number::nullable")]
-    pub probability_unnamed: f64,
-    #[serde(default, with = "number::nullable")]
-    pub probability_nothing: f64,
-}
-
 /// A channel of which the final model leaves more than is known to be noise.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Unattested {
@@ -157,24 +133,6 @@ pub struct Unattested {
     #[serde(with = "number::nullable")]
     pub of_signal: f64,
     pub sentence: String,
-}
-
-/// Other physics that explains the same misfit.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Rival {
-    pub effect: String,
-    pub joints: Vec<String>,
-    #[serde(with = "number::nullable")]
-    pub explained_share: f64,
-    /// Whether these recordings tell it from the finding.
-    pub separable: bool,
-    /// That it is what is there in the place of the finding.
-    #[serde(default, with = "number::nullable")]
-    pub probability: f64,
-    /// Of a rival that is not separable: recordings of fewer than so many times the length do not tell it apart but by
-    /// chance, once in twenty times; `None` where no length does, because the two are the same torque.
-    #[serde(default, with = "number::optional")]
-    pub times_longer: Option<f64>,
 }
 
 /// A recording that would tell rivals apart.

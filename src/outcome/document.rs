@@ -146,7 +146,7 @@ impl<'de> Deserialize<'de> for Outcome {
             other => {
                 return Err(D::Error::custom(format!(
                     "the verb `{other}` is not known to version {}",
-                    crate::outcome::run::VERSION
+                    crate::outcome::provenance::VERSION
                 )));
             }
         };

@@ -13,6 +13,7 @@ pub mod difference;
 pub mod error;
 pub mod estimate;
 pub mod feasibility;
+pub mod finding;
 pub mod fit;
 pub mod fleet;
 pub mod folder;

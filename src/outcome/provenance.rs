@@ -27,7 +27,7 @@ impl Provenance {
     pub fn of_this_process(command: Vec<String>) -> Self {
         let directory = std::env::current_dir().unwrap_or_default();
         let revision = match env!("EXID_REVISION") {
-            "" => format!("version {}", super::run::VERSION),
+            "" => format!("version {}", VERSION),
             commit => commit.to_owned(),
         };
         let features = env!("EXID_FEATURES").split(',').filter(|f| !f.is_empty());
@@ -81,6 +81,9 @@ pub fn date(instant: SystemTime) -> String {
         days + 1
     )
 }
+
+/// Version of this program, as written into every result.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 #[cfg(test)]
 mod tests {

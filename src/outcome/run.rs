@@ -6,9 +6,6 @@ use crate::outcome::input::Input;
 use crate::outcome::number;
 use crate::outcome::provenance::Provenance;
 
-/// Version of this program, as written into every result.
-pub const VERSION: &str = env!("CARGO_PKG_VERSION");
-
 /// What was run, on what, and how long it took.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Run {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::outcome::diagnose::Finding;
+use crate::outcome::finding::Finding;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::number;
 use crate::outcome::parameter::Parameter;

@@ -8,8 +8,8 @@ use crate::outcome::fit::{BaseParameter, Fit};
 use crate::outcome::input::Input;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::parameter::{Parameter, Source};
-use crate::outcome::provenance::Provenance;
-use crate::outcome::run::{Run, VERSION};
+use crate::outcome::provenance::{Provenance, VERSION};
+use crate::outcome::run::Run;
 use crate::outcome::simulation::{RealisedNoise, Simulation};
 use crate::outcome::{Outcome, Part};
 

@@ -144,7 +144,7 @@ pub struct Found {
 pub struct Inseparable {
     pub effect: String,
     pub joints: Vec<String>,
-    /// As the diagnosis says; see [`crate::outcome::diagnose::Rival`].
+    /// As the diagnosis says; see [`crate::outcome::finding::Rival`].
     #[serde(default, with = "number::optional")]
     pub times_longer: Option<f64>,
     /// Whether a recording of the same robot tells it apart that is [`LONGER`] times as long.

@@ -1,7 +1,7 @@
 //! `[design]`: the motions among which an excitation is sought, what makes one good, and its limits.
 
-use crate::problem_file::Context;
 use crate::problem_file::choices::{Criterion, DesignKind, Scaling};
+use crate::problem_file::context::Context;
 use crate::problem_file::document::{Node, NodeValue};
 use crate::problem_file::error::{NumberFault, ProblemFileError, ValueFault};
 use crate::problem_file::key::{Form, Key, Length, REQUIRED, Range, words};

@@ -1,11 +1,12 @@
 //! `[diagnose]`: the physics to look for, and how sure a finding has to be.
 
+use crate::problem_file::context::Context;
 use crate::problem_file::document::{Node, NodeValue};
 use crate::problem_file::error::{NumberFault, ProblemFileError};
 use crate::problem_file::key::{Form, Key, Length, Range};
 use crate::problem_file::located::Located;
 use crate::problem_file::reader::Reader;
-use crate::problem_file::{Context, values};
+use crate::problem_file::values;
 
 /// Keys of `[diagnose]`.
 #[rustfmt::skip]

@@ -1,11 +1,12 @@
 //! `[drive]`: the motors, what is known of them, and the physics between motor and joint.
 
+use crate::problem_file::context::Context;
 use crate::problem_file::document::Node;
 use crate::problem_file::error::{ProblemFileError, ValueFault};
 use crate::problem_file::key::{Form, Key, Length, REQUIRED, Range};
 use crate::problem_file::located::{Located, Named, PerJoint};
 use crate::problem_file::reader::Reader;
-use crate::problem_file::{Context, values};
+use crate::problem_file::values;
 
 /// Keys of `[drive]`.
 #[rustfmt::skip]

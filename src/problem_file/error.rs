@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::fault::{Description, Fault, Place, write_fault};
+use crate::problem_file::key::{Key, sections};
 
 /// A fault in a problem file or in an override of one of its keys.
 #[derive(Debug, Clone, PartialEq)]
@@ -122,6 +123,19 @@ impl ProblemFileError {
 
     pub fn kind(&self) -> &ProblemFileErrorKind {
         &self.kind
+    }
+
+    /// The same; of an unknown key with the name of another table among these `keys` that has it.
+    pub(super) fn naming_table_among(mut self, keys: &'static [Key]) -> Self {
+        if let ProblemFileErrorKind::Key(KeyFault::Unknown {
+            found, elsewhere, ..
+        }) = self.kind.as_mut()
+        {
+            let mut tables = sections(keys).into_iter().skip(1);
+            let table = tables.find(|table| table.keys.iter().any(|key| key.name == found));
+            *elsewhere = table.map(|table| table.path.join("."));
+        }
+        self
     }
 }
 

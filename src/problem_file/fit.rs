@@ -1,12 +1,13 @@
 //! `[fit]`: the estimator, what is known before the data, and fits to compare with.
 
 use crate::problem_file::choices::{Estimator, FeasibleBy, LoadFrom, Motion, PriorKind};
+use crate::problem_file::context::Context;
 use crate::problem_file::document::{Node, NodeValue, Table};
 use crate::problem_file::error::{KeyFault, NumberFault, ProblemFileError, ValueFault};
 use crate::problem_file::key::{Form, Key, Length, REQUIRED, Range, words};
 use crate::problem_file::located::{Located, Named};
 use crate::problem_file::reader::Reader;
-use crate::problem_file::{Context, values};
+use crate::problem_file::values;
 
 /// Keys of `[fit]`.
 #[rustfmt::skip]

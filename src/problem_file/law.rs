@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 
 use crate::fault::Place;
 use crate::problem_file::choices::Choice;
+use crate::problem_file::context::Context;
 use crate::problem_file::document::{self, Entry, Node, NodeValue};
 use crate::problem_file::error::{KeyFault, ProblemFileError};
 use crate::problem_file::key::{Form, Key, Length, REQUIRED, Range, words};
 use crate::problem_file::located::{FilePath, Located, Named};
 use crate::problem_file::reader::Reader;
-use crate::problem_file::{Context, values};
+use crate::problem_file::values;
 
 /// Keys of a `[[law]]`.
 #[rustfmt::skip]

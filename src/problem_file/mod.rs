@@ -5,6 +5,7 @@
 //! can still turn out wrong is therefore a [`Located`] value, which knows its line and key.
 
 pub mod choices;
+mod context;
 pub mod controller;
 pub mod design;
 pub mod diagnose;
@@ -31,6 +32,7 @@ mod tests;
 use std::path::{Path, PathBuf};
 
 use crate::fault::Place;
+use crate::problem_file::context::Context;
 
 pub use controller::ControllerTable;
 pub use design::DesignTable;
@@ -90,14 +92,6 @@ pub struct ProblemFile {
     pub json: serde_json::Value,
 }
 
-/// What the tables need to know besides their own text.
-struct Context<'a> {
-    /// Folder that relative paths start from: the problem file's own.
-    folder: &'a Path,
-    /// Identifiers that lists of effects may hold.
-    effect_ids: &'a [&'a str],
-}
-
 impl ProblemFile {
     /// Reads and validates a problem file.
     ///
@@ -126,10 +120,8 @@ impl ProblemFile {
         overrides: &[String],
         effect_ids: &[&str],
     ) -> Result<Self, ProblemFileError> {
-        let mut root = document::parse(path, text)?;
-        overrides::apply(&mut root, overrides)?;
-        law::gather(&mut root, path.parent().unwrap_or(Path::new("")))?;
-        Self::from_root(path, &root, effect_ids)
+        let root = document::parse(path, text)?;
+        Self::of_document(path, root, overrides, effect_ids)
     }
 
     /// The problem that a result keeps, [`Self::json`], of the file at `path`, with overrides.
@@ -142,10 +134,20 @@ impl ProblemFile {
         overrides: &[String],
         effect_ids: &[&str],
     ) -> Result<Self, ProblemFileError> {
-        let mut root = Node::from_json(json, Place::file(path));
-        overrides::apply(&mut root, overrides)?;
-        law::gather(&mut root, path.parent().unwrap_or(Path::new("")))?;
-        Self::from_root(path, &root, effect_ids)
+        let root = Node::from_json(json, Place::file(path));
+        Self::of_document(path, root, overrides, effect_ids)
+    }
+
+    fn of_document(
+        path: &Path,
+        mut root: Node,
+        overrides: &[String],
+        effect_ids: &[&str],
+    ) -> Result<Self, ProblemFileError> {
+        overrides::apply(&mut root, KEYS, overrides)?;
+        law::gather(&mut root, path.parent().unwrap_or(Path::new("")))
+            .and_then(|()| Self::from_root(path, &root, effect_ids))
+            .map_err(|error| error.naming_table_among(KEYS))
     }
 
     fn from_root(path: &Path, root: &Node, effect_ids: &[&str]) -> Result<Self, ProblemFileError> {

@@ -4,21 +4,24 @@
 use toml::de::DeTable;
 
 use crate::fault::Place;
-use crate::problem_file::KEYS;
 use crate::problem_file::document::{Entry, Node, NodeValue, Source, Table, join};
 use crate::problem_file::error::{OverrideFault, ProblemFileError};
-use crate::problem_file::key::is_table_of_names;
+use crate::problem_file::key::{Key, is_table_of_names};
 
 /// Most parts of a key: the deepest of the problem file has four, and tables are nested as deeply as
 /// the key says.
 const MOST_PARTS: usize = 16;
 
-/// Applies the overrides in their order to the root table of a file.
-pub(super) fn apply(root: &mut Node, overrides: &[String]) -> Result<(), ProblemFileError> {
+/// Applies the overrides in their order to the root table of a file, which has these `keys`.
+pub(super) fn apply(
+    root: &mut Node,
+    keys: &'static [Key],
+    overrides: &[String],
+) -> Result<(), ProblemFileError> {
     let file = root.place.clone();
     for text in overrides {
         let place = file.clone().key(format!("--set {}", key_text(text)));
-        let (segments, value) = split(text).ok_or_else(|| {
+        let (segments, value) = split(text, keys).ok_or_else(|| {
             ProblemFileError::new(
                 &place,
                 OverrideFault::Form {
@@ -45,7 +48,7 @@ fn key_text(text: &str) -> &str {
 }
 
 /// Splits `a.b."c.d" = value` into the parts of the key and the text of the value.
-fn split(text: &str) -> Option<(Vec<String>, &str)> {
+fn split<'t>(text: &'t str, keys: &'static [Key]) -> Option<(Vec<String>, &'t str)> {
     let mut segments = vec![String::new()];
     let mut quote = None;
     for (offset, c) in text.char_indices() {
@@ -55,7 +58,7 @@ fn split(text: &str) -> Option<(Vec<String>, &str)> {
             (None, '.') => segments.push(String::new()),
             (None, '=') => {
                 let value = text[offset + 1..].trim();
-                let segments = join_names(&segments);
+                let segments = join_names(&segments, keys);
                 let complete = segments.iter().all(|segment| !segment.is_empty());
                 return (complete && !value.is_empty()).then_some((segments, value));
             }
@@ -67,10 +70,10 @@ fn split(text: &str) -> Option<(Vec<String>, &str)> {
 }
 
 /// Makes one name of what follows a table of names: a shell takes the quotes off a name with dots.
-fn join_names(segments: &[String]) -> Vec<String> {
+fn join_names(segments: &[String], keys: &'static [Key]) -> Vec<String> {
     for length in 1..segments.len().min(MOST_PARTS) {
         let (table, name) = segments.split_at(length);
-        if is_table_of_names(KEYS, table) {
+        if is_table_of_names(keys, table) {
             let mut joined = table.to_vec();
             joined.push(name.join("."));
             return joined;

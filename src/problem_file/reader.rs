@@ -5,9 +5,9 @@ use std::borrow::Cow;
 use crate::fault::{Fault, Place};
 use crate::problem_file::document::{Entry, Node, NodeValue, Table, join};
 use crate::problem_file::error::{KeyFault, ProblemFileError, ProblemFileErrorKind, ValueFault};
-use crate::problem_file::key::{Key, sections};
+use crate::problem_file::key::Key;
 use crate::problem_file::located::{Located, Named};
-use crate::problem_file::{KEYS, values};
+use crate::problem_file::values;
 
 /// One table, whose keys are known.
 pub(super) struct Reader<'a> {
@@ -22,14 +22,12 @@ impl<'a> Reader<'a> {
         let table = values::table(node)?;
         let has = |keys: &[Key], entry: &Entry| keys.iter().any(|key| key.name == entry.key);
         if let Some(entry) = table.entries.iter().find(|entry| !has(known, entry)) {
-            let sections = sections(KEYS).into_iter().skip(1);
-            let mut elsewhere = sections.filter(|section| has(section.keys, entry));
             return Err(ProblemFileError::new(
                 &entry.place,
                 KeyFault::Unknown {
                     found: entry.key.clone(),
                     known: known.iter().map(|key| key.name).collect(),
-                    elsewhere: elsewhere.next().map(|section| section.path.join(".")),
+                    elsewhere: None,
                 },
             ));
         }

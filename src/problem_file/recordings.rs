@@ -3,12 +3,13 @@
 use std::ops::Deref;
 
 use crate::problem_file::choices::{DifferentiationMethod, PositionSide, Signal};
+use crate::problem_file::context::Context;
 use crate::problem_file::document::{Node, NodeValue};
 use crate::problem_file::error::{KeyFault, NumberFault, ProblemFileError, ValueFault};
 use crate::problem_file::key::{Form, Key, Length, REQUIRED, Range, words};
 use crate::problem_file::located::{FilePath, Located, Named, check_length};
 use crate::problem_file::reader::Reader;
-use crate::problem_file::{Context, values};
+use crate::problem_file::values;
 use crate::recording::column_map::{Column, ColumnsAt, Factors};
 use crate::recording::reading::Reading;
 use crate::recording::units::{self, Quantity};

@@ -1,12 +1,13 @@
 //! `[robot]`: the kinematics, what is known of it, and what is to be estimated.
 
 use crate::problem_file::choices::{Choice, ClosedJoint, Inertials, Mechanism};
+use crate::problem_file::context::Context;
 use crate::problem_file::document::{Node, NodeValue};
 use crate::problem_file::error::{KeyFault, ProblemFileError};
 use crate::problem_file::key::{Form, Key, Length, REQUIRED, Range, words};
 use crate::problem_file::located::{FilePath, Located, Named};
 use crate::problem_file::reader::Reader;
-use crate::problem_file::{Context, values};
+use crate::problem_file::values;
 
 /// Keys of `[robot]`.
 #[rustfmt::skip]

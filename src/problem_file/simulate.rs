@@ -1,12 +1,13 @@
 //! `[simulate]`: the trajectory, how it is recorded, and the truth behind it.
 
 use crate::problem_file::choices::SimulationMode;
+use crate::problem_file::context::Context;
 use crate::problem_file::document::Node;
 use crate::problem_file::error::{NumberFault, ProblemFileError};
 use crate::problem_file::key::{Form, Key, Range, words};
 use crate::problem_file::located::{FilePath, Located, Named, PerJoint};
 use crate::problem_file::reader::Reader;
-use crate::problem_file::{Context, values};
+use crate::problem_file::values;
 
 /// Keys of `[simulate]`.
 #[rustfmt::skip]

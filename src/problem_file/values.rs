@@ -1,8 +1,8 @@
 //! Values of single keys: each function turns a node into a value of its type and range, or says
 //! what is wrong with it.
 
-use crate::problem_file::Context;
 use crate::problem_file::choices::Choice;
+use crate::problem_file::context::Context;
 use crate::problem_file::document::{Node, NodeValue, Table};
 use crate::problem_file::error::{NumberFault, ProblemFileError, ProblemFileErrorKind, ValueFault};
 use crate::problem_file::located::{FilePath, Located, PerJoint};

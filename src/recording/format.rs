@@ -130,7 +130,10 @@ pub fn format_of(path: &Path) -> Result<&'static Format, RecordingError> {
 /// Errors: as [`format_of`]; those of the format.
 pub fn columns_at(path: &Path, reading: &Reading) -> Result<Vec<String>, RecordingError> {
     match reading.memory.at(path) {
-        Some(arrays) => arrays.columns(path, reading),
+        Some(arrays) => {
+            reading.goes_on(path)?;
+            Ok(arrays.columns())
+        }
         None => (format_of(path)?.columns)(path, reading),
     }
 }
@@ -140,7 +143,11 @@ pub fn columns_at(path: &Path, reading: &Reading) -> Result<Vec<String>, Recordi
 /// Errors: as [`columns_at`].
 pub fn read_at(path: &Path, wanted: &[String], reading: &Reading) -> Result<Table, RecordingError> {
     match reading.memory.at(path) {
-        Some(arrays) => arrays.read(path, wanted, reading),
+        Some(arrays) => {
+            let table = arrays.read(path, wanted)?;
+            reading.takes_rows(path, table.rows())?;
+            Ok(table)
+        }
         None => (format_of(path)?.read)(path, wanted, reading),
     }
 }

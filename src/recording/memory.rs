@@ -14,7 +14,6 @@ use sha2::{Digest, Sha256};
 
 use crate::recording::arrays::{Layout, Storage, assemble, column_names};
 use crate::recording::error::RecordingError;
-use crate::recording::reading::Reading;
 use crate::recording::table::Table;
 
 /// Which side of a matrix varies fastest in memory.
@@ -65,28 +64,16 @@ impl Arrays {
         kept
     }
 
-    /// Names of all columns. Errors: an interrupt.
-    pub(super) fn columns(
-        &self,
-        path: &Path,
-        reading: &Reading,
-    ) -> Result<Vec<String>, RecordingError> {
-        reading.goes_on(path)?;
-        Ok(column_names(&self.layouts))
+    /// Names of all columns.
+    pub(super) fn columns(&self) -> Vec<String> {
+        column_names(&self.layouts)
     }
 
-    /// The wanted columns. Errors: columns of one name or unequal length, too few rows or too many, an interrupt.
-    pub(super) fn read(
-        &self,
-        path: &Path,
-        wanted: &[String],
-        reading: &Reading,
-    ) -> Result<Table, RecordingError> {
-        let table = assemble(path, &self.layouts, wanted, |at| {
+    /// The wanted columns. Errors: columns of one name or unequal length, too few rows.
+    pub(super) fn read(&self, path: &Path, wanted: &[String]) -> Result<Table, RecordingError> {
+        assemble(path, &self.layouts, wanted, |at| {
             Ok(Cow::Borrowed(self.numbers[at].as_ref().as_ref()))
-        })?;
-        reading.takes_rows(path, table.rows())?;
-        Ok(table)
+        })
     }
 
     /// SHA-256 of names, sides and numbers, 64 hexadecimal digits in lower case.
@@ -131,6 +118,7 @@ impl ArraysInMemory {
 mod tests {
     use super::*;
     use crate::recording::format::{columns_at, read_at};
+    use crate::recording::reading::Reading;
 
     fn reading(arrays: Vec<NamedArray>) -> Reading {
         let mut reading = Reading::default();

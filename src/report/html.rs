@@ -1,6 +1,7 @@
 //! The page: one self-contained HTML file, legible on screen, on a phone and on paper.
 
 use crate::outcome::Outcome;
+use crate::report::escape::{breakable, escape};
 use crate::report::explore::Exploration;
 use crate::report::script;
 use crate::report::section::{self, Section};
@@ -67,37 +68,6 @@ fn contents(sections: &[Section]) -> String {
         .map(|section| format!("<a href=\"#{}\">{}</a>", section.id, section.title))
         .collect::<Vec<_>>()
         .join("\n")
-}
-
-/// Text as it may stand in HTML, in an element or in a quoted attribute.
-pub fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            _ => out.push(c),
-        }
-    }
-    out
-}
-
-/// An escaped identifier or expression that a narrow page may break after a sign within it, but
-/// not within a number.
-pub fn breakable(name: &str) -> String {
-    let mut out = String::with_capacity(name.len());
-    let mut rest = name.chars().peekable();
-    while let Some(c) = rest.next() {
-        out.push_str(&escape(c.encode_utf8(&mut [0; 4])));
-        let in_number = rest.peek().is_some_and(char::is_ascii_digit);
-        if matches!(c, '_' | '/' | '*') || (c == '.' && !in_number) {
-            out.push_str("<wbr>");
-        }
-    }
-    out
 }
 
 #[cfg(test)]

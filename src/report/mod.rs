@@ -5,6 +5,7 @@
 
 pub mod catalogue;
 pub mod compared;
+pub mod escape;
 pub mod html;
 pub mod text;
 pub mod written;

@@ -1,6 +1,6 @@
 //! Tables of the page: numbers right-aligned at the decimal point, everything else escaped text.
 
-use crate::report::html::{breakable, escape};
+use crate::report::escape::{breakable, escape};
 
 /// Space as wide as a digit, and as wide as a point: they align numbers of unlike precision.
 const FIGURE_SPACE: char = '\u{2007}';

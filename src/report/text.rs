@@ -5,8 +5,9 @@ use std::path::Path;
 use crate::outcome::check::{Check, Finding as Mistake, Severity};
 use crate::outcome::contest::Contest;
 use crate::outcome::design::Design;
-use crate::outcome::diagnose::{Diagnosis, Finding, Verdict};
+use crate::outcome::diagnose::{Diagnosis, Verdict};
 use crate::outcome::estimate::{Estimate, Solver};
+use crate::outcome::finding::Finding;
 use crate::outcome::fit::Fit;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::load::Load;
@@ -14,11 +15,10 @@ use crate::outcome::parameter::Parameter;
 use crate::outcome::simulation::Simulation;
 use crate::outcome::trials::Trials;
 use crate::outcome::{Outcome, Part};
-use crate::report::facts;
 use crate::report::number::{optional, percent, significant};
 use crate::report::terminal::{GAP, align};
 use crate::report::terminal_parameters::{self, LOAD};
-use crate::report::{terminal_fleet, terminal_rollout, terminal_simulator};
+use crate::report::{facts, terminal_fleet, terminal_rollout, terminal_simulator};
 
 /// Lines of a fit or a diagnosis, about a screen: base parameters and places of the misfit give way to the rest.
 const LINES: usize = 40;

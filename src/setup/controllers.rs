@@ -21,7 +21,7 @@ pub(super) fn of_joints(
     problem: &ProblemFile,
     robot: &Robot,
 ) -> Result<Option<Vec<Controller>>, SetupError> {
-    if super::model::signal(problem)? != Signal::PositionCommand {
+    if super::signal::signal(problem)? != Signal::PositionCommand {
         return Ok(None);
     }
     if robot.mechanism.is_some() {

@@ -136,7 +136,7 @@ pub fn differences(
 
 /// The values of a joint that moves by itself; none where the signal does not feel the joints' drives.
 fn entries(problem: &ProblemFile, robot: &Robot, joint: usize) -> Vec<Entry> {
-    let signal = super::model::signal(problem).ok();
+    let signal = super::signal::signal(problem).ok();
     if robot.locked[joint].is_some() || signal == Some(Signal::BaseWrench) {
         return Vec::new();
     }

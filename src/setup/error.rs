@@ -1,5 +1,6 @@
 //! Why the objects that a problem file describes cannot be built.
 
+use crate::chain::error::ModelError;
 use crate::fault::{Description, Fault, Place, write_fault};
 use crate::outcome::error::OutcomeError;
 use crate::problem_file::ProblemFileError;
@@ -351,4 +352,59 @@ impl From<RecordingError> for SetupError {
     fn from(e: RecordingError) -> Self {
         Self::Recording(Box::new(e))
     }
+}
+
+pub(crate) fn unknown(place: &crate::fault::Place, found: &str, known: &[String]) -> SetupError {
+    SetupError::mismatch(
+        place,
+        Mismatch::UnknownJoint {
+            found: found.to_string(),
+            known: known.to_vec(),
+        },
+    )
+}
+
+/// A fault of the model as one of the problem file.
+pub(super) fn at(place: &Place, error: ModelError) -> SetupError {
+    let kind = match error {
+        ModelError::UnknownParameter { name, nearest } => Mismatch::UnknownParameter {
+            found: name,
+            nearest,
+        },
+        ModelError::NeedsMass { name } => Mismatch::NeedsMass { found: name },
+        ModelError::OutOfBounds {
+            value,
+            lower,
+            upper,
+            ..
+        } => Mismatch::OutOfBounds {
+            found: value,
+            lower,
+            upper,
+        },
+        ModelError::SingularCoupling => Mismatch::SingularCoupling,
+        ModelError::NeedsJoint {
+            joint,
+            effect,
+            needs,
+        } => Mismatch::NeedsJoint {
+            joint,
+            effect,
+            needs,
+        },
+        ModelError::NeedsEffect {
+            joint,
+            effect,
+            needs,
+        } => Mismatch::NeedsEffect {
+            joint,
+            effect,
+            needs,
+        },
+    };
+    SetupError::mismatch(place, kind)
+}
+
+pub(super) fn faulty(place: &Place, what: String) -> SetupError {
+    SetupError::mismatch(place, Mismatch::Mechanism { what })
 }

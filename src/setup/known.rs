@@ -5,8 +5,7 @@ use crate::fault::Place;
 use crate::problem_file::choices::Estimator;
 use crate::problem_file::{Named, ProblemFile};
 use crate::robot::inertia::Inertia;
-use crate::setup::error::{Mismatch, SetupError};
-use crate::setup::model::at;
+use crate::setup::error::{Mismatch, SetupError, at};
 use crate::setup::names::{self, BodyQuantity, Reference};
 
 /// Parameters that are zero by construction. A product of inertia about the centre of mass is zero about

@@ -2,20 +2,18 @@
 
 use crate::chain::effect::torque_current_nonlinearity::COEFFICIENTS;
 use crate::chain::effect::{self, Catalogue, Effect, Law};
-use crate::chain::error::ModelError;
 use crate::chain::model::{self, Model, ModelSettings, Payload};
 use crate::chain::parameter::Role;
 use crate::fault::Place;
-use crate::problem_file::choices::{Inertials, PositionSide, Signal};
+use crate::problem_file::choices::{Inertials, PositionSide};
 use crate::problem_file::drive::CurrentLaw;
 use crate::problem_file::robot::PayloadPlace;
 use crate::problem_file::{Located, PerJoint, ProblemFile};
-use crate::setup::controllers;
-use crate::setup::declared;
-use crate::setup::error::{Mismatch, SetupError};
+use crate::setup::error::{Mismatch, SetupError, at, unknown};
 use crate::setup::known::{bound_all, fix_all, zero_parameters};
-use crate::setup::laws;
-use crate::setup::robot::{Robot, unknown};
+use crate::setup::robot::Robot;
+use crate::setup::signal::signal;
+use crate::setup::{controllers, declared, laws};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Builds the model of a problem file.
@@ -132,47 +130,6 @@ fn problem_place(problem: &ProblemFile) -> Place {
     }
 }
 
-/// A fault of the model as one of the problem file.
-pub(super) fn at(place: &Place, error: ModelError) -> SetupError {
-    let kind = match error {
-        ModelError::UnknownParameter { name, nearest } => Mismatch::UnknownParameter {
-            found: name,
-            nearest,
-        },
-        ModelError::NeedsMass { name } => Mismatch::NeedsMass { found: name },
-        ModelError::OutOfBounds {
-            value,
-            lower,
-            upper,
-            ..
-        } => Mismatch::OutOfBounds {
-            found: value,
-            lower,
-            upper,
-        },
-        ModelError::SingularCoupling => Mismatch::SingularCoupling,
-        ModelError::NeedsJoint {
-            joint,
-            effect,
-            needs,
-        } => Mismatch::NeedsJoint {
-            joint,
-            effect,
-            needs,
-        },
-        ModelError::NeedsEffect {
-            joint,
-            effect,
-            needs,
-        } => Mismatch::NeedsEffect {
-            joint,
-            effect,
-            needs,
-        },
-    };
-    SetupError::mismatch(place, kind)
-}
-
 fn to_effects(catalogue: &Catalogue, listed: &[Located<String>]) -> Vec<&'static Effect> {
     listed
         .iter()
@@ -224,24 +181,6 @@ fn effects_of_joints(
         }
     }
     Ok(effects)
-}
-
-pub(super) fn signal(problem: &ProblemFile) -> Result<model::Signal, SetupError> {
-    let Some(recordings) = &problem.recordings else {
-        return Ok(match problem.drive.current_law {
-            _ if problem.controller.is_some() => model::Signal::PositionCommand,
-            Some(_) => model::Signal::Current,
-            None => model::Signal::Torque,
-        });
-    };
-    Ok(match recordings.signal.value {
-        Signal::Current => model::Signal::Current,
-        Signal::Torque | Signal::MotorTorque => model::Signal::Torque,
-        Signal::LinkTorque => model::Signal::LinkTorque,
-        Signal::BaseWrench => model::Signal::BaseWrench,
-        Signal::Both => model::Signal::Both,
-        Signal::PositionCommand => model::Signal::PositionCommand,
-    })
 }
 
 fn torque_constant(problem: &ProblemFile, robot: &Robot) -> Result<Option<Vec<f64>>, SetupError> {

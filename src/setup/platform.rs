@@ -4,8 +4,8 @@ use crate::chain::model::Model;
 use crate::chain::platform::{Platform, Rotor};
 use crate::problem_file::drive::RotorTable;
 use crate::problem_file::{Named, ProblemFile};
-use crate::setup::error::{Mismatch, SetupError};
-use crate::setup::robot::{Robot, unknown};
+use crate::setup::error::{Mismatch, SetupError, unknown};
+use crate::setup::robot::Robot;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 /// Gives a model the platform of a problem file, and the tare as unknowns if it asks for them.

@@ -10,7 +10,7 @@ use crate::chain::controller::Commands;
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
 use crate::fault::Place;
-use crate::problem_file::choices::{DifferentiationMethod, PositionSide, Signal};
+use crate::problem_file::choices::{PositionSide, Signal};
 use crate::problem_file::recordings::{ColumnsTable, RecordingFiles};
 use crate::problem_file::{FilePath, Located, ProblemFile, RecordingsTable};
 use crate::recording::apart::read_apart;
@@ -22,31 +22,16 @@ use crate::recording::experiment::{Bandwidth, Experiment, Noise};
 use crate::recording::held::thinned;
 use crate::recording::join::{Source, read_joined};
 use crate::recording::preprocess::prepare;
-use crate::recording::samples::Commanded;
-use crate::recording::samples::Recording;
-use crate::recording::settings::{Differentiation, Method, Preparation};
+use crate::recording::samples::{Commanded, Recording};
+use crate::recording::settings::Preparation;
 use crate::recording::split::Split;
 use crate::setup::error::{Mismatch, SetupError};
-use crate::setup::loops;
+use crate::setup::preparation::preparation;
+use crate::setup::read::{Named, Read};
 use crate::setup::robot::Robot;
+use crate::setup::sensed;
 use crate::setup::shared_rows::shared_rows;
 use nalgebra::{DMatrix, DVector};
-
-/// A recording that the problem file names.
-#[derive(Debug, Clone)]
-pub struct Named<'a> {
-    pub path: &'a RecordingFiles,
-    pub split: Split,
-    /// A load that the model has hangs on the robot.
-    pub loaded: bool,
-}
-
-/// A recording as it was read.
-#[derive(Debug, Clone)]
-pub struct Read<'a> {
-    pub named: Named<'a>,
-    pub recording: Recording,
-}
 
 /// Reads every recording of a problem file.
 ///
@@ -112,8 +97,8 @@ fn prepared(
     let mut forces = Vec::new();
     if let (Some(mechanism), Some(recording)) = (&robot.mechanism, kept) {
         let bandwidth = experiment.bandwidth.clone();
-        let sensed = loops::sensed(&recording, table, (model, &bandwidth), &experiment)?;
-        loops::complete(&mut experiment, mechanism, &sensed)?;
+        let sensed = sensed::sensed(&recording, table, (model, &bandwidth), &experiment)?;
+        sensed::complete(&mut experiment, mechanism, &sensed)?;
         forces = sensed.forces;
     }
     let (name, split) = (named.path.written.clone(), named.split);
@@ -277,26 +262,6 @@ fn column_map(columns: &ColumnsTable) -> ColumnMap {
         wrench: columns.wrench.as_ref().map(|e| e.value.clone()),
         temperature: given(&columns.temperature),
         mask: given(&columns.mask),
-    }
-}
-
-/// How the problem file wants its recordings made ready.
-pub fn preparation(table: &RecordingsTable) -> Preparation {
-    let number = |entry: &Option<Located<f64>>| entry.as_ref().map(|e| e.value);
-    let differentiation = &table.differentiation;
-    Preparation {
-        rate: number(&table.rate),
-        period: number(&table.period),
-        differentiation: Differentiation {
-            method: differentiation.method.as_ref().map(|m| match m.value {
-                DifferentiationMethod::Fourier => Method::Fourier,
-                DifferentiationMethod::Smoother => Method::Smoother,
-                DifferentiationMethod::Lowpass => Method::Lowpass,
-            }),
-            cutoff_hz: number(&differentiation.cutoff_hz),
-            parallel_hz: number(&differentiation.parallel_hz),
-            common_hz: None,
-        },
     }
 }
 

@@ -8,7 +8,7 @@ use crate::problem_file::{Located, Named, PerJoint, ProblemFile};
 use crate::robot::description::{Dependent, Description};
 use crate::robot::tree::Tree;
 use crate::robot::{mdh, mjcf, urdf};
-use crate::setup::error::{Mismatch, SetupError};
+use crate::setup::error::{Mismatch, SetupError, unknown};
 use crate::setup::loops;
 use std::path::{Path, PathBuf};
 
@@ -177,16 +177,6 @@ fn locked(
         locked[k] = Some(entry.value.value);
     }
     Ok(locked)
-}
-
-pub(crate) fn unknown(place: &crate::fault::Place, found: &str, known: &[String]) -> SetupError {
-    SetupError::mismatch(
-        place,
-        Mismatch::UnknownJoint {
-            found: found.to_string(),
-            known: known.to_vec(),
-        },
-    )
 }
 
 fn checked_order(

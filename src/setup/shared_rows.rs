@@ -8,7 +8,7 @@ use crate::recording::row_faults::SharedRows;
 use crate::recording::samples::Recording;
 use crate::recording::split::Split;
 use crate::recording::timing::examine;
-use crate::setup::recordings::Read;
+use crate::setup::read::Read;
 
 /// Faults of recordings that have rows in common, by the one that is held out, or that comes second.
 pub fn shared_rows(table: &RecordingsTable, read: &[Read<'_>]) -> Vec<RecordingError> {

@@ -7,15 +7,14 @@ use crate::chain::effect::{
 };
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
+use crate::problem_file::choices::Signal;
 use crate::problem_file::{Located, Named, ProblemFile};
 use crate::robot::inertia::PER_LINK;
 use crate::setup::known::resolve;
-use crate::setup::laws;
-use crate::setup::model;
 use crate::setup::names::Reference;
 use crate::setup::robot::Robot;
+use crate::setup::{laws, model};
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
-use crate::simulate::truth::commanded;
 
 /// The problem with every effect that acts, and its values under the names of its model.
 pub(super) struct Acting {
@@ -231,4 +230,15 @@ fn owner(model: &Model, reference: Reference) -> Option<(usize, &'static str)> {
             Role::Tilt { .. } => Some((0, base_tilt::EFFECT.id)),
         },
     }
+}
+
+/// The problem with the commanded torque as its signal.
+pub(super) fn commanded(problem: &ProblemFile) -> ProblemFile {
+    let mut torque = problem.clone();
+    torque.drive.current_law = None;
+    torque.controller = None;
+    if let Some(recordings) = &mut torque.recordings {
+        recordings.signal.value = Signal::Torque;
+    }
+    torque
 }

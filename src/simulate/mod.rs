@@ -8,14 +8,19 @@ mod closed_loop;
 mod concealed;
 pub mod error;
 mod free;
+mod motion;
 pub mod path;
 mod path_file;
 pub mod plant;
+mod random_frame;
 mod random_free;
 mod random_path;
+mod recording;
 pub mod sensors;
 pub mod truth;
 mod write;
+
+pub use crate::simulate::recording::SimulatedRecording;
 
 #[cfg(test)]
 mod tests;
@@ -35,8 +40,9 @@ use crate::setup::robot;
 use crate::simulate::closed_loop::{Loop, Schedule};
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
 use crate::simulate::path::{Motion, Path};
+use crate::simulate::random_frame::{Frame, Shape};
 use crate::simulate::random_free::Kind;
-use crate::simulate::random_path::{Course, Frame, Shape, torques};
+use crate::simulate::random_path::{Course, torques};
 use crate::simulate::sensors::{Sensors, Table, joints_of};
 use crate::simulate::truth::Truth;
 use rand_chacha::ChaCha8Rng;
@@ -51,29 +57,6 @@ const FINER: usize = 8;
 
 /// Rate of a recording where none is stated, Hz.
 pub const DEFAULT_RATE: f64 = 200.0;
-
-/// One recording, or one trajectory.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SimulatedRecording {
-    /// File in the results folder, relative to it.
-    pub name: String,
-    pub table: Table,
-    /// What the table holds of noise, per channel of the signal.
-    pub noise: Vec<Vec<f64>>,
-}
-
-impl SimulatedRecording {
-    /// Takes the noise out of the channels, which are named in its order.
-    pub fn remove_noise(&mut self, channels: &[RealisedNoise]) {
-        for (channel, noise) in channels.iter().zip(std::mem::take(&mut self.noise)) {
-            let column = self.table.header.iter().position(|h| *h == channel.channel);
-            if let Some(column) = column {
-                let pairs = self.table.data[column].iter_mut().zip(noise);
-                pairs.for_each(|(to, x)| *to -= x);
-            }
-        }
-    }
-}
 
 /// What a simulation gives.
 #[derive(Debug, Clone)]

@@ -7,12 +7,10 @@
 use crate::chain::model::Model;
 use crate::mechanism::error::OpenLoop;
 use crate::simulate::free::Free;
+pub use crate::simulate::motion::Motion;
 use crate::stats::range::within;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
-
-/// Position, velocity and acceleration `[joint][sample]`.
-pub type Motion = [Vec<Vec<f64>>; 3];
 
 /// A motion of the motors with that of the joints without a motor where the model's loops are closed.
 ///

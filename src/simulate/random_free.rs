@@ -11,19 +11,12 @@
 use crate::robot::random::between;
 use crate::setup::limits::JointLimits;
 use crate::simulate::free::{Course, Free, Move, Sweep, Tone};
-use crate::simulate::random_path::{Frame, SHARE};
+pub use crate::simulate::random_frame::Kind;
+use crate::simulate::random_frame::{Frame, SHARE};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
-
-/// Motions that do not repeat.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    Tones,
-    Moves,
-    Sweeps,
-}
 
 /// Hz at which limits are looked at: 200 in a cycle of the highest frequency of common motions, 1 Hz.
 pub(super) const LOOK_RATE: f64 = 200.0;

@@ -13,15 +13,14 @@ use crate::robot::batch::Trajectory;
 use crate::setup::limits::JointLimits;
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
 use crate::simulate::path::{self, Fourier, Motion, Path};
-use crate::simulate::random_free::{self, Kind, LOOK_RATE};
+use crate::simulate::random_frame::Frame;
+use crate::simulate::random_free::{self, LOOK_RATE};
+
+pub use crate::simulate::random_frame::{SHARE, Shape};
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
-
-/// Share of every limit that a random trajectory uses: room for the tracking error and for the peaks
-/// between the instants that are looked at.
-pub const SHARE: f64 = 0.8;
 
 /// Instants per cycle of the highest harmonic at which limits are looked at: the peak of a sine between
 /// two of them is less than 1 % higher.
@@ -30,30 +29,6 @@ const PER_CYCLE: usize = 24;
 /// One step of shrinking all amplitudes, and the most steps: down to 1 %, which is standstill.
 const SHRINK: f64 = 0.9;
 const MOST_STEPS: usize = 44;
-
-/// What a random path is drawn from.
-pub struct Frame<'a> {
-    /// The commanded torque of everything that acts.
-    pub plant: &'a Model,
-    /// What the planner takes for the way from motors to joints.
-    pub nominal: &'a Model,
-    pub limits: &'a [JointLimits],
-    pub harmonics: usize,
-    /// s.
-    pub period: f64,
-    pub shape: Shape,
-}
-
-/// What kind of motion is drawn.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Shape {
-    Fourier,
-    /// Does not repeat; lasts `duration` s.
-    Free {
-        kind: Kind,
-        duration: f64,
-    },
-}
 
 impl Frame<'_> {
     /// A feasible path of the motors at joint scale.

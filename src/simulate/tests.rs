@@ -218,7 +218,7 @@ fn recovers_the_motion_and_the_truth_through_files_and_the_recordings_of_a_probl
     let table = problem.recordings().unwrap();
     let read = crate::setup::recordings::read_one(table, &robot, &table.train[0].value).unwrap();
     assert_eq!(read.position[3], columns(&result, 0, "q")[3]);
-    prepare(read, &crate::setup::recordings::preparation(table)).unwrap();
+    prepare(read, &crate::setup::preparation::preparation(table)).unwrap();
     let data = crate::setup::recordings::open(&problem, &robot, &truth.recorded).unwrap();
     for prepared in &data.recordings {
         let motion = &prepared.experiment.motion;

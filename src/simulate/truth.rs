@@ -9,17 +9,17 @@ use crate::chain::parameter::Role;
 use crate::fault::Place;
 use crate::outcome::parameter::Parameter;
 use crate::outcome::{Outcome, Part};
-use crate::problem_file::choices::{Inertials, Signal};
+use crate::problem_file::choices::Inertials;
 use crate::problem_file::{Located, Named, ProblemFile};
 use crate::robot::inertia::{Inertia, PER_LINK};
 use crate::robot::tree::Tree;
-use crate::setup::declared;
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::known::resolve;
-use crate::setup::model;
 use crate::setup::names::{BodyQuantity, Reference, with_quantities};
 use crate::setup::robot::Robot;
+use crate::setup::{declared, model};
 use crate::simulate::concealed;
+use crate::simulate::concealed::commanded;
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
 
 /// Transition speed w of Coulomb friction where none is given, rad/s (m/s): reversals of usual
@@ -120,17 +120,6 @@ fn all_known(problem: &ProblemFile) -> ProblemFile {
             .for_each(|gains| gains.value.trust());
     }
     known
-}
-
-/// The problem with the commanded torque as its signal.
-pub(super) fn commanded(problem: &ProblemFile) -> ProblemFile {
-    let mut torque = problem.clone();
-    torque.drive.current_law = None;
-    torque.controller = None;
-    if let Some(recordings) = &mut torque.recordings {
-        recordings.signal.value = Signal::Torque;
-    }
-    torque
 }
 
 fn zeros(problem: &ProblemFile) -> impl Iterator<Item = Named<f64>> + '_ {

@@ -3,7 +3,8 @@
 use crate::chain::model::Model;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::task::DiagnoseRun;
-use crate::outcome::diagnose::{Finding, Verdict};
+use crate::outcome::diagnose::Verdict;
+use crate::outcome::finding::Finding;
 use crate::outcome::trials::{Found, Hidden, Inseparable, Trial};
 use crate::trials::conceal::Concealed;
 use crate::trials::naming::{names, same_joints};

@@ -15,6 +15,7 @@ mod predictions;
 pub mod rollout;
 pub mod settings;
 pub mod simulate;
+mod written;
 
 use crate::problem_file::ProblemFile;
 use crate::verb::completed::Completed;

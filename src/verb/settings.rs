@@ -3,8 +3,8 @@
 use crate::check::{self, Extent};
 use crate::outcome::check::{Finding, Severity};
 use crate::outcome::input::Input;
-use crate::outcome::provenance::Provenance;
-use crate::outcome::run::{Run as Record, VERSION};
+use crate::outcome::provenance::{Provenance, VERSION};
+use crate::outcome::run::Run as Record;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::verb::error::VerbError;

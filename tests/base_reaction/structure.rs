@@ -2,9 +2,10 @@
 
 use crate::{LEADING, model, published_theta_d, shipped};
 use exid::chain::base_parameters::BaseParameters;
+use exid::chain::bodies_alone::bodies_alone;
 use exid::chain::evaluate::{Evaluator, Segment};
 use exid::chain::model::{Model, Signal};
-use exid::chain::platform::{Platform, Rotor, bodies_alone};
+use exid::chain::platform::{Platform, Rotor};
 use exid::estimate::reactions::map;
 use exid::robot::batch::Trajectory;
 use exid::robot::inertia::{CentralInertia, Inertia};

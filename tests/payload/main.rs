@@ -7,7 +7,8 @@ mod sequence;
 
 use bench::{Bench, NAMES, Payload, SEEDS};
 use exid::chain::prior::Prior;
-use exid::estimate::fit::{Estimator, Fitted, fit};
+use exid::estimate::estimator::Estimator;
+use exid::estimate::fit::{Fitted, fit};
 use exid::estimate::problem::FitProblem;
 use exid::estimate::unknowns::Unknowns;
 use exid::estimate::weights::Weights;

@@ -2,7 +2,8 @@
 
 use crate::bench::{Bench, NAMES, Payload};
 use exid::chain::prior::Prior;
-use exid::estimate::fit::{Estimator, Fitted, fit};
+use exid::estimate::estimator::Estimator;
+use exid::estimate::fit::{Fitted, fit};
 use exid::estimate::noisy_fit;
 use exid::problem::solution::Control;
 use exid::stats::distribution::Distribution;

@@ -103,3 +103,13 @@ impl Catalogue {
         self.effects.iter().map(|effect| effect.id).collect()
     }
 }
+
+/// An effect of the vocabulary, or one that was [registered](catalogue::register), by its identifier.
+pub fn find(id: &str) -> Option<&'static Effect> {
+    Catalogue::known().find(id)
+}
+
+/// The identifiers of the vocabulary and of registered effects.
+pub fn ids() -> Vec<&'static str> {
+    Catalogue::known().ids()
+}

@@ -1,6 +1,7 @@
 //! Torques of the bodies along a course and their derivatives by its motion, kept for evaluations in which
 //! neither bodies nor motion change.
 
+use crate::chain::evaluate::known_bodies::{KnownBodies, Slopes};
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
 use crate::chain::model::{JointModel, Model};
 use crate::chain::parameter::Role;
@@ -12,20 +13,6 @@ use std::rc::Rc;
 
 /// Samples that a thread takes up.
 const PART: usize = 512;
-
-/// What the bodies of a model do along a course.
-#[derive(Debug, Clone, Default)]
-pub struct KnownBodies {
-    /// Of everything but the parameters that have columns below, `[row of the rigid body][sample]`.
-    pub(super) torque: Vec<Vec<f64>>,
-    /// Parameters, by their position, and what one unit of each takes of the motors, `[channel][sample]`; empty where a
-    /// channel does not depend on it or does not count.
-    columns: Vec<(usize, Vec<Vec<f64>>)>,
-    /// By the motion of every joint; none where empty.
-    pub(super) slopes: Slopes,
-    /// Where the joints are, `[order][joint][sample]`, and nothing that is still to be known moves them any more.
-    pub(super) joints: Option<[Vec<Vec<f64>>; 3]>,
-}
 
 impl KnownBodies {
     /// What the bodies do along a course as a function of some inertial parameters, `τ = τ₀ + Σ Y_k φ_k`.
@@ -120,59 +107,6 @@ impl KnownBodies {
             columns: self.columns.iter().map(of_column).collect(),
             slopes: Slopes::default(),
             joints: self.joints.as_ref().map(|of| of.each_ref().map(thin_all)),
-        }
-    }
-}
-
-/// Derivatives of every row of the rigid body with respect to q, q̇ and q̈ of some joints: `[order]`, sample after
-/// sample, rows x joints, row after row.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Slopes {
-    rows: usize,
-    joints: usize,
-    pub by: [Vec<f64>; 3],
-}
-
-impl Slopes {
-    pub fn zeros(rows: usize, joints: usize, samples: usize) -> Self {
-        let zeros = || vec![0.0; rows * joints * samples];
-        Self {
-            rows,
-            joints,
-            by: [zeros(), zeros(), zeros()],
-        }
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.by[0].is_empty()
-    }
-
-    /// Position of an entry of a sample.
-    pub fn at(&self, k: usize, (row, joint): (usize, usize)) -> usize {
-        (k * self.rows + row) * self.joints + joint
-    }
-
-    /// Writes an entry over some samples.
-    fn put(&mut self, entry: (usize, usize), samples: Range<usize>, by: [&[f64]; 3]) {
-        for (order, by) in by.into_iter().enumerate() {
-            for (k, by) in samples.clone().zip(by) {
-                let at = self.at(k, entry);
-                self.by[order][at] = *by;
-            }
-        }
-    }
-
-    /// Those by some of the joints.
-    pub fn of_joints(&self, joints: &[usize]) -> Self {
-        let pick = |by: &Vec<f64>| {
-            let rows = by.chunks_exact(self.joints);
-            rows.flat_map(|row| joints.iter().map(|&j| row[j]))
-                .collect()
-        };
-        Self {
-            rows: self.rows,
-            joints: joints.len(),
-            by: [0, 1, 2].map(|order| pick(&self.by[order])),
         }
     }
 }

@@ -15,8 +15,8 @@
 use crate::chain::effect::coulomb_friction::{sign, sign_by_velocity};
 use crate::chain::effect::law::signum;
 use crate::chain::effect::{Contribution, Law};
-use crate::chain::evaluate::bodies::{KnownBodies, Slopes};
 use crate::chain::evaluate::contact_march::solve_with;
+use crate::chain::evaluate::known_bodies::{KnownBodies, Slopes};
 use crate::chain::evaluate::march::{Coefficients, Course, March, largest};
 use crate::chain::evaluate::rigid::{at_joint, of_others};
 use crate::chain::evaluate::{Evaluator, Segment};

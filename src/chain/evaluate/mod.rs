@@ -12,6 +12,7 @@ mod bodies;
 mod contact_march;
 mod coupling;
 mod delay;
+mod known_bodies;
 mod lag;
 mod loops;
 mod march;
@@ -19,13 +20,14 @@ mod motor;
 mod platform;
 mod recorded_joints;
 mod rigid;
+mod segment;
 
 pub use block::Block;
-pub use bodies::KnownBodies;
+pub use known_bodies::KnownBodies;
 
-use crate::chain::controller::CommandsFrom;
 use crate::chain::effect::base_tilt::tilted;
 use crate::chain::effect::{Law, Memory};
+pub use crate::chain::evaluate::segment::{BLOCK, Segment};
 use crate::chain::model::{JointModel, Model, Signal};
 use crate::chain::parameter::Role;
 use crate::robot::batch::{RegressorBatch, Trajectory};
@@ -36,57 +38,6 @@ use nalgebra::{DMatrix, DVector, SMatrix};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::rc::Rc;
-
-/// Samples that an evaluator takes at once: the block stays in the second-level cache.
-pub const BLOCK: usize = 64;
-
-/// Motion of the motors at joint scale, `[joint][sample]`, and what the robot carries.
-#[derive(Debug, Clone, Copy)]
-pub struct Segment<'a> {
-    pub motors: Trajectory<'a>,
-    /// Known forces of the surroundings on the links along their joints, `[joint][sample]`, N·m (N); empty
-    /// where there are none.
-    pub forces: &'a [Vec<f64>],
-    /// What controllers are told beside the position; `None` where there is nothing.
-    pub commands: Option<CommandsFrom<'a>>,
-    /// What the bodies do, where it is known already.
-    pub bodies: Option<&'a KnownBodies>,
-    /// s from the start of the recording, one per sample; empty for states that stand alone.
-    pub time: &'a [f64],
-    /// °C, `[joint][sample]`; empty where none was recorded.
-    pub temperature: &'a [Vec<f64>],
-    /// The samples are one period of a motion that repeats.
-    pub cyclic: bool,
-    /// The load hangs on the robot.
-    pub loaded: bool,
-}
-
-impl<'a> Segment<'a> {
-    /// States that stand alone.
-    pub fn states(motors: Trajectory<'a>, loaded: bool) -> Self {
-        Self {
-            motors,
-            forces: &[],
-            commands: None,
-            bodies: None,
-            time: &[],
-            temperature: &[],
-            cyclic: false,
-            loaded,
-        }
-    }
-
-    /// Times of some samples, empty where there are none.
-    fn times(&self, range: Range<usize>) -> &'a [f64] {
-        self.time.get(range).unwrap_or(&[])
-    }
-
-    /// Temperatures of a joint over some samples, empty where there are none.
-    fn temperatures(&self, joint: usize, range: Range<usize>) -> &'a [f64] {
-        let own = self.temperature.get(joint);
-        own.and_then(|series| series.get(range)).unwrap_or(&[])
-    }
-}
 
 /// Evaluates a model over blocks or along recordings; one per thread.
 #[derive(Debug)]

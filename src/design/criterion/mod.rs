@@ -9,40 +9,10 @@ pub mod a_optimal;
 pub mod condition;
 pub mod d_optimal;
 pub mod e_optimal;
+mod graded;
 pub(super) mod spectrum;
 
-use nalgebra::DMatrix;
-
-/// The logarithm that is minimised, and its gradient.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Graded {
-    pub value: f64,
-    /// `∂value/∂matrix`, symmetric.
-    pub gradient: DMatrix<f64>,
-}
-
-/// A criterion of a symmetric positive definite matrix.
-pub trait Criterion: Sync + std::fmt::Debug {
-    /// The word of problem files.
-    fn id(&self) -> &'static str;
-
-    /// What the reported value is.
-    fn meaning(&self) -> &'static str;
-
-    /// The reported value; infinite where the matrix is singular.
-    fn value(&self, information: &DMatrix<f64>) -> f64;
-
-    /// What is minimised, with exponent ρ for extremes; `None` where the matrix is singular.
-    fn minimised(&self, information: &DMatrix<f64>, exponent: f64) -> Option<f64>;
-
-    /// The same with its gradient.
-    fn graded(&self, information: &DMatrix<f64>, exponent: f64) -> Option<Graded>;
-
-    /// Exponents with which the search works through; one where the criterion has no extremes.
-    fn exponents(&self) -> &'static [f64] {
-        &[1.0]
-    }
-}
+pub use crate::design::criterion::graded::{Criterion, Graded};
 
 /// Every criterion.
 pub const CRITERIA: &[&dyn Criterion] = &[
@@ -55,7 +25,7 @@ pub const CRITERIA: &[&dyn Criterion] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Cholesky;
+    use nalgebra::{Cholesky, DMatrix};
 
     fn matrix(size: usize, seed: u64) -> DMatrix<f64> {
         let mut rng = crate::robot::random::generator(seed);

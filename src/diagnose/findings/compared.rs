@@ -4,7 +4,7 @@ use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::noise_level::NoiseLevel;
 use crate::diagnose::residuals::prediction_error::PredictionError;
-use crate::outcome::diagnose::Finding;
+use crate::outcome::finding::Finding;
 
 /// Share of the excess that findings explain where they explain the misfit.
 pub const MOSTLY: f64 = 0.9;

@@ -1,8 +1,7 @@
 //! Smooth corrections in the place of what has no name, chosen and tested by different rows.
 
-use crate::diagnose::findings::probability;
-use crate::diagnose::findings::sentences;
 use crate::diagnose::findings::unexplained::SearchState;
+use crate::diagnose::findings::{probability, sentences};
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::contexts::Contexts;
 use crate::diagnose::fit::model_fit::ModelFit;
@@ -10,7 +9,7 @@ use crate::diagnose::residuals::additive_model::{self, AdditiveModel};
 use crate::diagnose::residuals::effect_size::{MATTERS, OF_NOISE};
 use crate::diagnose::residuals::noise_level::NoiseLevel;
 use crate::diagnose::selection::stepwise::Rules;
-use crate::outcome::diagnose::Finding;
+use crate::outcome::finding::Finding;
 use crate::stats::deviation::rms;
 use crate::stats::encompassing::ResidualPair;
 

@@ -12,7 +12,8 @@ use crate::diagnose::selection::explanation::Explanation;
 use crate::diagnose::selection::hypothesis_test::HypothesisTest;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::diagnose::selection::stepwise::SelectionStep;
-use crate::outcome::diagnose::{Evidence, Finding, Rival};
+use crate::outcome::diagnose::Evidence;
+use crate::outcome::finding::{Finding, Rival};
 use crate::outcome::parameter::Parameter;
 use crate::stats::deviation::rms;
 

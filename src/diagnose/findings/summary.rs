@@ -5,7 +5,8 @@ use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::residuals::additive_model::AdditiveModel;
 use crate::estimate::figures::{Predictions, figures_by_recording, predictions_by_recording};
 use crate::estimate::fit::Fitted;
-use crate::outcome::diagnose::{Finding, Unattested, Verdict};
+use crate::outcome::diagnose::{Unattested, Verdict};
+use crate::outcome::finding::Finding;
 use crate::recording::split::Split;
 
 /// Takes smooth corrections from the predictions of the final model and makes its figures again.

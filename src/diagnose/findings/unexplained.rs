@@ -7,7 +7,8 @@ use crate::diagnose::residuals::additive_model::{self, AdditiveModel};
 use crate::diagnose::residuals::effect_size::OF_TORQUE;
 use crate::diagnose::residuals::noise_level::{UNEXPLAINED, chance, of_steps};
 use crate::diagnose::residuals::reversal_mask;
-use crate::outcome::diagnose::{Finding, Unattested};
+use crate::outcome::diagnose::Unattested;
+use crate::outcome::finding::Finding;
 use crate::recording::split::Split;
 use crate::stats::deviation::rms;
 

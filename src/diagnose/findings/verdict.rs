@@ -2,7 +2,8 @@
 
 use crate::diagnose::findings::compared::{LackOfFit, MOSTLY};
 use crate::diagnose::residuals::noise_level::LEAST_EXCESS;
-use crate::outcome::diagnose::{Finding, Spoiled, Unattested, Verdict};
+use crate::outcome::diagnose::{Spoiled, Unattested, Verdict};
+use crate::outcome::finding::Finding;
 use crate::outcome::parameter::Parameter;
 
 /// Share of the excess that findings explain where they explain part of it.

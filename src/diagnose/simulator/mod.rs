@@ -12,6 +12,7 @@ mod contrast;
 mod one_sided;
 mod sentences;
 mod side;
+mod who;
 
 pub use side::Side;
 

@@ -3,7 +3,8 @@
 use crate::diagnose::simulator::contrast::{LEVEL, Tested};
 use crate::diagnose::simulator::sentences;
 use crate::diagnose::simulator::side::{Named, Side};
-use crate::outcome::diagnose::Finding;
+use crate::diagnose::simulator::who::Who;
+use crate::outcome::finding::Finding;
 use crate::outcome::simulator::{Contrast, OneSided};
 
 /// Share of a signal that is too small to matter, as it is for a finding.
@@ -17,13 +18,6 @@ pub(super) struct Sorted {
     pub only_robot: Vec<OneSided>,
     pub only_simulator: Vec<OneSided>,
     pub notes: Vec<String>,
-}
-
-/// The robot or the simulator.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Who {
-    Robot,
-    Simulator,
 }
 
 pub(super) fn sort(tested: Vec<Tested>, simulator: &Side<'_>, robot: &Side<'_>) -> Sorted {

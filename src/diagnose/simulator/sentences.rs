@@ -1,8 +1,8 @@
 //! What the comparison of a simulator with the robot means, in sentences.
 
-use crate::diagnose::simulator::one_sided::Who;
 use crate::diagnose::simulator::side::Side;
-use crate::outcome::diagnose::Finding;
+use crate::diagnose::simulator::who::Who;
+use crate::outcome::finding::Finding;
 use crate::outcome::simulator::{Contrast, Simulator};
 
 /// A number to four digits, without trailing zeros.

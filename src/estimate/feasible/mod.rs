@@ -14,15 +14,18 @@ use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
 use crate::chain::prior::Prior;
 use crate::estimate::error::EstimateError;
+use crate::estimate::estimator::Estimator;
+use crate::estimate::feasible::found::Found;
+pub use crate::estimate::feasible::found::MARGIN;
 use crate::estimate::feasible::prior::InertialPrior;
 use crate::estimate::feasible::program::Constraints;
 use crate::estimate::feasible::solve::{Feasible, Setting, compressed};
 use crate::estimate::feasible::standard::Standard;
-use crate::estimate::feasible::strength::Chosen;
-use crate::estimate::fit::{self, Estimator, Fitted};
+use crate::estimate::fit::{self, Fitted};
 use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::Weights;
+use crate::estimate::{coarse, least_squares};
 use crate::problem::solution::Control;
 use crate::problem_file::choices::{FeasibleBy, PriorKind};
 use crate::problem_file::fit::Strength;
@@ -32,6 +35,7 @@ use nalgebra::DVector;
 
 pub mod chart;
 mod edge;
+mod found;
 mod outcome;
 pub mod prior;
 pub mod program;
@@ -39,10 +43,6 @@ mod sequential;
 pub mod solve;
 pub mod standard;
 mod strength;
-
-/// Smallest eigenvalue of a scaled pseudo-inertia, kg: five micrograms, whose price on the best fit is below a
-/// hundred-millionth of the squared torques.
-pub const MARGIN: f64 = 5e-9;
 
 /// Rounds of reweighting.
 const MAX_ROUNDS: usize = 10;
@@ -68,29 +68,6 @@ pub struct Settings {
     pub limits: Vec<Limit>,
 }
 
-/// A feasible fit before it is reported.
-struct Found<'a> {
-    problem: FitProblem<'a>,
-    standard: &'a Standard<'a>,
-    constraints: &'a Constraints,
-    prior: Option<(&'a InertialPrior, Chosen)>,
-    by: FeasibleBy,
-    feasible: Feasible,
-    /// Base unknowns of least squares with the same weights.
-    free: DVector<f64>,
-}
-
-impl Found<'_> {
-    fn setting(&self) -> Setting<'_> {
-        Setting {
-            standard: self.standard,
-            constraints: self.constraints,
-            margin: MARGIN,
-            prior: self.prior.as_ref().map(|(p, chosen)| (*p, chosen.strength)),
-        }
-    }
-}
-
 /// Fits a model to the training recordings of a dataset under its physical constraints.
 pub fn fit(
     model: &Model,
@@ -109,7 +86,7 @@ pub fn fit(
     let unknowns = Unknowns::find(model, data, prior);
     fit::check_counts(model, &unknowns, &recordings)?;
     let training = (&recordings[..], prior);
-    let (first, mut problem) = fit::minimise(model, &unknowns, training, (estimator, control))?;
+    let (first, mut problem) = coarse::minimise(model, &unknowns, training, (estimator, control))?;
     let standard = Standard::new(model, &unknowns);
     let constraints = Constraints::new(&standard, &settings.limits);
     let bodies = settings
@@ -164,7 +141,7 @@ fn rounds(
         if problem.noise == NoiseSource::Periods {
             break;
         }
-        let covariance = fit::covariance_at(problem, &at);
+        let covariance = least_squares::covariance_at(problem, &at);
         let weights = Weights::by_deviation(covariance.diagonal().map(f64::sqrt).as_slice());
         let before = problem.weights().matrix();
         let change = (weights.matrix() - &before).amax() / before.amax();

@@ -15,25 +15,13 @@
 mod by_csv;
 mod by_parquet;
 mod by_toml;
+mod row;
 
 use crate::fault::Place;
 use crate::fleet::error::{FleetError, FleetErrorKind};
+use crate::fleet::manifest::row::{Placed, Row, Rows, check_columns};
 use crate::fleet::time;
 use std::path::{Path, PathBuf};
-
-/// Columns that a manifest may have, those that it must have first.
-const COLUMNS: [&str; 7] = [
-    "robot",
-    "recordings",
-    "problem",
-    "time",
-    "type",
-    "validation",
-    "verb",
-];
-
-/// How many of [`COLUMNS`] a manifest must have.
-const REQUIRED: usize = 4;
 
 /// What is done with an item.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,58 +53,6 @@ pub struct Entry {
     /// A number as it stands, or seconds since 1970.
     pub time: f64,
     pub verb: Verb,
-}
-
-/// The cells of one row.
-#[derive(Debug, Clone, Default, PartialEq)]
-struct Row {
-    robot: String,
-    kind: String,
-    recordings: Vec<String>,
-    validation: Vec<String>,
-    problem: String,
-    time: String,
-    verb: String,
-}
-
-impl Row {
-    /// Puts a text into the cell of a column.
-    fn set(&mut self, column: &str, text: String) {
-        match column {
-            "robot" => self.robot = text,
-            "type" => self.kind = text,
-            "problem" => self.problem = text,
-            "time" => self.time = text,
-            "verb" => self.verb = text,
-            "recordings" => self.recordings = listed(&text),
-            _ => self.validation = listed(&text),
-        }
-    }
-
-    /// Puts a list into the cell of a column that may have one.
-    fn set_list(&mut self, column: &str, list: Vec<String>) {
-        match column {
-            "recordings" => self.recordings = list,
-            "validation" => self.validation = list,
-            other => self.set(other, list.join(";")),
-        }
-    }
-}
-
-fn listed(text: &str) -> Vec<String> {
-    let parts = text.split(';').map(str::trim);
-    parts
-        .filter(|p| !p.is_empty())
-        .map(str::to_string)
-        .collect()
-}
-
-/// Rows with the place of each, as a format gives them.
-type Rows = Box<dyn Iterator<Item = Result<Placed, FleetError>> + Send>;
-
-struct Placed {
-    row: Row,
-    place: Place,
 }
 
 /// The items of a manifest in their order; the first fault ends them.
@@ -207,32 +143,6 @@ impl Iterator for Manifest {
         self.next += 1;
         Some(entry)
     }
-}
-
-/// Refuses columns that are not known, and a manifest without one that it needs.
-fn check_columns(place: &Place, found: &[String]) -> Result<(), FleetError> {
-    for name in found {
-        if !COLUMNS.contains(&name.as_str()) {
-            let distance = |known: &&&str| strsim::damerau_levenshtein(known, name);
-            let nearest = COLUMNS.iter().min_by_key(distance);
-            let nearest = nearest.filter(|known| distance(known) <= 2);
-            let kind = FleetErrorKind::UnknownColumn {
-                name: name.as_str().into(),
-                nearest: nearest.copied(),
-            };
-            return Err(FleetError::new(place.clone(), kind));
-        }
-    }
-    for name in &COLUMNS[..REQUIRED] {
-        if !found.iter().any(|f| f == name) {
-            let kind = FleetErrorKind::MissingColumn {
-                name,
-                found: found.join(", ").into(),
-            };
-            return Err(FleetError::new(place.clone(), kind));
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

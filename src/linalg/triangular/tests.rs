@@ -1,6 +1,7 @@
 //! The factor against faer's, on dependent, graded and blocked matrices, merged and streamed.
 
 use super::*;
+use nalgebra::{DMatrix, DVector};
 
 /// A dense matrix without structure, entries within -1..1, the same on every machine.
 fn dense(rows: usize, columns: usize, seed: u64) -> DMatrix<f64> {

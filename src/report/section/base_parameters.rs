@@ -1,8 +1,8 @@
 //! The combinations of parameters that the motion determines; long ones fold.
 
 use crate::outcome::fit::BaseParameter;
+use crate::report::escape::breakable;
 use crate::report::facts::count;
-use crate::report::html::breakable;
 use crate::report::number::{ABSENT, optional, percent};
 use crate::report::section::{Section, Source};
 use crate::report::table::{Cell, Table};

@@ -3,7 +3,7 @@
 use crate::outcome::contest::{Contest, ErrorFigure, ModelErrors};
 use crate::outcome::fit::Comparison;
 use crate::outcome::joint::JointFigures;
-use crate::report::html::{breakable, escape};
+use crate::report::escape::{breakable, escape};
 use crate::report::number::{optional, significant};
 use crate::report::section::{Section, Source};
 use crate::report::table::{Cell, Table};

@@ -1,6 +1,6 @@
 //! Which parameters the recordings tell apart badly: their correlations as a picture, and the strongest in a table.
 
-use crate::report::html::breakable;
+use crate::report::escape::breakable;
 use crate::report::number::ABSENT;
 use crate::report::section::{Section, Source};
 use crate::report::table::{Cell, Table};

@@ -3,8 +3,8 @@
 use crate::design::series::{Basis, Series};
 use crate::outcome::Part;
 use crate::outcome::design::{Design, ExpectedDeviation, JointCoefficients};
+use crate::report::escape::{breakable, escape};
 use crate::report::explore::designed::motion as series;
-use crate::report::html::{breakable, escape};
 use crate::report::number::{optional, percent, significant};
 use crate::report::plots::bars::bars;
 use crate::report::plots::curves::{Curve, curves};

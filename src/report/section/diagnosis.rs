@@ -1,8 +1,9 @@
 //! What is missing in the declared model: findings with their rivals, and the errors before and after.
 
-use crate::outcome::diagnose::{Diagnosis, Finding, NextExperiment, Rival};
+use crate::outcome::diagnose::{Diagnosis, NextExperiment};
+use crate::outcome::finding::{Finding, Rival};
 use crate::outcome::parameter::Parameter;
-use crate::report::html::{breakable, escape};
+use crate::report::escape::{breakable, escape};
 use crate::report::number::{optional, percent, significant};
 use crate::report::plots::rows::{Bars, bars};
 use crate::report::plots::{PREDICTED, RECORDED, figure, key};

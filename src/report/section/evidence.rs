@@ -1,7 +1,7 @@
 //! Where the misfit lies, and every hypothesis that was fitted.
 
 use crate::outcome::diagnose::Located;
-use crate::report::html::escape;
+use crate::report::escape::escape;
 use crate::report::number::{percent, significant};
 use crate::report::plots::figure;
 use crate::report::plots::scatter::scatter;

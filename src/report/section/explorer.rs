@@ -1,6 +1,6 @@
 //! Where the script puts its charts, and the still pictures that stand there without a script.
 
-use crate::report::html::escape;
+use crate::report::escape::escape;
 use crate::report::section::Source;
 
 /// The explorer, which opens at `joint` where that is given; `still` is HTML for readers without a script.

@@ -2,8 +2,8 @@
 
 use crate::outcome::Part;
 use crate::outcome::check::{Finding, Severity};
+use crate::report::escape::{breakable, escape};
 use crate::report::facts;
-use crate::report::html::{breakable, escape};
 use crate::report::section::{Section, Source};
 
 pub(super) fn section(source: &Source) -> Option<Section> {

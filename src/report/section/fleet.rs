@@ -2,8 +2,8 @@
 
 use crate::outcome::Part;
 use crate::outcome::fleet::{Failure, Fleet, LookAt, Reason, Shown, TypeFigures};
+use crate::report::escape::{breakable, escape};
 use crate::report::facts::moment;
-use crate::report::html::{breakable, escape};
 use crate::report::number::{optional, percent, significant, with_deviation};
 use crate::report::section::{Section, Source};
 use crate::report::table::{Cell, Table};

@@ -2,8 +2,8 @@
 
 use crate::outcome::provenance::Provenance;
 use crate::outcome::run::Run;
+use crate::report::escape::escape;
 use crate::report::facts;
-use crate::report::html::escape;
 use crate::report::section::{Section, Source};
 use crate::report::table::{Cell, Table};
 

@@ -15,6 +15,7 @@ mod load;
 mod motors;
 mod notes;
 mod parameters;
+mod part;
 mod preprocessing;
 mod rollout;
 mod signals;
@@ -25,51 +26,10 @@ mod summary;
 mod trials;
 
 use crate::outcome::Outcome;
-use crate::outcome::Part;
-use crate::outcome::diagnose::Diagnosis;
-use crate::outcome::fit::Fit;
 use crate::report::explore::Exploration;
+pub(super) use crate::report::section::part::Section;
+use crate::report::section::part::Source;
 use crate::report::series::Series;
-
-/// A part of the page with a heading of its own.
-pub(super) struct Section {
-    /// Anchor in the page.
-    pub id: &'static str,
-    pub title: &'static str,
-    /// HTML.
-    pub body: String,
-}
-
-impl Section {
-    fn new(id: &'static str, title: &'static str, body: String) -> Self {
-        Self { id, title, body }
-    }
-}
-
-/// What a section is made from.
-struct Source<'a> {
-    outcome: &'a Outcome,
-    series: &'a Series,
-    exploration: &'a Exploration,
-}
-
-impl<'a> Source<'a> {
-    /// The part of `fit`, if that is the verb.
-    fn fit(&self) -> Option<&'a Fit> {
-        match &self.outcome.part {
-            Part::Fit(fit) => Some(fit),
-            _ => None,
-        }
-    }
-
-    /// The part of `diagnose`, if that is the verb.
-    fn diagnosis(&self) -> Option<&'a Diagnosis> {
-        match &self.outcome.part {
-            Part::Diagnose(diagnosis) => Some(diagnosis),
-            _ => None,
-        }
-    }
-}
 
 /// Every section in the order of the page; each is absent where it has nothing to say.
 const SECTIONS: [fn(&Source) -> Option<Section>; 28] = [

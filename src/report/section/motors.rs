@@ -2,7 +2,7 @@
 
 use crate::outcome::motors::{MotorJoint, Motors};
 use crate::outcome::parameter::Parameter;
-use crate::report::html::escape;
+use crate::report::escape::escape;
 use crate::report::number::{optional, significant};
 use crate::report::plots::boxes::{Boxes, boxes};
 use crate::report::plots::figure;

@@ -1,7 +1,7 @@
 //! Whatever else a reader should know.
 
 use crate::outcome::Part;
-use crate::report::html::escape;
+use crate::report::escape::escape;
 use crate::report::section::{Section, Source};
 
 pub(super) fn section(source: &Source) -> Option<Section> {

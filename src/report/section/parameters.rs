@@ -1,7 +1,7 @@
 //! The parameters: value, uncertainty, and what each rests on.
 
 use crate::outcome::parameter::{Parameter, Source as Origin};
-use crate::report::html::breakable;
+use crate::report::escape::breakable;
 use crate::report::number::{ABSENT, optional, percent};
 use crate::report::plots::figure;
 use crate::report::plots::rows::{Estimated, estimates};

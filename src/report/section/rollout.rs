@@ -2,7 +2,7 @@
 
 use crate::outcome::Part;
 use crate::outcome::rollout::{ErrorCurve, Example, Rollout, Spread};
-use crate::report::html::escape;
+use crate::report::escape::escape;
 use crate::report::number::{optional, significant};
 use crate::report::plots::curves::{Curve, curves};
 use crate::report::plots::{PREDICTED, RECORDED, RESIDUAL, figure, key};

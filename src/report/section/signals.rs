@@ -1,9 +1,9 @@
 //! Recorded and predicted signals: held-out recordings first, the first one unfolded.
 
 use crate::recording::split::Split;
+use crate::report::escape::escape;
 use crate::report::explore::parts::RECORDINGS;
 use crate::report::facts::count;
-use crate::report::html::escape;
 use crate::report::plots::scatter::scatter;
 use crate::report::plots::signals::signals;
 use crate::report::plots::{PREDICTED, RECORDED, RESIDUAL, figure, key};

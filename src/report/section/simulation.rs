@@ -1,7 +1,7 @@
 //! The recordings that `simulate` wrote, and the noise in them.
 
 use crate::outcome::Part;
-use crate::report::html::breakable;
+use crate::report::escape::breakable;
 use crate::report::number::significant;
 use crate::report::section::explorer::explorer;
 use crate::report::section::{Section, Source};

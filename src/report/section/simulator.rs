@@ -1,7 +1,7 @@
 //! The user's simulator beside the robot: what differs, what is in one alone, what agrees.
 
 use crate::outcome::simulator::{Contrast, Simulator};
-use crate::report::html::escape;
+use crate::report::escape::escape;
 use crate::report::number::{optional, percent, significant, with_deviation};
 use crate::report::section::{Section, Source};
 use crate::report::table::{Cell, Table};

@@ -4,8 +4,8 @@ use crate::outcome::diagnose::{Diagnosis, Verdict};
 use crate::outcome::fit::Fit;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::{Outcome, Part};
+use crate::report::escape::escape;
 use crate::report::facts::{self, count};
-use crate::report::html::escape;
 use crate::report::number;
 use crate::report::section::{Section, Source};
 

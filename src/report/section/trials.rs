@@ -2,8 +2,8 @@
 
 use crate::outcome::Part;
 use crate::outcome::trials::{Calibration, Group, Power, Share, Trials, is_outside};
+use crate::report::escape::escape;
 use crate::report::facts::{self, CALIBRATION_HEADERS, GROUP_HEADERS};
-use crate::report::html::escape;
 use crate::report::number::{percent, significant};
 use crate::report::plots::agreement::{Measured, agreement};
 use crate::report::plots::curves::{Curve, curves};

@@ -71,7 +71,7 @@ pub fn body(model: &Model<'_>, id: Id, class: Option<&str>) -> Result<Option<Ine
     let named = settings.text("mesh");
     let mut at = pose(&settings, model.compiler)?;
     let unit = match (kind, named) {
-        ("mesh", Some(name)) => model.meshes.body(model, id, name)?,
+        ("mesh", Some(name)) => model.mesh_body(id, name)?,
         ("mesh", None) => return settings.fail(MjcfFault::MissingAttribute { attribute: "mesh" }),
         ("sdf", _) => return unsupported("the inertia of a signed distance function", INERTIAL),
         (_, Some(_)) => return unsupported("the inertia of a shape fitted to a mesh", INERTIAL),

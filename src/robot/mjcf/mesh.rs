@@ -8,13 +8,12 @@ use crate::robot::assemble::nearest;
 use crate::robot::error::RobotError;
 use crate::robot::inertia::{CentralInertia, Inertia};
 use crate::robot::mjcf::compiler::Compiler;
-use crate::robot::mjcf::document::{Document, Id};
+use crate::robot::mjcf::document::Id;
 use crate::robot::mjcf::fault::MjcfFault;
 use crate::robot::mjcf::messages::fail;
 use crate::robot::mjcf::model::Model;
-use crate::robot::mjcf::settings::{Classes, Settings};
+use crate::robot::mjcf::settings::Settings;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// Largest mesh, bytes.
@@ -25,12 +24,6 @@ const CONVEX: f64 = 1e-6;
 
 /// Most faces of a mesh that is looked at for convexity, which takes their square.
 const MOST_CONVEX: usize = 20_000;
-
-/// The meshes of a model by name.
-#[derive(Debug)]
-pub struct Meshes {
-    assets: HashMap<String, Id>,
-}
 
 /// How a mesh is filled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,45 +37,24 @@ enum Filling {
 /// Triangles, m.
 type Faces = Vec<[Vector3<f64>; 3]>;
 
-impl Meshes {
-    /// Finds the meshes; their files are read where an inertia needs them.
-    pub fn of(document: &Document, classes: &Classes) -> Result<Self, RobotError> {
-        let mut assets = HashMap::new();
-        for section in document.within(document.root(), "asset") {
-            for id in document.within(section, "mesh") {
-                classes.settings(document, id, None)?;
-                let file = document.attribute(id, "file");
-                let stem = file.and_then(|f| Path::new(f).file_stem()?.to_str());
-                let Some(name) = document.attribute(id, "name").or(stem) else {
-                    let fault = MjcfFault::MissingAttribute { attribute: "name" };
-                    return fail(document.place(id), fault);
-                };
-                if assets.insert(name.to_string(), id).is_some() {
-                    let name = name.to_string();
-                    return fail(document.place(id), MjcfFault::MeshTwice { name });
-                }
-            }
-        }
-        Ok(Self { assets })
-    }
-
+impl Model<'_> {
     /// The body of density 1 of a mesh, about the origin of its frame.
-    pub fn body(&self, model: &Model<'_>, geom: Id, name: &str) -> Result<Inertia, RobotError> {
-        let Some(&id) = self.assets.get(name) else {
+    pub fn mesh_body(&self, geom: Id, name: &str) -> Result<Inertia, RobotError> {
+        let Some(&id) = self.meshes.assets.get(name) else {
             let fault = MjcfFault::UnknownMesh {
                 found: name.to_string(),
-                nearest: nearest(name, self.assets.keys().map(String::as_str)),
+                nearest: nearest(name, self.meshes.assets.keys().map(String::as_str)),
             };
-            return fail(model.document.place(geom), fault);
+            return fail(self.document.place(geom), fault);
         };
-        let settings = model.classes.settings(model.document, id, None)?;
+        let settings = self.classes.settings(self.document, id, None)?;
         let filling = match settings.word("inertia", &["convex", "exact", "legacy", "shell"])? {
             Some("convex") => Filling::Convex,
             Some("exact") => Filling::Exact,
             Some("shell") => Filling::Shell,
             _ => Filling::Legacy,
         };
-        let faces = placed(faces(model.compiler, &settings, name)?, &settings)?;
+        let faces = placed(faces(self.compiler, &settings, name)?, &settings)?;
         let mesh = name.to_string();
         if filling == Filling::Convex && !is_convex(&faces) {
             return settings.fail(MjcfFault::MeshNotConvex { mesh });

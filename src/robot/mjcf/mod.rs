@@ -38,9 +38,8 @@ use crate::robot::error::RobotError;
 use crate::robot::mjcf::body::Bodies;
 use crate::robot::mjcf::compiler::Compiler;
 use crate::robot::mjcf::document::Document;
-use crate::robot::mjcf::mesh::Meshes;
 use crate::robot::mjcf::messages::note;
-use crate::robot::mjcf::model::Model;
+use crate::robot::mjcf::model::{Meshes, Model};
 use crate::robot::mjcf::settings::Classes;
 use std::path::Path;
 

@@ -1,18 +1,17 @@
-//! The shape of the source: paths between modules point down the table of layers in `src/lib.rs`, and every file opens
-//! with what it is.
+//! The files of the source, and their text without comments and texts.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// A source file: its path from the root of the repository, and its text.
-struct Source {
-    path: PathBuf,
-    text: String,
+pub struct Source {
+    pub path: PathBuf,
+    pub text: String,
 }
 
 impl Source {
     /// The module right under the crate that the file belongs to.
-    fn module(&self) -> Option<String> {
+    pub fn module(&self) -> Option<String> {
         let first = self.path.strip_prefix("src").ok()?.iter().next()?;
         let module = Path::new(first).file_stem()?.to_str()?;
         (!["lib", "main"].contains(&module)).then(|| module.to_owned())
@@ -20,7 +19,7 @@ impl Source {
 }
 
 /// All Rust files under a folder of the repository, in the order of their paths.
-fn sources(folder: &str) -> Vec<Source> {
+pub fn sources(folder: &str) -> Vec<Source> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut folders = vec![root.join(folder)];
     let mut sources = Vec::new();
@@ -41,24 +40,8 @@ fn sources(folder: &str) -> Vec<Source> {
     sources
 }
 
-/// Rows `//! | layer | modules |` of the library's documentation, the highest layer first.
-fn layers() -> Vec<(String, Vec<String>)> {
-    let lib = include_str!("../src/lib.rs");
-    lib.lines()
-        .filter_map(|line| line.strip_prefix("//! | "))
-        .filter(|row| !row.starts_with("layer"))
-        .map(|row| {
-            let mut cells = row.trim_end_matches([' ', '|']).split(" | ");
-            let layer = cells.next().unwrap().to_owned();
-            let modules = cells.next().unwrap().split(", ");
-            let name = |module: &str| module.trim_matches('`').to_owned();
-            (layer, modules.map(name).collect())
-        })
-        .collect()
-}
-
 /// The text with comments, texts and characters blanked, lines kept.
-fn bare(text: &str) -> String {
+pub fn bare(text: &str) -> String {
     let chars: Vec<char> = text.chars().collect();
     let mut out = String::with_capacity(text.len());
     let mut i = 0;
@@ -117,7 +100,7 @@ fn quoted_end(chars: &[char], start: usize) -> usize {
 }
 
 /// Names that follow `word` in the text, with the line of each.
-fn names_after<'a>(text: &'a str, word: &str) -> Vec<(usize, usize, &'a str)> {
+pub fn names_after<'a>(text: &'a str, word: &str) -> Vec<(usize, usize, &'a str)> {
     let is_name = |c: char| c.is_alphanumeric() || c == '_';
     text.match_indices(word)
         .filter(|(offset, _)| !text[..*offset].ends_with(is_name))
@@ -128,89 +111,6 @@ fn names_after<'a>(text: &'a str, word: &str) -> Vec<(usize, usize, &'a str)> {
             (offset, line, &rest[..end])
         })
         .collect()
-}
-
-#[test]
-fn every_module_has_one_layer() {
-    let modules: Vec<String> = layers().into_iter().flat_map(|(_, row)| row).collect();
-    let lib = bare(include_str!("../src/lib.rs"));
-    let declared = names_after(&lib, "mod ");
-    assert!(!declared.is_empty());
-    for (_, line, module) in &declared {
-        let rows = modules.iter().filter(|known| known == module).count();
-        assert_eq!(rows, 1, "src/lib.rs:{line}: {module} in the table");
-    }
-    assert_eq!(modules.len(), declared.len(), "modules that do not exist");
-}
-
-#[test]
-fn paths_between_modules_point_down() {
-    let layers = layers();
-    let height = |module: &str| {
-        let row = layers
-            .iter()
-            .position(|(_, row)| row.iter().any(|m| m == module));
-        row.map(|row| layers.len() - row)
-    };
-    let mut faults = Vec::new();
-    let mut edges = 0;
-    for source in sources("src") {
-        let Some(module) = source.module() else {
-            continue;
-        };
-        let text = bare(&source.text);
-        for (_, line, target) in names_after(&text, "crate::") {
-            if target == module {
-                continue;
-            }
-            edges += 1;
-            if height(target).is_none() || height(target) >= height(&module) {
-                let path = source.path.display();
-                faults.push(format!("{path}:{line}: {module} uses crate::{target}"));
-            }
-        }
-    }
-    assert!(edges > 0, "no path between modules was found");
-    assert!(faults.is_empty(), "{}", faults.join("\n"));
-}
-
-#[test]
-fn files_open_with_what_they_are() {
-    for source in sources("src") {
-        // The binary's only text is its function.
-        let opens = source.text.starts_with("//! ") || source.path == Path::new("src/main.rs");
-        assert!(opens, "{}: no opening line `//! `", source.path.display());
-    }
-}
-
-/// `clamp` panics where an end is not a number or above the other; `stats::range::within` has an answer.
-/// Ends that are numbers, constants or products of them stay what they are.
-#[test]
-fn ends_of_ranges_that_panic_are_written_out() {
-    let is_fixed = |end: &str| {
-        let factors = || end.split('*').map(str::trim);
-        let is_constant = |name: &str| {
-            let mut letters = name.chars();
-            letters.all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_')
-        };
-        factors().all(|factor| factor.parse::<f64>().is_ok() || is_constant(factor))
-    };
-    for source in sources("src") {
-        if source
-            .path
-            .iter()
-            .any(|part| part == "tests" || part == "tests.rs")
-        {
-            continue;
-        }
-        let text = bare(&source.text);
-        for (at, name) in text.match_indices(".clamp(") {
-            let call = &text[at + name.len()..];
-            let ends = call.split(')').next().unwrap_or(call);
-            let are_fixed = ends.split(',').all(is_fixed);
-            assert!(are_fixed, "{}: clamp({ends})", source.path.display());
-        }
-    }
 }
 
 #[test]

@@ -1,0 +1,160 @@
+//! What is stated of an effect: its law and source, what it needs, and what it can be mistaken for.
+
+use crate::chain::effect::law::{TorqueLaw, TransmissionLaw};
+use crate::chain::effect::parameter::ParameterInfo;
+
+/// A physical effect of the vocabulary.
+#[derive(Debug, Clone, Copy)]
+pub struct Effect {
+    /// Identifier in problem files and results.
+    pub id: &'static str,
+    /// One sentence of physics.
+    pub sentence: &'static str,
+    /// The law in plain text.
+    pub equation: &'static str,
+    /// Author, year and equation.
+    pub source: &'static str,
+    pub parameters: &'static [ParameterInfo],
+    /// Motion variables that its torque depends on.
+    pub depends_on: &'static [Dependence],
+    pub confounded_with: &'static [Confounder],
+    pub law: Law,
+    pub needs: Needs,
+}
+
+/// What an effect needs beside its own parameters and the state at one sample.
+#[derive(Debug, Clone, Copy)]
+pub struct Needs {
+    pub memory: Memory,
+    /// Parameters of other effects of the same joint, `(effect, parameter)`.
+    pub borrows: &'static [(&'static str, &'static str)],
+    /// The effect of the same joint whose torque this one takes the place of.
+    pub replaces: Option<&'static str>,
+    /// Effects of the same joint of which it refines one: where none is there, it would only imitate it. Empty where it
+    /// stands alone.
+    pub refines: &'static [&'static str],
+    pub lasts: Lasts,
+    /// Other joints whose motion the law knows, by name, or [`NEXT`] and [`PREVIOUS`].
+    pub others: &'static [&'static str],
+}
+
+/// The joint behind one in the order of the robot, and the one before it.
+pub const NEXT: &str = "next";
+
+pub const PREVIOUS: &str = "previous";
+
+impl Needs {
+    /// The state at one sample is enough, and the effect belongs to the robot.
+    pub const NOTHING: Self = Self {
+        memory: Memory::None,
+        borrows: &[],
+        replaces: None,
+        refines: &[],
+        lasts: Lasts::Always,
+        others: &[],
+    };
+}
+
+/// What of the past a law has to know.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Memory {
+    None,
+    /// The time of the sample: averages over periods hide the effect.
+    Time,
+    /// The whole course of the motion, in order.
+    Course,
+}
+
+/// Whether an effect belongs to the robot or to one recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lasts {
+    Always,
+    /// Its parameters are other ones in the next recording.
+    OneRecording,
+}
+
+/// Where in the chain an effect acts, and how.
+#[derive(Debug, Clone, Copy)]
+pub enum Law {
+    /// A torque at the motor.
+    Motor(&'static dyn TorqueLaw),
+    /// A torque at the joint.
+    Joint(&'static dyn TorqueLaw),
+    /// A loss between motor and joint.
+    Transmission(&'static dyn TransmissionLaw),
+    /// What a signal shows beyond the torque of its motor.
+    Signal(&'static dyn TransmissionLaw),
+    /// A factor of the signal.
+    Gain,
+    /// The polynomial from current to torque.
+    Current,
+    /// Entries of the matrix V.
+    Coupling,
+    /// A body on a link.
+    Body,
+    /// The direction of gravity.
+    Tilt,
+    /// A spring between motor and link: the link filters the motor's motion.
+    Spring,
+    /// Play between motor and link.
+    Play,
+    /// A delay of the signal.
+    Delay,
+}
+
+impl Law {
+    /// Whether the torque stays affine in the inertial parameters when the effect's own are fixed.
+    pub fn keeps_affine(self) -> bool {
+        matches!(
+            self,
+            Self::Motor(_)
+                | Self::Joint(_)
+                | Self::Gain
+                | Self::Coupling
+                | Self::Body
+                | Self::Tilt
+                | Self::Delay
+        )
+    }
+}
+
+/// A variable that an effect's torque varies with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dependence {
+    Position,
+    Speed,
+    Direction,
+    Acceleration,
+    Load,
+    OtherJoints,
+    Gravity,
+    Time,
+    Temperature,
+    Current,
+    Nothing,
+}
+
+impl Dependence {
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Position => "position",
+            Self::Speed => "speed",
+            Self::Direction => "direction of motion",
+            Self::Acceleration => "acceleration",
+            Self::Load => "transmitted torque",
+            Self::OtherJoints => "motion of other joints",
+            Self::Gravity => "gravity",
+            Self::Time => "time",
+            Self::Temperature => "temperature",
+            Self::Current => "current",
+            Self::Nothing => "nothing: constant",
+        }
+    }
+}
+
+/// What an effect can be mistaken for, and the motion that tells them apart.
+#[derive(Debug, Clone, Copy)]
+pub struct Confounder {
+    pub with: &'static str,
+    pub separated_by: &'static str,
+}

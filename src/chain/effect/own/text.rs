@@ -1,0 +1,78 @@
+//! A law as it is written in a problem file, before anything of it is read.
+
+use crate::robot::inertia::PER_LINK;
+
+/// Parameters that a law may have: as many as the longest effect of the vocabulary, for which evaluations have room.
+pub const MOST_PARAMETERS: usize = PER_LINK;
+
+/// A law as it is written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LawText {
+    pub id: String,
+    /// One sentence of physics.
+    pub sentence: String,
+    /// Author, year and equation; empty where it has none.
+    pub source: String,
+    pub acts_on: ActsOn,
+    /// The formula: N·m (N); of a gain a factor.
+    pub torque: String,
+    pub states: Vec<StateText>,
+    pub parameters: Vec<ParameterText>,
+    /// Effects of which it refines one: without any of them it is not looked for.
+    pub refines: Vec<String>,
+}
+
+/// Where in the chain a law acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ActsOn {
+    /// A torque that the motor exerts in addition.
+    Motor,
+    /// A torque at the joint, which an elastic gear passes on.
+    Joint,
+    /// What the signal shows beyond the torque of the motor.
+    Signal,
+    /// The true torque constant over the declared one.
+    Gain,
+}
+
+/// A state of a law.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StateText {
+    /// `dz/dt` as a formula in v, z and parameters.
+    pub rate: String,
+    /// Its first value as a formula in v and parameters; 0 where it is not stated.
+    pub start: Option<String>,
+}
+
+/// A parameter of a law.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ParameterText {
+    pub name: String,
+    pub unit: Option<String>,
+    pub meaning: String,
+    pub lower: f64,
+    pub upper: f64,
+    pub typical: f64,
+    pub search: SearchText,
+}
+
+/// Values from which a search for a parameter starts.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SearchText {
+    Typical,
+    Values(Vec<f64>),
+    /// Shares of something that the motion has.
+    Shares(ShareOf, Vec<f64>),
+    /// Cycles over the range of the joint's positions.
+    Cycles,
+}
+
+/// What shares are of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShareOf {
+    Position,
+    Range,
+    Speed,
+    OverSpeed,
+    Duration,
+}

@@ -1,0 +1,93 @@
+//! A parameter of an effect: its unit and limits, and where a search for it starts.
+
+use crate::chain::effect::unit::Unit;
+
+/// A parameter of an effect.
+#[derive(Debug, Clone, Copy)]
+pub struct ParameterInfo {
+    pub name: &'static str,
+    pub unit: Unit,
+    pub meaning: &'static str,
+    pub lower: f64,
+    pub upper: f64,
+    /// Value from which a nonlinear estimate starts, and a size at which it matters.
+    pub typical: f64,
+    pub linearity: Linearity,
+    pub search: Search,
+}
+
+impl ParameterInfo {
+    /// A parameter in which the signal is affine, of any sign.
+    pub const fn linear(
+        (name, unit): (&'static str, Unit),
+        meaning: &'static str,
+        typical: f64,
+    ) -> Self {
+        Self {
+            name,
+            unit,
+            meaning,
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            typical,
+            linearity: Linearity::Linear,
+            search: Search::Typical,
+        }
+    }
+
+    /// A parameter in which the signal is not affine, between limits.
+    pub const fn nonlinear(
+        (name, unit): (&'static str, Unit),
+        meaning: &'static str,
+        (lower, typical, upper): (f64, f64, f64),
+        search: Search,
+    ) -> Self {
+        Self {
+            name,
+            unit,
+            meaning,
+            lower,
+            upper,
+            typical,
+            linearity: Linearity::Nonlinear,
+            search,
+        }
+    }
+
+    /// The same with other limits.
+    pub const fn within(mut self, lower: f64, upper: f64) -> Self {
+        (self.lower, self.upper) = (lower, upper);
+        self
+    }
+}
+
+/// Values from which a search for a nonlinear parameter starts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Search {
+    /// The typical value is good enough.
+    Typical,
+    Values(&'static [f64]),
+    /// Rising values of which all beyond one that is far too large are larger still.
+    Rising(&'static [f64]),
+    /// Shares of the way from the least to the greatest position of the joint.
+    Position(&'static [f64]),
+    /// Shares of the range of the joint's positions.
+    Range(&'static [f64]),
+    /// Shares of the greatest speed of the joint.
+    Speed(&'static [f64]),
+    /// Multiples of one over the greatest speed of the joint.
+    OverSpeed(&'static [f64]),
+    /// Shares of the duration of the recording.
+    Duration(&'static [f64]),
+    /// The same, of what begins or ends then.
+    Instant(&'static [f64]),
+    /// Cycles over the range of the joint's positions, from one to what the sampling resolves.
+    Cycles,
+}
+
+/// Whether the signal is affine in a parameter while the others stay.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Linearity {
+    Linear,
+    Nonlinear,
+}

@@ -1,0 +1,55 @@
+//! A joint with its drive: its effects, and where their parameters stand among those of the model.
+
+use crate::chain::effect::{Effect, ParameterInfo};
+use crate::robot::tree::JointKind;
+
+/// A joint with its drive.
+#[derive(Debug, Clone)]
+pub struct JointModel {
+    pub name: String,
+    pub kind: JointKind,
+    pub torque_constant: f64,
+    /// Relative; 0 where the constant is certain.
+    pub torque_constant_std: f64,
+    pub locked: bool,
+    /// Effects and the position of their first parameter in the model's list.
+    pub effects: Vec<(&'static Effect, usize)>,
+    /// Positions of the parameters that each effect borrows from others.
+    pub borrowed: Vec<Vec<usize>>,
+    /// Joints whose motion each effect knows beside its own.
+    pub others: Vec<Vec<usize>>,
+    /// Whether another effect takes the place of each effect's torque.
+    pub replaced: Vec<bool>,
+    /// Position of the transition speed w of Coulomb friction, if the joint has it.
+    pub width: Option<usize>,
+    /// Position of the gain, if the joint has one.
+    pub gain: Option<usize>,
+    /// Position of c0 of the current's polynomial, if the joint has one.
+    pub polynomial: Option<usize>,
+    /// Position of the proportional gain of the controller (the derivative gain is behind it), if the joint has one.
+    pub controller: Option<usize>,
+    /// Position of the delay, if the joint has one.
+    pub delay: Option<usize>,
+    /// Position of the stiffness (the damping is behind it), if the joint is elastic.
+    pub elasticity: Option<usize>,
+    /// Position of the play, if the joint has one.
+    pub backlash: Option<usize>,
+    /// N·m (N) of transmitted torque about zero within which the switch of losses is rounded off; 0: not at all.
+    pub rounding: f64,
+}
+
+impl JointModel {
+    /// Whether the link lags behind the motor.
+    pub fn has_lag(&self) -> bool {
+        self.elasticity.is_some() || self.backlash.is_some()
+    }
+
+    /// What is known of the parameters of one of its effects, with their positions in the model's list; none of an effect
+    /// that it does not have.
+    pub fn parameters_of(&self, id: &str) -> impl Iterator<Item = (&'static ParameterInfo, usize)> {
+        let found = self.effects.iter().find(|(effect, _)| effect.id == id);
+        let own =
+            |&(effect, first): &(&'static Effect, usize)| effect.parameters.iter().zip(first..);
+        found.map(own).into_iter().flatten()
+    }
+}

@@ -1,0 +1,119 @@
+//! What a model is built from: the robot, its drives, the signal and the effects of every joint.
+
+use crate::chain::controller::Controller;
+use crate::chain::effect::{Catalogue, Effect, torque_current_nonlinearity};
+use crate::robot::inertia::{Inertia, PER_LINK};
+use crate::robot::regressor::Rows;
+use crate::robot::tree::Tree;
+use nalgebra::{DMatrix, Isometry3, SMatrix};
+
+/// What the signal is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Signal {
+    /// Motor currents, A.
+    Current,
+    /// Motor torques at joint scale, N·m or N.
+    Torque,
+    /// Torques of sensors behind the gears: rotors are not in them.
+    LinkTorque,
+    /// Force and moment of the base on the first link, N and N·m.
+    BaseWrench,
+    /// Motor torques, then base wrench.
+    Both,
+    /// Errors of position controllers, command minus position, rad or m.
+    PositionCommand,
+}
+
+impl Signal {
+    /// Rows of the rigid-body regressor that the signal needs.
+    pub fn rows(self) -> Rows {
+        match self {
+            Self::Current | Self::Torque | Self::LinkTorque | Self::PositionCommand => Rows::Torque,
+            Self::BaseWrench => Rows::Base,
+            Self::Both => Rows::Both,
+        }
+    }
+}
+
+/// A load on a link, in a frame that is fixed to it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Payload {
+    pub link: usize,
+    /// Placement of the load's frame in the link's frame.
+    pub frame: Isometry3<f64>,
+}
+
+impl Payload {
+    /// T with `π_link = T π_payload` (10 x 10): the load's parameters seen from the link's frame.
+    pub fn transfer(&self) -> SMatrix<f64, PER_LINK, PER_LINK> {
+        let rotation = self.frame.rotation.to_rotation_matrix();
+        let mut transfer = SMatrix::<f64, PER_LINK, PER_LINK>::zeros();
+        for k in 0..PER_LINK {
+            let mut unit = Inertia::default();
+            unit.0[k] = 1.0;
+            let seen = unit.seen_from(&rotation, &self.frame.translation.vector);
+            transfer.set_column(k, &SMatrix::<f64, PER_LINK, 1>::from(seen.0));
+        }
+        transfer
+    }
+}
+
+/// Whether the links' inertial parameters are known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Inertials {
+    Estimate,
+    Known,
+}
+
+/// What a model is built from; arrays have one entry per joint.
+#[derive(Debug, Clone)]
+pub struct ModelSettings {
+    pub tree: Tree,
+    pub signal: Signal,
+    pub inertials: Inertials,
+    /// Position controllers, where the signal is their error.
+    pub controllers: Option<Vec<Controller>>,
+    /// N·m/A at joint scale; `None` where the signal is a torque.
+    pub torque_constant: Option<Vec<f64>>,
+    /// Relative standard deviations of the torque constants.
+    pub torque_constant_std: Option<Vec<f64>>,
+    /// c0 to c3 of the torque in powers of the current, instead of the torque constant.
+    pub current_polynomial: Option<Vec<[f64; torque_current_nonlinearity::COEFFICIENTS]>>,
+    /// Known rotor inertias, kg·m² at joint scale.
+    pub rotor_inertia: Option<Vec<f64>>,
+    /// V of `q = V m + offset`; `None` is the identity.
+    pub coupling: Option<DMatrix<f64>>,
+    pub offset: Option<Vec<f64>>,
+    pub effects: Vec<Vec<&'static Effect>>,
+    /// The effects that it may have.
+    pub catalogue: Catalogue,
+    /// s, after which the motion is declared to repeat.
+    pub period: Option<f64>,
+    pub payload: Option<Payload>,
+    /// Joints that stand still.
+    pub locked: Vec<bool>,
+}
+
+impl ModelSettings {
+    /// Bodies that are estimated and nothing else: no drive, no effect, no load, every joint free to move.
+    pub fn bodies(tree: Tree, signal: Signal) -> Self {
+        let n = tree.len();
+        Self {
+            tree,
+            signal,
+            inertials: Inertials::Estimate,
+            controllers: None,
+            torque_constant: None,
+            torque_constant_std: None,
+            current_polynomial: None,
+            rotor_inertia: None,
+            coupling: None,
+            offset: None,
+            effects: vec![Vec::new(); n],
+            catalogue: Catalogue::known(),
+            period: None,
+            payload: None,
+            locked: vec![false; n],
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! A finding about a file, or about one channel or element of it.
+
+use crate::fault::Place;
+use crate::outcome::check::{Finding, Severity};
+
+/// A finding about a file, or about one channel or element of it.
+pub(super) fn finding(
+    severity: Severity,
+    place: Place,
+    (code, message, remedy): (&str, String, String),
+) -> Finding {
+    Finding {
+        code: code.to_string(),
+        severity,
+        file: Some(place.file.display().to_string()),
+        channel: place.key,
+        message,
+        remedy,
+        line: place.line,
+    }
+}

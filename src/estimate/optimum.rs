@@ -1,0 +1,26 @@
+//! The optimum of one problem, over the transition speeds too.
+
+use crate::estimate::error::EstimateError;
+use crate::estimate::least_squares::ITERATION_LIMIT;
+use crate::estimate::problem::FitProblem;
+use crate::estimate::rounded::{accumulate, search};
+use crate::estimate::start;
+use crate::problem::solution::{Control, Solution};
+
+/// The optimum from where another search ended, or else from the start that the recordings suggest.
+pub(super) fn searched(
+    problem: &FitProblem<'_>,
+    begun: Option<&Solution>,
+    control: &Control<'_>,
+) -> Result<Solution, EstimateError> {
+    match begun {
+        Some(begun) => {
+            let next = search(problem, &begun.x, (ITERATION_LIMIT, control))?;
+            Ok(accumulate(begun.clone(), next))
+        }
+        None => {
+            let start = start::find(problem, control)?;
+            search(problem, &start, (ITERATION_LIMIT, control))
+        }
+    }
+}

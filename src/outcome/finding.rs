@@ -1,0 +1,48 @@
+//! Physics that the declared model lacks, and the other physics that would explain the same.
+
+use crate::outcome::number;
+use crate::outcome::parameter::Parameter;
+use serde::{Deserialize, Serialize};
+
+/// Physics that the declared model lacks.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    pub effect: String,
+    pub joints: Vec<String>,
+    pub parameters: Vec<Parameter>,
+    #[serde(with = "number::nullable")]
+    pub rmse_validation_before: f64,
+    #[serde(with = "number::nullable")]
+    pub rmse_validation_after: f64,
+    #[serde(with = "number::nullable")]
+    pub explained_share: f64,
+    #[serde(with = "number::nullable")]
+    pub p_value: f64,
+    pub sentence: String,
+    pub rivals: Vec<Rival>,
+    /// That this, and not a rival, something without a name or nothing, is what is there.
+    #[serde(default, with = "number::nullable")]
+    pub probability: f64,
+    #[serde(default, with = "number::nullable")]
+    pub probability_unnamed: f64,
+    #[serde(default, with = "number::nullable")]
+    pub probability_nothing: f64,
+}
+
+/// Other physics that explains the same misfit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Rival {
+    pub effect: String,
+    pub joints: Vec<String>,
+    #[serde(with = "number::nullable")]
+    pub explained_share: f64,
+    /// Whether these recordings tell it from the finding.
+    pub separable: bool,
+    /// That it is what is there in the place of the finding.
+    #[serde(default, with = "number::nullable")]
+    pub probability: f64,
+    /// Of a rival that is not separable: recordings of fewer than so many times the length do not tell it apart but by
+    /// chance, once in twenty times; `None` where no length does, because the two are the same torque.
+    #[serde(default, with = "number::optional")]
+    pub times_longer: Option<f64>,
+}

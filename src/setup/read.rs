@@ -1,0 +1,21 @@
+//! A recording that a problem names, and what was read of it.
+
+use crate::problem_file::recordings::RecordingFiles;
+use crate::recording::samples::Recording;
+use crate::recording::split::Split;
+
+/// A recording that the problem file names.
+#[derive(Debug, Clone)]
+pub struct Named<'a> {
+    pub path: &'a RecordingFiles,
+    pub split: Split,
+    /// A load that the model has hangs on the robot.
+    pub loaded: bool,
+}
+
+/// A recording as it was read.
+#[derive(Debug, Clone)]
+pub struct Read<'a> {
+    pub named: Named<'a>,
+    pub recording: Recording,
+}

@@ -1,0 +1,4 @@
+//! A motion in samples.
+
+/// Position, velocity and acceleration `[joint][sample]`.
+pub type Motion = [Vec<Vec<f64>>; 3];
