@@ -12,12 +12,13 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::design::motion::{Joints, MOTION, Motion};
 use crate::design::series::Basis;
-use crate::mechanism::loops::Mechanism;
+use crate::mechanism::loops::{Mechanism, WELL_HELD};
 use crate::setup::limits::JointLimits;
 
-/// Half of a difference as a share of the joint's limit: its square, the share of the curvature, is as far below the
-/// thousandth part of a sign's transition as rounding over it.
-const STEP: f64 = 1e-5;
+/// Half of a difference of position, velocity and acceleration as a share of the joint's limit. Loops close to 1e-12, which a
+/// shift of the position has to be far above; signs of the velocity turn over within a hundredth of its limit, which its shift
+/// has to be far below; torques are linear in the acceleration.
+const STEP: [f64; MOTION] = [1e-4, 1e-5, 1e-3];
 
 /// P along a motion, `[passive joint · motors + motor][sample]`.
 #[derive(Debug, Clone, Default)]
@@ -48,10 +49,6 @@ impl Carried {
         &self.series[passive * self.motors + motor]
     }
 }
-
-/// Least share of the least singular value of ∂g/∂q_p in the largest along a design: forces in the loops, and errors of the
-/// positions that follow from the motors, grow by its inverse, so that here at most two digits are lost.
-const LEAST_HOLD: f64 = 0.01;
 
 /// Rows g ≥ 0 that keep a mechanism in one assembly and within the ranges of its joints without a motor.
 #[derive(Debug, Clone)]
@@ -96,7 +93,7 @@ impl LoopRows {
             .ranges
             .iter()
             .map(|(_, [low, high])| 0.5 * (high - low));
-        std::iter::once(LEAST_HOLD).chain(halves).collect()
+        std::iter::once(WELL_HELD).chain(halves).collect()
     }
 
     /// Rows along a closed motion, `[series][sample]`.
@@ -104,7 +101,7 @@ impl LoopRows {
         let position = &motion.values[0];
         let hold = |sample: usize| {
             let q: Vec<f64> = position.iter().map(|s| s[sample]).collect();
-            self.mechanism.determination(&q) - LEAST_HOLD
+            self.mechanism.determination(&q) - WELL_HELD
         };
         let of_range = self.ranges.iter().map(|(joint, [low, high])| {
             let inside = |q: &f64| 0.5 * (high - low) - (q - 0.5 * (low + high)).abs();
@@ -138,7 +135,7 @@ pub fn slopes(
             limits[joint].acceleration,
         ];
         for order in 0..MOTION {
-            let h = STEP * scales[order];
+            let h = STEP[order] * scales[order];
             let mut at = |change: f64| {
                 let pairs = shifted.values[order][joint].iter_mut();
                 pairs
@@ -238,6 +235,8 @@ mod tests {
             }
             let none = DMatrix::zeros(0, model.parameters().len());
             let kept = BaseParameters::structural(&model, &[false], &none).kept();
+            // Two inertias, two couplings and four weights; two frictions for each motor.
+            assert_eq!(kept.len(), 8 + 4);
             Self {
                 columns: Columns::new(&model, kept, &[false], &NOISE),
                 loops: robot.mechanism.unwrap(),

@@ -10,14 +10,18 @@ use nalgebra::{DMatrix, DVector, Dyn, QR};
 use rand_chacha::ChaCha8Rng;
 use std::ops::Range;
 
+/// Step of the motors on the way to a position far from home, rad or m: small against the angles between links at which two
+/// assemblies meet.
+const ON_THE_WAY: f64 = 0.02;
+
 /// Steps of Newton's iteration after which the loops count as open.
 const MOST_STEPS: usize = 60;
 
 /// Halvings of a step that does not bring the loops nearer to closing.
 const MOST_HALVINGS: usize = 30;
 
-/// Largest gap of a closed loop, m or rad: rounding of metres.
-const CLOSED: f64 = 1e-12;
+/// Largest gap of a closed loop, m or rad: rounding of metres in some tens of operations.
+const CLOSED: f64 = 1e-14;
 
 /// Gap that rounding may leave where no step is better.
 const NEARLY_CLOSED: f64 = 1e-9;
@@ -25,6 +29,10 @@ const NEARLY_CLOSED: f64 = 1e-9;
 /// Least share of the least singular value of G_p in the largest. A lever of 0.3 m is then within 0.02° of
 /// lining up with its rod.
 const SINGULAR: f64 = 3e-4;
+
+/// Least share of the least singular value of G_p in the largest at which the motors hold the joints without one well: forces
+/// in the loops, and errors of positions that follow from the motors, grow by its inverse, so that at most two digits are lost.
+pub const WELL_HELD: f64 = 0.01;
 
 /// How far random positions of motors lie from home, rad or m.
 const AROUND: f64 = 0.5;
@@ -126,7 +134,7 @@ impl Mechanism {
         &self.home
     }
 
-    /// A state of random motors about home: positions within `AROUND` as far as the loops close there,
+    /// A state of random motors about home: positions within `AROUND` as far as the loops close and are held well there,
     /// velocities and accelerations of the motors within the given ranges. Gives q, q̇, q̈ (n each).
     pub fn draw(&self, rng: &mut ChaCha8Rng, [speed, rate]: [f64; 2]) -> [Vec<f64>; 3] {
         let away: Vec<f64> = self
@@ -141,7 +149,7 @@ impl Mechanism {
             for (&joint, away) in self.actuated.iter().zip(&away) {
                 trial[joint] += share * away;
             }
-            if self.close(&mut trial).is_ok() {
+            if self.reach(&mut trial).is_ok() && self.determination(&trial) >= WELL_HELD {
                 q = trial;
                 break;
             }
@@ -155,6 +163,26 @@ impl Mechanism {
         self.velocities(&q, &mut dq);
         self.accelerations(&q, &dq, &mut ddq);
         [q, dq, ddq]
+    }
+
+    /// Closes the loops at motors' positions that may lie far from home: on the straight way there in small steps, so that the
+    /// assembly stays that of home.
+    ///
+    /// # Errors
+    /// As of [`close`](Self::close), anywhere on the way.
+    pub fn reach(&self, q: &mut [f64]) -> Result<(), MechanismError> {
+        let way = |&joint: &usize| q[joint] - self.home[joint];
+        let ways: Vec<f64> = self.actuated.iter().map(way).collect();
+        let longest = ways.iter().fold(0.0_f64, |most, way| most.max(way.abs()));
+        let steps = (longest / ON_THE_WAY).ceil().max(1.0);
+        q.copy_from_slice(&self.home);
+        for step in 1..=steps as usize {
+            for (&joint, way) in self.actuated.iter().zip(&ways) {
+                q[joint] = self.home[joint] + step as f64 / steps * way;
+            }
+            self.close(q)?;
+        }
+        Ok(())
     }
 
     /// Closes the loops: moves the passive entries of q (n, rad or m) so that g(q) = 0, by Newton's iteration
@@ -250,7 +278,8 @@ impl Mechanism {
     }
 
     /// Sets the passive joints over some samples of a motion (position, velocity and acceleration, `[joint][sample]`) to what
-    /// the actuated ones give; the search at a sample begins where the one before ended, the first one at home.
+    /// the actuated ones give; the search at a sample begins where the one before ended, that at the first is reached from
+    /// home.
     ///
     /// # Errors
     /// The first sample at which the loops stay open or the passive joints are not held.
@@ -264,6 +293,7 @@ impl Mechanism {
             vec![0.0; self.home.len()],
             vec![0.0; self.home.len()],
         ];
+        let first = samples.start;
         for sample in samples {
             for (values, series) in state.iter_mut().zip(&motion) {
                 for &joint in &self.actuated {
@@ -271,7 +301,12 @@ impl Mechanism {
                 }
             }
             let [q, dq, ddq] = &mut state;
-            self.complete([q, dq, ddq])
+            let reached = match sample == first {
+                true => self.reach(q),
+                false => Ok(()),
+            };
+            reached
+                .and_then(|()| self.complete([q, dq, ddq]))
                 .map_err(|error| OpenLoop { sample, error })?;
             for (values, series) in state.iter().zip(motion.iter_mut()) {
                 for &joint in &self.passive {

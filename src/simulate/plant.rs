@@ -64,6 +64,8 @@ pub struct Plant<'m> {
     evaluator: Evaluator<'m>,
     moving: Vec<usize>,
     mechanism: Option<&'m Mechanism>,
+    /// All joints where the loops closed last.
+    closed: Option<Vec<f64>>,
     loaded: bool,
     /// Last known acceleration of the joints that move: where the chain is linearised.
     about: Vec<f64>,
@@ -79,6 +81,7 @@ impl<'m> Plant<'m> {
         (width <= BLOCK).then(|| Self {
             evaluator: Evaluator::new(model, &model.values(), &[]),
             mechanism: model.mechanism(),
+            closed: None,
             loaded,
             about: vec![0.0; moving.len()],
             states: std::array::from_fn(|_| vec![vec![0.0; width]; joints.len()]),
@@ -119,13 +122,16 @@ impl<'m> Plant<'m> {
             return Ok(());
         };
         let n = self.states[0].len();
-        // Where the loops close is sought from where they closed last.
-        let mut near: Vec<f64> = mechanism.home().to_vec();
         for state in 0..count {
             let take = |series: &[Vec<f64>]| series.iter().map(|x| x[state]).collect::<Vec<f64>>();
             let [mut q, mut dq, mut ddq] = [0, 1, 2].map(|order| take(&self.states[order]));
-            for &joint in mechanism.passive() {
-                q[joint] = near[joint];
+            // Where the loops close is sought from where they closed last.
+            match &self.closed {
+                None => mechanism.reach(&mut q).map_err(NoAcceleration::Open)?,
+                Some(near) => mechanism
+                    .passive()
+                    .iter()
+                    .for_each(|&joint| q[joint] = near[joint]),
             }
             mechanism
                 .complete([&mut q, &mut dq, &mut ddq])
@@ -133,7 +139,7 @@ impl<'m> Plant<'m> {
             for (series, values) in self.states.iter_mut().zip([&q, &dq, &ddq]) {
                 (0..n).for_each(|joint| series[joint][state] = values[joint]);
             }
-            near = q;
+            self.closed = Some(q);
         }
         Ok(())
     }
