@@ -1,7 +1,7 @@
 //! From the transmitted torque to the signal: losses of the gear, laws of the motor, the current.
 
-use crate::chain::effect::coulomb_friction::{sign, sign_by_width};
-use crate::chain::effect::torque_current_nonlinearity::{COEFFICIENTS, current};
+use crate::chain::effect::current_polynomial::{COEFFICIENTS, current};
+use crate::chain::effect::sign::{sign, sign_by_width};
 use crate::chain::effect::{
     Contribution, Effect, Law, Samples, Surroundings, TransmissionLaw, Transmitted,
 };
