@@ -25,6 +25,23 @@ impl Stage {
     }
 }
 
+/// What laws at a motor are given of its motion over some samples, without the rounded-off sign of its velocity.
+fn at_motor<'a>(segment: Segment<'a>, j: usize, range: Range<usize>) -> Samples<'a> {
+    let motors = segment.motors;
+    Samples {
+        position: &motors.q[j][range.clone()],
+        velocity: &motors.dq[j][range.clone()],
+        acceleration: &motors.ddq[j][range.clone()],
+        sign: &[],
+        surroundings: Surroundings {
+            temperature: segment.temperatures(j, range.clone()),
+            ..Surroundings::default()
+        },
+        time: segment.times(range),
+        cyclic: segment.cyclic,
+    }
+}
+
 /// Position and velocity of other motors over some samples.
 fn of_others<'a>(
     others: &[usize],
@@ -76,20 +93,11 @@ impl Evaluator<'_> {
             let count = effect.parameters.len();
             let others = of_others(&joint.others[index], motors, range.clone());
             let scratch = &mut self.scratch;
-            let input = Samples {
-                position: &motors.q[j][range.clone()],
-                velocity: &motors.dq[j][range.clone()],
-                acceleration: &motors.ddq[j][range.clone()],
-                sign: &scratch.sign[..samples],
-                time: segment.times(range.clone()),
-                cyclic: segment.cyclic,
-                surroundings: Surroundings {
-                    others: &others,
-                    temperature: segment.temperatures(j, range.clone()),
-                    period: self.model.period(),
-                    torque_constant: Some(joint.torque_constant),
-                },
-            };
+            let mut input = at_motor(segment, j, range.clone());
+            input.sign = &scratch.sign[..samples];
+            input.surroundings.others = &others;
+            input.surroundings.period = self.model.period();
+            input.surroundings.torque_constant = Some(joint.torque_constant);
             let mut out = Transmitted {
                 torque: &mut self.block.values[j],
                 by_load: &mut scratch.by_load,
@@ -144,20 +152,10 @@ impl Evaluator<'_> {
                 series.fill(0.0);
             }
             let others = of_others(&joint.others[index], motors, range.clone());
-            let input = Samples {
-                position: &motors.q[j][range.clone()],
-                velocity: &motors.dq[j][range.clone()],
-                acceleration: &motors.ddq[j][range.clone()],
-                sign: &scratch.sign[..samples],
-                time: segment.times(range.clone()),
-                cyclic: segment.cyclic,
-                surroundings: Surroundings {
-                    others: &others,
-                    temperature: segment.temperatures(j, range.clone()),
-                    period: self.model.period(),
-                    torque_constant: None,
-                },
-            };
+            let mut input = at_motor(segment, j, range.clone());
+            input.sign = &scratch.sign[..samples];
+            input.surroundings.others = &others;
+            input.surroundings.period = self.model.period();
             let mut out = Contribution {
                 torque: &mut self.block.values[j],
                 by_parameter: &mut scratch.by_parameter[..count],
