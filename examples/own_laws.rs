@@ -4,6 +4,9 @@
 //! `cargo run --release --example own_laws` prints for every effect the seconds of both fits, each the least of nine, and their
 //! quotient.
 
+#[path = "../tests/common/own_versions.rs"]
+mod own_versions;
+
 use exid::chain::effect::ids;
 use exid::estimate::task;
 use exid::problem::solution::Control;
@@ -16,39 +19,6 @@ use std::time::Instant;
 
 /// Fits of either kind.
 const TIMES: usize = 9;
-
-/// Effects with a truth of the second joint.
-const EFFECTS: &[(&str, &[(&str, f64)])] = &[
-    ("coulomb_friction", &[]),
-    ("viscous_friction", &[]),
-    ("asymmetric_friction", &[("dFc", 0.2), ("dFv", 0.3)]),
-    ("stribeck_friction", &[("Fs", 0.8), ("vs", 0.3)]),
-    ("viscous_nonlinearity", &[("Fn", 0.3), ("p", 2.0)]),
-    (
-        "sigmoid_friction",
-        &[("psi1", 1.0), ("psi2", 3.0), ("psi3", 0.2)],
-    ),
-    (
-        "position_dependent_friction",
-        &[("dF", 0.7), ("q0", 0.3), ("width", 0.4)],
-    ),
-    ("transmission_efficiency", &[("R", 0.85)]),
-    ("load_dependent_friction", &[("mu", 0.1)]),
-    ("drive_gain", &[("gain", 1.1)]),
-    ("torque_offset", &[("offset", 0.3)]),
-    ("rotor_inertia", &[("Jm", 0.2)]),
-    (
-        "torque_ripple",
-        &[
-            ("order", 8.0),
-            ("amplitude", 0.4),
-            ("phase", 0.4),
-            ("amplitude2", 0.1),
-            ("phase2", 1.0),
-        ],
-    ),
-    ("joint_spring", &[("k", 2.0), ("q0", 0.3)]),
-];
 
 const ARM: &str = r#"<robot name="arm"><link name="base"/>
 <link name="upper"><inertial><origin xyz="0.2 0.01 0"/><mass value="4"/>
@@ -64,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let laws = fs::read_to_string(root.join("laws/vocabulary/own_versions.toml"))?;
     println!("{:<28} {:>9} {:>9} {:>7}", "effect", "ours", "own", "times");
-    for (id, truth) in EFFECTS {
+    for (id, truth) in own_versions::TRUTHS {
         let folder = tempfile::tempdir()?;
         fs::write(folder.path().join("arm.urdf"), ARM)?;
         let read = |effect: &str, laws: &str| {

@@ -9,6 +9,7 @@ mod common;
 
 use exid::chain::effect::catalogue::register;
 use exid::chain::effect::expression::{Expression, Variable};
+use exid::chain::effect::knowledge::Knowledge;
 use exid::chain::effect::{
     Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples, TorqueLaw, Unit,
     ids,
@@ -59,6 +60,7 @@ static DRAG: Effect = Effect {
     confounded_with: &[],
     law: Law::Motor(&Drag),
     needs: Needs::NOTHING,
+    knowledge: Knowledge::NONE,
 };
 
 fn problem(effects: &str) -> String {

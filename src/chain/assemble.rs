@@ -1,8 +1,8 @@
 //! Lists the parameters of a model: of links, effects, coupling, tilt and load.
 
+use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::{
-    Dependence, Effect, Law, Linearity, NEXT, PREVIOUS, ParameterInfo, base_tilt, coulomb_friction,
-    kinematic_coupling, rotor_inertia, torque_current_nonlinearity,
+    CURRENT_LAW, Dependence, Effect, Law, Linearity, NEXT, PREVIOUS, ParameterInfo, of_term,
 };
 use crate::chain::error::ModelError;
 use crate::chain::model::{Channel, Inertials, JointModel, ModelSettings, Signal, WRENCH};
@@ -70,7 +70,7 @@ pub(super) fn joint_model(
         controller: None,
         delay: None,
         elasticity: None,
-        backlash: None,
+        play: None,
         rounding: 0.0,
     };
     for effect in effects_with_known_values(settings, j) {
@@ -153,10 +153,10 @@ fn effects_with_known_values(settings: &ModelSettings, j: usize) -> Vec<&'static
         }
     };
     if settings.rotor_inertia.is_some() {
-        declare(&rotor_inertia::EFFECT);
+        declare(of_term(JointTerm::RotorInertia));
     }
     if settings.current_polynomial.is_some() {
-        declare(&torque_current_nonlinearity::EFFECT);
+        declare(CURRENT_LAW);
     }
     effects
 }
@@ -171,22 +171,24 @@ fn has_own_parameters(effect: &Effect, signal: Signal) -> bool {
         Law::Signal(_) => {
             signal == Signal::Current || !effect.depends_on.contains(&Dependence::Current)
         }
-        _ => !(signal == Signal::LinkTorque && effect.id == rotor_inertia::EFFECT.id),
+        _ => {
+            !(signal == Signal::LinkTorque
+                && effect.knowledge.term == Some(JointTerm::RotorInertia))
+        }
     }
 }
 
 /// Positions of the parameters that the chain looks up.
 fn remember(model: &mut JointModel, effect: &Effect, first: usize) {
-    let slot = match effect.id {
-        "coulomb_friction" => {
-            model.width = Some(first + coulomb_friction::WIDTH);
-            return;
-        }
-        "drive_gain" => &mut model.gain,
-        "torque_current_nonlinearity" => &mut model.polynomial,
-        "time_delay" => &mut model.delay,
-        "joint_elasticity" => &mut model.elasticity,
-        "backlash" => &mut model.backlash,
+    if let Some(transition) = effect.knowledge.transition {
+        model.width = Some(first + transition.parameter);
+    }
+    let slot = match effect.law {
+        Law::Gain => &mut model.gain,
+        Law::Current => &mut model.polynomial,
+        Law::Delay => &mut model.delay,
+        Law::Spring => &mut model.elasticity,
+        Law::Play => &mut model.play,
         _ => return,
     };
     *slot = Some(first);
@@ -209,7 +211,9 @@ fn known_values(
                 return;
             }
         },
-        (_, Some(inertia)) if effect.id == rotor_inertia::EFFECT.id => vec![inertia[j]],
+        (_, Some(inertia)) if effect.knowledge.term == Some(JointTerm::RotorInertia) => {
+            vec![inertia[j]]
+        }
         _ => return,
     };
     let listed = settings.effects[j].iter().any(|e| e.id == effect.id);
@@ -259,11 +263,8 @@ pub(super) fn tilt_parameters(
     settings: &ModelSettings,
     parameters: &mut Vec<Parameter>,
 ) -> Option<usize> {
-    let effect = &base_tilt::EFFECT;
-    let listed = |list: &Vec<&'static Effect>| list.iter().any(|e| e.id == effect.id);
-    if !settings.effects.iter().any(listed) {
-        return None;
-    }
+    let mut listed = settings.effects.iter().flatten();
+    let effect = listed.find(|effect| matches!(effect.law, Law::Tilt))?;
     let first = parameters.len();
     for (angle, info) in effect.parameters.iter().enumerate() {
         parameters.push(Parameter {
@@ -327,13 +328,13 @@ pub(super) fn coupling_parameters(
     coupling: &DMatrix<f64>,
     parameters: &mut Vec<Parameter>,
 ) {
-    let effect = &kinematic_coupling::EFFECT;
-    let info = &effect.parameters[0];
     let joints = settings.tree.joints();
     for row in 0..joints.len() {
-        if settings.effects[row].iter().all(|e| e.id != effect.id) {
+        let mut listed = settings.effects[row].iter();
+        let Some(effect) = listed.find(|effect| matches!(effect.law, Law::Coupling)) else {
             continue;
-        }
+        };
+        let info = &effect.parameters[0];
         let declared: Vec<usize> = (0..joints.len())
             .filter(|&column| column != row && coupling[(row, column)] != 0.0)
             .collect();

@@ -7,6 +7,7 @@
 //! basis depend on rounding). States come from a fixed seed, so the basis is the same on every machine.
 
 use crate::chain::controller::Commands;
+use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
@@ -148,8 +149,11 @@ pub fn scan_order(model: &Model) -> Vec<usize> {
         Role::Inertial { .. } => 1,
         Role::Payload { .. } => 2,
         Role::Effect { joint, effect, .. } => {
-            let id = model.joints()[joint].effects[effect].0.id;
-            if id == "rotor_inertia" { 3 } else { 4 }
+            let (effect, _) = model.joints()[joint].effects[effect];
+            match effect.knowledge.term {
+                Some(JointTerm::RotorInertia) => 3,
+                _ => 4,
+            }
         }
         Role::Coupling { .. } | Role::Tilt { .. } => 5,
         Role::Controller { .. } => 6,

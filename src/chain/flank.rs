@@ -35,7 +35,7 @@ impl Flank {
     /// Of a joint at parameter values; `None` where its link does not lag.
     pub fn of_joint(joint: &JointModel, values: &DVector<f64>) -> Option<Self> {
         let elastic = joint.elasticity.map(|at| [values[at], values[at + 1]]);
-        let gap = joint.backlash.map(|at| values[at]);
+        let gap = joint.play.map(|at| values[at]);
         if elastic.is_none() && gap.is_none() {
             return None;
         }

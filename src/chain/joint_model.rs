@@ -1,5 +1,6 @@
 //! A joint with its drive: its effects, and where their parameters stand among those of the model.
 
+use crate::chain::effect::knowledge::{JointTerm, Transition};
 use crate::chain::effect::{Effect, ParameterInfo};
 use crate::robot::tree::JointKind;
 
@@ -20,7 +21,7 @@ pub struct JointModel {
     pub others: Vec<Vec<usize>>,
     /// Whether another effect takes the place of each effect's torque.
     pub replaced: Vec<bool>,
-    /// Position of the transition speed w of Coulomb friction, if the joint has it.
+    /// Position of the transition speed w if the joint has one.
     pub width: Option<usize>,
     /// Position of the gain, if the joint has one.
     pub gain: Option<usize>,
@@ -32,8 +33,8 @@ pub struct JointModel {
     pub delay: Option<usize>,
     /// Position of the stiffness (the damping is behind it), if the joint is elastic.
     pub elasticity: Option<usize>,
-    /// Position of the play, if the joint has one.
-    pub backlash: Option<usize>,
+    /// Position of the play between motor and link, if the joint has one.
+    pub play: Option<usize>,
     /// N·m (N) of transmitted torque about zero within which the switch of losses is rounded off; 0: not at all.
     pub rounding: f64,
 }
@@ -41,7 +42,22 @@ pub struct JointModel {
 impl JointModel {
     /// Whether the link lags behind the motor.
     pub fn has_lag(&self) -> bool {
-        self.elasticity.is_some() || self.backlash.is_some()
+        self.elasticity.is_some() || self.play.is_some()
+    }
+
+    /// Whether it has a usual term of a joint.
+    pub fn has_term(&self, term: JointTerm) -> bool {
+        let mut effects = self.effects.iter();
+        effects.any(|(effect, _)| effect.knowledge.term == Some(term))
+    }
+
+    /// Its transition speed, with the position of that in the model's list; `None` where it has none.
+    pub fn transition(&self) -> Option<(Transition, usize)> {
+        let mut effects = self.effects.iter();
+        effects.find_map(|(effect, first)| {
+            let transition = effect.knowledge.transition?;
+            Some((transition, first + transition.parameter))
+        })
     }
 
     /// What is known of the parameters of one of its effects, with their positions in the model's list; none of an effect

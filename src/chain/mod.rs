@@ -30,6 +30,8 @@ pub mod parameter;
 pub mod platform;
 pub mod prior;
 mod settings;
+pub mod signal;
+pub mod words;
 
 #[cfg(test)]
 mod tests;

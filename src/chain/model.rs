@@ -3,7 +3,7 @@
 use crate::chain::assemble;
 pub use crate::chain::channel::Channel;
 pub(super) use crate::chain::channel::WRENCH;
-use crate::chain::effect::{Catalogue, Law, Memory, coulomb_friction, viscous_friction};
+use crate::chain::effect::{Catalogue, Law, Memory};
 use crate::chain::error::ModelError;
 pub use crate::chain::joint_model::JointModel;
 use crate::chain::parameter::{Parameter, Role, State};
@@ -331,21 +331,17 @@ impl Model {
         parameter.value = within(parameter.value, [lower, upper]);
     }
 
-    /// Narrows the transitions of Coulomb friction to what motions show whose joints move at most so fast, rad/s or m/s at
-    /// joint scale: a friction that has not come to [`coulomb_friction::SEEN`] of Fc anywhere is none of constant size, and its
-    /// Fc would be extrapolated. A joint without viscous friction keeps its limits, for there a wide transition stands for it.
-    /// Limits and values that were stated stay.
+    /// Narrows the transition speeds of `sign(v)` to what motions show whose joints move at most so fast, rad/s or m/s at
+    /// joint scale: a friction that never comes near its full size is none of constant size, and would be extrapolated. A
+    /// joint without the term that a wide transition stands for keeps its limits. Limits and values that were stated stay.
     pub fn limit_transitions(&mut self, fastest: &[f64]) {
-        let widths = self.joints.iter().zip(fastest);
-        let widths: Vec<(usize, f64)> = widths
-            .filter(|(joint, _)| {
-                joint
-                    .parameters_of(viscous_friction::EFFECT.id)
-                    .next()
-                    .is_some()
-            })
-            .filter_map(|(joint, fastest)| Some((joint.width?, coulomb_friction::widest(*fastest))))
-            .collect();
+        let widest = |(joint, fastest): (&JointModel, &f64)| {
+            let (transition, index) = joint.transition()?;
+            let told_apart = joint.has_term(transition.stands_for);
+            told_apart.then(|| (index, (transition.widest)(*fastest)))
+        };
+        let widths: Vec<(usize, f64)> =
+            self.joints.iter().zip(fastest).filter_map(widest).collect();
         for (index, widest) in widths {
             let parameter = &mut self.parameters[index];
             if parameter.is_free() && !parameter.bounded {

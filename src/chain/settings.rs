@@ -1,39 +1,11 @@
 //! What a model is built from: the robot, its drives, the signal and the effects of every joint.
 
 use crate::chain::controller::Controller;
-use crate::chain::effect::{Catalogue, Effect, torque_current_nonlinearity};
+use crate::chain::effect::{Catalogue, Effect, current_polynomial};
+pub use crate::chain::signal::Signal;
 use crate::robot::inertia::{Inertia, PER_LINK};
-use crate::robot::regressor::Rows;
 use crate::robot::tree::Tree;
 use nalgebra::{DMatrix, Isometry3, SMatrix};
-
-/// What the signal is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Signal {
-    /// Motor currents, A.
-    Current,
-    /// Motor torques at joint scale, N·m or N.
-    Torque,
-    /// Torques of sensors behind the gears: rotors are not in them.
-    LinkTorque,
-    /// Force and moment of the base on the first link, N and N·m.
-    BaseWrench,
-    /// Motor torques, then base wrench.
-    Both,
-    /// Errors of position controllers, command minus position, rad or m.
-    PositionCommand,
-}
-
-impl Signal {
-    /// Rows of the rigid-body regressor that the signal needs.
-    pub fn rows(self) -> Rows {
-        match self {
-            Self::Current | Self::Torque | Self::LinkTorque | Self::PositionCommand => Rows::Torque,
-            Self::BaseWrench => Rows::Base,
-            Self::Both => Rows::Both,
-        }
-    }
-}
 
 /// A load on a link, in a frame that is fixed to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,7 +50,7 @@ pub struct ModelSettings {
     /// Relative standard deviations of the torque constants.
     pub torque_constant_std: Option<Vec<f64>>,
     /// c0 to c3 of the torque in powers of the current, instead of the torque constant.
-    pub current_polynomial: Option<Vec<[f64; torque_current_nonlinearity::COEFFICIENTS]>>,
+    pub current_polynomial: Option<Vec<[f64; current_polynomial::COEFFICIENTS]>>,
     /// Known rotor inertias, kg·m² at joint scale.
     pub rotor_inertia: Option<Vec<f64>>,
     /// V of `q = V m + offset`; `None` is the identity.

@@ -5,6 +5,7 @@
 //! variance σ² and J the sum of squares, `var d = 2 σ² κ / J''`, κ the long-run variance of the residual
 //! over its variance.
 
+use crate::chain::effect::DELAY;
 use crate::chain::model::Signal;
 use crate::check::regression::{Columns, Sampled, columns, factor, rest};
 use crate::check::report::finding;
@@ -177,7 +178,10 @@ fn describe(ready: &Ready<'_>, delays: &[Delay]) -> Vec<Finding> {
                     deviation,
                     100.0 * gain
                 ),
-                "shift the channel by this time, or add \"time_delay\" to the effects".to_string(),
+                format!(
+                    "shift the channel by this time, or add \"{}\" to the effects",
+                    DELAY.id
+                ),
             ),
         )
     };

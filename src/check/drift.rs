@@ -1,5 +1,6 @@
 //! Drift: the power that the signal feeds into the motion changes from period to period.
 
+use crate::chain::effect::WARMING;
 use crate::check::report::finding;
 use crate::check::setting::Ready;
 use crate::outcome::check::{Finding, Severity};
@@ -42,7 +43,7 @@ pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
                             100.0 * share,
                             periods.count
                         ),
-                        "warm the robot up before recording; thermal_drift describes it".to_string(),
+                        format!("warm the robot up before recording; {} describes it", WARMING.id),
                     ),
                 )
             })

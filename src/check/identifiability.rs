@@ -5,6 +5,8 @@
 
 use crate::chain::base_parameters::{BaseParameter, BaseParameters};
 use crate::chain::dataset::Dataset;
+use crate::chain::effect::knowledge::JointTerm;
+use crate::chain::effect::{GAIN, term_name};
 use crate::chain::model::{JointModel, Model};
 use crate::chain::parameter::{Parameter, Role};
 use crate::check::regression::{Comparison, Sampled, columns, known_part};
@@ -207,8 +209,11 @@ fn is_friction(model: &Model, parameter: &Parameter) -> bool {
     let Role::Effect { joint, effect, .. } = parameter.role else {
         return false;
     };
-    let id = model.joints()[joint].effects[effect].0.id;
-    id == "coulomb_friction" || id == "viscous_friction"
+    let (effect, _) = model.joints()[joint].effects[effect];
+    matches!(
+        effect.knowledge.term,
+        Some(JointTerm::DryFriction | JointTerm::ViscousFriction)
+    )
 }
 
 /// Parameters that no motion determines although the problem file asks for them.
@@ -252,10 +257,11 @@ fn of_structure(setting: &Setting<'_>, model: &Model, structural: &BaseParameter
 
 /// Parameters of rotors and those that the fit has priors for.
 fn asked_for(setting: &Setting<'_>, model: &Model) -> Vec<String> {
+    let rotor = term_name(JointTerm::RotorInertia);
     let rotors = model
         .parameters()
         .iter()
-        .filter(|p| p.name.ends_with("rotor_inertia.Jm"));
+        .filter(|p| p.name.ends_with(&rotor));
     let mut names: Vec<String> = rotors.map(|p| p.name.clone()).collect();
     for bound in &setting.problem.fit.bounds {
         if !names.contains(&bound.name) {
@@ -280,7 +286,7 @@ fn gains(setting: &Setting<'_>, model: &Model) -> Vec<Finding> {
     let report = |joint: &JointModel| {
         finding(
             Severity::Warning,
-            Place::file(&setting.problem.path).key(format!("{}.drive_gain.gain", joint.name)),
+            Place::file(&setting.problem.path).key(format!("{}.{}.{}", joint.name, GAIN.id, GAIN.parameters[0].name)),
             (
                 "not-identifiable",
                 "the gain and all inertial and friction parameters are free: only their ratio enters the signal"

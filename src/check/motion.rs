@@ -1,6 +1,7 @@
 //! Whether the training motion shows what the model's friction asks: range, both directions, several speeds.
 
 use crate::chain::dataset::Dataset;
+use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::model::{JointModel, Model};
 use crate::check::extent::extent;
 use crate::check::regression::still;
@@ -60,8 +61,7 @@ fn of_joint(
 
 /// What Coulomb friction asks of the speeds of its joint.
 fn of_speeds(joint: &JointModel, model: &Model, velocities: Vec<f64>) -> Option<Words> {
-    let has = |id: &str| joint.effects.iter().any(|(effect, _)| effect.id == id);
-    if !has("coulomb_friction") {
+    if !joint.has_term(JointTerm::DryFriction) {
         return None;
     }
     let unit = joint.kind.position_unit();
@@ -92,7 +92,7 @@ fn of_speeds(joint: &JointModel, model: &Model, velocities: Vec<f64>) -> Option<
     let mean = moving.iter().map(|v| v.abs()).sum::<f64>() / count;
     let squares = moving.iter().map(|v| (v.abs() - mean).powi(2)).sum::<f64>();
     let one_speed = (squares / count).sqrt() < ONE_SPEED * mean;
-    (has("viscous_friction") && one_speed).then(|| {
+    (joint.has_term(JointTerm::ViscousFriction) && one_speed).then(|| {
         (
             "one-speed",
             format!("the joint moves at {mean:.4} {unit}/s nearly all the time"),

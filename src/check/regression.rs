@@ -4,7 +4,8 @@
 //! residual judges the columns of a recording and not the values in a file.
 
 use crate::chain::dataset::Prepared;
-use crate::chain::effect::{self, Effect};
+use crate::chain::effect::knowledge::JointTerm;
+use crate::chain::effect::{Effect, of_term};
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
 use crate::chain::model::{Channel, Inertials, Model, ModelSettings, Signal};
 use crate::check::extent::extent;
@@ -16,12 +17,12 @@ use nalgebra::{DMatrix, DVector};
 /// Rows that a comparison uses: 20 for each of 100 columns.
 const MOST_ROWS: usize = 2000;
 
-/// Free effects of the comparison, in the order of their columns: friction last, where it is solved for alone.
-const EFFECTS: [&str; 4] = [
-    "rotor_inertia",
-    "torque_offset",
-    "coulomb_friction",
-    "viscous_friction",
+/// Free terms of the comparison, in the order of their columns: friction last, where it is solved for alone.
+const TERMS: [JointTerm; 4] = [
+    JointTerm::RotorInertia,
+    JointTerm::Offset,
+    JointTerm::DryFriction,
+    JointTerm::ViscousFriction,
 ];
 
 /// Motion of all motors at the rows of a comparison.
@@ -247,7 +248,7 @@ fn free_model(declared: &Model) -> Model {
 /// As the free model, for a tree with the same joints.
 pub(super) fn with_tree(declared: &Model, tree: Tree) -> Model {
     let n = declared.joints().len();
-    let effects: Vec<&'static Effect> = EFFECTS.iter().filter_map(|id| effect::find(id)).collect();
+    let effects: Vec<&'static Effect> = TERMS.iter().map(|term| of_term(*term)).collect();
     let settings = ModelSettings {
         tree,
         signal: match declared.signal() {

@@ -3,6 +3,7 @@
 //! `P = mean((Fc·sign(q̇) + Fv·q̇)·q̇)` is the power lost in friction, which cannot be negative; nor can the
 //! factor between the signal and the torque that the robot file's inertials give.
 
+use crate::chain::effect::knowledge::JointTerm;
 use crate::check::regression::{Comparison, factor, last_coefficients, rest};
 use crate::check::report::finding;
 use crate::check::scale;
@@ -87,14 +88,17 @@ impl Friction {
 
 fn friction(comparison: &Comparison, (channel, joint): (usize, usize)) -> Option<Friction> {
     let model = &comparison.model;
-    let own = |id: &str| {
+    let own = |term: JointTerm| {
         let found = model.joints()[joint]
             .effects
             .iter()
-            .find(|(effect, _)| effect.id == id);
+            .find(|(effect, _)| effect.knowledge.term == Some(term));
         found.map(|(_, first)| *first)
     };
-    let friction = [own("coulomb_friction")?, own("viscous_friction")?];
+    let friction = [
+        own(JointTerm::DryFriction)?,
+        own(JointTerm::ViscousFriction)?,
+    ];
     let is_friction = |p: usize| friction.contains(&p);
     let mut columns = comparison.columns[channel].clone();
     // Friction last: its coefficients follow from the last rows of the factor alone.

@@ -3,7 +3,7 @@
 //! A law sees one joint only, so central differences in its own position, velocity and acceleration
 //! give every slope at the price of a few evaluations of a cheap formula.
 
-use crate::chain::effect::coulomb_friction::sign;
+use crate::chain::effect::sign::sign;
 use crate::chain::effect::{Contribution, Dependence, Effect, Law, Memory, Samples, Surroundings};
 use crate::chain::model::Model;
 

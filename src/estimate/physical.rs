@@ -3,7 +3,7 @@
 //!
 //! `c = h/m`, `I_c = I − m (cᵀc·1 − c cᵀ)`; standard deviations by first-order propagation.
 
-use crate::chain::effect::base_tilt;
+use crate::chain::effect;
 use crate::chain::model::Model;
 use crate::chain::parameter::{Parameter, Role};
 use crate::estimate::unknowns::Unknowns;
@@ -170,7 +170,7 @@ fn meaning(model: &Model, parameter: &Parameter) -> String {
             effect.parameters[parameter].meaning.to_string()
         }
         Role::Controller { gain, .. } => gain.meaning().to_string(),
-        Role::Tilt { angle } => base_tilt::EFFECT.parameters[angle].meaning.to_string(),
+        Role::Tilt { angle } => effect::TILT.parameters[angle].meaning.to_string(),
         _ => "speed of this joint per speed of the other joint's motor".to_string(),
     }
 }

@@ -1,6 +1,8 @@
 //! A URDF with other inertials and losses: the text of the file stays, elements are replaced in it.
 
+use crate::chain::effect::knowledge::JointTerm;
 use crate::export::error::ExportError;
+use crate::export::term;
 use crate::fault::Place;
 use crate::outcome::machine::{Machine, MachineJoint};
 use crate::robot::error::{RobotError, RobotErrorKind};
@@ -102,10 +104,10 @@ fn apply(text: &str, mut edits: Vec<(Range<usize>, String)>) -> String {
 
 /// The element of the losses of a joint.
 pub(super) fn dynamics(joint: &MachineJoint) -> String {
-    let value = |effect, parameter| joint.value(effect, parameter).unwrap_or(0.0);
+    let size = |term| term::size(joint, term).unwrap_or(0.0);
     format!(
         "<dynamics damping=\"{:?}\" friction=\"{:?}\"/>",
-        value("viscous_friction", "Fv"),
-        value("coulomb_friction", "Fc")
+        size(JointTerm::ViscousFriction),
+        size(JointTerm::DryFriction)
     )
 }

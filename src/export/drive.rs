@@ -1,8 +1,8 @@
 //! Drives with the formulas of their laws, numbers in the places of parameters.
 
+use crate::chain::effect::current_polynomial::{Branch, COEFFICIENTS, branch};
 use crate::chain::effect::expression::{Expression, StateLaw, Variable};
-use crate::chain::effect::torque_current_nonlinearity::{Branch, COEFFICIENTS, branch};
-use crate::chain::effect::{self, Catalogue, Effect, Law, NEXT, PREVIOUS, flank};
+use crate::chain::effect::{Catalogue, Effect, Law, NEXT, PREVIOUS, flank};
 use crate::export::error::ExportError;
 use crate::outcome::machine::{Machine, MachineJoint};
 use nalgebra::DMatrix;
@@ -136,8 +136,8 @@ fn drive(machine: &Machine, j: usize, catalogue: &Catalogue) -> Result<Drive, Ex
                 _ => None,
             })
         };
-        if effect.id == effect::coulomb_friction::EFFECT.id {
-            drive.width = values[effect::coulomb_friction::WIDTH];
+        if let Some(transition) = effect.knowledge.transition {
+            drive.width = values[transition.parameter];
         }
         match effect.law {
             Law::Motor(_) if is_replaced(effect.id) => {}

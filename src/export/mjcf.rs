@@ -1,19 +1,21 @@
 //! MJCF: bodies, armature, damping and frictionloss; frames as sites.
 
+use crate::chain::effect::knowledge::JointTerm;
+use crate::chain::effect::of_term;
 use crate::export::closing;
 use crate::export::xml::{escaped, triple};
-use crate::export::{Export, File};
+use crate::export::{Export, File, term};
 use crate::outcome::machine::{Machine, MachineJoint, Motion, Pose};
 use crate::robot::inertia::{CentralInertia, Inertia};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::fmt::Write;
 
-/// Laws that MuJoCo has attributes for: effect, its parameters in the model.
-const KEPT: &[(&str, &[&str])] = &[
-    ("rotor_inertia", &["Jm"]),
-    ("viscous_friction", &["Fv"]),
-    ("coulomb_friction", &["Fc"]),
-    ("joint_spring", &["k", "q0"]),
+/// Terms that MuJoCo has attributes for.
+const KEPT: [JointTerm; 4] = [
+    JointTerm::RotorInertia,
+    JointTerm::ViscousFriction,
+    JointTerm::DryFriction,
+    JointTerm::Spring,
 ];
 
 /// What of a drive stands in the joint.
@@ -48,13 +50,13 @@ pub fn write(machine: &Machine, name: &str) -> Export {
 }
 
 fn of_joint(joint: &MachineJoint) -> Native {
-    let value = |effect, parameter| joint.value(effect, parameter).unwrap_or(0.0);
+    let size = |term| term::size(joint, term).unwrap_or(0.0);
     Native {
-        armature: value("rotor_inertia", "Jm"),
-        damping: value("viscous_friction", "Fv"),
-        friction: value("coulomb_friction", "Fc"),
-        stiffness: value("joint_spring", "k"),
-        rest: value("joint_spring", "q0"),
+        armature: size(JointTerm::RotorInertia),
+        damping: size(JointTerm::ViscousFriction),
+        friction: size(JointTerm::DryFriction),
+        stiffness: size(JointTerm::Spring),
+        rest: term::rest(joint).unwrap_or(0.0),
     }
 }
 
@@ -219,10 +221,10 @@ fn lost(machine: &Machine) -> Vec<String> {
     for joint in &machine.joints {
         let mut names: Vec<String> = Vec::new();
         for effect in &joint.effects {
-            let kept = KEPT.iter().find(|(id, _)| *id == effect.id);
-            let kept = kept.map_or(&[][..], |(_, parameters)| parameters);
+            let kept = KEPT.iter().find(|term| of_term(**term).id == effect.id);
+            let kept = kept.map_or(&[][..], |term| term::written(*term));
             let other = effect.parameters.iter().filter(|p| p.value != 0.0);
-            let other = other.filter(|p| !kept.contains(&p.name.as_str()));
+            let other = other.filter(|p| !kept.iter().any(|known| known.name == p.name));
             names.extend(other.map(|p| format!("{}.{} = {}", effect.id, p.name, p.value)));
         }
         names.extend(

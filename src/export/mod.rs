@@ -18,9 +18,11 @@ mod side_file;
 mod symbol;
 pub mod table;
 mod tape;
+mod term;
 mod urdf;
 mod xml;
 
+use crate::chain::effect::TILT;
 use crate::export::error::ExportError;
 pub use crate::export::file::{Export, File};
 use crate::export::language::Language;
@@ -61,7 +63,9 @@ pub fn export(outcome: &Outcome, format: Format) -> Result<Export, ExportError> 
         _ => None,
     };
     let machine = nearest.unwrap_or(identified);
-    let tilted = outcome.estimate.parameters.iter().find(|p| p.name == TILT);
+    // Results of earlier versions did not keep the angles of a tilted base with their robots.
+    let angle = format!("{}.{}", TILT.id, TILT.parameters[0].name);
+    let tilted = outcome.estimate.parameters.iter().find(|p| p.name == angle);
     if let (Some(tilt), None) = (tilted, &machine.tilt) {
         return Err(ExportError::Incomplete {
             joint: "the base".to_string(),
@@ -88,9 +92,6 @@ pub fn export(outcome: &Outcome, format: Format) -> Result<Export, ExportError> 
     export.notes.extend(nameless(outcome));
     Ok(export)
 }
-
-/// The parameter of a tilted base, whose angles results of earlier versions did not keep with their robots.
-const TILT: &str = "base_tilt.roll";
 
 const NEAREST: &str = "no set of real bodies has the fitted base parameters: the robot is the possible one that is nearest by the \
                        covariance of the fit, friction moved along with its bodies";

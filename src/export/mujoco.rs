@@ -1,12 +1,12 @@
 //! MuJoCo, complete: the bodies with what MJCF has laws for as `model.xml`, and the drives as the C source of an actuator
 //! plugin, `exid.drive`.
 
-use crate::chain::effect::{Catalogue, Law};
-use crate::export::code;
+use crate::chain::effect::knowledge::JointTerm;
+use crate::chain::effect::{Catalogue, Law, TRANSITION, of_term};
 use crate::export::drive::Drives;
 use crate::export::error::ExportError;
 use crate::export::mjcf::{self, Actuation, Native};
-use crate::export::{Export, File};
+use crate::export::{Export, File, code, term};
 use crate::outcome::machine::{Machine, MachineJoint};
 
 /// The glue between the drives and the simulator.
@@ -76,7 +76,7 @@ pub fn write(
 /// Takes from a joint what MuJoCo has the same law for: springs at the joint, and where motor and joint are one also
 /// rotors, damping and dry friction without a transition.
 fn take(joint: &mut MachineJoint, catalogue: &Catalogue, one: bool) -> Native {
-    let value = |effect, parameter| joint.value(effect, parameter);
+    let size = |term| term::size(joint, term);
     let is_lent = |id: &str| {
         let effects = joint.effects.iter();
         let mut effects = effects.filter_map(|e| catalogue.find(&e.id));
@@ -84,42 +84,43 @@ fn take(joint: &mut MachineJoint, catalogue: &Catalogue, one: bool) -> Native {
     };
     let mut native = Native::default();
     let mut taken: Vec<&str> = Vec::new();
-    if let (Some(stiffness), Some(rest)) = (value("joint_spring", "k"), value("joint_spring", "q0"))
+    let mut take = |term| taken.push(of_term(term).id);
+    if let (Some(stiffness), Some(rest)) = (size(JointTerm::Spring), term::rest(joint))
         && stiffness >= 0.0
         && joint.locked.is_none()
     {
         (native.stiffness, native.rest) = (stiffness, rest);
-        taken.push("joint_spring");
+        take(JointTerm::Spring);
     }
-    if let (true, Some(inertia)) = (one, value("rotor_inertia", "Jm"))
+    if let (true, Some(inertia)) = (one, size(JointTerm::RotorInertia))
         && inertia >= 0.0
     {
         native.armature = inertia;
-        taken.push("rotor_inertia");
+        take(JointTerm::RotorInertia);
     }
     if let (true, Some(damping), false) = (
         one,
-        value("viscous_friction", "Fv"),
-        is_lent("viscous_friction"),
+        size(JointTerm::ViscousFriction),
+        is_lent(of_term(JointTerm::ViscousFriction).id),
     ) && damping >= 0.0
     {
         native.damping = damping;
-        taken.push("viscous_friction");
+        take(JointTerm::ViscousFriction);
     }
     let signed = |id: &str| {
-        catalogue
-            .find(id)
-            .is_some_and(|e| matches!(e.law, Law::Motor(_)) && e.id != "coulomb_friction")
+        catalogue.find(id).is_some_and(|e| {
+            matches!(e.law, Law::Motor(_)) && e.knowledge.term != Some(JointTerm::DryFriction)
+        })
     };
     let alone = !joint.effects.iter().any(|e| signed(&e.id));
     if let (true, true, Some(friction), Some(0.0)) = (
         one,
         alone,
-        value("coulomb_friction", "Fc"),
-        value("coulomb_friction", "w"),
+        size(JointTerm::DryFriction),
+        joint.value(TRANSITION.effect.id, TRANSITION.name()),
     ) {
         native.friction = friction;
-        taken.push("coulomb_friction");
+        take(JointTerm::DryFriction);
     }
     joint.effects.retain(|e| !taken.contains(&e.id.as_str()));
     native

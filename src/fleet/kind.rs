@@ -1,11 +1,7 @@
 //! What a change of a parameter means to the people who look after the robot.
 
-use crate::chain::effect::{
-    asymmetric_friction, base_tilt, coulomb_friction, drive_gain, joint_elasticity, joint_spring,
-    load_dependent_friction, presliding_hysteresis, rotor_inertia, sigmoid_friction,
-    stribeck_friction, time_delay, torque_offset, transmission_efficiency, viscous_friction,
-    viscous_nonlinearity,
-};
+use crate::chain::effect;
+use crate::chain::effect::knowledge::Change;
 
 /// The kind of a change, and the joint that it belongs to.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -13,97 +9,6 @@ pub struct Kind {
     pub words: String,
     pub joint: Option<String>,
 }
-
-/// Words for one direction and the other.
-struct Words {
-    up: &'static str,
-    down: &'static str,
-}
-
-const FRICTION: Words = Words {
-    up: "friction up",
-    down: "friction down",
-};
-
-/// Words by effect.
-const EFFECTS: &[(&str, Words)] = &[
-    (coulomb_friction::EFFECT.id, FRICTION),
-    (viscous_friction::EFFECT.id, FRICTION),
-    (stribeck_friction::EFFECT.id, FRICTION),
-    (viscous_nonlinearity::EFFECT.id, FRICTION),
-    (sigmoid_friction::EFFECT.id, FRICTION),
-    (presliding_hysteresis::EFFECT.id, FRICTION),
-    (
-        asymmetric_friction::EFFECT.id,
-        Words {
-            up: "friction by direction",
-            down: "friction by direction",
-        },
-    ),
-    (
-        transmission_efficiency::EFFECT.id,
-        Words {
-            up: "efficiency up",
-            down: "efficiency down",
-        },
-    ),
-    (
-        load_dependent_friction::EFFECT.id,
-        Words {
-            up: "efficiency down",
-            down: "efficiency up",
-        },
-    ),
-    (
-        time_delay::EFFECT.id,
-        Words {
-            up: "delay up",
-            down: "delay down",
-        },
-    ),
-    (
-        torque_offset::EFFECT.id,
-        Words {
-            up: "torque offset",
-            down: "torque offset",
-        },
-    ),
-    (
-        drive_gain::EFFECT.id,
-        Words {
-            up: "torque constant up",
-            down: "torque constant down",
-        },
-    ),
-    (
-        rotor_inertia::EFFECT.id,
-        Words {
-            up: "rotor inertia up",
-            down: "rotor inertia down",
-        },
-    ),
-    (
-        joint_elasticity::EFFECT.id,
-        Words {
-            up: "stiffness of the gear",
-            down: "stiffness of the gear",
-        },
-    ),
-    (
-        joint_spring::EFFECT.id,
-        Words {
-            up: "spring or balancer",
-            down: "spring or balancer",
-        },
-    ),
-    (
-        base_tilt::EFFECT.id,
-        Words {
-            up: "base tilted",
-            down: "base tilted",
-        },
-    ),
-];
 
 /// The body of a load, and its mass.
 const LOAD: &str = "payload";
@@ -116,9 +21,7 @@ pub fn of(parameter: &str, change: f64) -> Kind {
         [LOAD, "mass"] if change > 0.0 => ("load left on", None),
         [LOAD, "mass"] => ("load lost", None),
         [LOAD, _] => ("other load", None),
-        [effect, _] if EFFECTS.iter().any(|(id, _)| *id == effect) => {
-            (of_effect(effect, change), None)
-        }
+        [effect, _] if change_of(effect).is_some() => (of_effect(effect, change), None),
         [_, _] => ("other link", None),
         _ => ("combination of parameters", None),
     };
@@ -128,9 +31,12 @@ pub fn of(parameter: &str, change: f64) -> Kind {
     }
 }
 
+fn change_of(effect: &str) -> Option<Change> {
+    effect::find(effect)?.knowledge.change
+}
+
 fn of_effect(effect: &str, change: f64) -> &'static str {
-    let found = EFFECTS.iter().find(|(id, _)| *id == effect);
-    found.map_or("physics of the drive", |(_, words)| match change > 0.0 {
+    change_of(effect).map_or("physics of the drive", |words| match change > 0.0 {
         true => words.up,
         false => words.down,
     })

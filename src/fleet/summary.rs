@@ -1,6 +1,6 @@
 //! From sorted results to what is said of the fleet: types, robots to look at, failures.
 
-use crate::diagnose::findings::sentences::short;
+use crate::chain::words::short;
 use crate::fleet::change::{self, Common};
 use crate::fleet::error::FleetError;
 use crate::fleet::history::Night;

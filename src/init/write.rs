@@ -1,5 +1,7 @@
 //! The draft as TOML with comments.
 
+use crate::chain::effect::knowledge::JointTerm;
+use crate::chain::effect::of_term;
 use crate::init::channels::Channel;
 use crate::init::{Form, Guess, Sources};
 use crate::problem_file::choices::{Choice, Signal};
@@ -7,8 +9,12 @@ use crate::recording::column_map::ColumnsAt;
 use std::path::{Path, PathBuf};
 
 /// Friction, offsets and rotors: what drives have, all linear in their parameters but for the speed at which friction turns.
-const EFFECTS: &str =
-    "[\"coulomb_friction\", \"viscous_friction\", \"torque_offset\", \"rotor_inertia\"]";
+const TERMS: [JointTerm; 4] = [
+    JointTerm::DryFriction,
+    JointTerm::ViscousFriction,
+    JointTerm::Offset,
+    JointTerm::RotorInertia,
+];
 
 pub(super) fn toml(sources: &Sources, guess: &Guess<'_>) -> String {
     let target = &sources.target;
@@ -58,7 +64,7 @@ pub(super) fn toml(sources: &Sources, guess: &Guess<'_>) -> String {
         ));
     }
     lines.extend([
-        format!("effects = {EFFECTS}"),
+        format!("effects = {:?}", TERMS.map(|term| of_term(term).id)),
         String::new(),
         "[recordings]".into(),
         format!("train = {}", files(&guess.train)),

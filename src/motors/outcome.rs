@@ -1,5 +1,7 @@
 //! The constants as parameters with intervals, and the stages speed by speed.
 
+use crate::chain::effect;
+use crate::chain::effect::knowledge::JointTerm;
 use nalgebra::{DMatrix, DVector};
 
 use crate::motors::compare::{Constant, equality};
@@ -66,12 +68,12 @@ fn constant_name(joint: &JointFit) -> String {
 }
 
 fn term_name(joint: &JointFit, term: Term) -> String {
-    let parameter = match term {
-        Term::Coulomb => "coulomb_friction.Fc",
-        Term::Viscous => "viscous_friction.Fv",
-        Term::Offset => "torque_offset.offset",
+    let term = match term {
+        Term::Coulomb => JointTerm::DryFriction,
+        Term::Viscous => JointTerm::ViscousFriction,
+        Term::Offset => JointTerm::Offset,
     };
-    format!("{}.{parameter}", joint.name)
+    format!("{}.{}", joint.name, effect::term_name(term))
 }
 
 fn term_unit(joint: &JointFit, term: Term) -> String {

@@ -1,6 +1,8 @@
 //! The task behind `exid fit` with the estimator `constant_velocity`: recordings to steady parts, parts to
 //! constants.
 
+use crate::chain::effect::knowledge::JointTerm;
+use crate::chain::effect::of_term;
 use crate::chain::model::Model;
 use crate::fault::Place;
 use crate::motors::compare::{Constant, of_same_type};
@@ -308,7 +310,7 @@ fn terms(problem: &ProblemFile) -> Vec<Term> {
         .drive
         .effects
         .iter()
-        .any(|e| e.value == "torque_offset")
+        .any(|e| e.value == of_term(JointTerm::Offset).id)
     {
         terms.push(Term::Offset);
     }

@@ -5,6 +5,7 @@
 //! can still turn out wrong is therefore a [`Located`] value, which knows its line and key.
 
 pub mod choices;
+mod columns;
 mod context;
 pub mod controller;
 pub mod design;

@@ -8,9 +8,8 @@
 //! Jm += m² Jm'    Fv += m² Fv'    Fc += |m| Fc'    k += m² k',  k q0 += m k' (q0' − o)
 //! ```
 
-use crate::chain::effect::{
-    Effect, coulomb_friction, joint_spring, rotor_inertia, viscous_friction,
-};
+use crate::chain::effect::knowledge::JointTerm;
+use crate::chain::effect::{Effect, of_term};
 use crate::chain::model::{Model, Signal};
 use crate::fault::Place;
 use crate::outcome::parameter::Parameter;
@@ -88,7 +87,8 @@ pub fn values(problem: &ProblemFile, robot: &Robot, model: &Model) -> Vec<Declar
             values.extend(found.map(|(_, parameter)| DeclaredValue {
                 parameter,
                 value: entry.value,
-                known: entry.effect.id == rotor_inertia::EFFECT.id && !listed(entry.effect.id),
+                known: entry.effect.knowledge.term == Some(JointTerm::RotorInertia)
+                    && !listed(entry.effect.id),
             }));
         }
     }
@@ -143,23 +143,24 @@ fn entries(problem: &ProblemFile, robot: &Robot, joint: usize) -> Vec<Entry> {
     let drive = with_followers(robot, joint);
     let rotor = drive.rotor_inertia;
     let rotor = rotor.filter(|_| problem.drive.rotor_inertia.is_none());
-    let entry = |effect, parameter, value: Option<f64>| {
+    let entry = |term, index: usize, value: Option<f64>| {
+        let effect = of_term(term);
         value.map(|value| Entry {
             effect,
-            parameter,
+            parameter: effect.parameters[index].name,
             value,
         })
     };
+    let (stiffness, rest) = (
+        drive.spring.map(|s| s.stiffness),
+        drive.spring.map(|s| s.rest),
+    );
     let entries = [
-        entry(&rotor_inertia::EFFECT, "Jm", rotor),
-        entry(&viscous_friction::EFFECT, "Fv", drive.viscous_friction),
-        entry(&coulomb_friction::EFFECT, "Fc", drive.coulomb_friction),
-        entry(
-            &joint_spring::EFFECT,
-            "k",
-            drive.spring.map(|s| s.stiffness),
-        ),
-        entry(&joint_spring::EFFECT, "q0", drive.spring.map(|s| s.rest)),
+        entry(JointTerm::RotorInertia, 0, rotor),
+        entry(JointTerm::ViscousFriction, 0, drive.viscous_friction),
+        entry(JointTerm::DryFriction, 0, drive.coulomb_friction),
+        entry(JointTerm::Spring, 0, stiffness),
+        entry(JointTerm::Spring, 1, rest),
     ];
     entries.into_iter().flatten().collect()
 }

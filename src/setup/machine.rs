@@ -1,6 +1,6 @@
 //! The identified robot as a record: geometry of the tree, bodies and drives at parameter values.
 
-use crate::chain::effect::base_tilt;
+use crate::chain::effect::tilt::tilted;
 use crate::chain::model::{Model, Signal};
 use crate::mechanism::condition::{Anchor, Condition};
 use crate::outcome::machine::{
@@ -29,7 +29,7 @@ pub fn record(
     let joints = (0..tree.len()).map(|j| joint(robot, model, values, j));
     let tilt = model.tilt().map(|at| [values[at], values[at + 1]]);
     let declared = tree.gravity();
-    let gravity = tilt.map_or(declared, |angles| base_tilt::tilted(&declared, angles));
+    let gravity = tilt.map_or(declared, |angles| tilted(&declared, angles));
     let coupling = model.coupling(values);
     let rows = coupling
         .row_iter()

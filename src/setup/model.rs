@@ -1,6 +1,6 @@
 //! The model of a problem file: effects, known values, bounds, the load.
 
-use crate::chain::effect::torque_current_nonlinearity::COEFFICIENTS;
+use crate::chain::effect::current_polynomial::COEFFICIENTS;
 use crate::chain::effect::{self, Catalogue, Effect, Law};
 use crate::chain::model::{self, Model, ModelSettings, Payload};
 use crate::chain::parameter::Role;
@@ -44,7 +44,7 @@ pub fn build_with_addition(
         }
     }
     for &(row, _) in &addition.coupling {
-        let coupling = &effect::kinematic_coupling::EFFECT;
+        let coupling = effect::COUPLING;
         if effects[row].iter().all(|e| e.id != coupling.id) {
             effects[row].push(coupling);
         }
@@ -286,7 +286,7 @@ fn keep_declared_entries(
         return Ok(());
     }
     let declared = effects_of_joints(problem, robot, &problem.drive.effects)?;
-    let id = effect::kinematic_coupling::EFFECT.id;
+    let id = effect::COUPLING.id;
     for index in 0..model.parameters().len() {
         let parameter = &model.parameters()[index];
         let Role::Coupling { row, column } = parameter.role else {

@@ -1,19 +1,21 @@
 //! Names of parameters as users write them: short names of friction, and bodies by mass, centre of mass
 //! and inertia about it, which become raw parameters.
 
+use crate::chain::effect::knowledge::JointTerm;
+use crate::chain::effect::term_name;
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
 use crate::robot::inertia::{CentralInertia, Inertia, PER_LINK};
 use nalgebra::{Matrix3, Vector3};
 
 /// Short names, after the joint, and what they stand for.
-const SHORT: &[(&str, &str)] = &[
-    ("Fc", "coulomb_friction.Fc"),
-    ("frictionloss", "coulomb_friction.Fc"),
-    ("Fv", "viscous_friction.Fv"),
-    ("damping", "viscous_friction.Fv"),
-    ("Jm", "rotor_inertia.Jm"),
-    ("armature", "rotor_inertia.Jm"),
+const SHORT: &[(&str, JointTerm)] = &[
+    ("Fc", JointTerm::DryFriction),
+    ("frictionloss", JointTerm::DryFriction),
+    ("Fv", JointTerm::ViscousFriction),
+    ("damping", JointTerm::ViscousFriction),
+    ("Jm", JointTerm::RotorInertia),
+    ("armature", JointTerm::RotorInertia),
 ];
 
 /// A quantity of a body by its reported name.
@@ -64,9 +66,9 @@ pub fn resolve(model: &Model, name: &str) -> Option<Reference> {
     if let (Some(first), Some(quantity)) = (body_start(model, body), body_quantity(quantity)) {
         return Some(Reference::Body(first, quantity));
     }
-    let long = SHORT.iter().find(|(short, _)| *short == rest)?.1;
+    let term = SHORT.iter().find(|(short, _)| *short == rest)?.1;
     model
-        .find(&format!("{owner}.{long}"))
+        .find(&format!("{owner}.{}", term_name(term)))
         .ok()
         .map(Reference::Parameter)
 }

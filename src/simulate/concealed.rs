@@ -2,9 +2,7 @@
 //! add their effect to the joint that they name.
 
 use crate::chain::assemble::has_others;
-use crate::chain::effect::{
-    Dependence, Effect, Law, base_tilt, kinematic_coupling, unmodelled_payload,
-};
+use crate::chain::effect::{self, Dependence, Effect, Law};
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
 use crate::problem_file::choices::Signal;
@@ -52,7 +50,7 @@ pub(super) fn add(declared: &ProblemFile, robot: &Robot) -> Result<Acting, Simul
                 Reference::Parameter(p) => &everything.parameters()[p].name,
                 Reference::Body(..) => &entry.name,
             };
-            let is_load = effect == unmodelled_payload::EFFECT.id;
+            let is_load = effect == effect::LOAD.id;
             let declared = match is_load {
                 true => known.payload().is_some(),
                 false => known.find(name).is_ok(),
@@ -93,10 +91,10 @@ impl Acting {
         Ok(())
     }
 
-    /// `<joint>.unmodelled_payload.mass` is `payload.mass`, with the load on that joint's link.
+    /// `<joint>.<load>.mass` is `payload.mass`, with the load on that joint's link.
     fn name_load(&mut self, index: usize, robot: &Robot) -> Result<(), SimulateError> {
         let entry = &self.values[index];
-        let id = unmodelled_payload::EFFECT.id;
+        let id = effect::LOAD.id;
         let found = robot.tree.joints().iter().find_map(|joint| {
             let quantity = entry.name.strip_prefix(&format!("{}.{id}.", joint.name))?;
             Some((joint.name.clone(), format!("payload.{quantity}")))
@@ -115,10 +113,10 @@ impl Acting {
         Ok(())
     }
 
-    /// `<joint>.kinematic_coupling.<other>` is an entry of V, which may be one that is not declared.
+    /// `<joint>.<coupling>.<other>` is an entry of V, which may be one that is not declared.
     fn name_coupling(&mut self, index: usize, robot: &Robot) {
         let entry = &self.values[index];
-        let id = kinematic_coupling::EFFECT.id;
+        let id = effect::COUPLING.id;
         let names = &robot.order;
         let pairs = (0..names.len()).flat_map(|i| (0..names.len()).map(move |j| (i, j)));
         let found = pairs
@@ -216,7 +214,7 @@ fn with_all_effects(problem: &ProblemFile, robot: &Robot) -> Result<Model, Simul
 /// Joint and effect that a name belongs to; `None` for quantities of links.
 fn owner(model: &Model, reference: Reference) -> Option<(usize, &'static str)> {
     let last = model.tree().len() - 1;
-    let load = Some((last, unmodelled_payload::EFFECT.id));
+    let load = Some((last, effect::LOAD.id));
     match reference {
         Reference::Body(first, _) if first < PER_LINK * model.tree().len() => None,
         Reference::Body(..) => load,
@@ -226,8 +224,8 @@ fn owner(model: &Model, reference: Reference) -> Option<(usize, &'static str)> {
             Role::Effect { joint, effect, .. } => {
                 Some((joint, model.joints()[joint].effects[effect].0.id))
             }
-            Role::Coupling { row, .. } => Some((row, kinematic_coupling::EFFECT.id)),
-            Role::Tilt { .. } => Some((0, base_tilt::EFFECT.id)),
+            Role::Coupling { row, .. } => Some((row, effect::COUPLING.id)),
+            Role::Tilt { .. } => Some((0, effect::TILT.id)),
         },
     }
 }

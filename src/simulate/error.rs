@@ -1,5 +1,6 @@
 //! Why a problem file cannot be simulated.
 
+use crate::chain::effect::TRANSITION;
 use crate::fault::{Description, Fault, Place, write_fault};
 use crate::problem_file::ProblemFileError;
 use crate::recording::error::RecordingError;
@@ -225,7 +226,11 @@ fn of_dynamics(kind: &SimulateErrorKind) -> Description {
                 "the Coulomb friction of joint `{joint}` jumps at standstill (w = 0), where \
                  forward dynamics has no solution"
             ),
-            format!("set \"{joint}.coulomb_friction.w\" to 0.004, or use mode = \"inverse\""),
+            format!(
+                "set \"{joint}.{}.{}\" to 0.004, or use mode = \"inverse\"",
+                TRANSITION.effect.id,
+                TRANSITION.name()
+            ),
         ),
         Kind::SingularMass { joint, pivot } => Description::new(
             "singular-mass",

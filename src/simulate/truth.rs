@@ -3,7 +3,8 @@
 //! Values come, later ones before earlier ones, from the robot file, an earlier result under
 //! `robot.parameters`, `robot.zero`, `drive` and `[simulate.values]`.
 
-use crate::chain::effect::{Linearity, coulomb_friction};
+use crate::chain::effect::knowledge::JointTerm;
+use crate::chain::effect::{self, Linearity};
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
 use crate::fault::Place;
@@ -198,7 +199,9 @@ fn initially_assigned(model: &Model, problem: &ProblemFile) -> Vec<bool> {
         Role::Tilt { .. } => false,
         Role::Controller { .. } => !parameter.is_free(),
         Role::Effect { joint, effect, .. } => {
-            rotor.is_some() && model.joints()[joint].effects[effect].0.id == "rotor_inertia"
+            rotor.is_some()
+                && model.joints()[joint].effects[effect].0.knowledge.term
+                    == Some(JointTerm::RotorInertia)
         }
     };
     model.parameters().iter().map(has).collect()
@@ -293,7 +296,7 @@ fn complete(
                 return Err(SimulateError::new(place, kind));
             }
             for p in own.filter(|&p| !assigned[p]) {
-                let is_width = effect.id == coulomb_friction::EFFECT.id;
+                let is_width = effect.knowledge.transition.is_some();
                 let value = if is_width {
                     DEFAULT_WIDTH
                 } else {
@@ -334,7 +337,7 @@ fn without_coupling_value(
         Some((parameter, _)) => Err(SimulateError::new(
             place,
             SimulateErrorKind::NoValue {
-                effect: "kinematic_coupling".to_string(),
+                effect: effect::COUPLING.id.to_string(),
                 missing: vec![parameter.name.clone()],
             },
         )),

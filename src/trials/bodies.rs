@@ -2,6 +2,8 @@
 //! the torque that links and rotors ask for does not.
 
 use crate::chain::dataset::Dataset;
+use crate::chain::effect::knowledge::JointTerm;
+use crate::chain::effect::term_name;
 use crate::chain::evaluate::bodies;
 use crate::chain::model::Model;
 use crate::recording::split::Split;
@@ -23,7 +25,7 @@ pub fn error(plan: &Plan, (model, values): (&Model, &DVector<f64>), data: &Datas
         let truth = torques(&robot.tree, &true_bodies, motors);
         let found = torques(&robot.tree, &bodies(model, values, false), motors);
         for j in 0..robot.tree.len() {
-            let rotor = format!("{}.rotor_inertia.Jm", robot.name(j));
+            let rotor = format!("{}.{}", robot.name(j), term_name(JointTerm::RotorInertia));
             let true_rotor = match plan.known_rotors {
                 true => robot.rotor_inertia[j],
                 false => concealed(plan, &rotor),

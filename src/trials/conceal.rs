@@ -3,16 +3,14 @@
 //! Sizes are a share `f` of the torque that the joint usually bears, so that all effects are swept over the same
 //! range; what the declared model cannot absorb of them is measured, not assumed.
 
-use crate::chain::effect::{
-    Catalogue, EFFECTS, Effect, Memory, coulomb_friction, viscous_friction,
-};
+use crate::chain::effect::knowledge::{Drawn, Trial};
+use crate::chain::effect::site::Site;
+use crate::chain::effect::{Catalogue, Effect, Law, Memory};
 use crate::diagnose::fit::hypothesis::Hypothesis;
-use crate::robot::random::between;
 use crate::trials::robot::RandomRobot;
 use crate::trials::stated;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use std::f64::consts::{PI, TAU};
 
 /// An effect that acts and is not declared.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,19 +33,15 @@ impl Concealed {
     }
 }
 
-/// The effects that can be concealed: all of the vocabulary but those that are declared, and of others those whose size can be
-/// told from their formula.
+/// The effects that can be concealed: those that say how, and of others those whose size can be told from their formula; none
+/// that is declared.
 pub fn effects(catalogue: &Catalogue) -> impl Iterator<Item = &'static Effect> {
-    let declared = [coulomb_friction::EFFECT.id, viscous_friction::EFFECT.id];
     let all = catalogue.effects().iter().copied();
-    all.filter(move |e| match is_of_vocabulary(e) {
-        true => !declared.contains(&e.id),
-        false => stated::has_size(e),
+    all.filter(|effect| match effect.knowledge.trial {
+        Trial::Declared => false,
+        Trial::Drawn(_) => true,
+        Trial::FromLaw => stated::has_size(effect),
     })
-}
-
-fn is_of_vocabulary(effect: &Effect) -> bool {
-    EFFECTS.iter().any(|known| known.id == effect.id)
 }
 
 /// How long a recording lasts: so many periods, or as long where the motion does not repeat.
@@ -64,43 +58,54 @@ impl Course {
     }
 }
 
-/// A joint with the figures that sizes are shares of.
-struct Site<'a> {
-    robot: &'a RandomRobot,
-    joint: usize,
-    course: Course,
-    /// Size of the effect as a share of the usual torque.
-    share: f64,
+/// The robot of a trial, and how large its concealed effects are.
+#[derive(Clone, Copy)]
+pub struct Scale<'a> {
+    pub robot: &'a RandomRobot,
+    pub course: Course,
+    /// Size of an effect as a share of the usual torque.
+    pub share: f64,
 }
 
-/// Draws an effect of size `share` on a joint.
+/// Share of the trials of a late signal in which one cable or one clock carries the channels of all joints.
+const COMMON_DELAYS: f64 = 0.7;
+
+/// Draws an effect on a joint.
 pub fn draw(
     rng: &mut ChaCha8Rng,
-    (effect, joint): (&'static Effect, usize),
-    (robot, course, share): (&RandomRobot, Course, f64),
+    effect: &'static Effect,
+    joint: usize,
+    scale: Scale<'_>,
 ) -> Concealed {
-    let site = Site {
-        robot,
-        joint,
-        course,
-        share,
-    };
-    let (joints, other, values) = match effect.id {
-        "base_tilt" => site.tilt(rng),
-        "time_delay" if rng.random::<f64>() < 0.7 => site.common_delay(),
-        "kinematic_coupling" => site.coupling(rng),
-        "unmodelled_payload" => site.load(rng),
-        id if !is_of_vocabulary(effect) => {
-            let (middle, half_range) = robot.range(joint);
-            let course = stated::Course {
-                middle,
-                half_range,
-                fastest: robot.speed(joint),
-            };
-            let values = stated::values(rng, effect, course, site.torque());
-            (vec![joint], None, site.own(id, values))
+    let name = |joint: usize| scale.robot.name(joint);
+    let of_joint = |joint: usize| format!("{}.{}", name(joint), effect.id);
+    let all: Vec<usize> = (0..scale.robot.tree.len()).collect();
+    let (joints, other, values) = match effect.law {
+        Law::Tilt => {
+            let values = named(effect.id, &scale.values(rng, effect, joint));
+            (all, None, values)
         }
-        id => (vec![joint], None, site.own(id, site.values(rng, id))),
+        Law::Delay if rng.random::<f64>() < COMMON_DELAYS => {
+            let of = |&j: &usize| named(&of_joint(j), &scale.values(rng, effect, j));
+            let values = all.iter().flat_map(of).collect();
+            (all, None, values)
+        }
+        Law::Coupling => {
+            let other = if joint == 0 { 1 } else { joint - 1 };
+            let entries = scale.values(rng, effect, joint).into_iter();
+            let entry =
+                |entry: Drawn| (format!("{}.{}", of_joint(joint), name(other)), entry.value);
+            (vec![joint], Some(other), entries.map(entry).collect())
+        }
+        Law::Body => {
+            let last = scale.robot.tree.len() - 1;
+            let values = named(&of_joint(last), &scale.values(rng, effect, last));
+            (vec![last], None, values)
+        }
+        _ => {
+            let values = named(&of_joint(joint), &scale.values(rng, effect, joint));
+            (vec![joint], None, values)
+        }
     };
     let hypothesis = Hypothesis {
         effect,
@@ -110,195 +115,35 @@ pub fn draw(
     Concealed { hypothesis, values }
 }
 
-/// Joints of an effect, the other motor of a coupling, and the values by name.
-type Sited = (Vec<usize>, Option<usize>, Vec<(String, f64)>);
-
-fn named(prefix: &str, values: Vec<(&str, f64)>) -> Vec<(String, f64)> {
-    let full = |(name, value): (&str, f64)| (format!("{prefix}.{name}"), value);
-    values.into_iter().map(full).collect()
+fn named(prefix: &str, values: &[Drawn]) -> Vec<(String, f64)> {
+    let full = |drawn: &Drawn| (format!("{prefix}.{}", drawn.parameter), drawn.value);
+    values.iter().map(full).collect()
 }
 
-fn sign(rng: &mut ChaCha8Rng) -> f64 {
-    if rng.random::<bool>() { 1.0 } else { -1.0 }
-}
-
-impl Site<'_> {
-    fn all(&self) -> Vec<usize> {
-        (0..self.robot.tree.len()).collect()
-    }
-
-    /// Values of an effect of the joint by their full names.
-    fn own(&self, effect: &str, values: Vec<(&str, f64)>) -> Vec<(String, f64)> {
-        named(&format!("{}.{effect}", self.robot.name(self.joint)), values)
-    }
-
-    fn tilt(&self, rng: &mut ChaCha8Rng) -> Sited {
-        let mut angle = || 0.2 * self.share * sign(rng);
-        let angles = vec![("roll", angle()), ("pitch", angle())];
-        (self.all(), None, named("base_tilt", angles))
-    }
-
-    /// One cable or one clock carries the channels of all joints.
-    fn common_delay(&self) -> Sited {
-        let of = |&j: &usize| {
-            let name = format!("{}.time_delay.delay", self.robot.name(j));
-            (name, 0.05 * self.share)
-        };
-        let values = self.all().iter().map(of).collect();
-        (self.all(), None, values)
-    }
-
-    fn coupling(&self, rng: &mut ChaCha8Rng) -> Sited {
-        let other = if self.joint == 0 { 1 } else { self.joint - 1 };
-        let entry = vec![(self.robot.name(other), self.share * sign(rng))];
-        let values = self.own("kinematic_coupling", entry);
-        (vec![self.joint], Some(other), values)
-    }
-
-    /// N·m (N) of the effect.
-    fn torque(&self) -> f64 {
-        self.share * self.robot.torque[self.joint]
-    }
-
-    fn values(&self, rng: &mut ChaCha8Rng, effect: &str) -> Vec<(&'static str, f64)> {
-        match effect {
-            "asymmetric_friction"
-            | "stribeck_friction"
-            | "viscous_nonlinearity"
-            | "sigmoid_friction"
-            | "presliding_hysteresis"
-            | "position_dependent_friction" => self.friction(rng, effect),
-            "joint_elasticity" | "backlash" | "joint_spring" | "torque_ripple" => {
-                self.of_position(rng, effect)
-            }
-            _ => self.of_drive(rng, effect),
+impl Scale<'_> {
+    fn site(&self, joint: usize) -> Site {
+        let robot = self.robot;
+        let (middle, half_range) = robot.range(joint);
+        Site {
+            share: self.share,
+            usual_torque: robot.torque[joint],
+            dry_friction: robot.friction[joint][0],
+            fastest: robot.speed(joint),
+            middle,
+            half_range,
+            inertia: robot.mass[joint],
+            link_mass: robot.tree.joints()[joint].inertia.mass(),
+            torque_constant: robot.torque_constant[joint],
+            duration: self.course.duration(),
         }
     }
 
-    fn friction(&self, rng: &mut ChaCha8Rng, effect: &str) -> Vec<(&'static str, f64)> {
-        let (torque, fastest) = (self.torque(), self.robot.speed(self.joint));
-        let (middle, half_range) = self.robot.range(self.joint);
-        match effect {
-            "asymmetric_friction" => vec![
-                ("dFc", torque * sign(rng)),
-                ("dFv", between(rng, -1.0, 1.0) * torque / fastest),
-            ],
-            "stribeck_friction" => {
-                vec![("Fs", torque), ("vs", between(rng, 0.02, 0.15) * fastest)]
-            }
-            "viscous_nonlinearity" => {
-                let power = match rng.random::<bool>() {
-                    true => between(rng, 1.6, 3.0),
-                    false => between(rng, 0.3, 0.6),
-                };
-                vec![("Fn", torque / (0.5 * fastest).powf(power)), ("p", power)]
-            }
-            "sigmoid_friction" => vec![
-                ("psi1", 2.0 * torque),
-                ("psi2", between(rng, 5.0, 40.0) / fastest),
-                ("psi3", between(rng, -0.2, 0.2) * fastest),
-            ],
-            "presliding_hysteresis" => {
-                let dry = self.robot.friction[self.joint][0];
-                let stiffness = dry / (between(rng, 0.05, 0.5) * self.share * half_range);
-                vec![
-                    ("sigma0", stiffness),
-                    ("sigma1", 0.002 * stiffness),
-                    ("Fs", between(rng, 0.1, 0.5) * dry),
-                    ("vs", between(rng, 0.02, 0.15) * fastest),
-                ]
-            }
-            _ => vec![
-                ("dF", torque),
-                ("q0", middle + between(rng, -0.4, 0.4) * half_range),
-                ("width", between(rng, 0.15, 0.4) * half_range),
-            ],
+    /// Values of the parameters of an effect at a joint.
+    fn values(&self, rng: &mut ChaCha8Rng, effect: &'static Effect, joint: usize) -> Vec<Drawn> {
+        let site = self.site(joint);
+        match effect.knowledge.trial {
+            Trial::Drawn(sized) => sized(&site, rng),
+            Trial::Declared | Trial::FromLaw => stated::values(rng, effect, &site),
         }
-    }
-
-    fn of_position(&self, rng: &mut ChaCha8Rng, effect: &str) -> Vec<(&'static str, f64)> {
-        let (middle, half_range) = self.robot.range(self.joint);
-        let inertia = self.robot.mass[self.joint];
-        match effect {
-            "joint_elasticity" => {
-                // Links of robots swing above 8 Hz.
-                let softest = inertia * (TAU * 8.0).powi(2);
-                let bend = 0.02 * self.share * half_range;
-                let stiffness = (self.robot.torque[self.joint] / bend).max(softest);
-                let damping = 0.2 * (stiffness * inertia).sqrt();
-                vec![("K", stiffness), ("D", damping)]
-            }
-            "backlash" => vec![("gap", 0.02 * self.share * half_range)],
-            "joint_spring" => vec![
-                ("k", self.torque() / half_range),
-                ("q0", middle + between(rng, -1.0, 1.0) * half_range),
-            ],
-            _ => {
-                let cycles = between(rng, 1.5, 20.0);
-                vec![
-                    ("order", PI * cycles / half_range),
-                    ("amplitude", self.torque()),
-                    ("phase", between(rng, -PI, PI)),
-                    ("amplitude2", between(rng, 0.0, 0.5) * self.torque()),
-                    ("phase2", between(rng, -PI, PI)),
-                ]
-            }
-        }
-    }
-
-    fn of_drive(&self, rng: &mut ChaCha8Rng, effect: &str) -> Vec<(&'static str, f64)> {
-        let constant = self.robot.torque_constant[self.joint];
-        let duration = self.course.duration();
-        match effect {
-            "transmission_efficiency" => vec![("R", 1.0 - self.share)],
-            "load_dependent_friction" => vec![("mu", self.share)],
-            "torque_current_nonlinearity" => {
-                // Torque grows with the current up to five times the usual one.
-                let largest = 5.0 * self.robot.torque[self.joint] / constant;
-                let bend = self.share * constant / (3.0 * largest.powi(2));
-                vec![("c0", 0.0), ("c1", constant), ("c2", 0.0), ("c3", -bend)]
-            }
-            "drive_gain" => vec![("gain", 1.0 + self.share * sign(rng))],
-            "torque_offset" => vec![("offset", self.torque() * sign(rng))],
-            "rotor_inertia" => {
-                vec![("Jm", self.share * self.robot.mass[self.joint])]
-            }
-            "thermal_drift" => vec![
-                ("gain", -(2.0 * self.share).min(0.8)),
-                ("time_constant", between(rng, 0.2, 0.8) * duration),
-            ],
-            "external_contact" => {
-                let from = between(rng, 0.1, 0.7) * duration;
-                vec![
-                    ("torque", self.torque() * sign(rng)),
-                    ("from", from),
-                    ("to", from + between(rng, 0.04, 0.2) * duration),
-                ]
-            }
-            _ => vec![("delay", 0.05 * self.share)],
-        }
-    }
-
-    /// A load on the last link.
-    fn load(&self, rng: &mut ChaCha8Rng) -> Sited {
-        let last = Site {
-            joint: self.robot.tree.len() - 1,
-            ..*self
-        };
-        let link = &self.robot.tree.joints()[last.joint];
-        let mass = 5.0 * self.share * link.inertia.mass();
-        let inertia = 0.06_f64.powi(2) * mass;
-        let mut offset = || between(rng, -0.1, 0.1);
-        let values = vec![
-            ("mass", mass),
-            ("com_x", offset()),
-            ("com_y", offset()),
-            ("com_z", offset()),
-            ("inertia_xx", inertia),
-            ("inertia_yy", inertia),
-            ("inertia_zz", inertia),
-        ];
-        let values = last.own("unmodelled_payload", values);
-        (vec![last.joint], None, values)
     }
 }

@@ -1,6 +1,8 @@
 //! The files of a trial: the robot, the declared problem with its recordings, the same without noise, and the truth.
 
 use crate::chain::effect;
+use crate::chain::effect::knowledge::Trial;
+use crate::chain::effect::{EFFECTS, Effect};
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::simulate::{self, Simulated, write_csv};
@@ -58,12 +60,15 @@ fn declared(plan: &Plan, period: Option<f64>) -> String {
         true => String::new(),
         false => format!("laws = {:?}\n", plan.laws),
     };
+    let is_declared = |effect: &&&Effect| matches!(effect.knowledge.trial, Trial::Declared);
+    let declared = EFFECTS.iter().filter(is_declared);
+    let effects: Vec<&str> = declared.map(|effect| effect.id).collect();
     format!(
         "name = \"trial\"\n{laws}[robot]\nurdf = \"robot.urdf\"\ninertials = \"{inertials}\"\n[drive]\n\
-         torque_constant = {:?}\n{rotors}effects = [\"coulomb_friction\", \"viscous_friction\"]\n\
+         torque_constant = {:?}\n{rotors}effects = {:?}\n\
          [recordings]\ntrain = [\"train.csv\"]\nvalidation = [\"validation.csv\"]\nsignal = \"current\"\n\
          rate = {RATE:?}\n{period}",
-        robot.torque_constant
+        robot.torque_constant, effects
     )
 }
 

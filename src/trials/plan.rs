@@ -1,8 +1,9 @@
 //! What is tried in which trial: follows from the seed and the number of the trial.
 
-use crate::chain::effect::{Catalogue, rotor_inertia, unmodelled_payload};
+use crate::chain::effect::knowledge::JointTerm;
+use crate::chain::effect::{Catalogue, Law};
 use crate::robot::random::{between, generator};
-use crate::trials::conceal::{self, Concealed, Course};
+use crate::trials::conceal::{self, Concealed, Course, Scale};
 use crate::trials::motion::{Motion, Noise};
 use crate::trials::outside::Outside;
 use crate::trials::robot::{KINDS, RandomRobot};
@@ -152,10 +153,14 @@ impl Plan {
         for effect in chosen.into_iter().filter_map(|id| scope.catalogue.find(id)) {
             let joint = joints.remove((rng.random::<f64>() * joints.len() as f64) as usize);
             let size = share(rng, if pair { 0.05 } else { SHARES.0 });
-            let site = (&self.robot, self.course, size);
-            let drawn = conceal::draw(rng, (effect, joint), site);
-            self.known_links |= effect.id == unmodelled_payload::EFFECT.id;
-            self.known_rotors &= effect.id != rotor_inertia::EFFECT.id;
+            let scale = Scale {
+                robot: &self.robot,
+                course: self.course,
+                share: size,
+            };
+            let drawn = conceal::draw(rng, effect, joint, scale);
+            self.known_links |= matches!(effect.law, Law::Body);
+            self.known_rotors &= effect.knowledge.term != Some(JointTerm::RotorInertia);
             let taken = drawn.joints();
             joints.retain(|j| !taken.contains(j) || taken.len() == n);
             self.concealed.push(drawn);

@@ -1,5 +1,7 @@
 //! What a trial came to: whether the findings are what was concealed.
 
+use crate::chain::effect::knowledge::JointTerm;
+use crate::chain::effect::term_name;
 use crate::chain::model::Model;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::task::DiagnoseRun;
@@ -129,8 +131,11 @@ fn friction_error(plan: &Plan, run: &DiagnoseRun, informed: &Informed) -> Option
             let name = plan.robot.name(j);
             let [dry, viscous] = plan.robot.friction[j];
             [
-                (format!("{name}.coulomb_friction.Fc"), dry),
-                (format!("{name}.viscous_friction.Fv"), viscous),
+                (format!("{name}.{}", term_name(JointTerm::DryFriction)), dry),
+                (
+                    format!("{name}.{}", term_name(JointTerm::ViscousFriction)),
+                    viscous,
+                ),
             ]
         })
         .collect();

@@ -2,6 +2,7 @@
 //! with what it is.
 
 mod circles;
+mod effects;
 mod imports;
 mod source;
 

@@ -42,21 +42,24 @@ pub fn sources(folder: &str) -> Vec<Source> {
 
 /// The text with comments, texts and characters blanked, lines kept.
 pub fn bare(text: &str) -> String {
+    blanked(text, |_| true)
+}
+
+/// The text with comments blanked, lines kept.
+pub fn uncommented(text: &str) -> String {
+    blanked(text, |first| first == '/')
+}
+
+/// The text with those comments, texts and characters blanked that begin with a character which is to go.
+fn blanked(text: &str, goes: fn(char) -> bool) -> String {
     let chars: Vec<char> = text.chars().collect();
     let mut out = String::with_capacity(text.len());
     let mut i = 0;
     while i < chars.len() {
-        let end = blank_end(&chars, i);
-        if end == i {
-            out.push(chars[i]);
-            i += 1;
-            continue;
-        }
-        out.extend(
-            chars[i..end]
-                .iter()
-                .map(|c| if *c == '\n' { '\n' } else { ' ' }),
-        );
+        let end = blank_end(&chars, i).max(i + 1);
+        let blank = blank_end(&chars, i) > i && goes(chars[i]);
+        let kept = |c: &char| if blank && *c != '\n' { ' ' } else { *c };
+        out.extend(chars[i..end].iter().map(kept));
         i = end;
     }
     out

@@ -2,6 +2,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/own_versions.rs"]
+mod own_versions;
 mod values;
 
 use serde_json::Value;
@@ -256,39 +258,6 @@ fn recovers_known_truth_of_shipped_laws() {
     }
 }
 
-/// The effects of `laws/vocabulary/own_versions.toml`, and a truth of each.
-const VERSIONS: &[(&str, &[(&str, f64)])] = &[
-    ("coulomb_friction", &[]),
-    ("viscous_friction", &[]),
-    ("asymmetric_friction", &[("dFc", 0.2), ("dFv", 0.3)]),
-    ("stribeck_friction", &[("Fs", 0.8), ("vs", 0.3)]),
-    ("viscous_nonlinearity", &[("Fn", 0.3), ("p", 2.0)]),
-    (
-        "sigmoid_friction",
-        &[("psi1", 1.0), ("psi2", 3.0), ("psi3", 0.2)],
-    ),
-    (
-        "position_dependent_friction",
-        &[("dF", 0.7), ("q0", 0.3), ("width", 0.4)],
-    ),
-    ("transmission_efficiency", &[("R", 0.85)]),
-    ("load_dependent_friction", &[("mu", 0.1)]),
-    ("drive_gain", &[("gain", 1.1)]),
-    ("torque_offset", &[("offset", 0.3)]),
-    ("rotor_inertia", &[("Jm", 0.2)]),
-    (
-        "torque_ripple",
-        &[
-            ("order", 8.0),
-            ("amplitude", 0.4),
-            ("phase", 0.4),
-            ("amplitude2", 0.1),
-            ("phase2", 1.0),
-        ],
-    ),
-    ("joint_spring", &[("k", 2.0), ("q0", 0.3)]),
-];
-
 #[test]
 fn own_versions_of_effects_give_the_same_fits() {
     let laws = fs::read_to_string(
@@ -296,7 +265,7 @@ fn own_versions_of_effects_give_the_same_fits() {
     )
     .unwrap();
     let mut worst: Vec<(f64, String)> = Vec::new();
-    for (id, truth) in VERSIONS {
+    for (id, truth) in own_versions::TRUTHS {
         let folder = Folder::new();
         let values: String = truth
             .iter()

@@ -1,10 +1,14 @@
 //! Friction that differs between the two directions: `dFc + dFv·|v|`.
 
 use crate::chain::effect::expression::{Expression, Variable};
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
+use crate::chain::effect::site::{Site, either_sign, evenly};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Power,
     Samples, Search, TorqueLaw, Unit,
 };
+use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
@@ -41,7 +45,40 @@ pub const EFFECT: Effect = Effect {
     }],
     law: Law::Motor(&AsymmetricFriction),
     needs: Needs::NOTHING,
+    knowledge: Knowledge {
+        finding: Some(finding),
+        change: Some(Change::both("friction by direction")),
+        sizes: Sizes::Of {
+            names: &["dFc", "dFv"],
+            nothing: 0.0,
+        },
+        trial: Trial::Drawn(sized),
+        ..Knowledge::NONE
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    match found.quantity("dFc") {
+        Some(_) => found.with(
+            "needs more torque in one direction than in the other, half the difference being",
+            "dFc",
+            "the model was the same in both (a constant offset of the signal is the same torque)",
+        ),
+        None => found.with(
+            "has friction that depends on the direction of motion; with speed the difference grows by",
+            "dFv",
+            "the model had the same in both directions",
+        ),
+    }
+}
+
+fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
+    let torque = site.torque();
+    vec![
+        drawn("dFc", torque * either_sign(rng)),
+        drawn("dFv", evenly(rng, -1.0, 1.0) * torque / site.fastest),
+    ]
+}
 
 #[derive(Debug)]
 struct AsymmetricFriction;

@@ -6,9 +6,13 @@
 //!
 //! K_c and D_c are those of a contact that is stiff against everything the recording resolves.
 
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
+use crate::chain::effect::site::Site;
 use crate::chain::effect::{
     Confounder, Dependence, Effect, Law, Memory, Needs, ParameterInfo, Search, Unit,
 };
+use rand_chacha::ChaCha8Rng;
 
 /// Even in their roots, to which the time is proportional that the link takes to cross them: it strikes a flank at
 /// another row where the gap is another, and a strike that comes at the wrong row explains nothing.
@@ -45,4 +49,22 @@ pub const EFFECT: Effect = Effect {
         memory: Memory::Course,
         ..Needs::NOTHING
     },
+    knowledge: Knowledge {
+        finding: Some(finding),
+        sizes: Sizes::First,
+        trial: Trial::Drawn(sized),
+        ..Knowledge::NONE
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    found.with(
+        "has play between motor and link of",
+        "gap",
+        "the model had none",
+    )
+}
+
+fn sized(site: &Site, _: &mut ChaCha8Rng) -> Vec<Drawn> {
+    vec![drawn("gap", 0.02 * site.share * site.half_range)]
+}

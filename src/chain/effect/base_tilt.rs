@@ -4,10 +4,14 @@
 //! g = (R_y(pitch) R_x(roll))ᵀ g_declared
 //! ```
 
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
+use crate::chain::effect::site::{Site, either_sign};
 use crate::chain::effect::{
     Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Search, Unit,
 };
-use nalgebra::{Rotation3, Vector3};
+use crate::chain::words::list;
+use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
@@ -36,48 +40,34 @@ pub const EFFECT: Effect = Effect {
     }],
     law: Law::Tilt,
     needs: Needs::NOTHING,
+    knowledge: Knowledge {
+        finding: Some(finding),
+        change: Some(Change::both("base tilted")),
+        sizes: Sizes::Of {
+            names: &["roll", "pitch"],
+            nothing: 0.0,
+        },
+        trial: Trial::Drawn(sized),
+        ..Knowledge::NONE
+    },
 };
 
-/// Gravity in the tilted base frame.
-pub fn tilted(declared: &Vector3<f64>, [roll, pitch]: [f64; 2]) -> Vector3<f64> {
-    turn(1, pitch, turn(0, roll, Rotation3::identity())).inverse() * declared
-}
-
-/// Derivatives of [`tilted`] with respect to roll and pitch.
-pub fn tilted_by_angles(declared: &Vector3<f64>, [roll, pitch]: [f64; 2]) -> [Vector3<f64>; 2] {
-    // d(R_xᵀ)/d(roll) = −[x]× R_xᵀ: both factors commute.
-    let level = turn(1, pitch, Rotation3::identity()).inverse() * declared;
-    let roll_back = turn(0, roll, Rotation3::identity()).inverse();
-    let by_roll = -Vector3::x().cross(&(roll_back * level));
-    let by_pitch = roll_back * -Vector3::y().cross(&level);
-    [by_roll, by_pitch]
-}
-
-fn turn(axis: usize, angle: f64, first: Rotation3<f64>) -> Rotation3<f64> {
-    let axis = match axis {
-        0 => Vector3::x_axis(),
-        _ => Vector3::y_axis(),
+fn finding(found: &Found<'_>) -> String {
+    let angle = |name: &str| {
+        let degrees = found.scaled(name, "°", f64::to_degrees)?;
+        Some(format!("{name} {degrees}"))
     };
-    Rotation3::from_axis_angle(&axis, angle) * first
+    let angles: Vec<String> = ["roll", "pitch"].into_iter().filter_map(angle).collect();
+    let by = match angles.is_empty() {
+        true => String::new(),
+        false => format!(", {}", list(&angles)),
+    };
+    format!(
+        "The base does not stand as the model says{by}: gravity comes from elsewhere (this may be a mistake of the mounting in the problem file)"
+    )
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn matches_differences_in_both_angles() {
-        let declared = Vector3::new(0.3, -0.5, -9.7);
-        let (at, h) = ([0.2, -0.4], 1e-6);
-        let exact = tilted_by_angles(&declared, at);
-        for k in 0..2 {
-            let moved = |step: f64| {
-                let mut angles = at;
-                angles[k] += step;
-                tilted(&declared, angles)
-            };
-            let difference = (moved(h) - moved(-h)) / (2.0 * h);
-            assert!((difference - exact[k]).norm() < 1e-8);
-        }
-    }
+fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
+    let mut angle = || 0.2 * site.share * either_sign(rng);
+    vec![drawn("roll", angle()), drawn("pitch", angle())]
 }

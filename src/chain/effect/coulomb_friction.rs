@@ -1,6 +1,8 @@
 //! Coulomb friction: `Fc·v/(|v| + w)`.
 
 use crate::chain::effect::expression::{Expression, Variable};
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Change, JointTerm, Knowledge, Sizes, Transition, Trial};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Power,
     Samples, Search, TorqueLaw, Unit,
@@ -41,7 +43,23 @@ pub const EFFECT: Effect = Effect {
     }],
     law: Law::Motor(&CoulombFriction),
     needs: Needs::NOTHING,
+    knowledge: Knowledge {
+        finding: Some(finding),
+        change: Some(Change::FRICTION),
+        sizes: Sizes::First,
+        trial: Trial::Declared,
+        term: Some(JointTerm::DryFriction),
+        transition: Some(Transition {
+            parameter: WIDTH,
+            widest,
+            stands_for: JointTerm::ViscousFriction,
+        }),
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    found.with("has dry friction of", "Fc", "the model had none")
+}
 
 /// Positions of the parameters within the effect's.
 pub const FC: usize = 0;
@@ -55,37 +73,6 @@ pub const SEEN: f64 = 0.95;
 /// typical one, for what creeps tells nothing of it.
 pub fn widest(fastest: f64) -> f64 {
     (fastest * (1.0 - SEEN) / SEEN).max(EFFECT.parameters[WIDTH].typical)
-}
-
-/// `sign(v) = v/(|v| + w)`, 0 at standstill; with w = 0 the sign of v.
-#[inline]
-pub fn sign(velocity: f64, width: f64) -> f64 {
-    if velocity == 0.0 {
-        0.0
-    } else {
-        velocity / (velocity.abs() + width)
-    }
-}
-
-/// `∂sign/∂w = −v/(|v| + w)²`.
-#[inline]
-pub fn sign_by_width(velocity: f64, width: f64) -> f64 {
-    if velocity == 0.0 {
-        0.0
-    } else {
-        -velocity / (velocity.abs() + width).powi(2)
-    }
-}
-
-/// `∂sign/∂v = w/(|v| + w)²`; 0 where the sign jumps.
-#[inline]
-pub fn sign_by_velocity(velocity: f64, width: f64) -> f64 {
-    let beyond = velocity.abs() + width;
-    if beyond == 0.0 {
-        0.0
-    } else {
-        width / (beyond * beyond)
-    }
 }
 
 #[derive(Debug)]

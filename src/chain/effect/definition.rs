@@ -1,5 +1,6 @@
 //! What is stated of an effect: its law and source, what it needs, and what it can be mistaken for.
 
+use crate::chain::effect::knowledge::Knowledge;
 use crate::chain::effect::law::{TorqueLaw, TransmissionLaw};
 use crate::chain::effect::parameter::ParameterInfo;
 
@@ -20,6 +21,7 @@ pub struct Effect {
     pub confounded_with: &'static [Confounder],
     pub law: Law,
     pub needs: Needs,
+    pub knowledge: Knowledge,
 }
 
 /// What an effect needs beside its own parameters and the state at one sample.

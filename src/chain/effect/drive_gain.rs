@@ -1,8 +1,13 @@
 //! An unknown factor of the torque constant: `true constant = gain · declared constant`.
 
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
+use crate::chain::effect::site::{Site, either_sign};
 use crate::chain::effect::{
     Confounder, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Search, Unit,
 };
+use crate::chain::signal::Signal;
+use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
@@ -27,4 +32,40 @@ pub const EFFECT: Effect = Effect {
     }],
     law: Law::Gain,
     needs: Needs::NOTHING,
+    knowledge: Knowledge {
+        finding: Some(finding),
+        change: Some(Change {
+            up: "torque constant up",
+            down: "torque constant down",
+        }),
+        sizes: Sizes::Of {
+            names: &["gain"],
+            nothing: 1.0,
+        },
+        trial: Trial::Drawn(sized),
+        ..Knowledge::NONE
+    },
 };
+
+/// A torque sensor has no torque constant.
+fn finding(found: &Found<'_>) -> String {
+    let who = &found.who;
+    let factor = found.quantity("gain");
+    if found.signal == Signal::PositionCommand {
+        let factor = factor.map_or_else(|| "not one times".to_string(), |f| format!("{f} times"));
+        return format!("The gains of the controller of {who} are {factor} the declared ones");
+    }
+    let is_current = found.signal == Signal::Current;
+    match (is_current, factor) {
+        (true, Some(factor)) => {
+            format!("The torque constant of {who} is {factor} times the declared one")
+        }
+        (true, None) => format!("The torque constant of {who} is not the declared one"),
+        (false, Some(factor)) => format!("The torque of {who} is {factor} times the recorded one"),
+        (false, None) => format!("The torque of {who} is not the recorded one"),
+    }
+}
+
+fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
+    vec![drawn("gain", 1.0 + site.share * either_sign(rng))]
+}

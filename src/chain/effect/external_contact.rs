@@ -1,10 +1,15 @@
 //! A torque from one time to another: `torque·(S((t − from)/r) − S((t − to)/r))`, S the logistic function.
 
 use crate::chain::effect::expression::{self, Expression, Variable};
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
+use crate::chain::effect::site::{Site, either_sign, evenly};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Lasts, Law, Memory, Needs, ParameterInfo, Power,
     Samples, Search, TorqueLaw, Unit,
 };
+use crate::chain::words::short;
+use rand_chacha::ChaCha8Rng;
 
 /// Time constant r of the rise and the fall, s: a contact of links and hands builds up within some
 /// hundredths of a second.
@@ -47,7 +52,31 @@ pub const EFFECT: Effect = Effect {
         lasts: Lasts::OneRecording,
         ..Needs::NOTHING
     },
+    knowledge: Knowledge {
+        finding: Some(finding),
+        sizes: Sizes::First,
+        trial: Trial::Drawn(sized),
+        ..Knowledge::NONE
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    let when = match (found.value("from"), found.value("to")) {
+        (Some(from), Some(to)) => format!(" from {} s to {} s", short(from), short(to)),
+        _ => String::new(),
+    };
+    let text = format!("was pushed by something during the recording{when}, with");
+    found.with(&text, "torque", "the model moved freely")
+}
+
+fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
+    let from = evenly(rng, 0.1, 0.7) * site.duration;
+    vec![
+        drawn("torque", site.torque() * either_sign(rng)),
+        drawn("from", from),
+        drawn("to", from + evenly(rng, 0.04, 0.2) * site.duration),
+    ]
+}
 
 #[derive(Debug)]
 struct Contact;

@@ -1,8 +1,13 @@
 //! An elastic gear: the link lags the motor by δ with `K δ + D δ̇ = τ`.
 
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
+use crate::chain::effect::site::Site;
 use crate::chain::effect::{
     Confounder, Dependence, Effect, Law, Memory, Needs, ParameterInfo, Search, Unit,
 };
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::TAU;
 
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
@@ -40,4 +45,28 @@ pub const EFFECT: Effect = Effect {
         memory: Memory::Course,
         ..Needs::NOTHING
     },
+    knowledge: Knowledge {
+        finding: Some(finding),
+        change: Some(Change::both("stiffness of the gear")),
+        sizes: Sizes::First,
+        trial: Trial::Drawn(sized),
+        ..Knowledge::NONE
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    found.with(
+        "is not rigid between motor and link, its stiffness being",
+        "K",
+        "the model had a rigid gearbox",
+    )
+}
+
+fn sized(site: &Site, _: &mut ChaCha8Rng) -> Vec<Drawn> {
+    // Links of robots swing above 8 Hz.
+    let softest = site.inertia * (TAU * 8.0).powi(2);
+    let bend = 0.02 * site.share * site.half_range;
+    let stiffness = (site.usual_torque / bend).max(softest);
+    let damping = 0.2 * (stiffness * site.inertia).sqrt();
+    vec![drawn("K", stiffness), drawn("D", damping)]
+}

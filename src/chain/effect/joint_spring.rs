@@ -1,10 +1,14 @@
 //! A spring at the joint: `k·(q − q0)`.
 
 use crate::chain::effect::expression::{Expression, Variable};
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Change, Drawn, JointTerm, Knowledge, Sizes, Trial, drawn};
+use crate::chain::effect::site::{Site, evenly};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
     Search, TorqueLaw, Unit,
 };
+use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
@@ -34,7 +38,30 @@ pub const EFFECT: Effect = Effect {
     ],
     law: Law::Joint(&Spring),
     needs: Needs::NOTHING,
+    knowledge: Knowledge {
+        finding: Some(finding),
+        change: Some(Change::both("spring or balancer")),
+        sizes: Sizes::First,
+        trial: Trial::Drawn(sized),
+        term: Some(JointTerm::Spring),
+        ..Knowledge::NONE
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    found.with(
+        "is pulled by a spring of",
+        "k",
+        "the model had none: look for a gravity compensator, a hose or a cable",
+    )
+}
+
+fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
+    vec![
+        drawn("k", site.torque() / site.half_range),
+        drawn("q0", site.middle + evenly(rng, -1.0, 1.0) * site.half_range),
+    ]
+}
 
 #[derive(Debug)]
 struct Spring;

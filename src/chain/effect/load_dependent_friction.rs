@@ -1,11 +1,15 @@
 //! Friction in proportion to the transmitted torque: `mu·|τ_M|·sign(v)`.
 
 use crate::chain::effect::expression::{Expression, Variable};
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::law::size;
+use crate::chain::effect::site::Site;
 use crate::chain::effect::{
     Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Samples, Search, TransmissionLaw,
     Transmitted, Unit,
 };
+use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
@@ -26,7 +30,30 @@ pub const EFFECT: Effect = Effect {
     }],
     law: Law::Transmission(&LoadFriction),
     needs: Needs::NOTHING,
+    knowledge: Knowledge {
+        finding: Some(finding),
+        change: Some(Change {
+            up: "efficiency down",
+            down: "efficiency up",
+        }),
+        sizes: Sizes::First,
+        trial: Trial::Drawn(sized),
+        ..Knowledge::NONE
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    let share = found.scaled("mu", "%", |mu| 100.0 * mu.max(0.0));
+    let share = share.map_or_else(String::new, |share| format!(", by {share} of it"));
+    format!(
+        "Friction of {} grows with the load that it carries{share}; the model's friction did not know the load",
+        found.who
+    )
+}
+
+fn sized(site: &Site, _: &mut ChaCha8Rng) -> Vec<Drawn> {
+    vec![drawn("mu", site.share)]
+}
 
 #[derive(Debug)]
 struct LoadFriction;

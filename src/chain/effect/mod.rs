@@ -8,15 +8,18 @@ pub mod backlash;
 pub mod base_tilt;
 pub mod catalogue;
 pub mod coulomb_friction;
+pub mod current_polynomial;
 mod definition;
 pub mod drive_gain;
 pub mod expression;
 pub mod external_contact;
 pub mod flank;
 pub mod formula;
+pub mod found;
 pub mod joint_elasticity;
 pub mod joint_spring;
 pub mod kinematic_coupling;
+pub mod knowledge;
 pub mod law;
 pub mod load_dependent_friction;
 pub mod own;
@@ -25,9 +28,12 @@ pub mod position_dependent_friction;
 pub mod presliding_hysteresis;
 pub mod rotor_inertia;
 pub mod sigmoid_friction;
+pub mod sign;
+pub mod site;
 pub mod stribeck_friction;
 mod table;
 pub mod thermal_drift;
+pub mod tilt;
 pub mod time_delay;
 pub mod torque_current_nonlinearity;
 pub mod torque_offset;
@@ -43,7 +49,10 @@ pub use crate::chain::effect::definition::{
     Confounder, Dependence, Effect, Lasts, Law, Memory, NEXT, Needs, PREVIOUS,
 };
 pub use crate::chain::effect::parameter::{Linearity, ParameterInfo, Search};
-pub use crate::chain::effect::table::EFFECTS;
+pub use crate::chain::effect::table::{
+    COUPLING, CURRENT_LAW, DELAY, EFFECTS, EffectParameter, GAIN, LOAD, TILT, TRANSITION, WARMING,
+    of_term, term_name,
+};
 pub use catalogue::Catalogue;
 pub use law::{
     Contribution, Flow, LawDynamics, Power, Samples, Surroundings, TorqueLaw, TransmissionLaw,

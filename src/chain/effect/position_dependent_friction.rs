@@ -1,10 +1,14 @@
 //! Friction that is larger or smaller around one position: `dF·exp(−((m − m0)/width)²)·sign(v)`.
 
 use crate::chain::effect::expression::{Expression, Variable};
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
+use crate::chain::effect::site::{Site, evenly};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
     Search, TorqueLaw, Unit,
 };
+use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
@@ -38,7 +42,29 @@ pub const EFFECT: Effect = Effect {
     }],
     law: Law::Motor(&Spot),
     needs: Needs::NOTHING,
+    knowledge: Knowledge {
+        finding: Some(finding),
+        sizes: Sizes::First,
+        trial: Trial::Drawn(sized),
+        ..Knowledge::NONE
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    found.with(
+        "has a spot in its range where friction differs by",
+        "dF",
+        "the model's friction was the same everywhere",
+    )
+}
+
+fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
+    vec![
+        drawn("dF", site.torque()),
+        drawn("q0", site.middle + evenly(rng, -0.4, 0.4) * site.half_range),
+        drawn("width", evenly(rng, 0.15, 0.4) * site.half_range),
+    ]
+}
 
 #[derive(Debug)]
 struct Spot;

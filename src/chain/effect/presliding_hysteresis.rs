@@ -14,11 +14,15 @@
 //! its eqs 16 and 21 have the wrong signs. The law here is the one of Canudas de Wit, Olsson, Åström and Lischinsky.
 
 use crate::chain::effect::expression::{Expression, Function, StateLaw, Variable};
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::law::signum;
+use crate::chain::effect::site::{Site, evenly};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Flow, Law, LawDynamics, Memory, Needs,
     ParameterInfo, Power, Samples, Search, TorqueLaw, Unit,
 };
+use rand_chacha::ChaCha8Rng;
 
 /// From a wrist whose bristles bend by tenths of a radian to the first axis of a large arm; half a decade apart where
 /// most joints lie.
@@ -78,7 +82,33 @@ pub const EFFECT: Effect = Effect {
         replaces: Some("coulomb_friction"),
         ..Needs::NOTHING
     },
+    knowledge: Knowledge {
+        finding: Some(finding),
+        change: Some(Change::FRICTION),
+        sizes: Sizes::First,
+        trial: Trial::Drawn(sized),
+        ..Knowledge::NONE
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    found.with(
+        "does not break loose at once: before it slides, its friction acts like a spring of",
+        "sigma0",
+        "the model switched friction with the sign of the speed",
+    )
+}
+
+fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
+    let dry = site.dry_friction;
+    let stiffness = dry / (evenly(rng, 0.05, 0.5) * site.share * site.half_range);
+    vec![
+        drawn("sigma0", stiffness),
+        drawn("sigma1", 0.002 * stiffness),
+        drawn("Fs", evenly(rng, 0.1, 0.5) * dry),
+        drawn("vs", evenly(rng, 0.02, 0.15) * site.fastest),
+    ]
+}
 
 #[derive(Debug)]
 struct Bristles;

@@ -1,10 +1,14 @@
 //! Rotor inertia: `Jm·m̈`.
 
 use crate::chain::effect::expression::{Expression, Variable};
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Change, Drawn, JointTerm, Knowledge, Sizes, Trial, drawn};
+use crate::chain::effect::site::Site;
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Power,
     Samples, Search, TorqueLaw, Unit,
 };
+use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
@@ -29,7 +33,30 @@ pub const EFFECT: Effect = Effect {
     }],
     law: Law::Motor(&RotorInertia),
     needs: Needs::NOTHING,
+    knowledge: Knowledge {
+        finding: Some(finding),
+        change: Some(Change {
+            up: "rotor inertia up",
+            down: "rotor inertia down",
+        }),
+        sizes: Sizes::First,
+        trial: Trial::Drawn(sized),
+        term: Some(JointTerm::RotorInertia),
+        ..Knowledge::NONE
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    found.with(
+        "has a rotor and gear whose inertia at the joint is",
+        "Jm",
+        "the model had none",
+    )
+}
+
+fn sized(site: &Site, _: &mut ChaCha8Rng) -> Vec<Drawn> {
+    vec![drawn("Jm", site.share * site.inertia)]
+}
 
 #[derive(Debug)]
 struct RotorInertia;

@@ -1,10 +1,14 @@
 //! Sigmoid friction: `ψ1/(1 + exp(−ψ2 (v + ψ3))) − ψ1/(1 + exp(−ψ2 ψ3))`.
 
 use crate::chain::effect::expression::{self, Expression, Variable};
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
+use crate::chain::effect::site::{Site, evenly};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
     Search, TorqueLaw, Unit,
 };
+use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
@@ -45,7 +49,29 @@ pub const EFFECT: Effect = Effect {
     ],
     law: Law::Motor(&Sigmoid),
     needs: Needs::NOTHING,
+    knowledge: Knowledge {
+        finding: Some(finding),
+        change: Some(Change::FRICTION),
+        sizes: Sizes::First,
+        trial: Trial::Drawn(sized),
+        ..Knowledge::NONE
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    format!(
+        "Friction of {} switches smoothly, and off standstill, like a sigmoid of speed; the model's switched with the direction",
+        found.who
+    )
+}
+
+fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
+    vec![
+        drawn("psi1", 2.0 * site.torque()),
+        drawn("psi2", evenly(rng, 5.0, 40.0) / site.fastest),
+        drawn("psi3", evenly(rng, -0.2, 0.2) * site.fastest),
+    ]
+}
 
 #[derive(Debug)]
 struct Sigmoid;

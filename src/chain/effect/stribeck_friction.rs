@@ -4,10 +4,14 @@
 //! the quotient has an effect; here vs alone sets the scale, and the exponent is the square of Armstrong-Hélouvry.
 
 use crate::chain::effect::expression::{Expression, Variable};
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
+use crate::chain::effect::site::{Site, evenly};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
     Search, TorqueLaw, Unit,
 };
+use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
@@ -49,7 +53,29 @@ pub const EFFECT: Effect = Effect {
         refines: &["coulomb_friction", "sigmoid_friction"],
         ..Needs::NOTHING
     },
+    knowledge: Knowledge {
+        finding: Some(finding),
+        change: Some(Change::FRICTION),
+        sizes: Sizes::First,
+        trial: Trial::Drawn(sized),
+        ..Knowledge::NONE
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    found.with(
+        "sticks at low speed: near standstill its friction is higher by",
+        "Fs",
+        "the model had the same dry friction at every speed",
+    )
+}
+
+fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
+    vec![
+        drawn("Fs", site.torque()),
+        drawn("vs", evenly(rng, 0.02, 0.15) * site.fastest),
+    ]
+}
 
 #[derive(Debug)]
 struct Stribeck;

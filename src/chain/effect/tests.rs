@@ -1,9 +1,11 @@
 //! Every torque law of the table, whatever it is: derivatives, power, linearity, documentation.
 
-use crate::chain::effect::coulomb_friction::sign;
+use crate::chain::effect::knowledge::{JointTerm, Sizes, Trial};
+use crate::chain::effect::sign::sign;
+use crate::chain::effect::site::Site;
 use crate::chain::effect::{
     Contribution, EFFECTS, Effect, Law, Linearity, ParameterInfo, Power, Samples, Surroundings,
-    TorqueLaw, find,
+    TorqueLaw, find, of_term,
 };
 use crate::robot::random::{generator, symmetric};
 use rand_chacha::ChaCha8Rng;
@@ -219,6 +221,53 @@ fn every_effect_is_documented_and_named_once() {
                 effect.id
             );
             assert!(!info.meaning.is_empty(), "{} {}", effect.id, info.name);
+        }
+    }
+}
+
+#[test]
+fn every_usual_term_of_a_joint_is_one_effect() {
+    let terms = [
+        JointTerm::DryFriction,
+        JointTerm::ViscousFriction,
+        JointTerm::Offset,
+        JointTerm::RotorInertia,
+        JointTerm::Spring,
+    ];
+    for term in terms {
+        let of = EFFECTS.iter().filter(|e| e.knowledge.term == Some(term));
+        let ids: Vec<&str> = of.map(|effect| effect.id).collect();
+        assert_eq!(ids, [of_term(term).id], "{term:?}");
+    }
+}
+
+/// What is known of an effect speaks of its own parameters; a load is known by the quantities of a body.
+#[test]
+fn sizes_and_values_of_trials_are_parameters_of_their_effects() {
+    let site = Site {
+        share: 0.1,
+        usual_torque: 20.0,
+        dry_friction: 2.0,
+        fastest: 1.5,
+        middle: 0.2,
+        half_range: 1.0,
+        inertia: 0.8,
+        link_mass: 3.0,
+        torque_constant: 10.0,
+        duration: 20.0,
+    };
+    for effect in EFFECTS.iter().filter(|e| !matches!(e.law, Law::Body)) {
+        let has = |name: &str| effect.parameters.iter().any(|p| p.name == name);
+        if let Sizes::Of { names, .. } = effect.knowledge.sizes {
+            assert!(names.iter().all(|name| has(name)), "{}", effect.id);
+        }
+        if let Trial::Drawn(sized) = effect.knowledge.trial {
+            for drawn in sized(&site, &mut generator(1)) {
+                let info = effect.parameters.iter().find(|p| p.name == drawn.parameter);
+                let info = info.unwrap_or_else(|| panic!("{}: {drawn:?}", effect.id));
+                let bounds = info.lower..=info.upper;
+                assert!(bounds.contains(&drawn.value), "{}: {drawn:?}", effect.id);
+            }
         }
     }
 }

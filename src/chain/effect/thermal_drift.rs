@@ -1,10 +1,14 @@
 //! Warming up: viscous friction changes by `gain·(1 − exp(−t/T))` of its value at the start.
 
 use crate::chain::effect::expression::{Expression, Variable};
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
+use crate::chain::effect::site::{Site, evenly};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Lasts, Law, Memory, Needs, ParameterInfo, Power,
     Samples, Search, TorqueLaw, Unit,
 };
+use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
@@ -38,7 +42,32 @@ pub const EFFECT: Effect = Effect {
         lasts: Lasts::OneRecording,
         ..Needs::NOTHING
     },
+    knowledge: Knowledge {
+        finding: Some(finding),
+        sizes: Sizes::First,
+        trial: Trial::Drawn(sized),
+        ..Knowledge::NONE
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    let who = &found.who;
+    match (found.quantity("gain"), found.quantity("time_constant")) {
+        (Some(gain), Some(time)) => format!(
+            "Friction of {who} changes while the recording runs, by {gain} with a time constant of {time}: the joint warms up; the model's friction was constant"
+        ),
+        _ => format!(
+            "Friction of {who} changes while the recording runs: the joint warms up; the model's friction was constant"
+        ),
+    }
+}
+
+fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
+    vec![
+        drawn("gain", -(2.0 * site.share).min(0.8)),
+        drawn("time_constant", evenly(rng, 0.2, 0.8) * site.duration),
+    ]
+}
 
 #[derive(Debug)]
 struct Warming;

@@ -1,8 +1,13 @@
 //! A delay of the signal: `s(t) = s_true(t − delay)`.
 
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
+use crate::chain::effect::site::Site;
 use crate::chain::effect::{
     Confounder, Dependence, Effect, Law, Memory, Needs, ParameterInfo, Search, Unit,
 };
+use crate::chain::signal::Signal;
+use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
@@ -32,4 +37,30 @@ pub const EFFECT: Effect = Effect {
         memory: Memory::Course,
         ..Needs::NOTHING
     },
+    knowledge: Knowledge {
+        finding: Some(finding),
+        change: Some(Change {
+            up: "delay up",
+            down: "delay down",
+        }),
+        sizes: Sizes::First,
+        trial: Trial::Drawn(sized),
+        ..Knowledge::NONE
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    let who = &found.who;
+    let delay = found.scaled("delay", "ms", |s| 1e3 * s);
+    let delay = delay.map_or_else(String::new, |delay| format!(" by {delay}"));
+    if found.signal == Signal::PositionCommand {
+        return format!("The command acts on {who} late{delay}; the model took it to act at once");
+    }
+    format!(
+        "The torque signal of {who} is late{delay}; the model took motion and signal for simultaneous (this may be a mistake of the recording)"
+    )
+}
+
+fn sized(site: &Site, _: &mut ChaCha8Rng) -> Vec<Drawn> {
+    vec![drawn("delay", 0.05 * site.share)]
+}

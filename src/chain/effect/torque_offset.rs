@@ -1,10 +1,14 @@
 //! A constant torque: zero error of sensor or amplifier.
 
 use crate::chain::effect::expression::Expression;
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Change, Drawn, JointTerm, Knowledge, Sizes, Trial, drawn};
+use crate::chain::effect::site::{Site, either_sign};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Power,
     Samples, Search, TorqueLaw, Unit,
 };
+use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
@@ -29,7 +33,27 @@ pub const EFFECT: Effect = Effect {
     }],
     law: Law::Motor(&TorqueOffset),
     needs: Needs::NOTHING,
+    knowledge: Knowledge {
+        finding: Some(finding),
+        change: Some(Change::both("torque offset")),
+        sizes: Sizes::First,
+        trial: Trial::Drawn(sized),
+        term: Some(JointTerm::Offset),
+        ..Knowledge::NONE
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    found.with(
+        "needs more torque in one direction than in the other, half the difference being",
+        "offset",
+        "the model was the same in both (a constant offset of the signal is the same torque)",
+    )
+}
+
+fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
+    vec![drawn("offset", site.torque() * either_sign(rng))]
+}
 
 #[derive(Debug)]
 struct TorqueOffset;

@@ -1,10 +1,16 @@
 //! Torque ripple: `amplitude·sin(order·m + phase) + amplitude2·sin(2·order·m + phase2)`.
 
 use crate::chain::effect::expression::{Expression, Function, Variable};
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
+use crate::chain::effect::site::{Site, evenly};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
     Search, TorqueLaw, Unit,
 };
+use crate::chain::words::short;
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::PI;
 
 /// Quarter turns: a sine of either sign at these phases lies within 45° of any phase.
 const PHASES: Search = Search::Values(&[0.0, std::f64::consts::FRAC_PI_2]);
@@ -54,7 +60,38 @@ pub const EFFECT: Effect = Effect {
     ],
     law: Law::Motor(&Ripple),
     needs: Needs::NOTHING,
+    knowledge: Knowledge {
+        finding: Some(finding),
+        sizes: Sizes::Of {
+            names: &["amplitude", "amplitude2"],
+            nothing: 0.0,
+        },
+        trial: Trial::Drawn(sized),
+        ..Knowledge::NONE
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    let text = match found.value("order") {
+        Some(order) => format!(
+            "has a torque that repeats {} times along its turn, of amplitude",
+            short(order)
+        ),
+        None => "has a torque that repeats along its turn, of amplitude".to_string(),
+    };
+    found.with(&text, "amplitude", "the model had a smooth drive")
+}
+
+fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
+    let cycles = evenly(rng, 1.5, 20.0);
+    vec![
+        drawn("order", PI * cycles / site.half_range),
+        drawn("amplitude", site.torque()),
+        drawn("phase", evenly(rng, -PI, PI)),
+        drawn("amplitude2", evenly(rng, 0.0, 0.5) * site.torque()),
+        drawn("phase2", evenly(rng, -PI, PI)),
+    ]
+}
 
 #[derive(Debug)]
 struct Ripple;

@@ -10,11 +10,15 @@
 //! (see `crate::estimate::rounded`); predictions and simulations have the law itself.
 
 use crate::chain::effect::expression::{Expression, Variable};
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::law::size;
+use crate::chain::effect::site::Site;
 use crate::chain::effect::{
     Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Samples, Search, TransmissionLaw,
     Transmitted, Unit,
 };
+use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
@@ -35,7 +39,34 @@ pub const EFFECT: Effect = Effect {
     }],
     law: Law::Transmission(&Efficiency),
     needs: Needs::NOTHING,
+    knowledge: Knowledge {
+        finding: Some(finding),
+        change: Some(Change {
+            up: "efficiency up",
+            down: "efficiency down",
+        }),
+        sizes: Sizes::Of {
+            names: &["R"],
+            nothing: 1.0,
+        },
+        trial: Trial::Drawn(sized),
+        ..Knowledge::NONE
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    // What lies beyond a lossless gearbox is the interval's, not the gearbox's.
+    let loss = found.scaled("R", "%", |r| 100.0 * (1.0 - r).max(0.0));
+    let loss = loss.unwrap_or_else(|| "part".to_string());
+    format!(
+        "{} loses {loss} of the torque that it transmits; the model had a lossless gearbox",
+        found.who
+    )
+}
+
+fn sized(site: &Site, _: &mut ChaCha8Rng) -> Vec<Drawn> {
+    vec![drawn("R", 1.0 - site.share)]
+}
 
 #[derive(Debug)]
 struct Efficiency;

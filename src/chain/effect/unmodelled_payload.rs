@@ -1,8 +1,13 @@
 //! A load on a link: ten inertial parameters more.
 
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
+use crate::chain::effect::site::{Site, evenly};
 use crate::chain::effect::{
     Confounder, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Search, Unit,
 };
+use crate::chain::words::short;
+use rand_chacha::ChaCha8Rng;
 
 const fn free(name: &'static str, meaning: &'static str) -> ParameterInfo {
     ParameterInfo {
@@ -46,4 +51,51 @@ pub const EFFECT: Effect = Effect {
     }],
     law: Law::Body,
     needs: Needs::NOTHING,
+    knowledge: Knowledge {
+        finding: Some(finding),
+        sizes: Sizes::Of {
+            names: &["m"],
+            nothing: 0.0,
+        },
+        trial: Trial::Drawn(sized),
+        ..Knowledge::NONE
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    let what = match found.quantity("mass") {
+        Some(mass) => format!("A load of {mass}"),
+        None => "Something".to_string(),
+    };
+    let centre = ["com_x", "com_y", "com_z"].map(|name| found.value(name));
+    let place = match centre {
+        [Some(x), Some(y), Some(z)] => {
+            format!(
+                ", its centre of mass at ({}, {}, {}) m",
+                short(x),
+                short(y),
+                short(z)
+            )
+        }
+        _ => String::new(),
+    };
+    format!(
+        "{what} hangs on the link that {} moves{place}; the model did not carry it",
+        found.who
+    )
+}
+
+fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
+    let mass = 5.0 * site.share * site.link_mass;
+    let inertia = 0.06_f64.powi(2) * mass;
+    let mut offset = || evenly(rng, -0.1, 0.1);
+    vec![
+        drawn("mass", mass),
+        drawn("com_x", offset()),
+        drawn("com_y", offset()),
+        drawn("com_z", offset()),
+        drawn("inertia_xx", inertia),
+        drawn("inertia_yy", inertia),
+        drawn("inertia_zz", inertia),
+    ]
+}

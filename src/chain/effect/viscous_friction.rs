@@ -1,6 +1,8 @@
 //! Viscous friction: `Fv·v`.
 
 use crate::chain::effect::expression::{Expression, Variable};
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Change, JointTerm, Knowledge, Sizes, Trial};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Power,
     Samples, Search, TorqueLaw, Unit,
@@ -29,7 +31,23 @@ pub const EFFECT: Effect = Effect {
     }],
     law: Law::Motor(&ViscousFriction),
     needs: Needs::NOTHING,
+    knowledge: Knowledge {
+        finding: Some(finding),
+        change: Some(Change::FRICTION),
+        sizes: Sizes::First,
+        trial: Trial::Declared,
+        term: Some(JointTerm::ViscousFriction),
+        ..Knowledge::NONE
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    found.with(
+        "has friction that grows with speed, by",
+        "Fv",
+        "the model had none",
+    )
+}
 
 #[derive(Debug)]
 struct ViscousFriction;

@@ -3,10 +3,15 @@
 //! p < 1 with Fn > 0 saturates, p > 1 grows; p = 1 is viscous friction itself.
 
 use crate::chain::effect::expression::{Expression, Function, Variable};
+use crate::chain::effect::found::Found;
+use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
+use crate::chain::effect::site::{Site, evenly};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
     Search, TorqueLaw, Unit, law,
 };
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
 pub const EFFECT: Effect = Effect {
@@ -43,7 +48,32 @@ pub const EFFECT: Effect = Effect {
         refines: &["viscous_friction"],
         ..Needs::NOTHING
     },
+    knowledge: Knowledge {
+        finding: Some(finding),
+        change: Some(Change::FRICTION),
+        sizes: Sizes::First,
+        trial: Trial::Drawn(sized),
+        ..Knowledge::NONE
+    },
 };
+
+fn finding(found: &Found<'_>) -> String {
+    format!(
+        "Friction of {} is not proportional to speed; the model's viscous friction was",
+        found.who
+    )
+}
+
+fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
+    let power = match rng.random::<bool>() {
+        true => evenly(rng, 1.6, 3.0),
+        false => evenly(rng, 0.3, 0.6),
+    };
+    vec![
+        drawn("Fn", site.torque() / (0.5 * site.fastest).powf(power)),
+        drawn("p", power),
+    ]
+}
 
 #[derive(Debug)]
 struct PowerLaw;

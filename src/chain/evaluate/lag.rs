@@ -12,8 +12,8 @@
 //!
 //! [`march`]: super::march
 
-use crate::chain::effect::coulomb_friction::{sign, sign_by_velocity};
 use crate::chain::effect::law::signum;
+use crate::chain::effect::sign::{sign, sign_by_velocity};
 use crate::chain::effect::{Contribution, Law};
 use crate::chain::evaluate::contact_march::solve_with;
 use crate::chain::evaluate::known_bodies::{KnownBodies, Slopes};
@@ -249,7 +249,7 @@ impl Evaluator<'_> {
                     columns: [
                         joint.elasticity.and_then(|at| self.column[at]),
                         joint.elasticity.and_then(|at| self.column[at + 1]),
-                        joint.backlash.and_then(|at| self.column[at]),
+                        joint.play.and_then(|at| self.column[at]),
                     ],
                 })
             })

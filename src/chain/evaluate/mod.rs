@@ -25,7 +25,7 @@ mod segment;
 pub use block::Block;
 pub use known_bodies::KnownBodies;
 
-use crate::chain::effect::base_tilt::tilted;
+use crate::chain::effect::tilt::tilted;
 use crate::chain::effect::{Law, Memory};
 pub use crate::chain::evaluate::segment::{BLOCK, Segment};
 use crate::chain::model::{JointModel, Model, Signal};

@@ -1,7 +1,7 @@
 //! From the transmitted torque to the signal: losses of the gear, laws of the motor, the current.
 
-use crate::chain::effect::coulomb_friction::{sign, sign_by_width};
-use crate::chain::effect::torque_current_nonlinearity::{COEFFICIENTS, current};
+use crate::chain::effect::current_polynomial::{COEFFICIENTS, current};
+use crate::chain::effect::sign::{sign, sign_by_width};
 use crate::chain::effect::{
     Contribution, Effect, Law, Samples, Surroundings, TransmissionLaw, Transmitted,
 };
@@ -22,6 +22,23 @@ impl Stage {
             (Self::Gear, Law::Transmission(law)) | (Self::Signal, Law::Signal(law)) => Some(law),
             _ => None,
         }
+    }
+}
+
+/// What laws at a motor are given of its motion over some samples, without the rounded-off sign of its velocity.
+fn at_motor<'a>(segment: Segment<'a>, j: usize, range: Range<usize>) -> Samples<'a> {
+    let motors = segment.motors;
+    Samples {
+        position: &motors.q[j][range.clone()],
+        velocity: &motors.dq[j][range.clone()],
+        acceleration: &motors.ddq[j][range.clone()],
+        sign: &[],
+        surroundings: Surroundings {
+            temperature: segment.temperatures(j, range.clone()),
+            ..Surroundings::default()
+        },
+        time: segment.times(range),
+        cyclic: segment.cyclic,
     }
 }
 
@@ -76,20 +93,11 @@ impl Evaluator<'_> {
             let count = effect.parameters.len();
             let others = of_others(&joint.others[index], motors, range.clone());
             let scratch = &mut self.scratch;
-            let input = Samples {
-                position: &motors.q[j][range.clone()],
-                velocity: &motors.dq[j][range.clone()],
-                acceleration: &motors.ddq[j][range.clone()],
-                sign: &scratch.sign[..samples],
-                time: segment.times(range.clone()),
-                cyclic: segment.cyclic,
-                surroundings: Surroundings {
-                    others: &others,
-                    temperature: segment.temperatures(j, range.clone()),
-                    period: self.model.period(),
-                    torque_constant: Some(joint.torque_constant),
-                },
-            };
+            let mut input = at_motor(segment, j, range.clone());
+            input.sign = &scratch.sign[..samples];
+            input.surroundings.others = &others;
+            input.surroundings.period = self.model.period();
+            input.surroundings.torque_constant = Some(joint.torque_constant);
             let mut out = Transmitted {
                 torque: &mut self.block.values[j],
                 by_load: &mut scratch.by_load,
@@ -144,20 +152,10 @@ impl Evaluator<'_> {
                 series.fill(0.0);
             }
             let others = of_others(&joint.others[index], motors, range.clone());
-            let input = Samples {
-                position: &motors.q[j][range.clone()],
-                velocity: &motors.dq[j][range.clone()],
-                acceleration: &motors.ddq[j][range.clone()],
-                sign: &scratch.sign[..samples],
-                time: segment.times(range.clone()),
-                cyclic: segment.cyclic,
-                surroundings: Surroundings {
-                    others: &others,
-                    temperature: segment.temperatures(j, range.clone()),
-                    period: self.model.period(),
-                    torque_constant: None,
-                },
-            };
+            let mut input = at_motor(segment, j, range.clone());
+            input.sign = &scratch.sign[..samples];
+            input.surroundings.others = &others;
+            input.surroundings.period = self.model.period();
             let mut out = Contribution {
                 torque: &mut self.block.values[j],
                 by_parameter: &mut scratch.by_parameter[..count],

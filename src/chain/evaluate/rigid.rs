@@ -1,7 +1,7 @@
 //! Joint motion, torques of the bodies and of laws at the joints, and the way to the motors.
 
-use crate::chain::effect::base_tilt::tilted_by_angles;
-use crate::chain::effect::coulomb_friction::{sign, sign_by_velocity, sign_by_width};
+use crate::chain::effect::sign::{sign, sign_by_velocity, sign_by_width};
+use crate::chain::effect::tilt::tilted_by_angles;
 use crate::chain::effect::{Contribution, Law, Samples, Surroundings};
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
 use crate::robot::batch::{RegressorBatch, Trajectory, torques_into};

@@ -1,7 +1,7 @@
 //! The drive of one motor at one state: what its laws and losses take of its torque.
 
-use crate::chain::effect::coulomb_friction::sign;
-use crate::chain::effect::torque_current_nonlinearity::{COEFFICIENTS, torque};
+use crate::chain::effect::current_polynomial::{COEFFICIENTS, torque};
+use crate::chain::effect::sign::sign;
 use crate::chain::effect::{
     Contribution, Flow, Law, LawDynamics, Memory, Samples, Surroundings, TorqueLaw,
     TransmissionLaw, Transmitted,

@@ -21,8 +21,8 @@ mod drive;
 mod rosenbrock;
 mod state;
 
-use crate::chain::effect::base_tilt::tilted;
-use crate::chain::effect::coulomb_friction::sign;
+use crate::chain::effect::sign::sign;
+use crate::chain::effect::tilt::tilted;
 use crate::chain::effect::{Contribution, Effect, Law, Memory, Samples, Surroundings};
 use crate::chain::evaluate::bodies;
 use crate::chain::flank::Flank;

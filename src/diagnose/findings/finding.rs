@@ -1,5 +1,6 @@
 //! Findings of the vocabulary: what each explains, how probable it is, and what else could be there.
 
+use crate::chain::effect::Law;
 use crate::diagnose::findings::probability::{Alternatives, Probabilities};
 use crate::diagnose::findings::sentences;
 use crate::diagnose::fit::context::Context;
@@ -148,7 +149,8 @@ fn belongs(parameter: &Parameter, hypothesis: &Hypothesis, joints: &[String]) ->
     let of_joint = |joint: &String| parameter.name.starts_with(&format!("{joint}.{effect}."));
     let own = joints.iter().any(of_joint);
     let shared = parameter.name.starts_with(&format!("{effect}."));
-    own || shared || (effect == "unmodelled_payload" && parameter.name.starts_with("payload."))
+    let is_load = matches!(hypothesis.effect.law, Law::Body);
+    own || shared || (is_load && parameter.name.starts_with("payload."))
 }
 
 fn rivals(step: &ConfirmedStep<'_>, noise_level: &NoiseLevel, channels: &[usize]) -> Vec<Rival> {

@@ -3,7 +3,8 @@
 //! A hypothesis that forecasts the residual may owe that to parameters beside its size, or to a size that is tied to others:
 //! with θ ± 1.96 σ over the value at which its torque is none, the number that a finding would state may as well be zero.
 
-use crate::chain::effect::{EFFECTS, Effect, Linearity, ParameterInfo};
+use crate::chain::effect::knowledge::Sizes;
+use crate::chain::effect::{Effect, Law, Linearity, ParameterInfo};
 use crate::chain::model::Model;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
@@ -38,28 +39,19 @@ pub fn sizes_alone(effect: &Effect) -> Vec<Size<'static>> {
         let size = |&parameter: &&'static str| Size { parameter, nothing };
         names.iter().map(size).collect()
     };
-    match effect.id {
-        "drive_gain" => of(&["gain"], 1.0),
-        "transmission_efficiency" => of(&["R"], 1.0),
-        "asymmetric_friction" => of(&["dFc", "dFv"], 0.0),
-        "base_tilt" => of(&["roll", "pitch"], 0.0),
-        "torque_ripple" => of(&["amplitude", "amplitude2"], 0.0),
-        "unmodelled_payload" => of(&["m"], 0.0),
-        // Its coefficients trade against one another, and none of them is its size.
-        "torque_current_nonlinearity" => Vec::new(),
-        id => {
-            let parameters = effect.parameters;
+    let first = |effect: &Effect| {
+        let parameter = effect.parameters.first();
+        parameter.map_or_else(Vec::new, |p| of(&[p.name], 0.0))
+    };
+    match effect.knowledge.sizes {
+        Sizes::Of { names, nothing } => of(names, nothing),
+        Sizes::First => first(effect),
+        Sizes::Linear => {
             let is_linear = |p: &&ParameterInfo| p.linearity == Linearity::Linear;
-            let linear: Vec<&'static str> = parameters
-                .iter()
-                .filter(is_linear)
-                .map(|p| p.name)
-                .collect();
-            match EFFECTS.iter().any(|known| known.id == id) || linear.is_empty() {
-                true => parameters
-                    .first()
-                    .map_or_else(Vec::new, |p| of(&[p.name], 0.0)),
-                // Of a law of one's own each linear parameter is a size.
+            let linear = effect.parameters.iter().filter(is_linear);
+            let linear: Vec<&'static str> = linear.map(|p| p.name).collect();
+            match linear.is_empty() {
+                true => first(effect),
                 false => of(&linear, 0.0),
             }
         }
@@ -111,7 +103,7 @@ fn own_parameters(full: &ModelFit, hypothesis: &Hypothesis) -> Vec<usize> {
     let names = joints.iter().map(|&j| full.model.joints()[j].name.as_str());
     let mut prefixes: Vec<String> = names.map(|joint| format!("{joint}.{id}.")).collect();
     prefixes.push(format!("{id}."));
-    if id == "unmodelled_payload" {
+    if matches!(hypothesis.effect.law, Law::Body) {
         prefixes.push("payload.".to_string());
     }
     let parameters = full.model.parameters().iter().enumerate();

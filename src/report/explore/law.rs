@@ -3,24 +3,20 @@
 //! f(v) = Σ laws of the motor that depend on speed and direction alone; over the torque constant, where the signal is a current.
 
 use crate::chain::effect::{
-    self, Contribution, Dependence, Effect, Law, Memory, Samples, Surroundings, coulomb_friction,
+    self, Contribution, Dependence, Effect, GAIN, Law, Memory, Samples, Surroundings, TRANSITION,
+    sign,
 };
 use crate::outcome::machine::MachineJoint;
 
 /// f at each velocity; `None` where no such law is in the model, or the signal is no linear function of the torque.
 pub(super) fn over_speed(joint: &MachineJoint, velocity: &[f64]) -> Option<Vec<f64>> {
-    if joint
-        .effects
-        .iter()
-        .any(|e| e.id == "torque_current_nonlinearity")
-    {
+    if joint.effects.iter().any(|e| e.id == effect::CURRENT_LAW.id) {
         return None;
     }
-    let width = joint.value("coulomb_friction", "w").unwrap_or(0.0);
-    let sign: Vec<f64> = velocity
-        .iter()
-        .map(|v| coulomb_friction::sign(*v, width))
-        .collect();
+    let width = joint
+        .value(TRANSITION.effect.id, TRANSITION.name())
+        .unwrap_or(0.0);
+    let sign: Vec<f64> = velocity.iter().map(|v| sign::sign(*v, width)).collect();
     let mut torque = vec![0.0; velocity.len()];
     let mut any = false;
     for own in &joint.effects {
@@ -68,7 +64,7 @@ pub(super) fn over_speed(joint: &MachineJoint, velocity: &[f64]) -> Option<Vec<f
         );
         any = true;
     }
-    let gain = joint.value("drive_gain", "gain").unwrap_or(1.0);
+    let gain = joint.value(GAIN.id, GAIN.parameters[0].name).unwrap_or(1.0);
     let constant = gain * joint.torque_constant.unwrap_or(1.0);
     any.then(|| torque.into_iter().map(|f| f / constant).collect())
 }

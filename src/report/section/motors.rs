@@ -1,5 +1,7 @@
 //! Motor constants from motions at constant speed: both stages, speed by speed.
 
+use crate::chain::effect::knowledge::JointTerm;
+use crate::chain::effect::term_name;
 use crate::outcome::motors::{MotorJoint, Motors};
 use crate::outcome::parameter::Parameter;
 use crate::report::escape::escape;
@@ -110,8 +112,11 @@ fn value(parameters: &[Parameter], joint: &str, name: &str) -> Option<f64> {
 /// Friction at every speed, and the law that the second stage fits to it.
 fn friction(joint: &MotorJoint, parameters: &[Parameter]) -> Option<String> {
     let of = |name: &str| value(parameters, &joint.joint, name);
-    let (coulomb, viscous) = (of("coulomb_friction.Fc")?, of("viscous_friction.Fv")?);
-    let offset = of("torque_offset.offset").unwrap_or(0.0);
+    let (coulomb, viscous) = (
+        of(&term_name(JointTerm::DryFriction))?,
+        of(&term_name(JointTerm::ViscousFriction))?,
+    );
+    let offset = of(&term_name(JointTerm::Offset)).unwrap_or(0.0);
     let at = joint.speeds.iter();
     let dots: Vec<Point> = at.filter_map(|at| Some((at.speed, at.friction?))).collect();
     let branch = |sign: f64| -> Vec<Point> {

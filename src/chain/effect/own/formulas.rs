@@ -162,7 +162,7 @@ impl Formulas {
                 (Part::Rate(k), &state.rate),
                 (Part::Start(k), &state.law.start),
             ] {
-                if let Some(other) = foreign(formula, (k, part)) {
+                if let Some(other) = foreign(formula, part) {
                     let remedy = "the rate of a state is a formula in v, its own state and parameters, its start one in v and parameters";
                     return Err(refuse(part, other, remedy));
                 }
@@ -282,11 +282,11 @@ impl Formulas {
 }
 
 /// A variable that a rate or a start may not have in it.
-fn foreign(formula: &Expression, (state, part): (usize, Part)) -> Option<Variable> {
+fn foreign(formula: &Expression, part: Part) -> Option<Variable> {
     let found = std::cell::Cell::new(None);
     formula.any(&|part_of| {
         if let Expression::Variable(variable) = part_of {
-            let own = *variable == Variable::State(state) && matches!(part, Part::Rate(_));
+            let own = matches!(part, Part::Rate(state) if *variable == Variable::State(state));
             if *variable != Variable::Velocity && !own {
                 found.set(Some(*variable));
             }

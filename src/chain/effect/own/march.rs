@@ -49,8 +49,15 @@ pub struct March {
 #[derive(Debug)]
 pub struct Course {
     pub state: Vec<f64>,
-    /// Parameters that it depends on, each with its slopes.
-    pub by_parameter: Vec<(usize, Vec<f64>)>,
+    /// Of the parameters that it depends on.
+    pub slopes: Vec<Slopes>,
+}
+
+/// Derivatives of a state by a parameter along a motion.
+#[derive(Debug)]
+pub struct Slopes {
+    pub parameter: usize,
+    pub series: Vec<f64>,
 }
 
 impl March {
@@ -95,7 +102,7 @@ impl March {
         }
         let mut course = Course {
             state: vec![walk.state; v.len()],
-            by_parameter: Vec::new(),
+            slopes: Vec::new(),
         };
         let mut by: Vec<Vec<f64>> = walk.by.iter().map(|x| vec![*x; v.len()]).collect();
         let steps = (1..v.len()).map(|k| Step {
@@ -111,7 +118,9 @@ impl March {
             }
             at += 1;
         });
-        course.by_parameter = self.parameters.iter().copied().zip(by).collect();
+        for (&parameter, series) in self.parameters.iter().zip(by) {
+            course.slopes.push(Slopes { parameter, series });
+        }
         Some(course)
     }
 

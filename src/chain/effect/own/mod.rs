@@ -20,6 +20,7 @@ mod tests;
 pub use error::{LawError, LawFault, Part};
 
 use crate::chain::effect::expression::Variable;
+use crate::chain::effect::knowledge::Knowledge;
 use crate::chain::effect::{
     Dependence, Effect, Law, Linearity, Memory, Needs, ParameterInfo, Search, Unit,
 };
@@ -90,6 +91,7 @@ fn compile(text: &LawText) -> Result<Effect, LawError> {
             ActsOn::Signal | ActsOn::Gain => Law::Signal(law),
         },
         needs,
+        knowledge: Knowledge::NONE,
     })
 }
 

@@ -4,7 +4,7 @@ use crate::chain::effect::expression::{Expression, Function, StateLaw, Variable}
 use crate::chain::effect::formula::derivative::derivative;
 use crate::chain::effect::formula::tape::{LANES, Run, States, Tape};
 use crate::chain::effect::own::formulas::Formulas;
-use crate::chain::effect::own::march::{Course, March};
+use crate::chain::effect::own::march::{Course, March, Slopes};
 use crate::chain::effect::own::{ActsOn, LawText};
 use crate::chain::effect::{
     Contribution, Flow, LawDynamics, Power, Samples, TorqueLaw, TransmissionLaw, Transmitted,
@@ -77,11 +77,12 @@ impl OwnLaw {
             .filter_map(|k| slope(Variable::State(k), true))
             .collect();
         let states: Vec<StateLaw> = formulas.states.iter().map(|s| s.law.clone()).collect();
-        let march = |(k, law): (usize, &StateLaw)| March::compile(law, k, count);
+        let places = 0..states.len();
+        let marches = places.map(|k| March::compile(&states[k], k, count));
         Self {
             is_proportional: is_proportional(&torque, text),
             tape: Tape::compile(&outputs, States::Known),
-            marches: states.iter().enumerate().map(march).collect(),
+            marches: marches.collect(),
             dynamics: dynamics(
                 &torque,
                 &formulas.states.iter().map(|s| &s.rate).collect::<Vec<_>>(),
@@ -209,9 +210,9 @@ impl TorqueLaw for OwnLaw {
             }
             for (course, by_state) in courses.iter().zip(&self.by_state) {
                 let by_state = run.output(*by_state);
-                for (parameter, slopes) in &course.by_parameter {
+                for Slopes { parameter, series } in &course.slopes {
                     let to = out.by_parameter[*parameter][range.clone()].iter_mut();
-                    let slopes = by_state.iter().zip(&slopes[range.clone()]);
+                    let slopes = by_state.iter().zip(&series[range.clone()]);
                     to.zip(slopes).for_each(|(to, (a, b))| *to += a * b);
                 }
             }

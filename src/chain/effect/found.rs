@@ -1,0 +1,96 @@
+//! What a fit says of an effect that it found, as sentences want it.
+
+use crate::chain::signal::Signal;
+use crate::chain::words::short;
+
+/// A parameter of a finding.
+#[derive(Debug, Clone, Copy)]
+pub struct Estimated<'a> {
+    /// Within its effect.
+    pub name: &'a str,
+    pub unit: &'a str,
+    pub value: Option<f64>,
+    pub ci95: Option<[f64; 2]>,
+}
+
+/// An effect that a fit found.
+#[derive(Debug, Clone)]
+pub struct Found<'a> {
+    /// The joints that it is named by.
+    pub who: String,
+    /// Of a coupling: the joints that are moved, and the motors that move them.
+    pub moved: String,
+    pub by: Vec<String>,
+    pub signal: Signal,
+    pub parameters: Vec<Estimated<'a>>,
+}
+
+impl Found<'_> {
+    fn of(&self, name: &str) -> Option<&Estimated<'_>> {
+        self.parameters.iter().find(|p| p.name == name)
+    }
+
+    /// The value of a parameter.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        self.of(name)?.value
+    }
+
+    /// `12.3 N·m (95 %: 11.9 to 12.7)`.
+    pub fn quantity(&self, name: &str) -> Option<String> {
+        self.scaled(name, self.of(name)?.unit, |x| x)
+    }
+
+    /// The same in another unit.
+    pub fn scaled(&self, name: &str, unit: &str, of: impl Fn(f64) -> f64) -> Option<String> {
+        let parameter = self.of(name)?;
+        let value = of(parameter.value?);
+        let size = format!("{} {unit}", short(value));
+        Some(match parameter.ci95 {
+            Some(ends) => {
+                let [one, other] = ends.map(of);
+                let (low, high) = (one.min(other), one.max(other));
+                format!(
+                    "{} (95 %: {} to {})",
+                    size.trim_end(),
+                    short(low),
+                    short(high)
+                )
+            }
+            None => size.trim_end().to_string(),
+        })
+    }
+
+    /// `who TEXT SIZE; LACKING`, or without a size `who: LACKING`.
+    pub fn with(&self, text: &str, size: &str, lacking: &str) -> String {
+        let who = &self.who;
+        match self.quantity(size) {
+            Some(size) => format!("{who} {text} {size}; {lacking}"),
+            None => format!("{who}: {lacking}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An interval that reaches beyond a lossless gearbox reaches no negative loss.
+    #[test]
+    fn a_loss_is_never_negative() {
+        let efficiency = Estimated {
+            name: "R",
+            unit: "",
+            value: Some(0.99),
+            ci95: Some([0.97, 1.01]),
+        };
+        let found = Found {
+            who: "a3".into(),
+            moved: String::new(),
+            by: Vec::new(),
+            signal: Signal::Current,
+            parameters: vec![efficiency],
+        };
+        let loss = found.scaled("R", "%", |r| 100.0 * (1.0 - r).max(0.0));
+        assert_eq!(loss.unwrap(), "1.00 % (95 %: 0 to 3.00)");
+    }
+}
