@@ -71,6 +71,7 @@ pub(super) fn joint_model(
         delay: None,
         elasticity: None,
         backlash: None,
+        encoder: None,
         rounding: 0.0,
     };
     for effect in effects_with_known_values(settings, j) {
@@ -187,6 +188,7 @@ fn remember(model: &mut JointModel, effect: &Effect, first: usize) {
         "time_delay" => &mut model.delay,
         "joint_elasticity" => &mut model.elasticity,
         "backlash" => &mut model.backlash,
+        "encoder_offset" => &mut model.encoder,
         _ => return,
     };
     *slot = Some(first);

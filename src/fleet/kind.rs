@@ -1,8 +1,8 @@
 //! What a change of a parameter means to the people who look after the robot.
 
 use crate::chain::effect::{
-    asymmetric_friction, base_tilt, coulomb_friction, drive_gain, joint_elasticity, joint_spring,
-    load_dependent_friction, presliding_hysteresis, rotor_inertia, sigmoid_friction,
+    asymmetric_friction, base_tilt, coulomb_friction, drive_gain, encoder_offset, joint_elasticity,
+    joint_spring, load_dependent_friction, presliding_hysteresis, rotor_inertia, sigmoid_friction,
     stribeck_friction, time_delay, torque_offset, transmission_efficiency, viscous_friction,
     viscous_nonlinearity,
 };
@@ -97,6 +97,13 @@ const EFFECTS: &[(&str, Words)] = &[
         },
     ),
     (
+        encoder_offset::EFFECT.id,
+        Words {
+            up: "encoder offset",
+            down: "encoder offset",
+        },
+    ),
+    (
         base_tilt::EFFECT.id,
         Words {
             up: "base tilted",
@@ -153,6 +160,12 @@ mod tests {
             ("payload.mass", 2.0, "load left on", None),
             ("payload.com_x", 0.1, "other load", None),
             ("a1.time_delay.delay", 0.01, "delay up", Some("a1")),
+            (
+                "a2.encoder_offset.offset",
+                -0.01,
+                "encoder offset",
+                Some("a2"),
+            ),
             ("base_tilt.pitch", 0.1, "base tilted", None),
             ("link2.mass", 0.1, "other link", None),
             (

@@ -35,13 +35,13 @@ impl Concealed {
     }
 }
 
-/// The effects that can be concealed: all of the vocabulary but those that are declared, and of others those whose size can be
+/// The effects that can be concealed: all of the vocabulary that are looked for unasked but those that are declared, and of others those whose size can be
 /// told from their formula.
 pub fn effects(catalogue: &Catalogue) -> impl Iterator<Item = &'static Effect> {
     let declared = [coulomb_friction::EFFECT.id, viscous_friction::EFFECT.id];
     let all = catalogue.effects().iter().copied();
     all.filter(move |e| match is_of_vocabulary(e) {
-        true => !declared.contains(&e.id),
+        true => !declared.contains(&e.id) && e.law.is_sought(),
         false => stated::has_size(e),
     })
 }

@@ -9,6 +9,7 @@ pub mod base_tilt;
 pub mod catalogue;
 pub mod coulomb_friction;
 pub mod drive_gain;
+pub mod encoder_offset;
 pub mod expression;
 pub mod external_contact;
 pub mod flank;
@@ -132,6 +133,8 @@ pub enum Law {
     Body,
     /// The direction of gravity.
     Tilt,
+    /// The zero of the joint's positions.
+    Encoder,
     /// A spring between motor and link: the link filters the motor's motion.
     Spring,
     /// Play between motor and link.
@@ -151,8 +154,15 @@ impl Law {
                 | Self::Coupling
                 | Self::Body
                 | Self::Tilt
+                | Self::Encoder
                 | Self::Delay
         )
+    }
+
+    /// Whether a diagnosis looks for it where nobody asks for it by name. A zero that is off is first moments that are other ones
+    /// wherever these are unknown, and a matter of calibration where they are known.
+    pub fn is_sought(self) -> bool {
+        !matches!(self, Self::Encoder)
     }
 }
 
@@ -310,6 +320,7 @@ pub const EFFECTS: &[&Effect] = &[
     &joint_spring::EFFECT,
     &unmodelled_payload::EFFECT,
     &base_tilt::EFFECT,
+    &encoder_offset::EFFECT,
     &time_delay::EFFECT,
     &thermal_drift::EFFECT,
     &external_contact::EFFECT,
