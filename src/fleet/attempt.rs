@@ -62,7 +62,7 @@ pub enum Turn {
 /// What one worker works with.
 pub struct Worker<'a> {
     pub settings: &'a Settings,
-    pub store: &'a Store,
+    pub store: &'a Store<CameTo>,
     /// The folder of the manifest, which messages leave out.
     pub folder: &'a Path,
     /// Set when an item's time is over, or the run is interrupted.

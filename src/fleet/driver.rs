@@ -32,7 +32,7 @@ pub struct Item {
 /// A fleet at work.
 pub struct Driver<'a> {
     pub settings: &'a Settings,
-    pub store: &'a Store,
+    pub store: &'a Store<CameTo>,
     pub interrupt: Arc<AtomicBool>,
 }
 
