@@ -19,6 +19,7 @@ mod tape;
 mod urdf;
 mod xml;
 
+use crate::chain::effect::encoder_offset;
 use crate::export::error::ExportError;
 use crate::export::language::Language;
 use crate::outcome::machine::Machine;
@@ -138,6 +139,13 @@ fn caveats(machine: &Machine) -> Vec<String> {
         if let Some(position) = joint.locked {
             notes.push(format!(
                 "{} stood still at {position} in every recording: the model holds at that position only",
+                joint.name
+            ));
+        }
+        let offset = joint.value(encoder_offset::EFFECT.id, "offset");
+        if let Some(offset) = offset.filter(|offset| *offset != 0.0) {
+            notes.push(format!(
+                "positions of {} are where it stands: its encoder shows {offset} less",
                 joint.name
             ));
         }
