@@ -68,7 +68,7 @@ fn parts_of_a_campaign_are_the_whole_of_it() {
         run(&format!("--out parts --shard {part}"));
         assert!(!folder.path().join("parts").exists());
     }
-    let mut joined = || -> Value { serde_json::from_slice(&run("--out parts --json")).unwrap() };
+    let joined = || -> Value { serde_json::from_slice(&run("--out parts --json")).unwrap() };
     let (first, again) = (joined(), joined());
     assert_eq!(first["trials"], again["trials"]);
     let without_time = |result: &Value| {

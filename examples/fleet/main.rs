@@ -24,7 +24,7 @@ mod robots;
 use crate::figures::Reported;
 use crate::plant::{Draw, Fleet};
 use exid::fleet::task::{self, Settings};
-use exid::problem_file::ProblemFile;
+use exid::verb::inputs;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -83,7 +83,7 @@ fn settings() -> Settings {
         again: false,
         rate: RATE,
         max_rows: None,
-        inputs: files_of,
+        inputs: inputs::of_recordings,
     }
 }
 
@@ -96,12 +96,4 @@ fn report(folder: &Path, manifest: &str) -> Outcome<task::Ran> {
         Arc::default(),
         |_| (),
     )?)
-}
-
-/// Files of the problems of this fleet.
-fn files_of(problem: &ProblemFile) -> Vec<PathBuf> {
-    let recordings = problem.recordings.iter().flat_map(|r| &r.train);
-    let mut files: Vec<PathBuf> = recordings.map(|r| r.path.resolved.clone()).collect();
-    files.push(problem.path.with_extension("urdf"));
-    files
 }
