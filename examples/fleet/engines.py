@@ -11,6 +11,7 @@ run that nothing disturbed. Needs the Python package, and Dask for its part.
 from __future__ import annotations
 
 import argparse
+import logging
 import os
 import random
 import signal
@@ -118,7 +119,7 @@ class Fleet:
         name = f"dask_{workers}"
         over = threading.Event()
         killed = 0
-        with LocalCluster(workers, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        with LocalCluster(workers, threads_per_worker=1, dashboard_address=None, silence_logs=logging.CRITICAL) as cluster, Client(cluster) as client:
 
             def kill() -> None:
                 nonlocal killed
