@@ -51,6 +51,36 @@ fn trials_repeat() {
     assert!(said.contains("the same, to the bit"), "{said}");
 }
 
+/// What two machines have run is the campaign, and nothing of it is run again.
+#[test]
+fn parts_of_a_campaign_are_the_whole_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = small(folder.path(), "2");
+    let few = "--effects torque_offset,joint_spring --robots arm3 --count 2 --seed 2 --items items";
+    let run = |further: &str| {
+        let arguments: Vec<&str> = few.split(' ').chain(further.split(' ')).collect();
+        let output = trials(folder.path(), &arguments);
+        let words = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{words}");
+        output.stdout
+    };
+    for part in ["1/2", "2/2"] {
+        run(&format!("--out parts --shard {part}"));
+        assert!(!folder.path().join("parts").exists());
+    }
+    let joined = || -> Value { serde_json::from_slice(&run("--out parts --json")).unwrap() };
+    let (first, again) = (joined(), joined());
+    assert_eq!(first["trials"], again["trials"]);
+    let without_time = |result: &Value| {
+        let mut trials = result["trials"].as_array().unwrap().clone();
+        trials
+            .iter_mut()
+            .for_each(|trial| trial["seconds"] = Value::Null);
+        trials
+    };
+    assert_eq!(without_time(&first), without_time(&whole));
+}
+
 fn trials_of(group: &Value) -> usize {
     group["trials"].as_u64().unwrap() as usize
 }

@@ -75,6 +75,7 @@ pub fn print(fleet: &Fleet, reports: &[Reported]) {
         right += right_ones;
     }
     println!("| all | {planted} | {found} | {right} |");
+    print_sizes(&sizes(fleet, reports));
     let is_false = |report: &Reported, look: &LookAt| {
         let member = fleet.members.iter().find(|m| m.name == look.robot);
         let change = member.and_then(|m| m.change.as_ref());
@@ -107,6 +108,32 @@ pub fn print(fleet: &Fleet, reports: &[Reported]) {
         100.0 * shares,
         ever.len(),
         ever_false.len()
+    );
+}
+
+/// Sizes of the planted changes in standard deviations of one night of the robot, as the last report has them.
+fn sizes(fleet: &Fleet, reports: &[Reported]) -> Vec<f64> {
+    let types = reports.last().map_or(&[][..], |last| &last.fleet.types);
+    let size = |member: &Member| {
+        let step = member.change.as_ref()?.step(&member.robot);
+        let of_type = types.iter().find(|t| t.name == member.of.name)?;
+        let mut parameters = of_type.parameters.iter();
+        let figures = parameters.find(|p| p.name == step.parameter)?;
+        Some(step.size / figures.between_nights.hypot(figures.of_a_fit))
+    };
+    let mut sizes: Vec<f64> = fleet.members.iter().filter_map(size).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes
+}
+
+fn print_sizes(sizes: &[f64]) {
+    let (Some(least), Some(most)) = (sizes.first(), sizes.last()) else {
+        return;
+    };
+    let middle = sizes[sizes.len() / 2];
+    println!(
+        "\nsizes of {} changes: {least:.1} to {most:.0} standard deviations of a night, median {middle:.0}",
+        sizes.len()
     );
 }
 
@@ -173,11 +200,11 @@ pub fn first_nights(fleet: &Fleet, folder: &Path, settings: &Settings) -> Outcom
         else {
             continue;
         };
-        let name = parameter
-            .split('.')
-            .next_back()
-            .unwrap_or(parameter)
-            .to_string();
+        // Without the joint.
+        let name = match parameter.split_once('.') {
+            Some((_, of_joint)) if of_joint.contains('.') => of_joint.to_string(),
+            _ => parameter.to_string(),
+        };
         for key in [name, "all".to_string()] {
             sums.entry(key)
                 .or_default()

@@ -11,19 +11,20 @@
 //!
 //! Robots of a type differ in friction, efficiency, offsets, delay and tool, and each of them from night to night.
 //!
-//!     cargo run --release --example fleet -- FOLDER [ROBOTS] [NIGHTS]
+//!     cargo run --release --example fleet -- FOLDER [ROBOTS [NIGHTS [SEED]]]
 //!
 //! writes the fleet to FOLDER (robot files, problems, recordings of 20 s at 100 Hz, `manifest.csv`, `truth.csv`; 100 robots
-//! and 20 nights), works through it, and prints the figures. A folder with a fleet is taken as it is.
+//! 20 nights and seed 1), works through it, and prints the figures. A folder with the same fleet is taken as it is; items
+//! that are done are not done again. `engines.py` beside this file works through the same folder with kills and on Dask.
 
 mod figures;
 mod plant;
 mod robots;
 
 use crate::figures::Reported;
-use crate::plant::Fleet;
+use crate::plant::{Draw, Fleet};
 use exid::fleet::task::{self, Settings};
-use exid::problem_file::ProblemFile;
+use exid::verb::inputs;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -40,9 +41,14 @@ fn main() -> Outcome<()> {
     let folder = PathBuf::from(arguments.next().ok_or("give a folder")?);
     let robots = arguments.next().map_or(Ok(100), |n| n.parse())?;
     let nights = arguments.next().map_or(Ok(20), |n| n.parse())?;
-    let fleet = Fleet::draw(robots, nights);
+    let seed = arguments.next().map_or(Ok(1), |n| n.parse())?;
+    let fleet = Fleet::draw(Draw {
+        robots,
+        nights,
+        seed,
+    });
     let started = Instant::now();
-    if !folder.join("manifest.csv").exists() {
+    if !fleet.is_in(&folder)? {
         fleet.write(&folder)?;
         println!("written in {:.1} s", started.elapsed().as_secs_f64());
     }
@@ -77,7 +83,7 @@ fn settings() -> Settings {
         again: false,
         rate: RATE,
         max_rows: None,
-        inputs: files_of,
+        inputs: inputs::of_recordings,
     }
 }
 
@@ -90,12 +96,4 @@ fn report(folder: &Path, manifest: &str) -> Outcome<task::Ran> {
         Arc::default(),
         |_| (),
     )?)
-}
-
-/// Files of the problems of this fleet.
-fn files_of(problem: &ProblemFile) -> Vec<PathBuf> {
-    let recordings = problem.recordings.iter().flat_map(|r| &r.train);
-    let mut files: Vec<PathBuf> = recordings.map(|r| r.path.resolved.clone()).collect();
-    files.push(problem.path.with_extension("urdf"));
-    files
 }

@@ -1,11 +1,11 @@
 //! The fleet: its robots, which of them change, when and how; and its recordings.
 
 use crate::Outcome;
-use crate::robots::{Robot, TYPES, Type, size};
+use crate::robots::{Robot, TYPES, Type, Weight};
 use exid::chain::effect;
 use exid::problem::solution::Control;
 use exid::problem_file::ProblemFile;
-use exid::robot::random::generator;
+use exid::robot::random::{between, generator};
 use exid::simulate::{self, SimulatedRecording, write_csv};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -25,6 +25,12 @@ pub struct Change {
     pub joint: Option<usize>,
     /// The first night with it, from 1.
     pub night: usize,
+    pub size: f64,
+}
+
+/// A change of a parameter, in its unit.
+pub struct Step {
+    pub parameter: String,
     pub size: f64,
 }
 
@@ -59,30 +65,58 @@ pub struct Fleet {
     pub nights: usize,
 }
 
+/// What a fleet is drawn by.
+#[derive(Clone, Copy)]
+pub struct Draw {
+    pub robots: usize,
+    pub nights: usize,
+    pub seed: u64,
+}
+
 impl Change {
     fn draw(of: &Type, number: usize, nights: usize, rng: &mut ChaCha8Rng) -> Self {
         let kind = KINDS[number % KINDS.len()];
-        let bearing: Vec<usize> = (0..of.joints.len())
-            .filter(|j| of.joints[*j].bears)
-            .collect();
-        let any = rng.random_range(0..of.joints.len());
-        let bears = bearing[rng.random_range(0..bearing.len())];
+        let mut one_of = |suits: &dyn Fn(Weight) -> bool| {
+            let joints = (0..of.joints.len()).filter(|j| suits(of.joints[*j].weight));
+            let joints: Vec<usize> = joints.collect();
+            joints[rng.random_range(0..joints.len())]
+        };
+        let any = one_of(&|_| true);
+        // A gear that transmits next to nothing loses next to nothing.
+        let bears = one_of(&|weight| weight != Weight::None);
+        let shows = one_of(&|weight| weight == Weight::Shows);
         // Enough nights before it for a history, and two from it on.
         let night = rng.random_range(nights.div_ceil(4) + 1..nights);
         let (joint, range) = match kind {
             "friction up" => (Some(any), [0.2, 0.6]),
-            // A gear that transmits next to nothing loses next to nothing.
             "efficiency down" => (Some(bears), [0.03, 0.08]),
             "load left on" => (None, [0.2, 0.8]),
-            "encoder offset" => (Some(bears), [0.01, 0.03]),
+            "encoder offset" => (Some(shows), [0.01, 0.03]),
             _ => (Some(any), [0.002, 0.006]),
         };
         Self {
             kind,
             joint,
             night,
-            size: size(rng, range),
+            size: between(rng, range[0], range[1]),
         }
+    }
+
+    /// The parameter that it changes, and by how much in a robot.
+    pub fn step(&self, robot: &Robot) -> Step {
+        let of_joint = |parameter: &str| {
+            let number = self.joint.map_or(0, |j| j + 1);
+            format!("j{number}.{parameter}")
+        };
+        let coulomb = self.joint.map_or(0.0, |j| robot.joints[j].coulomb);
+        let (parameter, size) = match self.kind {
+            "friction up" => (of_joint("coulomb_friction.Fc"), self.size * coulomb),
+            "efficiency down" => (of_joint("transmission_efficiency.R"), self.size),
+            "encoder offset" => (of_joint("encoder_offset.offset"), self.size),
+            "delay up" => (of_joint("time_delay.delay"), self.size),
+            _ => ("payload.mass".to_string(), self.size),
+        };
+        Step { parameter, size }
     }
 
     fn apply(&self, robot: &mut Robot) {
@@ -90,7 +124,7 @@ impl Change {
         match (self.kind, self.joint) {
             ("friction up", Some(j)) => robot.joints[j].coulomb *= 1.0 + size,
             ("efficiency down", Some(j)) => robot.joints[j].efficiency -= size,
-            ("encoder offset", Some(j)) => robot.joints[j].encoder = size,
+            ("encoder offset", Some(j)) => robot.joints[j].encoder += size,
             ("delay up", Some(j)) => robot.joints[j].delay += size,
             _ => robot.tool += size,
         }
@@ -98,9 +132,11 @@ impl Change {
 }
 
 impl Fleet {
-    pub fn draw(robots: usize, nights: usize) -> Self {
+    pub fn draw(by: Draw) -> Self {
         let member = |number: usize| {
-            let mut rng = generator(number as u64);
+            // A generator's seed is hashed: neighbours have nothing in common.
+            let seed = by.seed << 20 | number as u64;
+            let mut rng = generator(seed);
             let of = &TYPES[number % TYPES.len()];
             let robot = Robot::draw(of, &mut rng);
             let changes = number % ONE_IN == ONE_IN / 2;
@@ -108,13 +144,13 @@ impl Fleet {
                 name: format!("r{number:04}"),
                 of,
                 robot,
-                change: changes.then(|| Change::draw(of, number / ONE_IN, nights, &mut rng)),
-                seed: number as u64,
+                change: changes.then(|| Change::draw(of, number / ONE_IN, by.nights, &mut rng)),
+                seed,
             }
         };
         Self {
-            members: (0..robots).map(member).collect(),
-            nights,
+            members: (0..by.robots).map(member).collect(),
+            nights: by.nights,
         }
     }
 
@@ -128,7 +164,7 @@ impl Fleet {
                 "{}[design]\nperiod = 5.0\n[simulate]\ntrajectory = \"random\"\nperiods = 1\n",
                 of.problem()
             );
-            let text = random + &Robot::draw(of, &mut generator(0)).values();
+            let text = random + &Robot::draw(of, &mut generator(0)).values(of);
             let made = simulated(&folder.join(format!("{}_motion.toml", of.name)), &text, 1)?;
             let mut trajectory = made.trajectories[0].clone();
             trajectory.name = format!("{}.trajectory.csv", of.name);
@@ -142,6 +178,28 @@ impl Fleet {
                 }
                 Ok(())
             })?;
+        fs::write(folder.join("truth.csv"), self.truth())?;
+        fs::write(folder.join("manifest.csv"), self.manifest(self.nights))?;
+        Ok(())
+    }
+
+    /// Whether a folder holds this fleet, whole.
+    ///
+    /// # Errors
+    /// It holds another one.
+    pub fn is_in(&self, folder: &Path) -> Outcome<bool> {
+        match (
+            fs::read_to_string(folder.join("truth.csv")),
+            fs::exists(folder.join("manifest.csv"))?,
+        ) {
+            (Ok(truth), there) if truth == self.truth() => Ok(there),
+            (Ok(_), _) => Err("the folder holds another fleet".into()),
+            (Err(_), _) => Ok(false),
+        }
+    }
+
+    /// What was planted.
+    fn truth(&self) -> String {
         let mut truth = String::from("robot,type,kind,joint,night,size\n");
         for member in &self.members {
             if let Some(change) = &member.change {
@@ -154,9 +212,7 @@ impl Fleet {
                 ));
             }
         }
-        fs::write(folder.join("truth.csv"), truth)?;
-        fs::write(folder.join("manifest.csv"), self.manifest(self.nights))?;
-        Ok(())
+        truth
     }
 
     fn manifest(&self, nights: usize) -> String {
@@ -183,7 +239,7 @@ impl Fleet {
 impl Member {
     /// The robot as it is on a night.
     pub fn on(&self, night: usize) -> Robot {
-        let mut rng = generator(self.seed ^ (night as u64) << 32);
+        let mut rng = generator(self.seed ^ (night as u64) << 48);
         let mut robot = self.robot.tonight(&mut rng);
         if let Some(change) = self.change.as_ref().filter(|c| night >= c.night) {
             change.apply(&mut robot);
@@ -226,9 +282,9 @@ impl Member {
             self.of.name,
             quality.periods,
             vec![65_536.0; count],
-            robot.values()
+            robot.values(self.of)
         );
-        let seed = self.seed << 8 | night as u64;
+        let seed = self.seed ^ (night as u64) << 56;
         let mut made = simulated(&folder.join("simulated.toml"), &text, seed)?;
         let recording = &mut made.recordings[0];
         for (j, joint) in robot.joints.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! The three types: what their files say, and what one robot of a type has.
 
-use exid::robot::random::{between, symmetric};
+use exid::robot::random::symmetric;
 use rand_chacha::ChaCha8Rng;
 
 /// A joint of a type.
@@ -12,8 +12,17 @@ pub struct JointOfType {
     pub mass: f64,
     /// N·m, of a robot in the middle of its type.
     pub friction: f64,
-    /// Gravity acts on it.
-    pub bears: bool,
+    pub weight: Weight,
+}
+
+/// What gravity does at a joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Weight {
+    /// Nothing: its axis stands vertical.
+    None,
+    /// Too little for the zero of its encoder to show.
+    Little,
+    Shows,
 }
 
 /// A type of robots.
@@ -26,14 +35,14 @@ const fn joint(
     axis: &'static str,
     at: &'static str,
     [mass, friction]: [f64; 2],
-    bears: bool,
+    weight: Weight,
 ) -> JointOfType {
     JointOfType {
         axis,
         at,
         mass,
         friction,
-        bears,
+        weight,
     }
 }
 
@@ -44,31 +53,34 @@ pub static TYPES: [Type; 3] = [
     Type {
         name: "swing",
         joints: &[
-            joint(Y, "0 0 0.3", [6.0, 3.0], true),
-            joint(Y, "0.4 0 0", [4.0, 2.0], true),
+            joint(Y, "0 0 0.3", [6.0, 3.0], Weight::Shows),
+            joint(Y, "0.4 0 0", [4.0, 2.0], Weight::Shows),
         ],
     },
     Type {
         name: "turn",
         joints: &[
-            joint(Z, "0 0 0.2", [8.0, 4.0], false),
-            joint(Y, "0 0 0.1", [6.0, 3.0], true),
-            joint(Y, "0.4 0 0", [4.0, 2.0], true),
+            joint(Z, "0 0 0.2", [8.0, 4.0], Weight::None),
+            joint(Y, "0 0 0.1", [6.0, 3.0], Weight::Shows),
+            joint(Y, "0.4 0 0", [4.0, 2.0], Weight::Shows),
         ],
     },
     Type {
         name: "wrist",
         joints: &[
-            joint(Z, "0 0 0.2", [8.0, 4.0], false),
-            joint(Y, "0 0 0.1", [6.0, 3.0], true),
-            joint(Y, "0.4 0 0", [4.0, 2.0], true),
-            joint("1 0 0", "0.3 0 0", [1.5, 0.8], true),
+            joint(Z, "0 0 0.2", [8.0, 4.0], Weight::None),
+            joint(Y, "0 0 0.1", [6.0, 3.0], Weight::Shows),
+            joint(Y, "0.4 0 0", [4.0, 2.0], Weight::Shows),
+            joint("1 0 0", "0.3 0 0", [1.5, 0.8], Weight::Little),
         ],
     },
 ];
 
 /// kg of the tool.
 pub const TOOL: f64 = 1.5;
+
+/// Where its centre of mass is in the last link, m: known of the tool, and of what it grips.
+const TOOL_CENTRE: &str = "0.15 0.01 0.03";
 
 impl Type {
     pub fn joint_name(&self, j: usize) -> String {
@@ -95,20 +107,31 @@ impl Type {
                 joint.axis
             ));
         }
-        text + "</robot>\n"
+        let last = self.joints.len();
+        text + &format!(
+            "<link name=\"tool\"/>\n<joint name=\"flange\" type=\"fixed\"><origin xyz=\"{TOOL_CENTRE}\"/><parent link=\"l{last}\"/>\
+             <child link=\"tool\"/></joint>\n</robot>\n"
+        )
     }
 
     /// The problem of all robots of the type, and with values one that simulates a robot.
     pub fn problem(&self) -> String {
+        const EFFECTS: &str = "\"coulomb_friction\", \"viscous_friction\", \"transmission_efficiency\", \"torque_offset\", \
+                               \"time_delay\"";
         let count = self.joints.len();
+        let numbered = || self.joints.iter().zip(1..);
         let widths: String = (1..=count)
             .map(|n| format!("\"j{n}.coulomb_friction.w\" = 0.01\n"))
             .collect();
+        let with_zero: String = numbered()
+            .filter(|(joint, _)| joint.weight == Weight::Shows)
+            .map(|(_, n)| format!("j{n} = [{EFFECTS}, \"encoder_offset\"]\n"))
+            .collect();
         format!(
-            "name = \"{0}\"\n[robot]\nurdf = \"{0}.urdf\"\ninertials = \"known\"\npayload = \"last\"\n[drive]\nrotor_inertia = \
-             {1:?}\neffects = [\"coulomb_friction\", \"viscous_friction\", \"transmission_efficiency\", \"torque_offset\", \
-             \"time_delay\"]\n[drive.values]\n{widths}[recordings]\ntrain = [\"none.csv\"]\nsignal = \"torque\"\nrate = 100.0\n\
-             period = 5.0\n",
+            "name = \"{0}\"\n[robot]\nurdf = \"{0}.urdf\"\ninertials = \"known\"\npayload = \"tool\"\nzero = [\"payload.com_x\", \
+             \"payload.com_y\", \"payload.com_z\", \"payload.inertia_xy\", \"payload.inertia_xz\", \"payload.inertia_yz\"]\n\
+             [drive]\nrotor_inertia = {1:?}\neffects = [{EFFECTS}]\n[drive.effects_of]\n{with_zero}[drive.values]\n{widths}\
+             [recordings]\ntrain = [\"none.csv\"]\nsignal = \"torque\"\nrate = 100.0\nperiod = 5.0\n",
             self.name,
             vec![0.3; count]
         )
@@ -155,6 +178,7 @@ impl Robot {
         let tool = TOOL * about(0.05);
         for joint in &mut joints {
             joint.offset = symmetric(rng, 0.2);
+            joint.encoder = symmetric(rng, 0.001);
         }
         Self { joints, tool }
     }
@@ -182,14 +206,15 @@ impl Robot {
             [name, _, "Fc"] => Some(joint(name)?.coulomb),
             [name, _, "Fv"] => Some(joint(name)?.viscous),
             [name, _, "R"] => Some(joint(name)?.efficiency),
+            [name, "encoder_offset", _] => Some(joint(name)?.encoder),
             [name, _, "offset"] => Some(joint(name)?.offset),
             [name, _, "delay"] => Some(joint(name)?.delay),
             _ => None,
         }
     }
 
-    /// The values of a simulation.
-    pub fn values(&self) -> String {
+    /// The values of a simulation in which encoders show where the joints are.
+    pub fn values(&self, of: &Type) -> String {
         let mut text = String::from("[simulate.values]\n");
         for (j, joint) in self.joints.iter().enumerate() {
             let name = format!("j{}", j + 1);
@@ -202,12 +227,15 @@ impl Robot {
             ] {
                 text.push_str(&format!("\"{name}.{parameter}\" = {value:?}\n"));
             }
+            if of.joints[j].weight == Weight::Shows {
+                text.push_str(&format!("\"{name}.encoder_offset.offset\" = 0.0\n"));
+            }
         }
         for (quantity, value) in [
             ("mass", self.tool),
-            ("com_x", 0.15),
-            ("com_y", 0.01),
-            ("com_z", 0.03),
+            ("com_x", 0.0),
+            ("com_y", 0.0),
+            ("com_z", 0.0),
             ("inertia_xx", 0.002),
             ("inertia_xy", 0.0),
             ("inertia_xz", 0.0),
@@ -219,9 +247,4 @@ impl Robot {
         }
         text
     }
-}
-
-/// A share of the way between two sizes.
-pub fn size(rng: &mut ChaCha8Rng, [low, high]: [f64; 2]) -> f64 {
-    between(rng, low, high)
 }

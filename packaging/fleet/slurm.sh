@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
-# A fleet as an array of Slurm, and the table when all of it is done:
+# A fleet, or a campaign of trials, as an array of Slurm, and the whole when all of it is done:
 #
-#   sbatch --array=1-64 packaging/fleet/slurm.sh nights.parquet /shared/items
-#   sbatch --dependency=afterany:JOB packaging/fleet/slurm.sh nights.parquet /shared/items
+#   sbatch --array=1-64 packaging/fleet/slurm.sh fleet nights.parquet --items /shared/items
+#   sbatch --dependency=afterany:JOB packaging/fleet/slurm.sh fleet nights.parquet --items /shared/items
+#
+#   sbatch --array=1-64 packaging/fleet/slurm.sh trials --count 100000 --items /shared/trials
 #
 # Jobs may be killed, preempted and queued again: items that are done are not done again.
 #SBATCH --cpus-per-task=4
@@ -10,9 +12,8 @@
 #SBATCH --time=02:00:00
 #SBATCH --requeue
 set -euo pipefail
-manifest=$1 items=$2
+part=()
 if [ -n "${SLURM_ARRAY_TASK_ID:-}" ]; then
-  exec exid fleet "$manifest" --items "$items" --threads "${SLURM_CPUS_PER_TASK:-1}" \
-    --shard "$SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT"
+  part=(--shard "$SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT")
 fi
-exec exid fleet "$manifest" --items "$items" --threads "${SLURM_CPUS_PER_TASK:-1}"
+exec exid "$@" --threads "${SLURM_CPUS_PER_TASK:-1}" "${part[@]}"

@@ -13,10 +13,12 @@ The verbs are those of the program `exid`, and every call gives the bits of the 
 :func:`exid.load`      a results folder
 =====================  ==========================================================================
 
+:mod:`exid.fleet` works through recordings of many robots on Dask, Ray or any executor.
 :class:`exid.Problem` states a problem in Python, :class:`exid.Robot` has the rigid-body functions in batches. SI units
 throughout: m, rad, s, kg, N·m, A, °C.
 """
 
+from exid import fleet
 from exid._core import __version__
 from exid.data import Data, Recording
 from exid.errors import (
@@ -78,6 +80,7 @@ __all__ = [
     "diagnose",
     "export",
     "fit",
+    "fleet",
     "load",
     "rollout",
     "simulate",

@@ -3,6 +3,7 @@
 A manifest is worked through in parts, ``exid fleet MANIFEST --shard i/n``, each a task of the engine. Results of items are
 kept by the hash of all that they depend on, so that a part that is lost, or done twice, changes nothing; when all parts
 are done the table is made from them, ``exid fleet MANIFEST``, and is the same bit for bit however many workers there were.
+Campaigns of ``exid trials`` go the same way, :func:`trials`.
 
 >>> from exid import fleet
 >>> night = fleet.run("nights.parquet", "tcp://scheduler:8786")        # doctest: +SKIP
@@ -22,14 +23,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
-__all__ = ["Fleet", "FleetError", "Ray", "run"]
+__all__ = ["Fleet", "FleetError", "Ray", "run", "trials"]
 
 #: Parts for each thread of an engine: what is lost with a worker is a quarter of an hour's work at most of a long hour.
 PARTS_PER_THREAD = 4
 
 #: Times that an engine does a part again whose worker is lost.
 RETRIES = 5
-
 
 
 class FleetError(RuntimeError):
@@ -204,25 +204,77 @@ def run(
     """
     manifest = Path(manifest).absolute()
     folder = Path(out) if out is not None else Path("results") / manifest.stem / "fleet"
-    kept = Path(items) if items is not None else folder.with_name(folder.name + ".items")
+    command = [_program(program), "fleet", str(manifest), *options]
+    return Fleet(folder, _in_parts(_Work(command, folder, items, store, parts), engine))
+
+
+def trials(
+    count: int,
+    engine: Any = None,
+    *,
+    out: str | os.PathLike[str] = "results/trials/trials",
+    items: str | os.PathLike[str] | None = None,
+    store: str | None = None,
+    parts: int | None = None,
+    options: Sequence[str] = (),
+    program: str | None = None,
+) -> dict[str, Any]:
+    """Run a campaign of concealed-effect trials, ``exid trials``, on an engine.
+
+    Parameters
+    ----------
+    count
+        Number of trials.
+    engine, out, items, store, parts, program
+        As in :func:`run`: every trial is an item.
+    options
+        Further options of ``exid trials``, such as ``["--seed", "7", "--motion", "sweeps"]``.
+
+    Returns
+    -------
+    dict
+        ``result.json`` of the campaign.
+
+    Raises
+    ------
+    FleetError
+        An option is wrong, or a folder cannot be written.
+    """
+    command = [_program(program), "trials", "--count", str(count), *options]
+    return _in_parts(_Work(command, Path(out), items, store, parts), engine)
+
+
+@dataclass(frozen=True)
+class _Work:
+    """Items that a command of the program works on in parts, and then puts together."""
+
+    command: list[str]
+    folder: Path
+    items: str | os.PathLike[str] | None
+    store: str | None
+    parts: int | None
+
+
+def _in_parts(work: _Work, engine: Any) -> dict[str, Any]:
+    """All parts on an engine, then the whole here; gives ``result.json``."""
+    folder, store = work.folder, work.store
+    kept = Path(work.items) if work.items is not None else folder.with_name(folder.name + ".items")
     kept = kept.absolute()
-    command = [_program(program), "fleet", str(manifest)]
-    options = list(options)
     with _Opened(engine) as opened:
-        count = parts or PARTS_PER_THREAD * getattr(opened, "threads", os.cpu_count() or 1)
+        count = work.parts or PARTS_PER_THREAD * getattr(opened, "threads", os.cpu_count() or 1)
         tasks = [
-            opened.submit(_part, command, f"{number}/{count}", str(kept), store, options)
+            opened.submit(_part, work.command, f"{number}/{count}", str(kept), store)
             for number in range(1, count + 1)
         ]
         for task in tasks:
             task.result()
     if store is not None:
         _pull(store, kept)
-    _call([*command, "--items", str(kept), "--out", str(folder), "--quiet", *options])
+    _call([*work.command, "--items", str(kept), "--out", str(folder), "--quiet"])
     if store is not None:
         _push(kept, store, set())
-    result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
-    return Fleet(folder, result)
+    result: dict[str, Any] = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+    return result
 
 
 class _Opened:
@@ -256,9 +308,9 @@ def _dask() -> Any:
     return importlib.import_module("dask.distributed")
 
 
-def _part(command: list[str], shard: str, items: str, store: str | None, options: list[str]) -> None:
+def _part(command: list[str], shard: str, items: str, store: str | None) -> None:
     """One part, on a worker."""
-    arguments = ["--shard", shard, "--threads", "1", "--quiet", *options]
+    arguments = ["--shard", shard, "--threads", "1", "--quiet"]
     if store is None:
         _call([*command, *arguments, "--items", items])
         return

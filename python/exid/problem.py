@@ -91,6 +91,8 @@ class Problem:
         The physics to look for, and how sure a finding has to be.
     law : list of Law
         Torque laws of one's own.
+    laws : list of str or path
+        Files with tables `[[law]]`, or folders of such files.
     folder : str or path
         Where relative paths of the tables start from.
 
@@ -111,6 +113,7 @@ class Problem:
     simulate: SimulateTable | None = None
     diagnose: DiagnoseTable | None = None
     law: list[Law] = field(default_factory=list)
+    laws: list[str | os.PathLike[str]] = field(default_factory=list)
     folder: str | os.PathLike[str] = "."
 
     @classmethod
@@ -181,6 +184,8 @@ class Problem:
         }
         if self.law:
             table["law"] = [law.to_dict() for law in self.law]
+        if self.laws:
+            table["laws"] = [os.fspath(path) for path in self.laws]
         return table
 
 

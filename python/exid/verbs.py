@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 import warnings
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Mapping, Union
+from typing import Any, Callable, Iterator, Mapping, Union
 
 from exid import _core
 from exid.data import Data, recordings
@@ -127,7 +128,7 @@ def check(
         Findings about units, signs, order of joints, sampling, delay, saturation and identifiability; nothing is raised
         for what a recording or the robot file has wrong.
     """
-    call = _Call("check", set, 0, threads, False, progress, out, max_rows)
+    call = _Call("check", set, threads=threads, progress=progress, out=out, max_rows=max_rows)
     return CheckResult(call.run(problem, data))
 
 
@@ -151,7 +152,7 @@ def diagnose(
     DiagnoseResult
         Verdict, findings with their rivals and probabilities, the fitted model, the next experiment.
     """
-    call = _Call("diagnose", set, seed, threads, False, progress, out, max_rows)
+    call = _Call("diagnose", set, seed, threads, progress=progress, out=out, max_rows=max_rows)
     return DiagnoseResult(call.run(problem, data))
 
 
@@ -175,8 +176,8 @@ def design(
     DesignResult
         The trajectory, and the standard deviations that a recording of it promises.
     """
-    call = _Call("design", set, seed, threads, force, progress, out, None)
-    return DesignResult(call.run(problem, None))
+    call = _Call("design", set, seed, threads, force, progress, out)
+    return DesignResult(call.run(problem))
 
 
 def simulate(
@@ -198,8 +199,8 @@ def simulate(
     SimulateResult
         Recordings as dictionaries of arrays, ready to be the `data` of :func:`fit`, and the truth behind them.
     """
-    call = _Call("simulate", set, seed, threads, force, progress, out, None)
-    return SimulateResult(call.run(problem, None))
+    call = _Call("simulate", set, seed, threads, force, progress, out)
+    return SimulateResult(call.run(problem))
 
 
 def rollout(
@@ -225,9 +226,9 @@ def rollout(
     RolloutResult
         Errors of position over the time simulated, of the models before and after.
     """
-    held = result if isinstance(result, Result) else load(result)
-    call = _Call("rollout", set, seed, threads, False, progress, out, None)
-    return RolloutResult(call.rollout(held, "" if isinstance(result, Result) else os.fspath(result)))
+    call = _Call("rollout", set, seed, threads, progress=progress, out=out)
+    source = result.source if isinstance(result, Result) else os.fspath(result)
+    return RolloutResult(call.rollout(_held(result), source))
 
 
 def export(result: AnyResult, to: str, out: str | os.PathLike[str] | None = None) -> Export:
@@ -247,8 +248,7 @@ def export(result: AnyResult, to: str, out: str | os.PathLike[str] | None = None
     Export
         The files with their text, and notes on what the format has no place for.
     """
-    held = result if isinstance(result, Result) else load(result)
-    return held.export(to, out)
+    return _held(result).export(to, out)
 
 
 def load(folder: str | os.PathLike[str]) -> Result:
@@ -265,6 +265,11 @@ def load(folder: str | os.PathLike[str]) -> Result:
         A result of the verb's kind. Predictions have the ten digits of the file.
     """
     return Result.of(_core.load(os.fspath(folder)))
+
+
+def _held(result: AnyResult) -> Result:
+    """A result, or that of a folder."""
+    return result if isinstance(result, Result) else load(result)
 
 
 @dataclass
@@ -291,22 +296,20 @@ class _Call:
 
     verb: str
     set: Mapping[str, Any] | None
-    seed: int
-    threads: int | None
-    force: bool
-    progress: Progress
-    out: str | os.PathLike[str] | None
-    max_rows: int | None
+    seed: int = 0
+    threads: int | None = None
+    force: bool = False
+    progress: Progress = None
+    out: str | os.PathLike[str] | None = None
+    max_rows: int | None = None
 
-    def run(self, problem: AnyProblem, data: Data | None) -> _core.Run:
+    def run(self, problem: AnyProblem, data: Data | None = None) -> _core.Run:
         given = self._given(problem, data)
         return self._watched(lambda options: _core.run(self.verb, given, options))
 
     def rollout(self, result: Result, source: str) -> _core.Run:
         set = overrides(self.set)
-        return self._watched(
-            lambda options: _core.rollout(result.core, set, source or result.source, options)
-        )
+        return self._watched(lambda options: _core.rollout(result.core, set, source, options))
 
     def _given(self, problem: AnyProblem, data: Data | None) -> _Given:
         read = recordings(data)
@@ -328,19 +331,23 @@ class _Call:
             # Refused before the work, not after it.
             _core.require_writable(os.fspath(self.out))
         command = [f"exid.{self.verb}"]
-        if self.progress is True:
-            from tqdm.auto import tqdm
-
-            with tqdm(total=0, bar_format="{desc} {elapsed}", desc=self.verb) as bar:
-                say = lambda words: bar.set_description_str(words)  # noqa: E731
-                run = work(_Options(self.seed, self.threads, self.force, say, command))
-        else:
-            told = self.progress if callable(self.progress) else None
+        with self._told() as told:
             run = work(_Options(self.seed, self.threads, self.force, told, command))
         self._warn(run)
         if self.out is not None:
             run.save(os.fspath(self.out))
         return run
+
+    @contextmanager
+    def _told(self) -> Iterator[Callable[[str], object] | None]:
+        """Who is told how far the run is."""
+        if self.progress is True:
+            from tqdm.auto import tqdm
+
+            with tqdm(total=0, bar_format="{desc} {elapsed}", desc=self.verb) as bar:
+                yield bar.set_description_str
+        else:
+            yield self.progress if callable(self.progress) else None
 
     def _warn(self, run: _core.Run) -> None:
         code = run.exit_code()

@@ -16,7 +16,9 @@ use exid::robot::regressor::Rows;
 use exid::robot::tree::Tree;
 use exid::setup;
 use nalgebra::DMatrix;
-use numpy::ndarray::{Array2, Array3, ArrayView2, ArrayViewMut3, Axis, s};
+use numpy::ndarray::{
+    Array2, Array3, ArrayView2, ArrayViewMut, ArrayViewMut3, Axis, RemoveAxis, s,
+};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
 };
@@ -84,6 +86,20 @@ impl Motion<'_> {
         let of = |states: &ArrayView2<f64>| states.slice(s![rows.clone(), ..]).to_owned();
         let (q, dq, ddq) = (of(&self.q), of(&self.dq), of(&self.ddq));
         Block::of(q.view(), dq.view(), ddq.view())
+    }
+
+    /// Fills an array whose first axis is the samples, block by block on all threads; `made` makes what a thread works with.
+    fn in_blocks<D: RemoveAxis, T>(
+        &self,
+        mut array: ArrayViewMut<'_, f64, D>,
+        made: impl Fn() -> T + Send + Sync,
+        fill: impl Fn(&mut T, Trajectory<'_>, ArrayViewMut<'_, f64, D>) + Send + Sync,
+    ) {
+        let chunks = array.axis_chunks_iter_mut(Axis(0), BLOCK);
+        let chunks = chunks.into_par_iter().enumerate();
+        chunks.for_each_init(made, |with, (number, out)| {
+            fill(with, self.block(number).trajectory(), out);
+        });
     }
 }
 
@@ -172,20 +188,20 @@ impl Robot {
         let n = self.tree.len();
         let mut torques = Array2::zeros((motion.q.nrows(), n));
         py.detach(|| {
-            let chunks = torques.axis_chunks_iter_mut(Axis(0), BLOCK);
-            let chunks = chunks.into_par_iter().enumerate();
-            chunks.for_each(|(number, mut out)| {
-                let block = motion.block(number);
-                let trajectory = block.trajectory();
-                let mut torque = vec![vec![0.0; trajectory.len()]; n];
-                let whole = (trajectory, 0..trajectory.len());
-                torques_into(&self.tree, &parameters, whole, &mut torque);
-                for (joint, series) in torque.iter().enumerate() {
-                    for (sample, &value) in series.iter().enumerate() {
-                        out[(sample, joint)] = value;
+            motion.in_blocks(
+                torques.view_mut(),
+                || (),
+                |(), trajectory, mut out| {
+                    let mut torque = vec![vec![0.0; trajectory.len()]; n];
+                    let whole = (trajectory, 0..trajectory.len());
+                    torques_into(&self.tree, &parameters, whole, &mut torque);
+                    for (joint, series) in torque.iter().enumerate() {
+                        for (sample, &value) in series.iter().enumerate() {
+                            out[(sample, joint)] = value;
+                        }
                     }
-                }
-            });
+                },
+            );
         });
         Ok(torques.into_pyarray(py))
     }
@@ -210,15 +226,12 @@ impl Robot {
         // NumPy's own memory: it asks the system for large pages, and most of the time goes into getting them.
         let regressor = PyArray3::zeros(py, [motion.q.nrows(), n, columns.len()], false);
         let mut writable = regressor.readwrite();
-        let mut values = writable.as_array_mut();
+        let values = writable.as_array_mut();
         py.detach(|| {
-            let chunks = values.axis_chunks_iter_mut(Axis(0), BLOCK);
-            let chunks = chunks.into_par_iter().enumerate();
-            chunks.for_each_init(
+            motion.in_blocks(
+                values,
                 || RegressorBatch::new(&self.tree, Rows::Torque, BLOCK),
-                |batch, (number, out)| {
-                    let block = motion.block(number);
-                    let trajectory = block.trajectory();
+                |batch, trajectory, out| {
                     batch.evaluate(&self.tree, trajectory, 0..trajectory.len());
                     scatter(batch, &cells, out);
                 },
@@ -314,13 +327,10 @@ impl Robot {
         let (samples, n) = motion.q.dim();
         let mut slopes = Array3::zeros((samples, 3 * n, n));
         py.detach(|| {
-            let chunks = slopes.axis_chunks_iter_mut(Axis(0), BLOCK);
-            let chunks = chunks.into_par_iter().enumerate();
-            chunks.for_each_init(
+            motion.in_blocks(
+                slopes.view_mut(),
                 || DerivativeBatch::new(&self.tree, BLOCK),
-                |batch, (number, mut out)| {
-                    let block = motion.block(number);
-                    let trajectory = block.trajectory();
+                |batch, trajectory, mut out| {
                     let whole = (trajectory, 0..trajectory.len());
                     batch.evaluate(&self.tree, &parameters, whole);
                     for order in 0..3 {

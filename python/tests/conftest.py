@@ -16,6 +16,11 @@ matplotlib.use("Agg")
 
 ROOT = Path(__file__).resolve().parents[2]
 
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+
+#: The program beside the package.
+PROGRAM = Path(os.environ.get("EXID_PROGRAM", TARGET / "release" / "exid")).absolute()
+
 Program = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
@@ -28,13 +33,11 @@ def in_root(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(scope="session")
 def program() -> Program:
     """Runs the program with arguments."""
-    target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
-    path = Path(os.environ.get("EXID_PROGRAM", target / "release" / "exid"))
-    if not path.exists():
-        pytest.fail(f"{path} is missing; build it with cargo build --release, or name it in EXID_PROGRAM")
+    if not PROGRAM.exists():
+        pytest.fail(f"{PROGRAM} is missing; build it with cargo build --release, or name it in EXID_PROGRAM")
 
     def run(*arguments: str) -> subprocess.CompletedProcess[str]:
-        command = [str(path), *arguments]
+        command = [str(PROGRAM), *arguments]
         return subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
 
     return run

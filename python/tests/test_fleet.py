@@ -2,48 +2,27 @@
 
 from __future__ import annotations
 
-import os
+import math
 import shutil
 import stat
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+from dask.distributed import Client, LocalCluster
 
 from exid import fleet
 
-PROGRAM = os.environ.get("EXID_PROGRAM") or shutil.which("exid")
-needs_program = pytest.mark.skipif(PROGRAM is None, reason="needs the program exid")
+from conftest import PROGRAM, ROOT, Program
 
-URDF = """<robot name="r"><link name="base"/><link name="l"><inertial><origin xyz="0.2 0 0"/><mass value="4"/>
-<inertia ixx="0.02" ixy="0" ixz="0" iyy="0.06" iyz="0" izz="0.06"/></inertial></link><joint name="j" type="revolute">
-<parent link="base"/><child link="l"/><axis xyz="0 1 0"/><limit lower="-3" upper="3" velocity="4" effort="100"/></joint></robot>
-"""
-
-PROBLEM = """[robot]
-urdf = "r.urdf"
-inertials = "known"
-[drive]
-effects = ["coulomb_friction", "viscous_friction"]
-rotor_inertia = [0.1]
-[drive.values]
-"j.coulomb_friction.w" = 0.01
-[recordings]
-train = ["none.csv"]
-signal = "torque"
-rate = 100.0
-[recordings.differentiation]
-method = "lowpass"
-cutoff_hz = 10.0
-"""
+#: A robot of one joint and its problem, which the tests of the program have too.
+SHARED = ROOT / "tests" / "data" / "fleet"
 
 
 def make(folder: Path, items: int) -> Path:
     """A fleet of a robot of one joint."""
-    import math
-
-    (folder / "r.urdf").write_text(URDF)
-    (folder / "p.toml").write_text(PROBLEM)
+    for name in ("r.urdf", "p.toml"):
+        shutil.copy(SHARED / name, folder)
     rows = ["robot,type,recordings,problem,time"]
     for n in range(items):
         lines = ["t,q1,tau1"]
@@ -67,42 +46,43 @@ def test_a_program_that_is_not_there_is_named(tmp_path: Path) -> None:
         fleet.run(tmp_path / "m.csv", ThreadPoolExecutor(1), program="no_such_program")
 
 
-@needs_program
-def test_threads_store_and_dask_give_one_table(tmp_path: Path) -> None:
+def test_engines_and_stores_give_the_table_of_the_program(program: Program, tmp_path: Path) -> None:
     manifest = make(tmp_path, 9)
-    tables = []
+    ran = program("fleet", str(manifest), "--out", str(tmp_path / "program"), "--quiet")
+    assert ran.returncode == 0, ran.stderr
+    tables = [(tmp_path / "program" / "summary.parquet").read_bytes()]
     with ThreadPoolExecutor(2) as pool:
-        plain = fleet.run(manifest, pool, out=tmp_path / "a", program=PROGRAM, parts=4)
+        plain = fleet.run(manifest, pool, out=tmp_path / "a", program=str(PROGRAM), parts=4)
         tables.append((plain.folder / "summary.parquet").read_bytes())
         assert plain.result["items"] == 9 and plain.result["set_aside"] == 0, plain.result
         assert plain.summary.startswith("9 items of 3 robots")
-        try:
-            import fsspec  # noqa: F401
-        except ImportError:
-            pass
-        else:
-            store = f"file://{tmp_path}/store"
-            stored = fleet.run(manifest, pool, out=tmp_path / "b", store=store, program=PROGRAM, parts=3)
-            tables.append((stored.folder / "summary.parquet").read_bytes())
-            assert len(list((tmp_path / "store").glob("*/*.json"))) == 9
-    try:
-        from dask.distributed import Client, LocalCluster
-    except ImportError:
-        pass
-    else:
-        with LocalCluster(2, threads_per_worker=1, dashboard_address=None, processes=False) as cluster:
-            with Client(cluster) as client:
-                by_dask = fleet.run(manifest, client, out=tmp_path / "c", program=PROGRAM)
-                tables.append((by_dask.folder / "summary.parquet").read_bytes())
+        assert set(plain.table()["robot"]) == {"r0", "r1", "r2"}
+        store = f"file://{tmp_path}/store"
+        stored = fleet.run(manifest, pool, out=tmp_path / "b", store=store, program=str(PROGRAM), parts=3)
+        tables.append((stored.folder / "summary.parquet").read_bytes())
+        assert len(list((tmp_path / "store").glob("*/*.json"))) == 9
+    with LocalCluster(2, threads_per_worker=1, dashboard_address=None, processes=False) as cluster:
+        with Client(cluster) as client:
+            by_dask = fleet.run(manifest, client, out=tmp_path / "c", program=str(PROGRAM))
+            tables.append((by_dask.folder / "summary.parquet").read_bytes())
     assert all(table == tables[0] for table in tables)
 
 
-@needs_program
+def test_a_campaign_in_parts_is_that_of_one_run(tmp_path: Path) -> None:
+    few = ["--effects", "torque_offset", "--robots", "arm3", "--seed", "2"]
+    with ThreadPoolExecutor(2) as pool:
+        whole, parts = (
+            fleet.trials(2, pool, out=tmp_path / str(n), options=few, program=str(PROGRAM), parts=n) for n in (1, 2)
+        )
+    answers = [[trial | {"seconds": None} for trial in campaign["trials"]] for campaign in (whole, parts)]
+    assert len(answers[0]) == 2 and answers[0] == answers[1]
+
+
 def test_a_wrong_manifest_is_said_in_the_program_s_words(tmp_path: Path) -> None:
     manifest = tmp_path / "m.csv"
     manifest.write_text("robot,problem,time\nr,p.toml,1\n")
     with ThreadPoolExecutor(1) as pool, pytest.raises(fleet.FleetError, match="recordings") as caught:
-        fleet.run(manifest, pool, out=tmp_path / "out", program=PROGRAM, parts=1)
+        fleet.run(manifest, pool, out=tmp_path / "out", program=str(PROGRAM), parts=1)
     assert caught.value.code == 2
 
 

@@ -71,6 +71,7 @@ pub(super) fn joint_model(
         delay: None,
         elasticity: None,
         play: None,
+        encoder: None,
         rounding: 0.0,
     };
     for effect in effects_with_known_values(settings, j) {
@@ -189,6 +190,7 @@ fn remember(model: &mut JointModel, effect: &Effect, first: usize) {
         Law::Delay => &mut model.delay,
         Law::Spring => &mut model.elasticity,
         Law::Play => &mut model.play,
+        Law::Encoder => &mut model.encoder,
         _ => return,
     };
     *slot = Some(first);

@@ -35,6 +35,8 @@ pub struct JointModel {
     pub elasticity: Option<usize>,
     /// Position of the play between motor and link, if the joint has one.
     pub play: Option<usize>,
+    /// Position of the offset of the encoder, if the joint has one.
+    pub encoder: Option<usize>,
     /// N·m (N) of transmitted torque about zero within which the switch of losses is rounded off; 0: not at all.
     pub rounding: f64,
 }

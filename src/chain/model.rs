@@ -247,8 +247,27 @@ impl Model {
         std::iter::once((joint, 1.0)).chain(behind.map(|d| (d.joint, d.multiplier)))
     }
 
+    /// What is declared of `q = V m + offset`.
     pub fn offset(&self) -> &DVector<f64> {
         &self.offset
+    }
+
+    /// Where a joint stands beyond `V m + offset` at the given parameter values: the offset of its encoder, and of its leader's
+    /// where it follows one.
+    pub fn encoder_offset(&self, joint: usize, values: &DVector<f64>) -> f64 {
+        let own = |j: usize| self.joints[j].encoder.map_or(0.0, |at| values[at]);
+        let followed = self.dependents.iter().find(|d| d.joint == joint);
+        followed.map_or(own(joint), |d| d.multiplier * own(d.leader))
+    }
+
+    /// Whether what bodies do along a motion of the motors changes with a parameter that is none of theirs: it moves the
+    /// joints, or turns gravity.
+    pub fn moves_bodies(&self, parameter: usize) -> bool {
+        match self.parameters[parameter].role {
+            Role::Coupling { .. } | Role::Tilt { .. } => true,
+            Role::Effect { joint, .. } => self.joints[joint].encoder == Some(parameter),
+            _ => false,
+        }
     }
 
     /// Values of all parameters: known ones, and those that estimates start from.

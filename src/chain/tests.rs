@@ -150,7 +150,7 @@ fn assert_derivatives(effects: &[&'static Effect], signal: Signal, seed: u64) {
 /// With what the bodies do kept from other values of their parameters, the signal and its derivatives are the same.
 fn assert_known_bodies(model: &Model, segment: Segment<'_>) {
     let role = |p: &usize| model.parameters()[*p].role;
-    let keeps = |p: &usize| !matches!(role(p), Role::Coupling { .. } | Role::Tilt { .. });
+    let keeps = |p: &usize| !model.moves_bodies(*p);
     let columns: Vec<usize> = (0..model.parameters().len()).filter(keeps).collect();
     let of_bodies = columns.iter().filter(|p| role(p).is_inertial());
     let mut others = model.values();

@@ -235,6 +235,12 @@ pub struct Campaign {
     /// Results folder [default: results/trials/trials; with --only: results/trials/only]
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
+    /// Keep what every trial came to in a folder, as a fleet does, and take from it what is done
+    #[arg(long, value_name = "FOLDER", conflicts_with = "only")]
+    pub items: Option<PathBuf>,
+    /// Run every N-th trial from the I-th on, and write no result
+    #[arg(long, value_name = "I/N", requires = "items")]
+    pub shard: Option<Shard>,
     /// Number of threads [default: all processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,

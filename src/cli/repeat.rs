@@ -217,6 +217,8 @@ fn campaign(query: &Repetition, earlier: &Outcome, made: &Trials, out: PathBuf) 
         only: numbers,
         keep: None,
         out: Some(out),
+        items: None,
+        shard: None,
         threads: query.threads,
         printing: Printing::SILENT,
     }

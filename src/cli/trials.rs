@@ -1,9 +1,12 @@
 //! `exid trials`: how often the diagnosis is right on random robots.
 
+use crate::chain::effect::EFFECTS;
 use crate::cli::args::Campaign;
 use crate::cli::error::CliError;
 use crate::cli::progress::Progress;
 use crate::cli::{interrupt, output};
+use crate::fleet::key;
+use crate::fleet::store::Store;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::provenance::VERSION;
 use crate::outcome::run::Run as Record;
@@ -41,13 +44,21 @@ pub fn run(campaign: &Campaign) -> Result<u8, CliError> {
             false => FOLDER_OF_SINGLE,
         })
     });
-    let target = output::writable(folder)?;
+    let target = match campaign.shard {
+        Some(_) => folder,
+        None => output::writable(folder)?,
+    };
     let control = Control {
         interrupt: Some(interrupt::flag()),
         ..Control::default()
     };
     let progress = Progress::new(campaign.printing);
-    let Work { mut done, open } = work(campaign, earlier(&target, &scope));
+    let items = Items::open(campaign, &scope)?;
+    let earlier = match &items {
+        Some(items) => items.done(campaign),
+        None => earlier(&target, &scope),
+    };
+    let Work { mut done, open } = work(campaign, earlier);
     let place = Place::new(campaign.keep.as_deref(), &open)?;
     let all = done.len() + open.len();
     let mut made = 0;
@@ -58,13 +69,22 @@ pub fn run(campaign: &Campaign) -> Result<u8, CliError> {
         if control.is_interrupted() {
             break;
         }
+        if let Some(items) = &items {
+            trials.iter().try_for_each(|trial| items.keep(trial))?;
+        }
         made += trials.len();
         done.extend(trials);
+        if campaign.shard.is_some() {
+            continue;
+        }
         done.sort_by_key(|t| t.seed);
         let outcome = outcome(&scope, done.clone(), (started, made));
         folder::write(&target, &outcome, |_| Ok(()))?;
     }
     progress.done();
+    if campaign.shard.is_some() && !control.is_interrupted() {
+        return Ok(0);
+    }
     let outcome = outcome(&scope, done, (started, made));
     output::finish_alone(campaign.printing, &target, &outcome)?;
     Ok(match control.is_interrupted() {
@@ -85,6 +105,7 @@ fn work(campaign: &Campaign, earlier: Vec<Trial>) -> Work {
         true => (0..campaign.count).collect(),
         false => campaign.only.clone(),
     };
+    open.retain(|number| campaign.shard.is_none_or(|shard| shard.holds(*number)));
     open.sort_unstable();
     open.dedup();
     let mut done = earlier;
@@ -96,6 +117,47 @@ fn work(campaign: &Campaign, earlier: Vec<Trial>) -> Work {
         false => done.retain(|trial| !open.contains(&trial.seed)),
     }
     Work { done, open }
+}
+
+/// Trials of a campaign that several machines run, each kept under the hash of all that it depends on.
+struct Items {
+    store: Store<Trial>,
+    drawn: Vec<String>,
+}
+
+impl Items {
+    fn open(campaign: &Campaign, scope: &Scope) -> Result<Option<Self>, CliError> {
+        let Some(folder) = &campaign.items else {
+            return Ok(None);
+        };
+        // Laws by what they say: their files may change.
+        let own = scope.catalogue.effects().iter().skip(EFFECTS.len());
+        let own = own.map(|effect| format!("{effect:?}"));
+        let drawn = ["exid trial 1".to_string(), scope.seed.to_string()];
+        let drawn = drawn.into_iter().chain([drawn_from(scope).to_string()]);
+        Ok(Some(Self {
+            store: Store::open(folder)?,
+            drawn: drawn.chain(own).collect(),
+        }))
+    }
+
+    fn key(&self, number: u64) -> String {
+        let mut parts = self.drawn.clone();
+        parts.push(number.to_string());
+        key::of_parts(&parts)
+    }
+
+    /// What is done of the campaign, or of the part of it.
+    fn done(&self, campaign: &Campaign) -> Vec<Trial> {
+        let is_ours = |number: &u64| campaign.shard.is_none_or(|shard| shard.holds(*number));
+        let ours = (0..campaign.count).filter(is_ours);
+        ours.filter_map(|number| self.store.read(&self.key(number)))
+            .collect()
+    }
+
+    fn keep(&self, trial: &Trial) -> Result<(), CliError> {
+        Ok(self.store.keep(&self.key(trial.seed), trial)?)
+    }
 }
 
 /// Where the files of trials go.

@@ -168,8 +168,8 @@ fn drive(machine: &Machine, j: usize, catalogue: &Catalogue) -> Result<Drive, Ex
             Law::Spring => elastic = Some([values[0], values[1]]),
             Law::Play => play = Some(values[0]),
             Law::Delay => drive.delay = values[0],
-            // They stand in V, in the load and in gravity.
-            Law::Coupling | Law::Body | Law::Tilt => {}
+            // They stand in V, in the offsets, in the load and in gravity.
+            Law::Coupling | Law::Encoder | Law::Body | Law::Tilt => {}
         }
     }
     if drive.current.is_some() {

@@ -22,7 +22,7 @@ mod term;
 mod urdf;
 mod xml;
 
-use crate::chain::effect::TILT;
+use crate::chain::effect::{Law, TILT, find};
 use crate::export::error::ExportError;
 pub use crate::export::file::{Export, File};
 use crate::export::language::Language;
@@ -131,6 +131,15 @@ fn caveats(machine: &Machine) -> Vec<String> {
         if let Some(position) = joint.locked {
             notes.push(format!(
                 "{} stood still at {position} in every recording: the model holds at that position only",
+                joint.name
+            ));
+        }
+        let is_zero = |id: &str| find(id).is_some_and(|e| matches!(e.law, Law::Encoder));
+        let zero = joint.effects.iter().find(|effect| is_zero(&effect.id));
+        let offset = zero.and_then(|effect| effect.parameters.first());
+        if let Some(offset) = offset.map(|p| p.value).filter(|offset| *offset != 0.0) {
+            notes.push(format!(
+                "positions of {} are where it stands: its encoder shows {offset} less",
                 joint.name
             ));
         }

@@ -12,7 +12,7 @@ use crate::fleet::settings::Settings;
 use crate::fleet::store::Store;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::fit::BaseParameter;
-use crate::outcome::parameter::Source;
+use crate::outcome::parameter::{Parameter, Source};
 use crate::problem::defect::{Defect, guarded};
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
@@ -62,7 +62,7 @@ pub enum Turn {
 /// What one worker works with.
 pub struct Worker<'a> {
     pub settings: &'a Settings,
-    pub store: &'a Store,
+    pub store: &'a Store<CameTo>,
     /// The folder of the manifest, which messages leave out.
     pub folder: &'a Path,
     /// Set when an item's time is over, or the run is interrupted.
@@ -298,10 +298,17 @@ fn converged(estimate: &Estimate) -> Result<(), Failure> {
 
 /// Estimated parameters, and the combinations of those that are not determined one by one.
 fn values(estimate: &Estimate, base: &[BaseParameter]) -> Vec<Value> {
-    let estimated = |source| matches!(source, Source::Data | Source::Prior | Source::Bound);
-    let single = estimate.parameters.iter().filter(|p| estimated(p.source));
-    let mut values: Vec<Value> = single.map(Value::from).collect();
-    let known = |expression: &str| estimate.parameters.iter().any(|p| p.name == expression);
+    let estimated =
+        |p: &&Parameter| matches!(p.source, Source::Data | Source::Prior | Source::Bound);
+    let single = || estimate.parameters.iter().filter(estimated);
+    let mut values: Vec<Value> = single().map(Value::from).collect();
+    let known = |expression: &str| {
+        // A mass that stands alone in a combination has the name of the regressor's column there.
+        let mass = expression
+            .strip_suffix(".m")
+            .map(|body| format!("{body}.mass"));
+        single().any(|p| p.name == expression || Some(&p.name) == mass.as_ref())
+    };
     let combined = base.iter().filter(|b| !known(&b.expression));
     values.extend(combined.map(|base| Value {
         parameter: base.expression.clone(),

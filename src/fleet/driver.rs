@@ -26,7 +26,7 @@ const TICK: Duration = Duration::from_millis(20);
 /// A fleet at work.
 pub struct Driver<'a> {
     pub settings: &'a Settings,
-    pub store: &'a Store,
+    pub store: &'a Store<CameTo>,
     pub interrupt: Arc<AtomicBool>,
 }
 

@@ -7,13 +7,13 @@ use serde::{Deserialize, Serialize};
 
 /// The content of an item's file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Kept {
+pub struct Kept<T> {
     /// The item's key: a file that is copied to another place is not taken for another item.
     pub key: String,
     /// Version of the program.
     pub version: String,
     #[serde(flatten)]
-    pub came_to: CameTo,
+    pub came_to: T,
 }
 
 /// What an item came to.

@@ -28,20 +28,26 @@ pub fn of(problem: &ProblemFile, verb: Verb, files: &[PathBuf]) -> Result<String
             recordings.shift_remove(*name);
         });
     }
+    let mut parts = vec![
+        FORM.to_string(),
+        verb.as_str().to_string(),
+        stated.to_string(),
+    ];
+    for file in files {
+        parts.push(Input::of(file)?.sha256);
+    }
+    Ok(of_parts(&parts))
+}
+
+/// The key of what depends on texts and on the program alone.
+pub fn of_parts(parts: &[String]) -> String {
     let mut hash = Sha256::new();
-    let mut part = |text: &str| {
+    let program = [VERSION, env!("EXID_REVISION")];
+    for text in program.into_iter().chain(parts.iter().map(String::as_str)) {
         // The length before each part: no two lists of parts are one text.
         hash.update((text.len() as u64).to_le_bytes());
         hash.update(text);
-    };
-    part(FORM);
-    part(VERSION);
-    part(env!("EXID_REVISION"));
-    part(verb.as_str());
-    part(&stated.to_string());
-    for file in files {
-        part(&Input::of(file)?.sha256);
     }
     let digest = hash.finalize();
-    Ok(digest.iter().map(|byte| format!("{byte:02x}")).collect())
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }

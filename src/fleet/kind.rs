@@ -59,6 +59,12 @@ mod tests {
             ("payload.mass", 2.0, "load left on", None),
             ("payload.com_x", 0.1, "other load", None),
             ("a1.time_delay.delay", 0.01, "delay up", Some("a1")),
+            (
+                "a2.encoder_offset.offset",
+                -0.01,
+                "encoder offset",
+                Some("a2"),
+            ),
             ("base_tilt.pitch", 0.1, "base tilted", None),
             ("link2.mass", 0.1, "other link", None),
             (

@@ -5,21 +5,26 @@
 //! a failing machine left torn cannot be read and counts as absent, so that nothing waits for the disk.
 
 use crate::fleet::error::FleetError;
-use crate::fleet::item::{CameTo, Kept};
+use crate::fleet::item::Kept;
 use crate::outcome::provenance::VERSION;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::fs;
+use std::io;
+use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
-/// A folder of items.
+/// A folder of items that come to values of a type.
 #[derive(Debug)]
-pub struct Store {
+pub struct Store<T> {
     folder: PathBuf,
+    came_to: PhantomData<fn() -> T>,
 }
 
 /// Digits of a key that name the folder of its file: 256 folders.
 const PREFIX: usize = 2;
 
-impl Store {
+impl<T: Serialize + DeserializeOwned> Store<T> {
     /// The folder, made where it is missing.
     ///
     /// # Errors
@@ -28,6 +33,7 @@ impl Store {
         fs::create_dir_all(folder).map_err(|e| FleetError::not_written(folder, &e))?;
         Ok(Self {
             folder: folder.to_path_buf(),
+            came_to: PhantomData,
         })
     }
 
@@ -37,9 +43,9 @@ impl Store {
     }
 
     /// What an item came to; `None` where it is not done.
-    pub fn read(&self, key: &str) -> Option<CameTo> {
+    pub fn read(&self, key: &str) -> Option<T> {
         let text = fs::read(self.place(key, "json")).ok()?;
-        let kept: Kept = serde_json::from_slice(&text).ok()?;
+        let kept: Kept<T> = serde_json::from_slice(&text).ok()?;
         (kept.key == key).then_some(kept.came_to)
     }
 
@@ -71,11 +77,11 @@ impl Store {
     ///
     /// # Errors
     /// The folder cannot be written.
-    pub fn keep(&self, key: &str, came_to: &CameTo) -> Result<(), FleetError> {
+    pub fn keep(&self, key: &str, came_to: &T) -> Result<(), FleetError> {
         let kept = Kept {
             key: key.to_string(),
             version: VERSION.to_string(),
-            came_to: came_to.clone(),
+            came_to,
         };
         let place = self.place(key, "json");
         let text = serde_json::to_string(&kept).map_err(|e| FleetError::not_written(&place, &e))?;
@@ -107,14 +113,14 @@ impl Store {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::item::Done;
+    use crate::fleet::item::{CameTo, Done};
 
     const KEY: &str = "ab12";
 
     #[test]
     fn what_is_kept_is_read_and_what_is_torn_is_not() {
         let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(&folder.path().join("items")).unwrap();
+        let store = Store::<CameTo>::open(&folder.path().join("items")).unwrap();
         assert_eq!(store.read(KEY), None);
         let done = CameTo::Done(Done::default());
         store.begin(KEY, 0).unwrap();
@@ -138,7 +144,7 @@ mod tests {
     #[test]
     fn abandoned_attempts_are_counted() {
         let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(folder.path()).unwrap();
+        let store = Store::<CameTo>::open(folder.path()).unwrap();
         store.begin(KEY, 0).unwrap();
         store.begin(KEY, store.abandoned(KEY)).unwrap();
         assert_eq!(store.abandoned(KEY), 2);

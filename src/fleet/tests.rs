@@ -17,26 +17,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-const URDF: &str = r#"<robot name="r"><link name="base"/><link name="l"><inertial><origin xyz="0.2 0 0"/><mass value="4"/>
-<inertia ixx="0.02" ixy="0" ixz="0" iyy="0.06" iyz="0" izz="0.06"/></inertial></link><joint name="j" type="revolute">
-<parent link="base"/><child link="l"/><axis xyz="0 1 0"/><limit lower="-3" upper="3" velocity="4" effort="100"/></joint></robot>"#;
-
-const PROBLEM: &str = r#"[robot]
-urdf = "r.urdf"
-inertials = "known"
-[drive]
-effects = ["coulomb_friction", "viscous_friction"]
-rotor_inertia = [0.1]
-[drive.values]
-"j.coulomb_friction.w" = 0.01
-[recordings]
-train = ["none.csv"]
-signal = "torque"
-rate = 100.0
-[recordings.differentiation]
-method = "lowpass"
-cutoff_hz = 10.0
-"#;
+const URDF: &str = include_str!("../../tests/data/fleet/r.urdf");
+const PROBLEM: &str = include_str!("../../tests/data/fleet/p.toml");
 
 /// A recording of 3 s of `τ = J·a + gravity + Fc·v/(|v| + w) + v + noise`.
 fn recording(seed: u64, coulomb: f64) -> String {

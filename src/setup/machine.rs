@@ -124,7 +124,7 @@ fn joint(robot: &Robot, model: &Model, values: &DVector<f64>, j: usize) -> Machi
         passive,
         follows,
         torque_constant: (model.signal() == Signal::Current).then_some(drive.torque_constant),
-        offset: model.offset()[j],
+        offset: model.offset()[j] + model.encoder_offset(j, values),
         effects: effects.collect(),
     }
 }

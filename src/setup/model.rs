@@ -113,6 +113,12 @@ fn build_with(
         model.record_joints(model.with_followers(reference));
     }
     if let Some(mechanism) = &robot.mechanism {
+        if model.joints().iter().any(|joint| joint.encoder.is_some()) {
+            let what = "joints within loops have no `encoder_offset`: the loops would move with it"
+                .to_string();
+            let place = problem_place(problem);
+            return Err(SetupError::mismatch(&place, Mismatch::Mechanism { what }));
+        }
         model.close(mechanism.clone());
     }
     keep_declared_entries(&mut model, problem, (robot, freed))?;

@@ -199,7 +199,10 @@ fn with_all_effects(problem: &ProblemFile, robot: &Robot) -> Result<Model, Simul
     all.drive.effects_of.clear();
     for (joint, own) in robot.tree.joints().iter().enumerate() {
         let possible = catalogue.effects().iter();
-        let possible = possible.filter(|e| has_others(&robot.tree, joint, e));
+        let possible = possible.filter(|e| {
+            let moves_loops = robot.mechanism.is_some() && matches!(e.law, Law::Encoder);
+            has_others(&robot.tree, joint, e) && !moves_loops
+        });
         all.drive.effects_of.push(Named {
             name: own.name.clone(),
             value: Located {

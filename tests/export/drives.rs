@@ -62,7 +62,7 @@ impl Proof {
                 for (k, to) in to.iter_mut().enumerate() {
                     let from = |i: usize| {
                         let offset = if order == 0 {
-                            self.robot.model.offset()[i]
+                            self.robot.outcome.machine().unwrap().joints[i].offset
                         } else {
                             0.0
                         };
@@ -234,7 +234,7 @@ fn prove(id: &'static str, effects: &[&str], head: &str) -> Proof {
                 let moved: f64 = (0..n).map(|j| coupling[(i, j)] * motors[order][j][k]).sum();
                 to[k] = moved
                     + if order == 0 {
-                        robot.model.offset()[i]
+                        machine.joints[i].offset
                     } else {
                         0.0
                     };

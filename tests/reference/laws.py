@@ -167,6 +167,11 @@ roll, pitch = 0.15, -0.2
 turned = (Rotation.from_euler("y", pitch) * Rotation.from_euler("x", roll)).inv().apply(GRAVITY)
 case("base_tilt", {"base_tilt.roll": roll, "base_tilt.pitch": pitch}, rigid(gravity=turned))
 
+# The joints stand further than their encoders show.
+further = (0.12, -0.2)
+case("encoder_offset", both(["encoder_offset.offset"], [further]),
+     [body(j, motor(j, T)[0] + further[j], motor(j, T)[2]) for j in range(2)])
+
 # q2 = m2 + V21 m1; the first motor bears V21 times the second joint's torque.
 entry = 0.35
 q = [motor(0, T)[0], motor(1, T)[0] + entry * motor(0, T)[0]]

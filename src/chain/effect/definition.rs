@@ -96,6 +96,8 @@ pub enum Law {
     Body,
     /// The direction of gravity.
     Tilt,
+    /// The zero of the joint's positions.
+    Encoder,
     /// A spring between motor and link: the link filters the motor's motion.
     Spring,
     /// Play between motor and link.
@@ -115,8 +117,15 @@ impl Law {
                 | Self::Coupling
                 | Self::Body
                 | Self::Tilt
+                | Self::Encoder
                 | Self::Delay
         )
+    }
+
+    /// Whether a diagnosis looks for it where nobody asks for it by name. A zero that is off is first moments that are other
+    /// ones wherever these are unknown, and a matter of calibration where they are known.
+    pub fn is_sought(self) -> bool {
+        !matches!(self, Self::Encoder)
     }
 }
 

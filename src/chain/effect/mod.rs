@@ -11,6 +11,7 @@ pub mod coulomb_friction;
 pub mod current_polynomial;
 mod definition;
 pub mod drive_gain;
+pub mod encoder_offset;
 pub mod expression;
 pub mod external_contact;
 pub mod flank;

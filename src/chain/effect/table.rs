@@ -3,8 +3,8 @@
 use crate::chain::effect::definition::Effect;
 use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::{
-    asymmetric_friction, backlash, base_tilt, coulomb_friction, drive_gain, external_contact,
-    joint_elasticity, joint_spring, kinematic_coupling, load_dependent_friction,
+    asymmetric_friction, backlash, base_tilt, coulomb_friction, drive_gain, encoder_offset,
+    external_contact, joint_elasticity, joint_spring, kinematic_coupling, load_dependent_friction,
     position_dependent_friction, presliding_hysteresis, rotor_inertia, sigmoid_friction,
     stribeck_friction, thermal_drift, time_delay, torque_current_nonlinearity, torque_offset,
     torque_ripple, transmission_efficiency, unmodelled_payload, viscous_friction,
@@ -34,6 +34,7 @@ pub const EFFECTS: &[&Effect] = &[
     &joint_spring::EFFECT,
     &unmodelled_payload::EFFECT,
     &base_tilt::EFFECT,
+    &encoder_offset::EFFECT,
     &time_delay::EFFECT,
     &thermal_drift::EFFECT,
     &external_contact::EFFECT,

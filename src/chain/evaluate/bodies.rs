@@ -4,7 +4,6 @@
 use crate::chain::evaluate::known_bodies::{KnownBodies, Slopes};
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
 use crate::chain::model::{JointModel, Model};
-use crate::chain::parameter::Role;
 use crate::robot::derivative_batch::DerivativeBatch;
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -17,8 +16,8 @@ const PART: usize = 512;
 impl KnownBodies {
     /// What the bodies do along a course as a function of some inertial parameters, `τ = τ₀ + Σ Y_k φ_k`.
     ///
-    /// `None` where that changes with another parameter of `columns`, an entry of V that moves the joints or the tilt of
-    /// the base that turns gravity, and for a mechanism with loops.
+    /// `None` where that changes with another parameter of `columns`, an entry of V or an offset that moves the joints or the
+    /// tilt of the base that turns gravity, and for a mechanism with loops.
     pub fn linear(
         model: &Model,
         values: &DVector<f64>,
@@ -26,8 +25,7 @@ impl KnownBodies {
         segment: Segment<'_>,
     ) -> Option<Self> {
         let role = |p: &usize| model.parameters()[*p].role;
-        let moves = |p: &usize| matches!(role(p), Role::Coupling { .. } | Role::Tilt { .. });
-        if columns.iter().any(moves) || model.mechanism().is_some() {
+        if columns.iter().any(|&p| model.moves_bodies(p)) || model.mechanism().is_some() {
             return None;
         }
         let inertial: Vec<usize> = columns

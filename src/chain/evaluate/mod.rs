@@ -227,7 +227,7 @@ impl<'m> Evaluator<'m> {
         self.push_links(segment.forces, range.clone());
         self.tilt_columns(segment.loaded, samples);
         self.joint_laws(segment, range.clone());
-        self.coupling_motion_columns(segment, range.clone());
+        self.add_motion_columns(segment, range.clone());
         if let Some(lag) = lag {
             self.lag_columns(&lag, samples);
         }
@@ -259,7 +259,7 @@ impl<'m> Evaluator<'m> {
             || model.joints().iter().any(JointModel::has_lag)
             || self.wrench_row().is_some()
             || !self.stiffness.is_empty()
-            || !self.coupling_entries().is_empty()
+            || !self.motion_columns().is_empty()
     }
 
     /// Joint torques come first among the channels, if they are measured at all.

@@ -42,7 +42,7 @@ pub(super) fn of_others<'a>(
 }
 
 impl Evaluator<'_> {
-    /// `q = V m + offset`, and the same for the derivatives without the offset.
+    /// `q = V m + offset`, that of the encoder with it, and the same for the derivatives without offsets.
     pub(super) fn move_joints(&mut self, motors: Trajectory<'_>, range: Range<usize>) {
         let n = self.model.joints().len();
         let last = range.len();
@@ -51,7 +51,7 @@ impl Evaluator<'_> {
             for i in 0..n {
                 let out = &mut self.joint_motion[which][i];
                 let constant = if which == 0 {
-                    self.model.offset()[i]
+                    self.model.offset()[i] + self.model.encoder_offset(i, &self.values)
                 } else {
                     0.0
                 };

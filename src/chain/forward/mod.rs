@@ -179,7 +179,9 @@ impl<'m> Forward<'m> {
             dynamics: ForwardDynamics::new(&tree),
             bodies: bodies(model, values, loaded),
             direct: size == n && map.is_identity(0.0),
-            constant: model.offset().iter().copied().collect(),
+            constant: (0..n)
+                .map(|j| model.offset()[j] + model.encoder_offset(j, values))
+                .collect(),
             solver: Rosenbrock::new(size, motors.len(), accuracy.tolerance),
             acceleration: vec![0.0; size],
             joints: [vec![0.0; n], vec![0.0; n]],
@@ -231,8 +233,9 @@ impl<'m> Forward<'m> {
         let coupling = self.model.coupling(&self.values);
         for (i, constant) in self.constant.iter_mut().enumerate() {
             let held = (0..motors.len()).filter(|j| !self.motors.contains(j));
-            *constant =
-                self.model.offset()[i] + held.map(|j| coupling[(i, j)] * motors[j]).sum::<f64>();
+            *constant = self.model.offset()[i]
+                + self.model.encoder_offset(i, &self.values)
+                + held.map(|j| coupling[(i, j)] * motors[j]).sum::<f64>();
         }
     }
 
@@ -244,11 +247,12 @@ impl<'m> Forward<'m> {
         }
     }
 
-    /// Positions of the drives' side of all joints that move, `V m + offset`.
+    /// Positions of the drives' side of all joints that move as they are recorded, `V m + offset`.
     pub fn joint_positions(&self, position: &[f64], out: &mut [f64]) {
         for (slot, &j) in out.iter_mut().zip(&self.motors) {
             let own = (0..self.motors.len()).map(|k| self.map[(j, k)] * position[k]);
-            *slot = self.constant[j] + own.sum::<f64>();
+            *slot =
+                self.constant[j] - self.model.encoder_offset(j, &self.values) + own.sum::<f64>();
         }
     }
 

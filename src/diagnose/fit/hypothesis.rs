@@ -68,7 +68,7 @@ pub fn addition(hypotheses: &[Hypothesis]) -> Addition {
     addition
 }
 
-/// Every hypothesis that a model leaves open; `sought` are the effects to look for, all if `None`.
+/// Every hypothesis that a model leaves open; `sought` are the effects to look for, all that are looked for unasked if `None`.
 /// What changes with time shows only `in_time`.
 pub fn open(
     model: &Model,
@@ -78,7 +78,11 @@ pub fn open(
 ) -> Vec<Hypothesis> {
     let wanted = |e: &&&'static Effect| {
         let shows = in_time || e.needs.memory != Memory::Time;
-        shows && sought.is_none_or(|ids| ids.iter().any(|id| id == e.id))
+        let is_sought = match sought {
+            Some(ids) => ids.iter().any(|id| id == e.id),
+            None => e.law.is_sought(),
+        };
+        shows && is_sought
     };
     let joints: Vec<usize> = (0..model.joints().len())
         .filter(|&j| !model.joints()[j].locked)
