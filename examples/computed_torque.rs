@@ -63,9 +63,9 @@ fn main() -> Outcome<()> {
         report(name, &follow(&truth, &goal, command)?);
     }
     let inertia = own_inertias(&truth, &goal)?;
-    let command = |state: &State, goal: &Goal| -> Vec<f64> {
+    let command = |state: &State, goal: &Goal| -> Outcome<Vec<f64>> {
         let wanted = wanted(state, goal);
-        wanted.iter().zip(&inertia).map(|(a, j)| j * a).collect()
+        Ok(wanted.iter().zip(&inertia).map(|(a, j)| j * a).collect())
     };
     report("no model", &follow(&truth, &goal, command)?);
     Ok(())
@@ -180,18 +180,18 @@ impl<'m> Controller<'m> {
         })
     }
 
-    fn torque(&mut self, state: &State, goal: &Goal) -> Vec<f64> {
+    fn torque(&mut self, state: &State, goal: &Goal) -> Outcome<Vec<f64>> {
         let wanted = wanted(state, goal);
-        let of = |plant: &mut Plant<'m>, speed: &[f64]| -> Vec<f64> {
+        let of = |plant: &mut Plant<'m>, speed: &[f64]| -> Outcome<Vec<f64>> {
             let mut out = vec![0.0; wanted.len()];
-            plant.torque([&state.position, speed, &wanted], &mut out);
-            out
+            plant.torque([&state.position, speed, &wanted], &mut out)?;
+            Ok(out)
         };
-        let moving = of(&mut self.bodies, &state.velocity);
-        let with = of(&mut self.whole, &goal[1]);
-        let without = of(&mut self.bodies, &goal[1]);
+        let moving = of(&mut self.bodies, &state.velocity)?;
+        let with = of(&mut self.whole, &goal[1])?;
+        let without = of(&mut self.bodies, &goal[1])?;
         let friction = with.iter().zip(&without).map(|(a, b)| a - b);
-        moving.iter().zip(friction).map(|(m, f)| m + f).collect()
+        Ok(moving.iter().zip(friction).map(|(m, f)| m + f).collect())
     }
 }
 
@@ -200,21 +200,23 @@ fn own_inertias(truth: &Model, goal: &Motion) -> Outcome<Vec<f64>> {
     let n = truth.joints().len();
     let start: Vec<f64> = goal[0].iter().map(|series| series[0]).collect();
     let mut plant = Plant::new(truth, false).ok_or("too many joints")?;
-    let mut torque = |acceleration: &[f64]| -> Vec<f64> {
+    let mut torque = |acceleration: &[f64]| -> Outcome<Vec<f64>> {
         let mut out = vec![0.0; n];
-        plant.torque([&start, &vec![0.0; n], acceleration], &mut out);
-        out
+        plant.torque([&start, &vec![0.0; n], acceleration], &mut out)?;
+        Ok(out)
     };
-    let rest = torque(&vec![0.0; n]);
+    let rest = torque(&vec![0.0; n])?;
     let alone = |j: usize| -> Vec<f64> { (0..n).map(|k| f64::from(u8::from(k == j))).collect() };
-    Ok((0..n).map(|j| torque(&alone(j))[j] - rest[j]).collect())
+    (0..n)
+        .map(|j| Ok(torque(&alone(j))?[j] - rest[j]))
+        .collect()
 }
 
 /// Follows the path once; gives the root mean square of every joint's error, rad.
 fn follow(
     truth: &Model,
     path: &Motion,
-    mut command: impl FnMut(&State, &Goal) -> Vec<f64>,
+    mut command: impl FnMut(&State, &Goal) -> Outcome<Vec<f64>>,
 ) -> Outcome<Vec<f64>> {
     let mut plant = Plant::new(truth, false).ok_or("too many joints")?;
     let (n, ticks) = (path[0].len(), path[0][0].len());
@@ -229,12 +231,10 @@ fn follow(
         for j in 0..n {
             squares[j] += (state.position[j] - goal[0][j]).powi(2) / ticks as f64;
         }
-        let torque = command(&state, &goal);
+        let torque = command(&state, &goal)?;
         for _ in 0..STEPS {
-            let chain = plant.linearise(&state);
-            let step = plant.step((&state, &chain), &torque, TICK / STEPS as f64);
-            let (next, _) = step.map_err(|e| format!("joint {} has no inertia", e.joint + 1))?;
-            state = next;
+            let chain = plant.linearise(&state)?;
+            (state, _) = plant.step((&state, &chain), &torque, TICK / STEPS as f64)?;
         }
     }
     Ok(squares.into_iter().map(f64::sqrt).collect())

@@ -164,6 +164,7 @@ fn joints(stated: &Value, count: usize) -> Result<Joints, Box<dyn Error>> {
         moving: (0..count).collect(),
         standing: vec![0.0; count],
         trajectories: 1,
+        loops: None,
     })
 }
 

@@ -32,11 +32,15 @@ const SINGULAR: f64 = 1e-12;
 const EXTRA_STATES: usize = 2;
 
 /// Why no acceleration follows from a torque.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoAcceleration {
-    /// The mass matrix is singular at this joint.
+    /// The mass matrix is singular at this joint, counted from 0.
+    #[error(
+        "the mass matrix is singular at joint {joint} (pivot {pivot:e}); give it a body or a rotor inertia"
+    )]
     SingularMass { joint: usize, pivot: f64 },
     /// The loops of the mechanism do not close.
+    #[error(transparent)]
     Open(MechanismError),
 }
 
