@@ -113,9 +113,12 @@ fn build_with(
         model.record_joints(model.with_followers(reference));
     }
     if let Some(mechanism) = &robot.mechanism {
-        if model.joints().iter().any(|joint| joint.encoder.is_some()) {
-            let what = "joints within loops have no `encoder_offset`: the loops would move with it"
-                .to_string();
+        let mut effects = model.joints().iter().flat_map(|joint| &joint.effects);
+        if let Some((effect, _)) = effects.find(|(effect, _)| effect.law.moves_joints()) {
+            let what = format!(
+                "joints that close loops have no `{}`: the loops would move with it",
+                effect.id
+            );
             let place = problem_place(problem);
             return Err(SetupError::mismatch(&place, Mismatch::Mechanism { what }));
         }

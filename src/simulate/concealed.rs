@@ -200,7 +200,7 @@ fn with_all_effects(problem: &ProblemFile, robot: &Robot) -> Result<Model, Simul
     for (joint, own) in robot.tree.joints().iter().enumerate() {
         let possible = catalogue.effects().iter();
         let possible = possible.filter(|e| {
-            let moves_loops = robot.mechanism.is_some() && matches!(e.law, Law::Encoder);
+            let moves_loops = robot.mechanism.is_some() && e.law.moves_joints();
             has_others(&robot.tree, joint, e) && !moves_loops
         });
         all.drive.effects_of.push(Named {

@@ -122,6 +122,14 @@ impl Law {
         )
     }
 
+    /// Whether joints stand elsewhere than their motors because of it: what else their loops move would have to follow.
+    pub fn moves_joints(self) -> bool {
+        matches!(
+            self,
+            Self::Coupling | Self::Encoder | Self::Spring | Self::Play
+        )
+    }
+
     /// Whether a diagnosis looks for it where nobody asks for it by name. A zero that is off is first moments that are other
     /// ones wherever these are unknown, and a matter of calibration where they are known.
     pub fn is_sought(self) -> bool {

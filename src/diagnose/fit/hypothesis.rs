@@ -69,7 +69,7 @@ pub fn addition(hypotheses: &[Hypothesis]) -> Addition {
 }
 
 /// Every hypothesis that a model leaves open; `sought` are the effects to look for, all that are looked for unasked if `None`.
-/// What changes with time shows only `in_time`.
+/// What changes with time shows only `in_time`; what moves joints away from their motors is none of closed loops.
 pub fn open(
     model: &Model,
     prior: &Prior,
@@ -82,7 +82,8 @@ pub fn open(
             Some(ids) => ids.iter().any(|id| id == e.id),
             None => e.law.is_sought(),
         };
-        shows && is_sought
+        let follows = model.mechanism().is_none() || !e.law.moves_joints();
+        shows && is_sought && follows
     };
     let joints: Vec<usize> = (0..model.joints().len())
         .filter(|&j| !model.joints()[j].locked)
