@@ -16,7 +16,8 @@ use pyo3::types::PyDict;
 /// An error with what Python is told of it.
 pub struct Failure {
     pub text: String,
-    pub account: Account,
+    /// In a box, so that results without an error stay small.
+    pub account: Box<Account>,
     pub exit_code: u8,
 }
 
@@ -24,7 +25,7 @@ impl Failure {
     fn of_fault(fault: &impl Fault, exit_code: u8) -> Self {
         Self {
             text: fault.to_string(),
-            account: of_fault(fault),
+            account: Box::new(of_fault(fault)),
             exit_code,
         }
     }
@@ -39,7 +40,7 @@ impl Failure {
 
     fn exception(self, py: Python<'_>) -> PyResult<PyErr> {
         let details = PyDict::new(py);
-        let account = self.account;
+        let account = *self.account;
         if let Some(place) = account.place {
             let at = PyDict::new(py);
             at.set_item("file", place.file.display().to_string())?;
@@ -62,7 +63,7 @@ impl From<VerbError> for Failure {
     fn from(error: VerbError) -> Self {
         Self {
             text: error.to_string(),
-            account: error.account(),
+            account: Box::new(error.account()),
             exit_code: error.exit_code(),
         }
     }
@@ -106,11 +107,11 @@ impl From<Defect> for Failure {
     fn from(defect: Defect) -> Self {
         Self {
             text: defect.to_string(),
-            account: Account {
+            account: Box::new(Account {
                 code: "defect".into(),
                 message: defect.to_string(),
                 ..Account::default()
-            },
+            }),
             exit_code: DEFECT,
         }
     }
