@@ -9,7 +9,7 @@ use crate::outcome::provenance::Provenance;
 /// What was run, on what, and how long it took.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Run {
-    /// Version of the program, [`VERSION`].
+    /// Version of the program, [`VERSION`](crate::outcome::provenance::VERSION).
     pub version: String,
     /// Seed of every random number of the run.
     pub seed: u64,

@@ -104,7 +104,7 @@ impl Catalogue {
     }
 }
 
-/// An effect of the vocabulary, or one that was [registered](catalogue::register), by its identifier.
+/// An effect of the vocabulary, or one that was [registered](register), by its identifier.
 pub fn find(id: &str) -> Option<&'static Effect> {
     Catalogue::known().find(id)
 }

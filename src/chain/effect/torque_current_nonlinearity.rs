@@ -2,7 +2,7 @@
 //! `τ_mot = sign(i)·(c0 + c1|i| + c2 i² + c3|i|³)`.
 //!
 //! A model predicts the current that a torque takes, so the polynomial is inverted. Below c0 there is no
-//! current; where the polynomial would stop to rise, it goes on with a slope of [`LEAST_SLOPE`] · c1.
+//! current; where the polynomial would stop to rise, it goes on with a slope of [`LEAST_SLOPE`](crate::chain::effect::current_polynomial::LEAST_SLOPE) · c1.
 
 use crate::chain::effect::found::Found;
 use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
