@@ -52,7 +52,8 @@ static DRAG: Effect = Effect {
     equation: "c·q²·sign(v)",
     source: "a test",
     parameters: &[ParameterInfo::linear(
-        ("c", Unit::Torque),
+        "c",
+        Unit::Torque,
         "drag at 1 rad",
         1.0,
     )],

@@ -15,40 +15,10 @@ use crate::design::series::Basis;
 use crate::mechanism::loops::{Mechanism, WELL_HELD};
 use crate::setup::limits::JointLimits;
 
-/// Half of a difference of position, velocity and acceleration as a share of the joint's limit. Loops close to 1e-12, which a
-/// shift of the position has to be far above; signs of the velocity turn over within a hundredth of its limit, which its shift
+/// Half of a difference of position, velocity and acceleration as a share of the joint's limit. Rounding of the
+/// closed loops has to be far below the shift of the position; signs of the velocity turn over within a hundredth of its limit, which its shift
 /// has to be far below; torques are linear in the acceleration.
 const STEP: [f64; MOTION] = [1e-4, 1e-5, 1e-3];
-
-/// P along a motion, `[passive joint · motors + motor][sample]`.
-#[derive(Debug, Clone, Default)]
-pub struct Carried {
-    motors: usize,
-    series: Vec<Vec<f64>>,
-}
-
-impl Carried {
-    /// P of a mechanism along a closed motion.
-    pub fn along(mechanism: &Mechanism, motion: &Motion) -> Self {
-        let (passive, motors) = (mechanism.passive().len(), mechanism.actuated().len());
-        let mut series = vec![Vec::with_capacity(motion.len()); passive * motors];
-        for sample in 0..motion.len() {
-            let q: Vec<f64> = motion.values[0].iter().map(|s| s[sample]).collect();
-            let map = mechanism.velocity_map(&q);
-            for p in 0..passive {
-                for a in 0..motors {
-                    series[p * motors + a].push(map[(p, a)]);
-                }
-            }
-        }
-        Self { motors, series }
-    }
-
-    /// What turns of a motor (by its place among the motors) turn a passive joint (by its place among those) by.
-    pub fn of(&self, passive: usize, motor: usize) -> &[f64] {
-        &self.series[passive * self.motors + motor]
-    }
-}
 
 /// Rows g ≥ 0 that keep a mechanism in one assembly and within the ranges of its joints without a motor.
 #[derive(Debug, Clone)]
@@ -72,28 +42,20 @@ impl LoopRows {
         }
     }
 
-    /// What each series of rows is, with its unit.
-    pub fn names(&self) -> Vec<(String, &'static str)> {
+    /// What each series of rows is about.
+    pub fn limits(&self) -> Vec<LoopLimit> {
         let joints = self.mechanism.tree().joints();
-        let of_range = self.ranges.iter().map(|(joint, _)| {
-            let joint = &joints[*joint];
-            (
-                format!("range of {}", joint.name),
-                joint.kind.position_unit(),
-            )
+        let of_range = self.ranges.iter().map(|(joint, [low, high])| LoopLimit {
+            name: format!("range of {}", joints[*joint].name),
+            unit: joints[*joint].kind.position_unit(),
+            limit: 0.5 * (high - low),
         });
-        std::iter::once(("distance from a singularity".to_string(), "1"))
-            .chain(of_range)
-            .collect()
-    }
-
-    /// What each series of rows is measured against.
-    pub fn limits(&self) -> Vec<f64> {
-        let halves = self
-            .ranges
-            .iter()
-            .map(|(_, [low, high])| 0.5 * (high - low));
-        std::iter::once(WELL_HELD).chain(halves).collect()
+        let held = LoopLimit {
+            name: "distance from a singularity".to_string(),
+            unit: "1",
+            limit: WELL_HELD,
+        };
+        std::iter::once(held).chain(of_range).collect()
     }
 
     /// Rows along a closed motion, `[series][sample]`.
@@ -113,22 +75,38 @@ impl LoopRows {
     }
 }
 
+/// What keeps a mechanism in one assembly, or a joint without a motor within its range.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoopLimit {
+    pub name: String,
+    pub unit: &'static str,
+    /// What rows are measured against.
+    pub limit: f64,
+}
+
 /// What has a value at every sample.
 pub trait AlongMotion {
     /// Series over the samples of a closed motion, always as many.
     fn series(&mut self, motion: &Motion) -> Vec<Vec<f64>>;
 }
 
-/// Slopes of series by the motion of a motor: `(order, joint, [series][sample])` for every motor that moves.
+/// One derivative of the motion of a motor, by its place among those that move.
+#[derive(Debug, Clone, Copy)]
+pub struct Shifted {
+    pub order: usize,
+    pub motor: usize,
+}
+
+/// Slopes of series, `[series][sample]`, by every derivative of the motion of every motor that moves.
 pub fn slopes(
     of: &mut impl AlongMotion,
     motion: &Motion,
     joints: &Joints,
     limits: &[JointLimits],
-    mut visit: impl FnMut(usize, usize, &[Vec<f64>]),
+    mut visit: impl FnMut(Shifted, &[Vec<f64>]),
 ) {
     let mut shifted = motion.clone();
-    for &joint in &joints.moving {
+    for (motor, &joint) in joints.moving.iter().enumerate() {
         let scales = [
             limits[joint].half_range(),
             limits[joint].velocity,
@@ -150,27 +128,24 @@ pub fn slopes(
                     *a = (*a - b) / (2.0 * h);
                 }
             }
-            visit(order, joint, &after);
+            visit(Shifted { order, motor }, &after);
             shifted.values[order][joint].clone_from(&motion.values[order][joint]);
         }
     }
 }
 
-/// Adds the derivatives by the coefficients of the motor `joint` of rows whose slopes by one order of its motion are given,
-/// all samples of one series after the other.
+/// Adds the derivatives by the coefficients of a motor of rows whose slopes by one derivative of its motion are given, all
+/// samples of one series after the other.
 pub fn to_coefficients(
     jacobian: &mut DMatrix<f64>,
     (joints, basis): (&Joints, &Basis),
-    (order, joint): (usize, usize),
+    Shifted { order, motor }: Shifted,
     slopes: &[Vec<f64>],
 ) {
-    let Some(m) = joints.moving.iter().position(|&j| j == joint) else {
-        return;
-    };
     for (block, series) in slopes.iter().enumerate() {
         for (s, slope) in series.iter().enumerate() {
             let (trajectory, k) = (s / basis.samples, s % basis.samples);
-            let first = joints.first(trajectory, m);
+            let first = joints.first(trajectory, motor);
             for c in 0..joints.series.width() {
                 jacobian[(block * series.len() + s, first + c)] +=
                     slope * basis.function(order, c, k);

@@ -53,10 +53,12 @@ impl Joints {
             return;
         };
         let samples = motion.len() / self.trajectories;
+        motion.carried.clear();
         motion.is_open = (0..self.trajectories).any(|trajectory| {
             let own = trajectory * samples..(trajectory + 1) * samples;
             let values = motion.values.each_mut().map(Vec::as_mut_slice);
-            mechanism.complete_motion(values, own).is_err()
+            let maps = mechanism.complete_motion(values, own);
+            maps.map(|maps| motion.carried.extend(maps)).is_err()
         });
     }
 
@@ -82,6 +84,8 @@ impl Joints {
 #[derive(Debug, Clone)]
 pub struct Motion {
     pub values: [Vec<Vec<f64>>; MOTION],
+    /// P of a closed motion at every sample (joints without a motor x motors), which carries torques to the motors.
+    pub carried: Vec<DMatrix<f64>>,
     /// The loops of the robot do not close somewhere along it.
     pub is_open: bool,
 }
@@ -94,8 +98,14 @@ impl Motion {
         for j in (0..joints.count).filter(|j| !joints.moving.contains(j)) {
             values[0][j].fill(joints.standing[j]);
         }
+        Self::of_values(values)
+    }
+
+    /// A motion that is sampled already, its loops not closed yet where there are any.
+    pub fn of_values(values: [Vec<Vec<f64>>; MOTION]) -> Self {
         Self {
             values,
+            carried: Vec::new(),
             is_open: false,
         }
     }
@@ -187,8 +197,5 @@ pub fn of_motors(
         };
         (0..n).map(mixed).collect()
     });
-    Motion {
-        values,
-        is_open: motion.is_open,
-    }
+    Motion::of_values(values)
 }

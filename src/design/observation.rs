@@ -10,7 +10,7 @@ use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::DMatrix;
 
 use crate::chain::model::Model;
-use crate::design::closing::{AlongMotion, Carried};
+use crate::design::closing::AlongMotion;
 use crate::design::columns::{Channel, Columns, Entries, Recipe};
 use crate::design::laws::{Evaluated, Laws};
 use crate::design::motion::{Motion, of_motors};
@@ -43,7 +43,6 @@ pub struct Workspace {
     rows: Vec<Vec<f64>>,
     slopes: Vec<f64>,
     gram: Vec<f64>,
-    carried: Carried,
     motors: Motion,
     laws: Vec<Evaluated>,
 }
@@ -105,11 +104,7 @@ impl<'m> Observation<'m> {
                 .collect(),
             slopes: vec![0.0; widest * stride],
             gram: vec![0.0; widest * widest],
-            carried: Carried::default(),
-            motors: Motion {
-                values: [none(), none(), none()],
-                is_open: false,
-            },
+            motors: Motion::of_values([none(), none(), none()]),
             laws: vec![Evaluated::default(); n],
         }
     }
@@ -125,11 +120,8 @@ impl<'m> Observation<'m> {
             values: &mut work.entries,
         };
         instructions::run(kernel, set);
-        if let Some(mechanism) = self.model.mechanism() {
-            work.carried = Carried::along(mechanism, motion);
-        }
         self.motors(motion, work);
-        self.fill_rows(work);
+        self.fill_rows(motion, work);
     }
 
     /// M of a motion of the joints; the workspace keeps W for [`Observation::pull`].
@@ -177,7 +169,7 @@ impl<'m> Observation<'m> {
         work.motors = of_motors(motion, self.to_motors(), self.model.offset());
     }
 
-    fn fill_rows(&self, work: &mut Workspace) {
+    fn fill_rows(&self, motion: &Motion, work: &mut Workspace) {
         let (stride, samples) = (work.stride, work.samples);
         for (c, channel) in self.columns.channels.iter().enumerate() {
             let laws = &self.laws[channel.joint];
@@ -198,7 +190,8 @@ impl<'m> Observation<'m> {
                             match part.carried {
                                 None => pairs.for_each(|(to, y)| *to += weight * y),
                                 Some(by) => {
-                                    let turns = work.carried.of(by.passive, by.motor);
+                                    let turns = motion.carried.iter();
+                                    let turns = turns.map(|map| map[(by.passive, by.motor)]);
                                     pairs
                                         .zip(turns)
                                         .for_each(|((to, y), p)| *to += weight * p * y);
@@ -217,26 +210,19 @@ impl<'m> Observation<'m> {
         }
     }
 
+    /// 2F, every product of columns as often as it counts.
+    fn row_weights(&self, by_information: &DMatrix<f64>) -> DMatrix<f64> {
+        by_information.component_mul(&self.columns.multiplicity) * 2.0
+    }
+
     /// G of every channel, column by column like its rows, for `∂f/∂M` at the motion that was evaluated last with this
     /// workspace.
     fn row_gradient(&self, by_information: &DMatrix<f64>, work: &Workspace) -> Vec<Vec<f64>> {
-        let stride = work.stride;
-        let weights = by_information.component_mul(&self.columns.multiplicity) * 2.0;
+        let weights = self.row_weights(by_information);
         let channels = self.columns.channels.iter().zip(&work.rows);
         let of_channel = |(channel, rows): (&Channel, &Vec<f64>)| {
-            let count = channel.columns.len();
-            let own = DMatrix::from_fn(count, count, |a, b| {
-                weights[(channel.columns[a], channel.columns[b])]
-            });
-            let mut gradient = vec![0.0; count * stride];
-            matmul(
-                MatMut::from_column_major_slice_mut(&mut gradient, stride, count),
-                Accum::Replace,
-                MatRef::from_column_major_slice(rows, stride, count),
-                MatRef::from_column_major_slice(own.as_slice(), count, count),
-                1.0,
-                Par::Seq,
-            );
+            let mut gradient = vec![0.0; rows.len()];
+            channel_gradient(channel, &weights, rows, &mut gradient);
             gradient
         };
         channels.map(of_channel).collect()
@@ -263,24 +249,10 @@ impl<'m> Observation<'m> {
     ) {
         let stride = work.stride;
         work.entry_slopes.fill(0.0);
-        let weights = by_information.component_mul(&self.columns.multiplicity) * 2.0;
+        let weights = self.row_weights(by_information);
         for (c, channel) in self.columns.channels.iter().enumerate() {
-            let count = channel.columns.len();
-            let own = DMatrix::from_fn(count, count, |a, b| {
-                weights[(channel.columns[a], channel.columns[b])]
-            });
-            matmul(
-                MatMut::from_column_major_slice_mut(
-                    &mut work.slopes[..count * stride],
-                    stride,
-                    count,
-                ),
-                Accum::Replace,
-                MatRef::from_column_major_slice(&work.rows[c], stride, count),
-                MatRef::from_column_major_slice(own.as_slice(), count, count),
-                1.0,
-                Par::Seq,
-            );
+            let rows = &work.rows[c];
+            channel_gradient(channel, &weights, rows, &mut work.slopes[..rows.len()]);
             for (k, recipe) in channel.recipes.iter().enumerate() {
                 let Recipe::Bodies(parts) = recipe else {
                     continue;
@@ -354,6 +326,23 @@ impl<'m> Observation<'m> {
             }
         }
     }
+}
+
+/// `G = W 2F` of one channel, column by column like its rows.
+fn channel_gradient(channel: &Channel, weights: &DMatrix<f64>, rows: &[f64], out: &mut [f64]) {
+    let count = channel.columns.len();
+    let stride = rows.len() / count.max(1);
+    let own = DMatrix::from_fn(count, count, |a, b| {
+        weights[(channel.columns[a], channel.columns[b])]
+    });
+    matmul(
+        MatMut::from_column_major_slice_mut(out, stride, count),
+        Accum::Replace,
+        MatRef::from_column_major_slice(rows, stride, count),
+        MatRef::from_column_major_slice(own.as_slice(), count, count),
+        1.0,
+        Par::Seq,
+    );
 }
 
 /// Rows of motions, weighted by what a function of the information asks of them.

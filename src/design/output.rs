@@ -121,10 +121,7 @@ impl Sampled {
 
     /// The same with the joints without a motor moved by the others.
     pub fn closed(self, joints: &Joints) -> Self {
-        let mut motion = Motion {
-            values: self.values,
-            is_open: false,
-        };
+        let mut motion = Motion::of_values(self.values);
         joints.close(&mut motion);
         Self {
             values: motion.values,
@@ -207,10 +204,9 @@ fn motion_of(quintics: &[[f64; 6]], duration: f64) -> Motion {
         let t = |k: usize| duration * k as f64 / INSTANTS as f64;
         (0..=INSTANTS).map(|k| evaluate(c, t(k))[order]).collect()
     };
-    Motion {
-        values: std::array::from_fn(|order| quintics.iter().map(|c| of(order, c)).collect()),
-        is_open: false,
-    }
+    Motion::of_values(std::array::from_fn(|order| {
+        quintics.iter().map(|c| of(order, c)).collect()
+    }))
 }
 
 /// Value, first and second derivative.

@@ -116,20 +116,15 @@ impl Experiment<'_> {
         matrix.map_or(f64::INFINITY, |m| self.target.criterion.value(&m))
     }
 
-    /// Information of a motion of coefficients x.
+    /// Information of a motion of coefficients x; none where the loops do not close along it.
     pub fn information(&self, x: &DVector<f64>) -> DMatrix<f64> {
         let motion = Motion::of(&self.joints, &self.basis, x);
-        self.of_motion(&motion)
-    }
-
-    /// Information of a motion; none where the loops do not close along it.
-    fn of_motion(&self, motion: &Motion) -> DMatrix<f64> {
         if motion.is_open {
             let count = self.observation.columns().len();
             return DMatrix::zeros(count, count);
         }
         let mut memory = self.observation.workspace(motion.len());
-        self.observation.information(motion, &mut memory)
+        self.observation.information(&motion, &mut memory)
     }
 
     /// Names, units and scales of the variables; number and kind of the rows.
@@ -172,10 +167,10 @@ impl Experiment<'_> {
             rows: samples,
             set: Set::Nonnegative,
         }));
-        let loops = self.loops.iter().flat_map(LoopRows::names);
-        constraints.extend(loops.map(|(name, unit)| Constraint {
-            name,
-            unit: unit.to_string(),
+        let loops = self.loops.iter().flat_map(LoopRows::limits);
+        constraints.extend(loops.map(|loops| Constraint {
+            name: loops.name,
+            unit: loops.unit.to_string(),
             rows: samples,
             set: Set::Nonnegative,
         }));
@@ -251,8 +246,8 @@ impl<'a> Excitation<'a> {
             rows.extend(series.into_iter().map(|value| value - room));
         }
         if let Some(loops) = &self.experiment.loops {
-            for (series, limit) in loops.values(motion).into_iter().zip(loops.limits()) {
-                rows.extend(series.into_iter().map(|value| value - room * limit));
+            for (series, of) in loops.values(motion).into_iter().zip(loops.limits()) {
+                rows.extend(series.into_iter().map(|value| value - room * of.limit));
             }
         }
         DVector::from_vec(rows)
@@ -266,15 +261,10 @@ impl<'a> Excitation<'a> {
         let mut jacobian = DMatrix::zeros(self.form.constraint_rows(), self.form.variables.len());
         if joints.loops.is_some() {
             let mut rows = Rows { excitation: self };
-            closing::slopes(
-                &mut rows,
-                motion,
-                joints,
-                &experiment.bounds,
-                |order, joint, by| {
-                    closing::to_coefficients(&mut jacobian, (joints, basis), (order, joint), by);
-                },
-            );
+            let limits = &experiment.bounds;
+            closing::slopes(&mut rows, motion, joints, limits, |shifted, by| {
+                closing::to_coefficients(&mut jacobian, (joints, basis), shifted, by);
+            });
             return jacobian;
         }
         let torques = &experiment.torques;
@@ -373,8 +363,9 @@ impl Problem for Excitation<'_> {
             if joints.loops.is_some() {
                 let mut weighted = of.weighted(&graded.gradient, observation);
                 let limits = &experiment.bounds;
-                closing::slopes(&mut weighted, motion, joints, limits, |order, joint, by| {
-                    slopes.values[order][joint].copy_from_slice(&by[0]);
+                closing::slopes(&mut weighted, motion, joints, limits, |shifted, by| {
+                    let joint = joints.moving[shifted.motor];
+                    slopes.values[shifted.order][joint].copy_from_slice(&by[0]);
                 });
             } else {
                 of.pull(motion, &graded.gradient, observation, slopes);

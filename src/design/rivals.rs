@@ -258,15 +258,12 @@ fn nearest(pairs: &[Pair]) -> (f64, DVector<f64>) {
 }
 
 fn cut(motion: &Motion, range: std::ops::Range<usize>) -> Motion {
-    Motion {
-        values: std::array::from_fn(|order| {
-            let joints = motion.values[order].iter();
-            joints
-                .map(|series| series[range.clone()].to_vec())
-                .collect()
-        }),
-        is_open: motion.is_open,
-    }
+    Motion::of_values(std::array::from_fn(|order| {
+        let joints = motion.values[order].iter();
+        joints
+            .map(|series| series[range.clone()].to_vec())
+            .collect()
+    }))
 }
 
 /// Gradient where a sample's signal follows from its state: every joint is moved at all samples at once.

@@ -198,10 +198,7 @@ impl Strokes {
                 }
             }
         }
-        Motion {
-            values,
-            is_open: false,
-        }
+        Motion::of_values(values)
     }
 }
 

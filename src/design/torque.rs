@@ -9,7 +9,6 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::chain::evaluate::{BLOCK, bodies};
 use crate::chain::model::Model;
-use crate::design::closing::Carried;
 use crate::design::laws::{Evaluated, Laws};
 use crate::design::motion::{Joints, MOTION, Motion, of_motors};
 use crate::design::observation::Observation;
@@ -84,7 +83,6 @@ impl<'m> Torques<'m> {
             .iter()
             .map(|bodies| batch::torques(tree, bodies, motion.trajectory()))
             .collect();
-        let carried = (self.model.mechanism()).map(|m| Carried::along(m, motion));
         let mut scratch = Evaluated::default();
         let motors = self.motors(motion);
         let of = |limited: &Limited| {
@@ -98,13 +96,12 @@ impl<'m> Torques<'m> {
                     }
                 }
             }
-            if let (Some(mechanism), Some(carried)) = (self.model.mechanism(), &carried) {
+            if let Some(mechanism) = self.model.mechanism() {
                 for (a, &i) in mechanism.actuated().iter().enumerate() {
                     let v = self.coupling[(i, j)];
                     for (p, &passive) in mechanism.passive().iter().enumerate() {
-                        let terms = of_joints[limited.load][passive]
-                            .iter()
-                            .zip(carried.of(p, a));
+                        let turns = motion.carried.iter().map(|map| map[(p, a)]);
+                        let terms = of_joints[limited.load][passive].iter().zip(turns);
                         let pairs = torque.iter_mut().zip(terms);
                         pairs.for_each(|(to, (t, turns))| *to += v * turns * t);
                     }

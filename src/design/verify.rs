@@ -218,19 +218,17 @@ pub fn of_dynamics(
         });
     }
     if let Some(loops) = &experiment.loops {
-        for ((series, limit), (name, unit)) in
-            (loops.values(motion).iter().zip(loops.limits())).zip(loops.names())
-        {
+        for (series, of) in loops.values(motion).iter().zip(loops.limits()) {
             let (k, least) = extreme(series.iter().copied());
             all.push(Margin {
-                constraint: name,
+                constraint: of.name,
                 joint: None,
                 trajectory,
                 time: k as f64 * step,
                 margin: least,
-                relative: least / limit,
-                limit,
-                unit: unit.to_string(),
+                relative: least / of.limit,
+                limit: of.limit,
+                unit: of.unit.to_string(),
             });
         }
     }

@@ -346,10 +346,7 @@ mod tests {
         ];
         let workspace = Workspace { tree: &tree, rules };
         let at = |rng: &mut ChaCha8Rng| (0..5).map(|_| vec![symmetric(rng, 2.0)]).collect();
-        let motion = Motion {
-            values: [at(&mut rng), at(&mut rng), at(&mut rng)],
-            is_open: false,
-        };
+        let motion = Motion::of_values([at(&mut rng), at(&mut rng), at(&mut rng)]);
         let slopes = workspace.slopes(&motion);
         let h = 1e-6;
         for order in 0..2 {

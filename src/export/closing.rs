@@ -55,41 +55,35 @@ pub fn sites(machine: &Machine, carrier: Option<usize>, indent: &str, text: &mut
 
 /// The elements of `equality`.
 pub fn equalities(machine: &Machine) -> String {
-    let mut text = String::new();
+    let mut lines = Vec::new();
     for (number, closed) in machine.loops.iter().enumerate() {
-        let line = |text: &mut String, element: String| {
-            let _ = writeln!(text, "    {element}");
-        };
         match closed {
             MachineLoop::Equal { joints } => {
                 let [a, b] = joints.map(|j| escaped(&machine.joints[j].name));
-                line(
-                    &mut text,
-                    format!("<joint joint1=\"{b}\" joint2=\"{a}\" polycoef=\"0 1 0 0 0\"/>"),
-                );
+                lines.push(format!(
+                    "<joint joint1=\"{b}\" joint2=\"{a}\" polycoef=\"0 1 0 0 0\"/>"
+                ));
             }
             MachineLoop::Rod { ends, length } => {
                 // MuJoCo counts from the length at the positions of zero.
                 let beyond = length - distance(machine, ends);
-                line(
-                    &mut text,
-                    format!(
-                        "<tendon tendon1=\"rod_{}\" polycoef=\"{beyond:?} 0 0 0 0\"/>",
-                        number + 1
-                    ),
-                );
+                lines.push(format!(
+                    "<tendon tendon1=\"rod_{}\" polycoef=\"{beyond:?} 0 0 0 0\"/>",
+                    number + 1
+                ));
             }
             MachineLoop::Ball { .. } | MachineLoop::Hinge { .. } => {
-                for [a, b] in pairs(number, closed) {
-                    line(
-                        &mut text,
-                        format!("<connect site1=\"{}\" site2=\"{}\"/>", a.name, b.name),
-                    );
-                }
+                let connected = pairs(number, closed).into_iter();
+                lines.extend(
+                    connected.map(|[a, b]| {
+                        format!("<connect site1=\"{}\" site2=\"{}\"/>", a.name, b.name)
+                    }),
+                );
             }
         }
     }
-    text
+    let lines = lines.iter().map(|line| format!("    {line}\n"));
+    lines.collect()
 }
 
 /// The tendons that are rods.

@@ -149,7 +149,7 @@ impl Mechanism {
             for (&joint, away) in self.actuated.iter().zip(&away) {
                 trial[joint] += share * away;
             }
-            if self.reach(&mut trial).is_ok() && self.determination(&trial) >= WELL_HELD {
+            if self.close_from_home(&mut trial).is_ok() && self.determination(&trial) >= WELL_HELD {
                 q = trial;
                 break;
             }
@@ -160,8 +160,7 @@ impl Mechanism {
             dq[joint] = symmetric(rng, speed);
             ddq[joint] = symmetric(rng, rate);
         }
-        self.velocities(&q, &mut dq);
-        self.accelerations(&q, &dq, &mut ddq);
+        self.follow(&q, [&mut dq, &mut ddq]);
         [q, dq, ddq]
     }
 
@@ -170,7 +169,7 @@ impl Mechanism {
     ///
     /// # Errors
     /// As of [`close`](Self::close), anywhere on the way.
-    pub fn reach(&self, q: &mut [f64]) -> Result<(), MechanismError> {
+    pub fn close_from_home(&self, q: &mut [f64]) -> Result<(), MechanismError> {
         let way = |&joint: &usize| q[joint] - self.home[joint];
         let ways: Vec<f64> = self.actuated.iter().map(way).collect();
         let longest = ways.iter().fold(0.0_f64, |most, way| most.max(way.abs()));
@@ -240,46 +239,41 @@ impl Mechanism {
         -linear.solve(&linear.actuated)
     }
 
-    /// Sets the passive entries of q̇ (n) to what the actuated ones give at closed positions q (n).
-    pub fn velocities(&self, q: &[f64], dq: &mut [f64]) {
-        let given =
-            DVector::from_iterator(self.actuated.len(), self.actuated.iter().map(|&j| dq[j]));
-        let moved = self.velocity_map(q) * given;
+    /// Sets the passive entries of q̇ and q̈ (n each) to what the actuated ones give at closed positions q (n), and gives P.
+    pub fn follow(&self, q: &[f64], [dq, ddq]: [&mut [f64]; 2]) -> DMatrix<f64> {
+        let linear = self.linear(q);
+        let map = -linear.solve(&linear.actuated);
+        let of_motors = |values: &[f64]| {
+            let own = self.actuated.iter().map(|&j| values[j]);
+            DVector::from_iterator(self.actuated.len(), own)
+        };
+        let moved = &map * of_motors(dq);
         for (&joint, speed) in self.passive.iter().zip(moved.iter()) {
             dq[joint] = *speed;
         }
-    }
-
-    /// Sets the passive entries of q̈ (n) to what the actuated ones give at closed positions and consistent
-    /// velocities.
-    pub fn accelerations(&self, q: &[f64], dq: &[f64], ddq: &mut [f64]) {
-        let linear = self.linear(q);
         let links = Links::at(&self.tree, q, dq);
         let mut bias = DVector::zeros(self.rows);
         self.each(|condition, rows| condition.bias(&links, &mut bias.as_mut_slice()[rows]));
-        let given =
-            DVector::from_iterator(self.actuated.len(), self.actuated.iter().map(|&j| ddq[j]));
-        let moved = linear.solve(&as_matrix(&(bias + &linear.actuated * given)));
+        let moved = linear.solve(&as_matrix(&(bias + &linear.actuated * of_motors(ddq))));
         for (&joint, acceleration) in self.passive.iter().zip(moved.iter()) {
             ddq[joint] = -acceleration;
         }
+        map
     }
 
-    /// Sets the passive entries of a state (q, q̇, q̈ of n each) to what the actuated ones give; the passive entries of
-    /// q are where the search begins.
+    /// Sets the passive entries of a state (q, q̇, q̈ of n each) to what the actuated ones give, and gives P; the passive
+    /// entries of q are where the search begins.
     ///
     /// # Errors
     /// As of [`close`](Self::close).
-    pub fn complete(&self, [q, dq, ddq]: [&mut [f64]; 3]) -> Result<(), MechanismError> {
+    pub fn complete(&self, [q, dq, ddq]: [&mut [f64]; 3]) -> Result<DMatrix<f64>, MechanismError> {
         self.close(q)?;
-        self.velocities(q, dq);
-        self.accelerations(q, dq, ddq);
-        Ok(())
+        Ok(self.follow(q, [dq, ddq]))
     }
 
     /// Sets the passive joints over some samples of a motion (position, velocity and acceleration, `[joint][sample]`) to what
-    /// the actuated ones give; the search at a sample begins where the one before ended, that at the first is reached from
-    /// home.
+    /// the actuated ones give, and gives P of each; the search at a sample begins where the one before ended, that at the
+    /// first at home.
     ///
     /// # Errors
     /// The first sample at which the loops stay open or the passive joints are not held.
@@ -287,13 +281,13 @@ impl Mechanism {
         &self,
         mut motion: [&mut [Vec<f64>]; 3],
         samples: Range<usize>,
-    ) -> Result<(), OpenLoop> {
+    ) -> Result<Vec<DMatrix<f64>>, OpenLoop> {
         let mut state = [
             self.home.clone(),
             vec![0.0; self.home.len()],
             vec![0.0; self.home.len()],
         ];
-        let first = samples.start;
+        let mut maps = Vec::with_capacity(samples.len());
         for sample in samples {
             for (values, series) in state.iter_mut().zip(&motion) {
                 for &joint in &self.actuated {
@@ -301,20 +295,19 @@ impl Mechanism {
                 }
             }
             let [q, dq, ddq] = &mut state;
-            let reached = match sample == first {
-                true => self.reach(q),
+            let near = match maps.is_empty() {
+                true => self.close_from_home(q),
                 false => Ok(()),
             };
-            reached
-                .and_then(|()| self.complete([q, dq, ddq]))
-                .map_err(|error| OpenLoop { sample, error })?;
+            let map = near.and_then(|()| self.complete([q, dq, ddq]));
+            maps.push(map.map_err(|error| OpenLoop { sample, error })?);
             for (values, series) in state.iter().zip(motion.iter_mut()) {
                 for &joint in &self.passive {
                     series[joint][sample] = values[joint];
                 }
             }
         }
-        Ok(())
+        Ok(maps)
     }
 
     /// g(q), m and rad.

@@ -83,8 +83,7 @@ fn invariant_velocities_and_accelerations_are_those_of_differences() {
         dq[..CHAINS].copy_from_slice(&v);
         ddq[..CHAINS].copy_from_slice(&a);
         let q = closed(&pose);
-        mechanism.velocities(&q, &mut dq);
-        mechanism.accelerations(&q, &dq, &mut ddq);
+        mechanism.follow(&q, [&mut dq, &mut ddq]);
         for (k, &joint) in PLATFORM.iter().enumerate() {
             // Third and fourth derivatives are within 100 times the first two: h² of that, and rounding / h².
             assert!((dq[joint] - rate[k]).abs() < 1e-5 * (1.0 + rate.amax()));
@@ -109,8 +108,7 @@ fn invariant_the_motors_power_is_the_change_of_energy() {
         let (mut dq, mut ddq) = (vec![0.0; 10], vec![0.0; 10]);
         dq[..CHAINS].copy_from_slice(&[0.7, -0.4, 0.5, 0.9]);
         ddq[..CHAINS].copy_from_slice(&[-3.0, 2.0, 4.0, 1.0]);
-        mechanism.velocities(&q, &mut dq);
-        mechanism.accelerations(&q, &dq, &mut ddq);
+        mechanism.follow(&q, [&mut dq, &mut ddq]);
         let mut open = vec![0.0; 10];
         dynamics.torque(tree, &parameters, [&q, &dq, &ddq], &mut open);
         let map = mechanism.velocity_map(&q);
@@ -206,8 +204,7 @@ fn invariant_a_parallelogram_keeps_its_coupler_level() {
         let map = mechanism.velocity_map(&q);
         assert!((map[(0, 0)] + 1.0).abs() < 1e-12 && (map[(1, 0)] - 1.0).abs() < 1e-12);
         let (mut dq, mut ddq) = (vec![1.5, 0.0, 0.0], vec![-4.0, 0.0, 0.0]);
-        mechanism.velocities(&q, &mut dq);
-        mechanism.accelerations(&q, &dq, &mut ddq);
+        mechanism.follow(&q, [&mut dq, &mut ddq]);
         assert!((ddq[1] - 4.0).abs() < 1e-10 && (ddq[2] + 4.0).abs() < 1e-10);
     }
     // Flat, crank and coupler in one line, the rocker may turn either way.

@@ -131,7 +131,9 @@ impl<'m> Plant<'m> {
             let [mut q, mut dq, mut ddq] = [0, 1, 2].map(|order| take(&self.states[order]));
             // Where the loops close is sought from where they closed last.
             match &self.closed {
-                None => mechanism.reach(&mut q).map_err(NoAcceleration::Open)?,
+                None => mechanism
+                    .close_from_home(&mut q)
+                    .map_err(NoAcceleration::Open)?,
                 Some(near) => mechanism
                     .passive()
                     .iter()

@@ -3,11 +3,12 @@
 use crate::chain::effect::expression::{Expression, Variable};
 use crate::chain::effect::found::Found;
 use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
-use crate::chain::effect::site::{Site, either_sign, evenly};
+use crate::chain::effect::site::{Site, either_sign};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Power,
     Samples, Search, TorqueLaw, Unit,
 };
+use crate::robot::random::between;
 use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
@@ -76,7 +77,7 @@ fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
     let torque = site.torque();
     vec![
         drawn("dFc", torque * either_sign(rng)),
-        drawn("dFv", evenly(rng, -1.0, 1.0) * torque / site.fastest),
+        drawn("dFv", between(rng, -1.0, 1.0) * torque / site.fastest),
     ]
 }
 

@@ -10,7 +10,7 @@ use crate::chain::effect::found::Found;
 use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{
-    Confounder, Dependence, Effect, Law, Memory, Needs, ParameterInfo, Search, Unit,
+    Confounder, Dependence, Effect, Law, Memory, Needs, ParameterInfo, Search, Span, Unit,
 };
 use rand_chacha::ChaCha8Rng;
 
@@ -28,9 +28,14 @@ pub const EFFECT: Effect = Effect {
     equation: "|δ| < gap/2: τ = 0; link position = motor position − δ",
     source: "Nordin and Gutman 2002, dead zone with a stiff shaft",
     parameters: &[ParameterInfo::nonlinear(
-        ("gap", Unit::Position),
+        "gap",
+        Unit::Position,
         "total play between motor and link",
-        (0.0, 0.005, 1.0),
+        Span {
+            lower: 0.0,
+            typical: 0.005,
+            upper: 1.0,
+        },
         Search::Rising(GAPS),
     )],
     depends_on: &[Dependence::Load, Dependence::Direction],

@@ -8,7 +8,7 @@ use crate::chain::effect::found::Found;
 use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::{Site, either_sign};
 use crate::chain::effect::{
-    Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Search, Unit,
+    Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Search, Span, Unit,
 };
 use crate::chain::words::list;
 use rand_chacha::ChaCha8Rng;
@@ -21,15 +21,25 @@ pub const EFFECT: Effect = Effect {
     source: "the base turned about its x axis, then about the y axis of the level frame",
     parameters: &[
         ParameterInfo::nonlinear(
-            ("roll", Unit::Angle),
+            "roll",
+            Unit::Angle,
             "about x",
-            (-std::f64::consts::PI, 0.05, std::f64::consts::PI),
+            Span {
+                lower: -std::f64::consts::PI,
+                typical: 0.05,
+                upper: std::f64::consts::PI,
+            },
             Search::Values(&[0.0]),
         ),
         ParameterInfo::nonlinear(
-            ("pitch", Unit::Angle),
+            "pitch",
+            Unit::Angle,
             "about y",
-            (-std::f64::consts::PI, 0.05, std::f64::consts::PI),
+            Span {
+                lower: -std::f64::consts::PI,
+                typical: 0.05,
+                upper: std::f64::consts::PI,
+            },
             Search::Values(&[0.0]),
         ),
     ],

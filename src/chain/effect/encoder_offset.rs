@@ -9,7 +9,7 @@
 
 use crate::chain::effect::knowledge::{Change, Knowledge, Sizes};
 use crate::chain::effect::{
-    Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Search, Unit,
+    Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Search, Span, Unit,
 };
 
 /// The table's entry.
@@ -19,9 +19,14 @@ pub const EFFECT: Effect = Effect {
     equation: "q = V·m + offset + encoder_offset",
     source: "Hollerbach, Khalil and Gautier 2016, Springer Handbook of Robotics, chapter 6: joint offsets",
     parameters: &[ParameterInfo::nonlinear(
-        ("offset", Unit::Position),
+        "offset",
+        Unit::Position,
         "by which the joint stands further than it is recorded",
-        (-std::f64::consts::PI, 0.01, std::f64::consts::PI),
+        Span {
+            lower: -std::f64::consts::PI,
+            typical: 0.01,
+            upper: std::f64::consts::PI,
+        },
         Search::Values(&[0.0]),
     )],
     depends_on: &[Dependence::Gravity, Dependence::Position],

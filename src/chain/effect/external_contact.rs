@@ -3,12 +3,13 @@
 use crate::chain::effect::expression::{self, Expression, Variable};
 use crate::chain::effect::found::Found;
 use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
-use crate::chain::effect::site::{Site, either_sign, evenly};
+use crate::chain::effect::site::{Site, either_sign};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Lasts, Law, Memory, Needs, ParameterInfo, Power,
-    Samples, Search, TorqueLaw, Unit,
+    Samples, Search, Span, TorqueLaw, Unit,
 };
 use crate::chain::words::short;
+use crate::robot::random::between;
 use rand_chacha::ChaCha8Rng;
 
 /// Time constant r of the rise and the fall, s: a contact of links and hands builds up within some
@@ -23,21 +24,36 @@ pub const EFFECT: Effect = Effect {
     source: "De Luca and Mattone 2005 for contact as a residual of the model",
     parameters: &[
         ParameterInfo::nonlinear(
-            ("torque", Unit::Torque),
+            "torque",
+            Unit::Torque,
             "at the joint while the contact lasts",
-            (f64::NEG_INFINITY, 1.0, f64::INFINITY),
+            Span {
+                lower: f64::NEG_INFINITY,
+                typical: 1.0,
+                upper: f64::INFINITY,
+            },
             Search::Typical,
         ),
         ParameterInfo::nonlinear(
-            ("from", Unit::Time),
+            "from",
+            Unit::Time,
             "when the contact begins, from the start of the recording",
-            (-1e6, 1.0, 1e6),
+            Span {
+                lower: -1e6,
+                typical: 1.0,
+                upper: 1e6,
+            },
             Search::Instant(&[0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9]),
         ),
         ParameterInfo::nonlinear(
-            ("to", Unit::Time),
+            "to",
+            Unit::Time,
             "when the contact ends",
-            (-1e6, 2.0, 1e6),
+            Span {
+                lower: -1e6,
+                typical: 2.0,
+                upper: 1e6,
+            },
             Search::Instant(&[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]),
         ),
     ],
@@ -70,11 +86,11 @@ fn finding(found: &Found<'_>) -> String {
 }
 
 fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
-    let from = evenly(rng, 0.1, 0.7) * site.duration;
+    let from = between(rng, 0.1, 0.7) * site.duration;
     vec![
         drawn("torque", site.torque() * either_sign(rng)),
         drawn("from", from),
-        drawn("to", from + evenly(rng, 0.04, 0.2) * site.duration),
+        drawn("to", from + between(rng, 0.04, 0.2) * site.duration),
     ]
 }
 

@@ -4,7 +4,7 @@ use crate::chain::effect::found::Found;
 use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{
-    Confounder, Dependence, Effect, Law, Memory, Needs, ParameterInfo, Search, Unit,
+    Confounder, Dependence, Effect, Law, Memory, Needs, ParameterInfo, Search, Span, Unit,
 };
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
@@ -17,15 +17,25 @@ pub const EFFECT: Effect = Effect {
     source: "Spong 1987",
     parameters: &[
         ParameterInfo::nonlinear(
-            ("K", Unit::TorquePerPosition),
+            "K",
+            Unit::TorquePerPosition,
             "stiffness",
-            (1e-3, 1e4, 1e12),
+            Span {
+                lower: 1e-3,
+                typical: 1e4,
+                upper: 1e12,
+            },
             Search::Values(&[1e2, 3e2, 1e3, 3e3, 1e4, 3e4, 1e5]),
         ),
         ParameterInfo::nonlinear(
-            ("D", Unit::TorquePerSpeed),
+            "D",
+            Unit::TorquePerSpeed,
             "damping",
-            (0.0, 10.0, 1e9),
+            Span {
+                lower: 0.0,
+                typical: 10.0,
+                upper: 1e9,
+            },
             Search::Typical,
         ),
     ],

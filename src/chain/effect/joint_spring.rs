@@ -3,11 +3,12 @@
 use crate::chain::effect::expression::{Expression, Variable};
 use crate::chain::effect::found::Found;
 use crate::chain::effect::knowledge::{Change, Drawn, JointTerm, Knowledge, Sizes, Trial, drawn};
-use crate::chain::effect::site::{Site, evenly};
+use crate::chain::effect::site::Site;
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
-    Search, TorqueLaw, Unit,
+    Search, Span, TorqueLaw, Unit,
 };
+use crate::robot::random::between;
 use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
@@ -17,11 +18,16 @@ pub const EFFECT: Effect = Effect {
     equation: "k·(q − q0)",
     source: "Hooke 1678",
     parameters: &[
-        ParameterInfo::linear(("k", Unit::TorquePerPosition), "stiffness", 10.0),
+        ParameterInfo::linear("k", Unit::TorquePerPosition, "stiffness", 10.0),
         ParameterInfo::nonlinear(
-            ("q0", Unit::Position),
+            "q0",
+            Unit::Position,
             "position without torque",
-            (-1e3, 0.1, 1e3),
+            Span {
+                lower: -1e3,
+                typical: 0.1,
+                upper: 1e3,
+            },
             Search::Position(&[0.0, 0.5, 1.0]),
         ),
     ],
@@ -59,7 +65,10 @@ fn finding(found: &Found<'_>) -> String {
 fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
     vec![
         drawn("k", site.torque() / site.half_range),
-        drawn("q0", site.middle + evenly(rng, -1.0, 1.0) * site.half_range),
+        drawn(
+            "q0",
+            site.middle + between(rng, -1.0, 1.0) * site.half_range,
+        ),
     ]
 }
 

@@ -6,8 +6,8 @@ use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, dr
 use crate::chain::effect::law::size;
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{
-    Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Samples, Search, TransmissionLaw,
-    Transmitted, Unit,
+    Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Samples, Search, Span,
+    TransmissionLaw, Transmitted, Unit,
 };
 use rand_chacha::ChaCha8Rng;
 
@@ -18,9 +18,14 @@ pub const EFFECT: Effect = Effect {
     equation: "mu·|τ_M|·sign(v)",
     source: "Hamon, Gautier and Garrec 2010",
     parameters: &[ParameterInfo::nonlinear(
-        ("mu", Unit::One),
+        "mu",
+        Unit::One,
         "friction torque per transmitted torque",
-        (-1.0, 0.05, 5.0),
+        Span {
+            lower: -1.0,
+            typical: 0.05,
+            upper: 5.0,
+        },
         Search::Values(&[0.05]),
     )],
     depends_on: &[Dependence::Load, Dependence::Direction],

@@ -49,7 +49,7 @@ pub use crate::chain::effect::catalogue::{find, ids};
 pub use crate::chain::effect::definition::{
     Confounder, Dependence, Effect, Lasts, Law, Memory, NEXT, Needs, PREVIOUS,
 };
-pub use crate::chain::effect::parameter::{Linearity, ParameterInfo, Search};
+pub use crate::chain::effect::parameter::{Linearity, ParameterInfo, Search, Span};
 pub use crate::chain::effect::table::{
     COUPLING, CURRENT_LAW, DELAY, EFFECTS, EffectParameter, GAIN, LOAD, TILT, TRANSITION, WARMING,
     of_term, term_name,

@@ -16,10 +16,19 @@ pub struct ParameterInfo {
     pub search: Search,
 }
 
+/// Limits of a parameter and its usual value between them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Span {
+    pub lower: f64,
+    pub typical: f64,
+    pub upper: f64,
+}
+
 impl ParameterInfo {
     /// A parameter in which the signal is affine, of any sign.
     pub const fn linear(
-        (name, unit): (&'static str, Unit),
+        name: &'static str,
+        unit: Unit,
         meaning: &'static str,
         typical: f64,
     ) -> Self {
@@ -37,18 +46,19 @@ impl ParameterInfo {
 
     /// A parameter in which the signal is not affine, between limits.
     pub const fn nonlinear(
-        (name, unit): (&'static str, Unit),
+        name: &'static str,
+        unit: Unit,
         meaning: &'static str,
-        (lower, typical, upper): (f64, f64, f64),
+        span: Span,
         search: Search,
     ) -> Self {
         Self {
             name,
             unit,
             meaning,
-            lower,
-            upper,
-            typical,
+            lower: span.lower,
+            upper: span.upper,
+            typical: span.typical,
             linearity: Linearity::Nonlinear,
             search,
         }

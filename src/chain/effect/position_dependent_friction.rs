@@ -3,11 +3,12 @@
 use crate::chain::effect::expression::{Expression, Variable};
 use crate::chain::effect::found::Found;
 use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
-use crate::chain::effect::site::{Site, evenly};
+use crate::chain::effect::site::Site;
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
-    Search, TorqueLaw, Unit,
+    Search, Span, TorqueLaw, Unit,
 };
+use crate::robot::random::between;
 use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
@@ -18,20 +19,31 @@ pub const EFFECT: Effect = Effect {
     source: "a smooth bump of Coulomb friction; Armstrong-Hélouvry 1991 measured friction along the range of a PUMA",
     parameters: &[
         ParameterInfo::linear(
-            ("dF", Unit::Torque),
+            "dF",
+            Unit::Torque,
             "friction beyond Coulomb friction at q0",
             1.0,
         ),
         ParameterInfo::nonlinear(
-            ("q0", Unit::Position),
+            "q0",
+            Unit::Position,
             "position of the spot",
-            (-1e3, 0.5, 1e3),
+            Span {
+                lower: -1e3,
+                typical: 0.5,
+                upper: 1e3,
+            },
             Search::Position(&[0.05, 0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.95]),
         ),
         ParameterInfo::nonlinear(
-            ("width", Unit::Position),
+            "width",
+            Unit::Position,
             "distance at which the excess has fallen to 37 %",
-            (1e-4, 0.3, 100.0),
+            Span {
+                lower: 1e-4,
+                typical: 0.3,
+                upper: 100.0,
+            },
             Search::Range(&[0.05, 0.12, 0.3]),
         ),
     ],
@@ -61,8 +73,11 @@ fn finding(found: &Found<'_>) -> String {
 fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
     vec![
         drawn("dF", site.torque()),
-        drawn("q0", site.middle + evenly(rng, -0.4, 0.4) * site.half_range),
-        drawn("width", evenly(rng, 0.15, 0.4) * site.half_range),
+        drawn(
+            "q0",
+            site.middle + between(rng, -0.4, 0.4) * site.half_range,
+        ),
+        drawn("width", between(rng, 0.15, 0.4) * site.half_range),
     ]
 }
 

@@ -17,11 +17,12 @@ use crate::chain::effect::expression::{Expression, Function, StateLaw, Variable}
 use crate::chain::effect::found::Found;
 use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::law::signum;
-use crate::chain::effect::site::{Site, evenly};
+use crate::chain::effect::site::Site;
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Flow, Law, LawDynamics, Memory, Needs,
-    ParameterInfo, Power, Samples, Search, TorqueLaw, Unit,
+    ParameterInfo, Power, Samples, Search, Span, TorqueLaw, Unit,
 };
+use crate::robot::random::between;
 use rand_chacha::ChaCha8Rng;
 
 /// From a wrist whose bristles bend by tenths of a radian to the first axis of a large arm; half a decade apart where
@@ -36,27 +37,47 @@ pub const EFFECT: Effect = Effect {
     source: "Canudas de Wit, Olsson, Åström and Lischinsky 1995, eqs 2 to 4",
     parameters: &[
         ParameterInfo::nonlinear(
-            ("sigma0", Unit::TorquePerPosition),
+            "sigma0",
+            Unit::TorquePerPosition,
             "stiffness of the bristles",
-            (1e-3, 300.0, 1e9),
+            Span {
+                lower: 1e-3,
+                typical: 300.0,
+                upper: 1e9,
+            },
             Search::Values(STIFFNESSES),
         ),
         ParameterInfo::nonlinear(
-            ("sigma1", Unit::TorquePerSpeed),
+            "sigma1",
+            Unit::TorquePerSpeed,
             "damping of the bristles",
-            (0.0, 0.1, 1e6),
+            Span {
+                lower: 0.0,
+                typical: 0.1,
+                upper: 1e6,
+            },
             Search::Typical,
         ),
         ParameterInfo::nonlinear(
-            ("Fs", Unit::Torque),
+            "Fs",
+            Unit::Torque,
             "friction at standstill beyond Coulomb friction",
-            (-1e6, 0.2, 1e6),
+            Span {
+                lower: -1e6,
+                typical: 0.2,
+                upper: 1e6,
+            },
             Search::Typical,
         ),
         ParameterInfo::nonlinear(
-            ("vs", Unit::Speed),
+            "vs",
+            Unit::Speed,
             "speed at which that excess has fallen to 37 %",
-            (1e-5, 0.1, 100.0),
+            Span {
+                lower: 1e-5,
+                typical: 0.1,
+                upper: 100.0,
+            },
             Search::Speed(&[0.03, 0.1]),
         ),
     ],
@@ -101,12 +122,12 @@ fn finding(found: &Found<'_>) -> String {
 
 fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
     let dry = site.dry_friction;
-    let stiffness = dry / (evenly(rng, 0.05, 0.5) * site.share * site.half_range);
+    let stiffness = dry / (between(rng, 0.05, 0.5) * site.share * site.half_range);
     vec![
         drawn("sigma0", stiffness),
         drawn("sigma1", 0.002 * stiffness),
-        drawn("Fs", evenly(rng, 0.1, 0.5) * dry),
-        drawn("vs", evenly(rng, 0.02, 0.15) * site.fastest),
+        drawn("Fs", between(rng, 0.1, 0.5) * dry),
+        drawn("vs", between(rng, 0.02, 0.15) * site.fastest),
     ]
 }
 

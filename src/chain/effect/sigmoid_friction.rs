@@ -3,11 +3,12 @@
 use crate::chain::effect::expression::{self, Expression, Variable};
 use crate::chain::effect::found::Found;
 use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
-use crate::chain::effect::site::{Site, evenly};
+use crate::chain::effect::site::Site;
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
-    Search, TorqueLaw, Unit,
+    Search, Span, TorqueLaw, Unit,
 };
+use crate::robot::random::between;
 use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
@@ -18,21 +19,32 @@ pub const EFFECT: Effect = Effect {
     source: "Gaz, Cognetti, Oliva, Robuffo Giordano and De Luca 2019; Gilbert, Maina and Byiringiro 2024 eq. 14",
     parameters: &[
         ParameterInfo::linear(
-            ("psi1", Unit::Torque),
+            "psi1",
+            Unit::Torque,
             "difference between friction at high speed in both directions",
             1.0,
         )
         .within(0.0, f64::INFINITY),
         ParameterInfo::nonlinear(
-            ("psi2", Unit::PerSpeed),
+            "psi2",
+            Unit::PerSpeed,
             "steepness of the switch",
-            (1e-3, 20.0, 1e6),
+            Span {
+                lower: 1e-3,
+                typical: 20.0,
+                upper: 1e6,
+            },
             Search::OverSpeed(&[3.0, 10.0, 30.0, 150.0]),
         ),
         ParameterInfo::nonlinear(
-            ("psi3", Unit::Speed),
+            "psi3",
+            Unit::Speed,
             "shift of the switch",
-            (-10.0, 0.01, 10.0),
+            Span {
+                lower: -10.0,
+                typical: 0.01,
+                upper: 10.0,
+            },
             Search::Speed(&[-0.3, -0.1, 0.0, 0.1, 0.3]),
         ),
     ],
@@ -68,8 +80,8 @@ fn finding(found: &Found<'_>) -> String {
 fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
     vec![
         drawn("psi1", 2.0 * site.torque()),
-        drawn("psi2", evenly(rng, 5.0, 40.0) / site.fastest),
-        drawn("psi3", evenly(rng, -0.2, 0.2) * site.fastest),
+        drawn("psi2", between(rng, 5.0, 40.0) / site.fastest),
+        drawn("psi3", between(rng, -0.2, 0.2) * site.fastest),
     ]
 }
 

@@ -1,6 +1,5 @@
 //! The joint at which a trial conceals an effect, with the figures that sizes are shares of.
 
-use crate::robot::random::between;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
@@ -37,9 +36,4 @@ impl Site {
 /// 1 or −1, either as likely.
 pub fn either_sign(rng: &mut ChaCha8Rng) -> f64 {
     if rng.random::<bool>() { 1.0 } else { -1.0 }
-}
-
-/// Evenly distributed between two values.
-pub fn evenly(rng: &mut ChaCha8Rng, low: f64, high: f64) -> f64 {
-    between(rng, low, high)
 }

@@ -6,11 +6,12 @@
 use crate::chain::effect::expression::{Expression, Variable};
 use crate::chain::effect::found::Found;
 use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
-use crate::chain::effect::site::{Site, evenly};
+use crate::chain::effect::site::Site;
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
-    Search, TorqueLaw, Unit,
+    Search, Span, TorqueLaw, Unit,
 };
+use crate::robot::random::between;
 use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
@@ -21,15 +22,21 @@ pub const EFFECT: Effect = Effect {
     source: "Stribeck 1902; Armstrong-Hélouvry, Dupont and Canudas de Wit 1994; Gilbert, Maina and Byiringiro 2024 eq. 13",
     parameters: &[
         ParameterInfo::linear(
-            ("Fs", Unit::Torque),
+            "Fs",
+            Unit::Torque,
             "friction at standstill beyond Coulomb friction",
             1.0,
         )
         .within(0.0, f64::INFINITY),
         ParameterInfo::nonlinear(
-            ("vs", Unit::Speed),
+            "vs",
+            Unit::Speed,
             "speed at which the excess has fallen to 37 %",
-            (1e-5, 0.1, 100.0),
+            Span {
+                lower: 1e-5,
+                typical: 0.1,
+                upper: 100.0,
+            },
             Search::Speed(&[0.01, 0.03, 0.06, 0.12, 0.25]),
         ),
     ],
@@ -73,7 +80,7 @@ fn finding(found: &Found<'_>) -> String {
 fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
     vec![
         drawn("Fs", site.torque()),
-        drawn("vs", evenly(rng, 0.02, 0.15) * site.fastest),
+        drawn("vs", between(rng, 0.02, 0.15) * site.fastest),
     ]
 }
 

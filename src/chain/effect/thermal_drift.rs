@@ -3,11 +3,12 @@
 use crate::chain::effect::expression::{Expression, Variable};
 use crate::chain::effect::found::Found;
 use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
-use crate::chain::effect::site::{Site, evenly};
+use crate::chain::effect::site::Site;
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Lasts, Law, Memory, Needs, ParameterInfo, Power,
-    Samples, Search, TorqueLaw, Unit,
+    Samples, Search, Span, TorqueLaw, Unit,
 };
+use crate::robot::random::between;
 use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
@@ -18,15 +19,25 @@ pub const EFFECT: Effect = Effect {
     source: "Bittencourt and Gunnarsson 2012 for friction over temperature; first-order warming",
     parameters: &[
         ParameterInfo::nonlinear(
-            ("gain", Unit::One),
+            "gain",
+            Unit::One,
             "relative change of viscous friction after a long time",
-            (-1.0, 0.1, 20.0),
+            Span {
+                lower: -1.0,
+                typical: 0.1,
+                upper: 20.0,
+            },
             Search::Typical,
         ),
         ParameterInfo::nonlinear(
-            ("time_constant", Unit::Time),
+            "time_constant",
+            Unit::Time,
             "of the warming",
-            (0.1, 30.0, 1e5),
+            Span {
+                lower: 0.1,
+                typical: 30.0,
+                upper: 1e5,
+            },
             Search::Duration(&[0.05, 0.15, 0.4, 1.0, 3.0]),
         ),
     ],
@@ -65,7 +76,7 @@ fn finding(found: &Found<'_>) -> String {
 fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
     vec![
         drawn("gain", -(2.0 * site.share).min(0.8)),
-        drawn("time_constant", evenly(rng, 0.2, 0.8) * site.duration),
+        drawn("time_constant", between(rng, 0.2, 0.8) * site.duration),
     ]
 }
 

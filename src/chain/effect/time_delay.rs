@@ -4,7 +4,7 @@ use crate::chain::effect::found::Found;
 use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{
-    Confounder, Dependence, Effect, Law, Memory, Needs, ParameterInfo, Search, Unit,
+    Confounder, Dependence, Effect, Law, Memory, Needs, ParameterInfo, Search, Span, Unit,
 };
 use crate::chain::signal::Signal;
 use rand_chacha::ChaCha8Rng;
@@ -16,9 +16,14 @@ pub const EFFECT: Effect = Effect {
     equation: "s(t) = s_true(t − delay)",
     source: "the motion at t − delay gives the signal at t",
     parameters: &[ParameterInfo::nonlinear(
-        ("delay", Unit::Time),
+        "delay",
+        Unit::Time,
         "by which the signal is late",
-        (-0.5, 0.005, 0.5),
+        Span {
+            lower: -0.5,
+            typical: 0.005,
+            upper: 0.5,
+        },
         Search::Values(&[-0.02, 0.0, 0.02]),
     )],
     depends_on: &[Dependence::Time, Dependence::Acceleration],

@@ -8,7 +8,7 @@ use crate::chain::effect::found::Found;
 use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{
-    Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Search, Unit,
+    Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Search, Span, Unit,
 };
 use rand_chacha::ChaCha8Rng;
 
@@ -79,9 +79,14 @@ const fn coefficient(
     (lower, typical): (f64, f64),
 ) -> ParameterInfo {
     ParameterInfo::nonlinear(
-        (name, Unit::TorquePerCurrent(power)),
+        name,
+        Unit::TorquePerCurrent(power),
         meaning,
-        (lower, typical, f64::INFINITY),
+        Span {
+            lower,
+            typical,
+            upper: f64::INFINITY,
+        },
         Search::Typical,
     )
 }

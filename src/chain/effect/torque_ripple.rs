@@ -3,12 +3,13 @@
 use crate::chain::effect::expression::{Expression, Function, Variable};
 use crate::chain::effect::found::Found;
 use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
-use crate::chain::effect::site::{Site, evenly};
+use crate::chain::effect::site::Site;
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
-    Search, TorqueLaw, Unit,
+    Search, Span, TorqueLaw, Unit,
 };
 use crate::chain::words::short;
+use crate::robot::random::between;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
 
@@ -27,23 +28,38 @@ pub const EFFECT: Effect = Effect {
     source: "Gandhi, Ghorbel and Dabney 2002 for harmonic drives; the first two terms of its series",
     parameters: &[
         ParameterInfo::nonlinear(
-            ("order", Unit::Order),
+            "order",
+            Unit::Order,
             "cycles per turn of the joint, one at least: nothing in a gear repeats more rarely",
-            (LEAST_ORDER, 20.0, 1e5),
+            Span {
+                lower: LEAST_ORDER,
+                typical: 20.0,
+                upper: 1e5,
+            },
             Search::Cycles,
         ),
-        ParameterInfo::linear(("amplitude", Unit::Torque), "of the first harmonic", 1.0),
+        ParameterInfo::linear("amplitude", Unit::Torque, "of the first harmonic", 1.0),
         ParameterInfo::nonlinear(
-            ("phase", Unit::Angle),
+            "phase",
+            Unit::Angle,
             "of the first harmonic at q = 0",
-            (-10.0, 0.5, 10.0),
+            Span {
+                lower: -10.0,
+                typical: 0.5,
+                upper: 10.0,
+            },
             PHASES,
         ),
-        ParameterInfo::linear(("amplitude2", Unit::Torque), "of the second harmonic", 0.3),
+        ParameterInfo::linear("amplitude2", Unit::Torque, "of the second harmonic", 0.3),
         ParameterInfo::nonlinear(
-            ("phase2", Unit::Angle),
+            "phase2",
+            Unit::Angle,
             "of the second harmonic at q = 0",
-            (-10.0, 0.5, 10.0),
+            Span {
+                lower: -10.0,
+                typical: 0.5,
+                upper: 10.0,
+            },
             PHASES,
         ),
     ],
@@ -83,13 +99,13 @@ fn finding(found: &Found<'_>) -> String {
 }
 
 fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
-    let cycles = evenly(rng, 1.5, 20.0);
+    let cycles = between(rng, 1.5, 20.0);
     vec![
         drawn("order", PI * cycles / site.half_range),
         drawn("amplitude", site.torque()),
-        drawn("phase", evenly(rng, -PI, PI)),
-        drawn("amplitude2", evenly(rng, 0.0, 0.5) * site.torque()),
-        drawn("phase2", evenly(rng, -PI, PI)),
+        drawn("phase", between(rng, -PI, PI)),
+        drawn("amplitude2", between(rng, 0.0, 0.5) * site.torque()),
+        drawn("phase2", between(rng, -PI, PI)),
     ]
 }
 

@@ -15,8 +15,8 @@ use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, dr
 use crate::chain::effect::law::size;
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{
-    Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Samples, Search, TransmissionLaw,
-    Transmitted, Unit,
+    Confounder, Dependence, Effect, Law, Needs, ParameterInfo, Samples, Search, Span,
+    TransmissionLaw, Transmitted, Unit,
 };
 use rand_chacha::ChaCha8Rng;
 
@@ -27,9 +27,14 @@ pub const EFFECT: Effect = Effect {
     equation: "τ_in = τ_M/R where the motor drives (τ_M·ṁ > 0), R·τ_M where it is driven",
     source: "Swevers, Verdonck, Naumer, Pieters and Biber 2002 eq. 8",
     parameters: &[ParameterInfo::nonlinear(
-        ("R", Unit::One),
+        "R",
+        Unit::One,
         "share of the torque that arrives",
-        (0.05, 0.9, 1.0),
+        Span {
+            lower: 0.05,
+            typical: 0.9,
+            upper: 1.0,
+        },
         Search::Values(&[0.95, 0.85]),
     )],
     depends_on: &[Dependence::Load, Dependence::Direction],

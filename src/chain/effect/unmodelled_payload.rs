@@ -2,11 +2,12 @@
 
 use crate::chain::effect::found::Found;
 use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
-use crate::chain::effect::site::{Site, evenly};
+use crate::chain::effect::site::Site;
 use crate::chain::effect::{
     Confounder, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Search, Unit,
 };
 use crate::chain::words::short;
+use crate::robot::random::between;
 use rand_chacha::ChaCha8Rng;
 
 const fn free(name: &'static str, meaning: &'static str) -> ParameterInfo {
@@ -88,7 +89,7 @@ fn finding(found: &Found<'_>) -> String {
 fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
     let mass = 5.0 * site.share * site.link_mass;
     let inertia = 0.06_f64.powi(2) * mass;
-    let mut offset = || evenly(rng, -0.1, 0.1);
+    let mut offset = || between(rng, -0.1, 0.1);
     vec![
         drawn("mass", mass),
         drawn("com_x", offset()),

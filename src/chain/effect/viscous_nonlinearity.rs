@@ -5,11 +5,12 @@
 use crate::chain::effect::expression::{Expression, Function, Variable};
 use crate::chain::effect::found::Found;
 use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
-use crate::chain::effect::site::{Site, evenly};
+use crate::chain::effect::site::Site;
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
-    Search, TorqueLaw, Unit, law,
+    Search, Span, TorqueLaw, Unit, law,
 };
+use crate::robot::random::between;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
@@ -21,14 +22,20 @@ pub const EFFECT: Effect = Effect {
     source: "power law of a non-Newtonian film; Waiboer, Aarts and Jonker 2005 for its place in robot joints",
     parameters: &[
         ParameterInfo::linear(
-            ("Fn", Unit::TorquePerSpeedPower),
+            "Fn",
+            Unit::TorquePerSpeedPower,
             "torque at unit speed beyond viscous friction",
             1.0,
         ),
         ParameterInfo::nonlinear(
-            ("p", Unit::One),
+            "p",
+            Unit::One,
             "power of speed",
-            (0.1, 2.0, 4.0),
+            Span {
+                lower: 0.1,
+                typical: 2.0,
+                upper: 4.0,
+            },
             Search::Values(&[0.5, 2.0, 3.0]),
         ),
     ],
@@ -66,8 +73,8 @@ fn finding(found: &Found<'_>) -> String {
 
 fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
     let power = match rng.random::<bool>() {
-        true => evenly(rng, 1.6, 3.0),
-        false => evenly(rng, 0.3, 0.6),
+        true => between(rng, 1.6, 3.0),
+        false => between(rng, 0.3, 0.6),
     };
     vec![
         drawn("Fn", site.torque() / (0.5 * site.fastest).powf(power)),

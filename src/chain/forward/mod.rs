@@ -418,9 +418,9 @@ impl Loops<'_> {
             q[joint] = self.near[joint];
         }
         self.bias.fill(0.0);
-        mechanism.complete([q, dq, &mut self.bias])?;
+        let map = mechanism.complete([q, dq, &mut self.bias])?;
         self.near.copy_from_slice(q);
-        Ok(mechanism.velocity_map(q))
+        Ok(map)
     }
 
     /// B with its rows at the joints without a motor, P times those of the others.
