@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Packages and licences are those of `cargo metadata` for this platform without development dependencies, checksums those of
-//! `Cargo.lock`.
+//! `Cargo.lock`. The script that draws the charts of reports comes from another registry and is in the sources.
 
 #![forbid(unsafe_code)]
 
@@ -22,7 +22,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let metadata = metadata(root)?;
     let checksums = checksums(&fs::read_to_string(root.join("Cargo.lock"))?)?;
     let graph = built_in(&metadata)?;
-    println!("{:#}", bill(&metadata, &graph, &checksums)?);
+    let mut bill = bill(&metadata, &graph, &checksums)?;
+    if let Some(components) = bill["components"].as_array_mut() {
+        components.push(charts(&root.join("src/report/vendor/uplot"))?);
+    }
+    println!("{bill:#}");
     Ok(())
 }
 
@@ -90,6 +94,26 @@ fn built_in(metadata: &Value) -> Result<BTreeMap<&str, BTreeSet<&str>>, Box<dyn 
         graph.insert(id, needed);
     }
     Ok(graph)
+}
+
+/// The script of charts, whose page of words begins with its name and version.
+fn charts(folder: &Path) -> Result<Value, Box<dyn Error>> {
+    let page = fs::read_to_string(folder.join("README.md"))?;
+    let title = page
+        .lines()
+        .next()
+        .and_then(|line| line.strip_prefix("# uPlot "));
+    let version = title.ok_or("the page of uPlot does not begin with its version")?;
+    let purl = format!("pkg:npm/uplot@{version}");
+    Ok(json!({
+        "type": "library",
+        "bom-ref": purl,
+        "name": "uplot",
+        "version": version,
+        "purl": purl,
+        "description": "Charts of reports",
+        "licenses": [{ "expression": "MIT" }],
+    }))
 }
 
 fn bill(

@@ -23,7 +23,7 @@ use crate::estimate::covariance::of_unknowns;
 use crate::estimate::figures::{Predictions, predictions};
 use crate::estimate::fit::{Fitted, in_full, outcome, outcome_with};
 use crate::estimate::task::{notes, preprocessing};
-use crate::outcome::diagnose::{Baseline, Diagnosis, Final, Unattested, Verdict};
+use crate::outcome::diagnose::{Baseline, Diagnosis, Final};
 use crate::outcome::finding::Finding;
 use crate::outcome::fit::{AddedEffect, Fit, FittedModel};
 use crate::outcome::parameter::Parameter;
@@ -82,10 +82,16 @@ impl Reporting<'_> {
         let unattested = compared.unattested(&corrections);
         let verdict = (!self.is_cut_short())
             .then(|| verdict::verdict(&findings, compared.lack_of_fit(&findings), &unattested));
+        let about = About {
+            examined: explanation.examined,
+            unattested: &unattested,
+            joints: &after.estimate.joints,
+            untried: self.untried(),
+        };
         let unmeasured = (!noise_level.measured).then(|| UNMEASURED.to_string());
         let diagnosis = Diagnosis {
             verdict,
-            summary: self.summary(verdict, &findings, &unattested),
+            summary: summary::paragraph(verdict, &findings, &about),
             located: location::locate(context, declared, self.rules.significance),
             findings,
             unattested,
@@ -159,20 +165,6 @@ impl Reporting<'_> {
         findings.extend(corrections.findings(noise_level, state));
         findings.extend(compared.unexplained(&findings, state));
         findings
-    }
-
-    fn summary(
-        &self,
-        verdict: Option<Verdict>,
-        findings: &[Finding],
-        unattested: &[Unattested],
-    ) -> String {
-        let about = About {
-            examined: self.explanation.examined,
-            unattested,
-            untried: self.untried(),
-        };
-        summary::paragraph(verdict, findings, &about)
     }
 
     /// Effects of which a search that was interrupted has not fitted every hypothesis beside the model that it had come

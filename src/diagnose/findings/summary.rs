@@ -1,12 +1,15 @@
 //! The final model's predictions with smooth corrections, and the paragraph that says what was found.
 
+use crate::chain::words::short;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::residuals::additive_model::AdditiveModel;
+use crate::diagnose::residuals::noise_level::UNEXPLAINED;
 use crate::estimate::figures::{Predictions, figures_by_recording, predictions_by_recording};
 use crate::estimate::fit::Fitted;
 use crate::outcome::diagnose::{Unattested, Verdict};
 use crate::outcome::finding::Finding;
+use crate::outcome::joint::JointFigures;
 use crate::recording::split::Split;
 
 /// Takes smooth corrections from the predictions of the final model and makes its figures again.
@@ -47,6 +50,8 @@ pub struct About<'a> {
     pub examined: usize,
     /// What is left, is of weight, and is not known to be noise.
     pub unattested: &'a [Unattested],
+    /// Figures of the final model.
+    pub joints: &'a [JointFigures],
     /// Effects that an interrupted search has not tried.
     pub untried: Vec<String>,
 }
@@ -57,9 +62,10 @@ pub fn paragraph(verdict: Option<Verdict>, findings: &[Finding], about: &About<'
     text.push(match verdict {
         None => return interrupted(text, about),
         Some(Verdict::NothingMissing) => format!(
-            "Nothing is missing that matters: {} hypotheses were tried, and none lowers the error on recordings that \
-             were not fitted by as much as 1 %.",
-            about.examined
+            "Nothing is missing that matters: {} hypotheses were tried, and none is told from chance and lowers the error \
+             on recordings that were not fitted by as much as 1 %.{}",
+            about.examined,
+            beyond_noise(about.joints)
         ),
         Some(Verdict::Explained) => "With that the model explains the recordings.".to_string(),
         Some(Verdict::PartlyExplained) => {
@@ -74,6 +80,30 @@ pub fn paragraph(verdict: Option<Verdict>, findings: &[Finding], about: &About<'
     let left = about.unattested.iter().map(|left| &left.sentence);
     text.extend(left.map(|sentence| format!("{sentence}.")));
     text.join(" ")
+}
+
+/// Joints whose errors are beyond the noise though they are no misfit of weight; nothing where there are none.
+fn beyond_noise(joints: &[JointFigures]) -> String {
+    let beyond = joints.iter().filter_map(|figures| {
+        let lack = figures.lack_of_fit.filter(|&lack| lack > UNEXPLAINED)?;
+        let times = lack.sqrt();
+        Some(match figures.relative_validation {
+            Some(share) => format!(
+                "{} ({times:.1} times, {} % of the signal)",
+                figures.joint,
+                short(100.0 * share)
+            ),
+            None => format!("{} ({times:.1} times)", figures.joint),
+        })
+    });
+    let beyond: Vec<String> = beyond.collect();
+    match beyond.is_empty() {
+        true => String::new(),
+        false => format!(
+            " Errors beyond the noise are left at {}: too little, or too near reversals, to be told from errors of the motion.",
+            beyond.join(", ")
+        ),
+    }
 }
 
 fn interrupted(mut text: Vec<String>, about: &About<'_>) -> String {

@@ -30,7 +30,8 @@ pub struct Explanation {
     pub prefixes: Vec<ModelFit>,
     /// Hypotheses that the declared model leaves open.
     pub examined: usize,
-    /// Joints of names that explained less than they left, or whose size may be none.
+    /// Joints of names that explained less than they left, whose size may be none, or that rows which chose nothing do not
+    /// confirm.
     pub withdrawn: Vec<usize>,
     /// Every hypothesis that was fitted while the model grew.
     pub tried: Vec<SelectionStep>,
@@ -117,6 +118,7 @@ impl Explaining<'_> {
             let significance = self.rules.significance;
             let failing = confirmation::failing(self.contexts, &prefixes, &tests, significance);
             if let Some(k) = failing {
+                withdrawn.extend(full.hypotheses[k].named_joints());
                 selection.fit = fit_without(context, &full, k)?;
                 round = EXCHANGES;
                 continue;
