@@ -26,6 +26,7 @@ pub struct LoopRows {
     mechanism: Mechanism,
     /// Joints without a motor whose range the robot file states, and the range, rad or m.
     ranges: Vec<(usize, [f64; 2])>,
+    limits: Vec<LoopLimit>,
 }
 
 impl LoopRows {
@@ -36,16 +37,8 @@ impl LoopRows {
             let stated = [limits.lower?, limits.upper?];
             (stated[0] < stated[1]).then_some((joint, stated))
         };
-        Self {
-            ranges: mechanism.passive().iter().filter_map(range).collect(),
-            mechanism: mechanism.clone(),
-        }
-    }
-
-    /// What each series of rows is about.
-    pub fn limits(&self) -> Vec<LoopLimit> {
-        let joints = self.mechanism.tree().joints();
-        let of_range = self.ranges.iter().map(|(joint, [low, high])| LoopLimit {
+        let ranges: Vec<_> = mechanism.passive().iter().filter_map(range).collect();
+        let of_range = ranges.iter().map(|(joint, [low, high])| LoopLimit {
             name: format!("range of {}", joints[*joint].name),
             unit: joints[*joint].kind.position_unit(),
             limit: 0.5 * (high - low),
@@ -55,7 +48,16 @@ impl LoopRows {
             unit: "1",
             limit: WELL_HELD,
         };
-        std::iter::once(held).chain(of_range).collect()
+        Self {
+            limits: std::iter::once(held).chain(of_range).collect(),
+            ranges,
+            mechanism: mechanism.clone(),
+        }
+    }
+
+    /// What each series of rows is about.
+    pub fn limits(&self) -> &[LoopLimit] {
+        &self.limits
     }
 
     /// Rows along a closed motion, `[series][sample]`.

@@ -169,7 +169,7 @@ impl Experiment<'_> {
         }));
         let loops = self.loops.iter().flat_map(LoopRows::limits);
         constraints.extend(loops.map(|loops| Constraint {
-            name: loops.name,
+            name: loops.name.clone(),
             unit: loops.unit.to_string(),
             rows: samples,
             set: Set::Nonnegative,

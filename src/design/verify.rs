@@ -221,7 +221,7 @@ pub fn of_dynamics(
         for (series, of) in loops.values(motion).iter().zip(loops.limits()) {
             let (k, least) = extreme(series.iter().copied());
             all.push(Margin {
-                constraint: of.name,
+                constraint: of.name.clone(),
                 joint: None,
                 trajectory,
                 time: k as f64 * step,

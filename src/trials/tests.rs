@@ -289,3 +289,30 @@ fn longer_recordings_judge_what_is_said_to_be_inseparable() {
     // An offset is half the difference of Coulomb levels in both directions; an inertia is something else.
     assert_eq!(told, [Some(false), Some(true)]);
 }
+
+fn fourier(number: u64) -> Trial {
+    let scope = Scope {
+        motions: vec![Motion::Fourier],
+        ..Scope::all(77413)
+    };
+    run(&scope, number, &Control::default())
+}
+
+/// Bristles that differ from dry friction in a few rows about reversals: eight times the noise, and too few rows to confirm.
+#[test]
+fn a_name_that_unseen_rows_do_not_confirm_leaves_a_finding() {
+    let trial = fourier(32);
+    assert_eq!(trial.concealed[0].effect, "presliding_hysteresis");
+    let joints = &trial.concealed[0].joints;
+    assert!(trial.found.iter().any(|f| f.joints == *joints), "{trial:?}");
+}
+
+/// A ripple of which the fitted motion shows 0.62 of a cycle and the held-out one 0.94.
+#[test]
+fn a_ripple_that_held_out_motion_shows_is_named() {
+    let trial = fourier(73);
+    assert_eq!(trial.concealed[0].effect, "torque_ripple");
+    assert_eq!(trial.found.len(), 1, "{trial:?}");
+    assert_eq!(trial.found[0].effect, "torque_ripple");
+    assert_eq!(trial.found[0].joints, trial.concealed[0].joints);
+}

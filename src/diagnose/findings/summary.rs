@@ -135,3 +135,38 @@ fn told(finding: &Finding) -> String {
         ),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::outcome::tests::joint_figures;
+
+    fn left(joint: &str, lack_of_fit: Option<f64>) -> JointFigures {
+        JointFigures {
+            lack_of_fit,
+            relative_validation: Some(0.026),
+            ..joint_figures(joint, 0.022)
+        }
+    }
+
+    #[test]
+    fn what_is_beyond_the_noise_is_said_though_nothing_is_missing() {
+        let said = |joints: &[JointFigures]| {
+            let about = About {
+                examined: 7,
+                unattested: &[],
+                joints,
+                untried: Vec::new(),
+            };
+            paragraph(Some(Verdict::NothingMissing), &[], &about)
+        };
+        let quiet = said(&[left("j1", Some(1.2)), left("j2", None)]);
+        assert!(quiet.ends_with("1 %."), "{quiet}");
+        let loud = said(&[left("j1", Some(1.2)), left("j2", Some(64.0))]);
+        assert!(
+            loud.contains("at j2 (8.0 times, 2.6 % of the signal)"),
+            "{loud}"
+        );
+        assert!(!loud.contains("j1"), "{loud}");
+    }
+}

@@ -12,7 +12,7 @@ use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::fit::start::{Start, WarmStart};
 use crate::diagnose::residuals::effect_size::HALF_OF_WHAT_MATTERS;
 use crate::diagnose::selection::search_bounds;
-use crate::diagnose::selection::speed_range;
+use crate::diagnose::selection::law_range;
 use crate::diagnose::selection::time_window;
 use crate::stats::deviation::rms;
 use std::cmp::Ordering;
@@ -115,7 +115,7 @@ impl ExactFit<'_> {
             })
         });
         within_limits
-            && speed_range::are_reached(self.context, fit, hypothesis)
+            && law_range::are_reached(self.context, fit, hypothesis)
             && search_bounds::are_inside(fit, hypothesis)
             && time_window::is_shorter(self.context, fit, hypothesis)
     }

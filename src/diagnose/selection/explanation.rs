@@ -107,8 +107,7 @@ impl Explaining<'_> {
             let weakest = weak_findings::weakest(&noise_level, &full, &comparisons);
             let uncertain = || zero_size::least_certain(context, &full);
             if let Some(k) = weakest.or_else(confounded).or_else(uncertain) {
-                withdrawn.extend(full.hypotheses[k].named_joints());
-                selection.fit = fit_without(context, &full, k)?;
+                selection.fit = withdraw(context, &full, k, &mut withdrawn)?;
                 round = EXCHANGES;
                 continue;
             }
@@ -118,8 +117,7 @@ impl Explaining<'_> {
             let significance = self.rules.significance;
             let failing = confirmation::failing(self.contexts, &prefixes, &tests, significance);
             if let Some(k) = failing {
-                withdrawn.extend(full.hypotheses[k].named_joints());
-                selection.fit = fit_without(context, &full, k)?;
+                selection.fit = withdraw(context, &full, k, &mut withdrawn)?;
                 round = EXCHANGES;
                 continue;
             }
@@ -134,6 +132,17 @@ impl Explaining<'_> {
             });
         }
     }
+}
+
+/// A model without its k-th finding, whose joints join those of the others that were withdrawn.
+fn withdraw(
+    context: &Context<'_>,
+    full: &ModelFit,
+    k: usize,
+    withdrawn: &mut Vec<usize>,
+) -> Result<ModelFit, DiagnoseError> {
+    withdrawn.extend(full.hypotheses[k].named_joints());
+    fit_without(context, full, k)
 }
 
 /// Models with the first 0, 1, ... of the findings of a model.

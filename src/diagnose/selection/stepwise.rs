@@ -12,7 +12,7 @@ use crate::diagnose::selection::exact_fit::{ExactFit, fit_without, least_gain};
 use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::hypothesis_test::{CONFIDENCE, HypothesisTest, fits_better};
 use crate::diagnose::selection::search_bounds;
-use crate::diagnose::selection::speed_range;
+use crate::diagnose::selection::law_range;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -107,7 +107,7 @@ impl Stepwise<'_> {
             // A law that later ones have left with a bend alone, or at a limit of its search, is theirs.
             let bent = |h: &Hypothesis| {
                 let fit = &selection.fit;
-                !speed_range::are_reached(context, fit, h) || !search_bounds::are_inside(fit, h)
+                !law_range::are_reached(context, fit, h) || !search_bounds::are_inside(fit, h)
             };
             if let Some(k) = selection.fit.hypotheses.iter().position(bent) {
                 selection.fit = fit_without(context, &selection.fit, k)?;
