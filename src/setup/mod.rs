@@ -10,6 +10,7 @@ pub mod limits;
 pub mod loops;
 pub mod machine;
 pub mod model;
+pub mod motor_side;
 pub mod names;
 pub mod platform;
 pub mod preparation;

@@ -11,8 +11,8 @@ use crate::diagnose::residuals::effect_size::{self, MATTERS, error_excess};
 use crate::diagnose::selection::exact_fit::{ExactFit, fit_without, least_gain};
 use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::hypothesis_test::{CONFIDENCE, HypothesisTest, fits_better};
-use crate::diagnose::selection::search_bounds;
 use crate::diagnose::selection::law_range;
+use crate::diagnose::selection::search_bounds;
 use rayon::prelude::*;
 use std::collections::HashMap;
 

@@ -6,8 +6,10 @@
 
 pub mod derivative;
 pub mod dimension;
+pub mod fault;
 pub mod syntax;
 pub mod tape;
+pub mod words;
 
 mod simplify;
 

@@ -9,125 +9,11 @@
 //! atom        number | name | name "[" joint "]" | name "(" comparison ("," comparison)* ")" | "(" comparison ")"
 //! ```
 
+use super::fault::{DEEPEST, FormulaError, FormulaFault};
 use super::simplify;
+use super::words::{FUNCTIONS, PI, STATE, VARIABLES, nearest};
 use crate::chain::effect::expression::{Expression, Function, Operator, Variable};
-use std::fmt;
 use std::ops::Range;
-
-/// Why a text is no formula, and where: characters from its start.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct FormulaError {
-    pub at: Range<usize>,
-    pub fault: FormulaFault,
-}
-
-/// What is wrong with a formula.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum FormulaFault {
-    Empty,
-    /// Something else ought to stand here.
-    Expected {
-        found: String,
-        expected: &'static str,
-    },
-    Unclosed,
-    NotANumber {
-        found: String,
-    },
-    UnknownName {
-        found: String,
-        nearest: Option<String>,
-    },
-    UnknownFunction {
-        found: String,
-        nearest: Option<String>,
-    },
-    Arguments {
-        function: String,
-        found: usize,
-        expected: usize,
-    },
-    /// Only q and v of another joint can be asked for.
-    OtherJoint {
-        found: String,
-    },
-    TooDeep,
-}
-
-impl FormulaFault {
-    /// What is wrong, without the place.
-    pub fn message(&self) -> String {
-        match self {
-            Self::Empty => "there is no formula".into(),
-            Self::Expected { found, expected } => format!("found {found} where {expected} is due"),
-            Self::Unclosed => "this bracket is not closed".into(),
-            Self::NotANumber { found } => format!("\"{found}\" is not a number"),
-            Self::UnknownName { found, .. } => {
-                format!("\"{found}\" is neither a parameter of the law nor a variable")
-            }
-            Self::UnknownFunction { found, .. } => format!("there is no function \"{found}\""),
-            Self::Arguments {
-                function,
-                found,
-                expected,
-            } => format!("{function} has {found} arguments, and needs {expected}"),
-            Self::OtherJoint { found } => {
-                format!("\"{found}\" of another joint is not known to a law")
-            }
-            Self::TooDeep => format!("brackets are nested more than {DEEPEST} deep"),
-        }
-    }
-
-    /// What to do about it.
-    pub fn remedy(&self) -> String {
-        match self {
-            Self::Empty => "state it, such as \"a*sin(n*q + phi)\"".into(),
-            Self::Expected { .. } => {
-                "write a product with *, a power with ^, and arguments between brackets with commas"
-                    .into()
-            }
-            Self::Unclosed => "add the bracket that closes it".into(),
-            Self::NotANumber { .. } => "write numbers as 0.5 or 1e-3".into(),
-            Self::UnknownName { found, nearest } => {
-                let state = format!(
-                    "add parameters.{found} = {{ ... }} to the law, or use one of q, v, acc, tau, i, t, T, period, z, pi"
-                );
-                with_nearest(nearest.as_ref(), state)
-            }
-            Self::UnknownFunction { nearest, .. } => with_nearest(
-                nearest.as_ref(),
-                format!("the functions are {}", names_of_functions()),
-            ),
-            Self::Arguments { .. } => "separate arguments by commas".into(),
-            Self::OtherJoint { .. } => "use q[joint] or v[joint]".into(),
-            Self::TooDeep => "write the formula with fewer of them".into(),
-        }
-    }
-}
-
-fn with_nearest(nearest: Option<&String>, other: String) -> String {
-    match nearest {
-        Some(name) => format!("did you mean \"{name}\"? Otherwise {other}"),
-        None => other,
-    }
-}
-
-impl fmt::Display for FormulaError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "character {}: {}; {}",
-            self.at.start + 1,
-            self.fault.message(),
-            self.fault.remedy()
-        )
-    }
-}
-
-impl std::error::Error for FormulaError {}
-
-/// Brackets within brackets that a formula may have: more than anybody writes, and far from what a stack holds.
-const DEEPEST: usize = 64;
 
 /// What the names of a formula mean.
 #[derive(Debug)]
@@ -147,62 +33,6 @@ pub enum Sign {
     /// `v/(|v| + w)`.
     Smoothed,
     Plain,
-}
-
-/// Variables of the motion by their names.
-const VARIABLES: &[(&str, Variable)] = &[
-    ("q", Variable::Position),
-    ("v", Variable::Velocity),
-    ("acc", Variable::Acceleration),
-    ("tau", Variable::Load),
-    ("i", Variable::Current),
-    ("t", Variable::Time),
-    ("T", Variable::Temperature),
-    ("period", Variable::Period),
-];
-
-const PI: &str = "pi";
-const STATE: &str = "z";
-
-/// Names that parameters cannot have.
-pub fn is_reserved(name: &str) -> bool {
-    let is_state = name.strip_prefix(STATE);
-    name == PI
-        || VARIABLES.iter().any(|(word, _)| *word == name)
-        || is_state.is_some_and(|rest| rest.chars().all(|c| c.is_ascii_digit()))
-}
-
-/// The name of a variable in formulas.
-pub fn name_of(variable: Variable) -> &'static str {
-    let found = VARIABLES.iter().find(|(_, other)| *other == variable);
-    match (found, variable) {
-        (Some((name, _)), _) => name,
-        (None, Variable::Sign) => "sign(v)",
-        (None, Variable::OtherPosition(_)) => "q[...]",
-        (None, Variable::OtherVelocity(_)) => "v[...]",
-        (None, _) => STATE,
-    }
-}
-
-/// Functions by their names, with the number of their arguments.
-const FUNCTIONS: &[(&str, usize)] = &[
-    ("exp", 1),
-    ("log", 1),
-    ("tanh", 1),
-    ("sin", 1),
-    ("cos", 1),
-    ("sqrt", 1),
-    ("abs", 1),
-    ("sign", 1),
-    ("step", 1),
-    ("min", 2),
-    ("max", 2),
-    ("if", 3),
-];
-
-fn names_of_functions() -> String {
-    let names: Vec<&str> = FUNCTIONS.iter().map(|(name, _)| *name).collect();
-    names.join(", ")
 }
 
 /// Reads a formula.
@@ -520,13 +350,4 @@ fn smooth_step(x: Expression) -> Expression {
     let rise = x.clone().squared() * (Expression::from(3.0) - x.clone() * 2.0);
     let below_one = x.clone().if_less(1.0, rise, 1.0);
     Expression::Number(0.0).if_less(x, below_one, 0.0)
-}
-
-/// Least similarity (Jaro-Winkler) at which a name is taken for a misspelt one: with 0.8 a letter more, less or exchanged.
-const SIMILAR: f64 = 0.8;
-
-fn nearest<'n>(word: &str, known: impl Iterator<Item = &'n str>) -> Option<String> {
-    let scored = known.map(|name| (strsim::jaro_winkler(word, name), name));
-    let best = scored.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (best.0 >= SIMILAR).then(|| best.1.to_string())
 }

@@ -2,13 +2,14 @@
 
 use super::derivative::derivative;
 use super::dimension::{Dimension, Known, Quantities};
-use super::syntax::{FormulaFault, Names, Sign, read};
+use super::fault::{FormulaError, FormulaFault};
+use super::syntax::{Names, Sign, read};
 use super::tape::{LANES, States, Tape};
 use crate::chain::effect::expression::{Expression, Variable};
 use crate::robot::random::{generator, symmetric};
 use crate::robot::tree::JointKind;
 
-fn parsed(text: &str, parameters: &[&str]) -> Result<Expression, super::syntax::FormulaError> {
+fn parsed(text: &str, parameters: &[&str]) -> Result<Expression, FormulaError> {
     let parameters: Vec<String> = parameters.iter().map(|p| p.to_string()).collect();
     let mut names = Names {
         parameters: &parameters,

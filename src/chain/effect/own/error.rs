@@ -1,6 +1,6 @@
 //! Why a text is no law, and in which part of it.
 
-use crate::chain::effect::formula::syntax::FormulaError;
+use crate::chain::effect::formula::fault::FormulaError;
 use crate::chain::effect::own::MOST_PARAMETERS;
 
 /// A part of a law.
