@@ -164,7 +164,7 @@ mod tests {
         assert!(quiet.ends_with("1 %."), "{quiet}");
         let loud = said(&[left("j1", Some(1.2)), left("j2", Some(64.0))]);
         assert!(
-            loud.contains("at j2 (8.0 times, 2.6 % of the signal)"),
+            loud.contains("at j2 (8.0 times, 2.60 % of the signal)"),
             "{loud}"
         );
         assert!(!loud.contains("j1"), "{loud}");
