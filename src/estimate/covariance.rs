@@ -12,6 +12,7 @@
 use crate::chain::dataset::Prepared;
 use crate::estimate::colour::{self, Colour};
 use crate::estimate::gaps::Gapped;
+use crate::estimate::noise::ResidualSeries;
 use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::rows::{Task, visit_errors};
 use crate::estimate::spectrum::{Power, SEGMENT, Spectrum, Transform};
@@ -33,12 +34,20 @@ const BANDS: f64 = 128.0;
 /// Covariance of the unknowns at the optimum x; infinite variance of those that the derivatives do not determine
 /// there, such as the shape of a law whose size has gone to zero.
 pub fn of_unknowns(problem: &FitProblem<'_>, x: &DVector<f64>) -> Option<DMatrix<f64>> {
+    of_unknowns_in(problem, x, &problem.counted_residuals(x))
+}
+
+/// The same where `residuals` are the noise, such as those of a model with more physics.
+pub fn of_unknowns_in(
+    problem: &FitProblem<'_>,
+    x: &DVector<f64>,
+    residuals: &ResidualSeries,
+) -> Option<DMatrix<f64>> {
     let count = x.len();
     let triangular = triangular(problem, x);
     let (open, kept) = open_and_kept(&triangular);
     let inverse = inverse_over(&triangular, &kept)?;
     let bread = &inverse * inverse.transpose();
-    let residuals = problem.counted_residuals(x);
     let values = problem.parameters(x);
     let counted: Vec<Counted> = (0..problem.recordings.len())
         .map(|index| counted(problem, index, &residuals[index]))

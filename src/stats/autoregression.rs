@@ -182,6 +182,20 @@ impl Autoregression {
         series.windows(order + 1).map(of).collect()
     }
 
+    /// The adjoint of [`Self::innovations`]: weights of samples that give the same sum as weights of their innovations,
+    /// `Σ w_t e_t = Σ (Aᵀw)_t y_t`.
+    pub fn adjoint(&self, weights: &[f64]) -> Vec<f64> {
+        let order = self.coefficients.len();
+        let mut samples = vec![0.0; if weights.is_empty() { 0 } else { weights.len() + order }];
+        for (k, w) in weights.iter().enumerate() {
+            samples[k + order] += w;
+            for (lag, a) in self.coefficients.iter().enumerate() {
+                samples[k + order - 1 - lag] -= a * w;
+            }
+        }
+        samples
+    }
+
     /// The series that innovations cause from rest: y = e / A(z), in the unit of the innovations.
     pub fn shape(&self, innovations: &[f64]) -> Vec<f64> {
         let mut series: Vec<f64> = Vec::with_capacity(innovations.len());
@@ -254,6 +268,19 @@ mod tests {
         (0..count)
             .map(|_| StandardNormal.sample(&mut rng))
             .collect()
+    }
+
+    #[test]
+    fn weights_of_samples_give_the_sum_of_weighted_innovations() {
+        let model = Autoregression {
+            coefficients: vec![0.7, -0.2],
+            innovation_variance: 1.0,
+        };
+        let series = [1.0, -0.5, 2.0, 0.3, 0.9];
+        let weights = [0.4, -1.0, 0.25];
+        let of = |w: &[f64], y: &[f64]| w.iter().zip(y).map(|(w, y)| w * y).sum::<f64>();
+        let direct = of(&weights, &model.innovations(&series));
+        assert!((direct - of(&model.adjoint(&weights), &series)).abs() < 1e-12);
     }
 
     #[test]

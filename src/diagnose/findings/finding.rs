@@ -10,6 +10,7 @@ use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::noise_level::{NoiseLevel, chance};
 use crate::diagnose::residuals::reversal_mask;
 use crate::diagnose::selection::explanation::Explanation;
+use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::hypothesis_test::HypothesisTest;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::diagnose::selection::stepwise::SelectionStep;
@@ -69,7 +70,7 @@ fn probabilities(
             poorer: rival,
             richer: &test.fit,
         };
-        pair.held_out().encompassing(None, rows.residual_rows())
+        forecast(rows, pair)
     };
     let rivals = comparison.alternatives.iter();
     let channels = channels_of(&test.fit.model, &test.hypothesis.named_joints());

@@ -16,7 +16,7 @@ use crate::diagnose::residuals::covariates::Covariates;
 use crate::linalg::triangular::Triangular;
 use crate::recording::split::Split;
 use crate::stats::deviation::rms;
-use crate::stats::encompassing::{Encompassing, ResidualPair, ResidualRows};
+use crate::stats::encompassing::{Encompassing, Known, ResidualPair, ResidualRows};
 use crate::stats::range::within;
 use nalgebra::{DMatrix, DVector};
 
@@ -117,7 +117,7 @@ fn evidence(before: &[f64], after: &[f64], rows: ResidualRows) -> Encompassing {
         poorer: &[before.to_vec()],
         richer: &[after.to_vec()],
     };
-    pair.encompassing(None, rows)
+    pair.encompassing(Known::default(), rows)
 }
 
 /// RMS of what a correction takes over that of what it leaves.

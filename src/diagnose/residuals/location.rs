@@ -9,7 +9,7 @@ use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::residuals::covariates::{Covariate, Covariates};
 use crate::outcome::diagnose::{CurvePoint, Located};
 use crate::recording::split::Split;
-use crate::stats::encompassing::{ResidualPair, ResidualRows};
+use crate::stats::encompassing::{Known, ResidualPair, ResidualRows};
 
 /// Bins of a variable, for either direction.
 const BINS: usize = 16;
@@ -94,7 +94,7 @@ fn one(
         poorer: &[held_out.residual.to_vec()],
         richer: &[forecast],
     };
-    let evidence = pair.encompassing(None, rows);
+    let evidence = pair.encompassing(Known::default(), rows);
     if share < LEAST_SHARE || evidence.p_value > level {
         return None;
     }

@@ -26,7 +26,7 @@ use crate::diagnose::selection::rival_models::{RivalComparison, leaves_more};
 use crate::linalg::triangular::Triangular;
 use crate::recording::split::Split;
 use crate::stats::deviation::deviations;
-use crate::stats::encompassing::ResidualPair;
+use crate::stats::encompassing::{Known, ResidualPair};
 use crate::stats::range::within;
 use nalgebra::DVector;
 
@@ -65,7 +65,7 @@ pub fn first(
                     poorer: &full.validation,
                     richer: left,
                 };
-                let evidence = pair.encompassing(None, context.residual_rows());
+                let evidence = pair.encompassing(Known::default(), context.residual_rows());
                 evidence.p_value * tried < significance && leaves_more(noise_level, pair, &[c])
             };
             without.with_another(c).as_ref().is_some_and(better)

@@ -4,19 +4,25 @@
 //! blocks that these do not tell the variance of what they leave. There the noise that is known from what repeats takes
 //! its place, on rows under way: around reversals a few rows are off by more than noise in every model.
 
+use crate::diagnose::fit::channel_series::ChannelSeries;
 use crate::diagnose::fit::context::Context;
-use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
+use crate::diagnose::fit::model_fit::FitPair;
 use crate::diagnose::residuals::noise_level;
 use crate::diagnose::residuals::reversal_mask;
-use crate::stats::encompassing::{Encompassing, ResidualPair};
+use crate::estimate::covariance::of_unknowns_in;
+use crate::recording::split::Split;
+use crate::stats::encompassing::{Encompassing, EstimationError, Known, ResidualPair};
 
 /// Fewer degrees of freedom do not tell a variance: at 3 the upper bound of a standard deviation, at 95 %, is three times
 /// its estimate.
 const FEW: f64 = 3.0;
 
+/// A larger p-value decides nothing, and what errors of parameters would add to it is not computed.
+const DECIDES: f64 = 0.05;
+
 /// Whether `richer` forecasts what `poorer` leaves.
 pub fn forecast(context: &Context<'_>, pair: FitPair<'_>) -> Encompassing {
-    let evidence = pair.held_out().encompassing(None, context.residual_rows());
+    let evidence = Rows::all(context, pair).encompassing(None);
     if evidence.freedom >= FEW {
         return evidence;
     }
@@ -28,16 +34,86 @@ pub fn forecast(context: &Context<'_>, pair: FitPair<'_>) -> Encompassing {
 
 /// The same on rows at which joints are under way.
 pub fn under_way(context: &Context<'_>, pair: FitPair<'_>, noise: Option<&[f64]>) -> Encompassing {
-    let of = |fit: &ModelFit| -> Vec<Vec<f64>> {
-        let channels = fit.validation.iter().enumerate();
-        let kept = |(c, residual): (usize, &Vec<f64>)| {
-            reversal_mask::residual(context, pair.richer, c, residual)
+    Rows::under_way(context, pair).encompassing(noise)
+}
+
+/// Two models over rows of the held-out recordings.
+struct Rows<'a> {
+    context: &'a Context<'a>,
+    pair: FitPair<'a>,
+    /// Rows that are looked at, per channel; all where there is no list.
+    kept: Vec<Option<Vec<bool>>>,
+}
+
+impl<'a> Rows<'a> {
+    fn all(context: &'a Context<'_>, pair: FitPair<'a>) -> Self {
+        Self {
+            context,
+            pair,
+            kept: vec![None; pair.richer.validation.len()],
+        }
+    }
+
+    fn under_way(context: &'a Context<'_>, pair: FitPair<'a>) -> Self {
+        let channels = pair.richer.model.channels().iter();
+        let kept = channels.map(|channel| {
+            let rows = |joint| reversal_mask::rows(context, pair.richer, joint);
+            channel.joint.map(rows)
+        });
+        Self {
+            context,
+            pair,
+            kept: kept.collect(),
+        }
+    }
+
+    fn of(&self, channel: usize, series: &[f64]) -> Vec<f64> {
+        match &self.kept[channel] {
+            Some(rows) => reversal_mask::kept(series, rows),
+            None => series.to_vec(),
+        }
+    }
+
+    fn encompassing(&self, noise: Option<&[f64]>) -> Encompassing {
+        let of = |residuals: &[Vec<f64>]| -> Vec<Vec<f64>> {
+            let channels = residuals.iter().enumerate();
+            channels.map(|(c, series)| self.of(c, series)).collect()
         };
-        channels.map(kept).collect()
-    };
-    let kept = ResidualPair {
-        poorer: &of(pair.poorer),
-        richer: &of(pair.richer),
-    };
-    kept.encompassing(noise, context.residual_rows())
+        let residuals = ResidualPair {
+            poorer: &of(&self.pair.poorer.validation),
+            richer: &of(&self.pair.richer.validation),
+        };
+        let test = |estimates: Option<&EstimationError>| {
+            residuals.encompassing(Known { noise, estimates }, self.context.residual_rows())
+        };
+        let evidence = test(None);
+        if evidence.p_value >= DECIDES {
+            return evidence;
+        }
+        match self.estimation_error() {
+            Some(error) => test(Some(&error)),
+            None => evidence,
+        }
+    }
+
+    /// Errors of the poorer model's parameters where what the richer one leaves of the fitted rows is the noise.
+    fn estimation_error(&self) -> Option<EstimationError> {
+        let FitPair { poorer, richer } = self.pair;
+        let fitted = self.context.recordings(Split::Train);
+        let noise = richer.problem(&fitted).counted_residuals(&richer.solution.x);
+        let problem = poorer.problem(&fitted);
+        let covariance = of_unknowns_in(&problem, &poorer.solution.x, &noise)?;
+        let held_out = self.context.recordings(Split::Validation);
+        let positions = poorer.unknowns.positions();
+        let series = ChannelSeries::of(&poorer.model, &poorer.values, &positions, &held_out);
+        let channels = series.columns.into_iter().enumerate();
+        let derivatives = channels.map(|(c, columns)| {
+            let columns = columns.into_iter();
+            columns.map(|column| Some(self.of(c, &column?))).collect()
+        });
+        Some(EstimationError {
+            derivatives: derivatives.collect(),
+            covariance,
+        })
+    }
 }

@@ -19,6 +19,9 @@ use crate::stats::encompassing::ResidualPair;
 /// A rival is told apart only if it leaves at least half as much again as the finding does, above the noise.
 const IN_DOUBT: f64 = 0.5;
 
+/// Confidence with which two models are told apart.
+const TOLD_APART: f64 = 0.95;
+
 /// A hypothesis in the place of a finding.
 #[derive(Debug, Clone)]
 pub struct Alternative {
@@ -48,8 +51,9 @@ pub struct RivalComparison {
 }
 
 impl RivalComparison {
-    /// The same as the rows show it that test the finding; whether a rival can be set aside, as all rows do. `full` is the
-    /// model with the finding over all rows.
+    /// The same as the rows show it that test the finding; whether a rival can be set aside, as all rows do and those that
+    /// chose nothing confirm: among the others are those by which the finding was preferred. `full` is the model with the
+    /// finding over all rows.
     pub fn on(
         &self,
         contexts: &Contexts<'_>,
@@ -58,17 +62,25 @@ impl RivalComparison {
         finding: &Hypothesis,
     ) -> Self {
         let (rows, joints) = (contexts.testing(finding), finding.named_joints());
+        let tested = full.on(rows);
         let seen = |alternative: &Alternative| {
             let (test, whole) = (&alternative.test, &contexts.whole);
             let pair = FitPair {
                 poorer: &test.fit.on(whole),
                 richer: full,
             };
+            let seen = test.fit.on(rows);
+            let unchosen = FitPair {
+                poorer: &seen,
+                richer: &tested,
+            };
+            let mut separation = separation(whole, noise_level, pair, &joints);
+            separation.separable &= forecast(rows, unchosen).p_value < 1.0 - TOLD_APART;
             Alternative {
-                separation: separation(whole, noise_level, pair, &joints),
+                separation,
                 better: alternative.better,
                 test: HypothesisTest {
-                    fit: test.fit.on(rows),
+                    fit: seen,
                     ..test.clone()
                 },
             }
@@ -192,10 +204,10 @@ pub fn separation(
     joints: &[usize],
 ) -> Separation {
     let held_out = pair.held_out();
-    let forecast = held_out.encompassing(None, context.residual_rows());
-    let differs = forecast.p_value < 1.0 - CONFIDENCE || error_excess(pair, joints) > MATTERS;
-    let missed = Distribution::Normal.quantile(CONFIDENCE) - Distribution::Normal.quantile(0.95);
-    let times = (missed / forecast.distance).powi(2);
+    let evidence = forecast(context, pair);
+    let differs = evidence.p_value < 1.0 - CONFIDENCE || error_excess(pair, joints) > MATTERS;
+    let missed = Distribution::Normal.quantile(CONFIDENCE) - Distribution::Normal.quantile(TOLD_APART);
+    let times = (missed / evidence.distance).powi(2);
     let channels = channels_of(&pair.richer.model, joints);
     // Taken as it is where the noise is not measured.
     let is_clear = !noise_level.measured || leaves_more(noise_level, held_out, &channels);
