@@ -102,24 +102,33 @@ fn of_robot(
     let mut model = setup::model::build(problem, &robot)?;
     let prior = setup::prior::build(problem, &robot, &mut model)?;
     let data = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
-    let (data, held_out) = held_out::with_held_out(standstill::left_out(&model, data));
     watch(Stage::Checking);
     let mistakes = check::run(problem, control);
-    let halves = halves(data, held_out);
-    watch(Stage::Fitting);
     let sought = sought(problem);
-    let search = Search {
-        problem,
-        robot: &robot,
-        rules: Rules {
-            sought: sought.as_deref(),
-            significance: problem.diagnose.significance.value,
-        },
-        held_out,
-        watch,
+    let rules = Rules {
+        sought: sought.as_deref(),
+        significance: problem.diagnose.significance.value,
     };
-    let declared = search.declared(&halves, control)?;
-    let (found, defect) = search.guarded(&halves, &declared, control)?;
+    let mut recorded = Recorded::of(&model, data);
+    let mut motions = 1;
+    let (found, defect) = loop {
+        watch(Stage::Fitting);
+        let search = Search {
+            problem,
+            robot: &robot,
+            rules,
+            held_out: recorded.held_out,
+            may_move: motions < MOTIONS,
+            watch,
+        };
+        let declared = search.declared(&recorded.halves, control)?;
+        match search.guarded(&recorded.halves, &declared, control)? {
+            (Searched::Moved(data), _) => recorded = Recorded::of(&model, data),
+            (Searched::Found(found), defect) => break (*found, defect),
+        }
+        motions += 1;
+    };
+    let Recorded { halves, held_out } = recorded;
     let Found { mut reported, data } = found;
     if let Some(defect) = &defect {
         let summary = &mut reported.diagnosis.summary;
@@ -127,6 +136,8 @@ fn of_robot(
     }
     let note = held_out.then(|| HELD_OUT.to_string());
     reported.diagnosis.notes.extend(note);
+    let moved = (motions > 1).then(|| MOVED.to_string());
+    reported.diagnosis.notes.extend(moved);
     let estimated = &reported.diagnosis.outcome.parameters;
     let differences = setup::declared::differences(problem, &robot, &model, estimated);
     reported.diagnosis.notes.extend(differences);
@@ -154,8 +165,32 @@ fn of_robot(
 const ENDED_BY_DEFECT: &str =
     "The search was ended by an error within it, and this is what was found before";
 
+const MOVED: &str = "The motion was estimated anew beside what was found: a bandwidth that is chosen beside a model that lacks \
+                     physics is one that hides the lack of it.";
+
 const HELD_OUT: &str = "No recording is kept for validation: every third of twelve blocks of each training \
                         recording was held out of the fits and is what the held-out figures are of.";
+
+/// Times that the motion is estimated: beside the declared model, beside what was first found, and once more where that was
+/// found in a motion that did not suit it.
+const MOTIONS: usize = 3;
+
+/// Recordings whose held-out rows are in two halves.
+struct Recorded {
+    halves: HeldOutHalves,
+    /// Rows of the training recordings were held out.
+    held_out: bool,
+}
+
+impl Recorded {
+    fn of(model: &Model, data: Dataset) -> Self {
+        let (data, held_out) = held_out::with_held_out(standstill::left_out(model, data));
+        Self {
+            halves: halves(data, held_out),
+            held_out,
+        }
+    }
+}
 
 /// The held-out rows in halves; parameters of one recording are fitted between them where these are samples in the order
 /// of time and not blocks of what was fitted.
@@ -176,7 +211,16 @@ struct Search<'a> {
     rules: Rules<'a>,
     /// Rows of the training recordings were held out.
     held_out: bool,
+    /// The motion may be estimated anew beside what is found.
+    may_move: bool,
     watch: &'a (dyn Fn(Stage) + Sync),
+}
+
+/// What a search comes to.
+enum Searched {
+    Found(Box<Found>),
+    /// The recordings with a motion that suits what was selected, in which the search begins again.
+    Moved(Dataset),
 }
 
 /// The declared model with the noise of the recordings.
@@ -210,7 +254,7 @@ impl Search<'_> {
         halves: &HeldOutHalves,
         declared: &Declared,
         control: &Control<'_>,
-    ) -> Result<(Found, Option<Defect>), DiagnoseError> {
+    ) -> Result<(Searched, Option<Defect>), DiagnoseError> {
         let reached = Reached::default();
         let search = || self.whole(halves, declared, (control, &reached));
         let defect = match guarded(search) {
@@ -222,7 +266,7 @@ impl Search<'_> {
             let at = selection.unwrap_or_else(|| Selection::of(declared.fit.clone()));
             let report = || self.stopped_at(halves, declared, at);
             if let Ok(Ok(found)) = guarded(report) {
-                return Ok((found, Some(defect)));
+                return Ok((Searched::Found(Box::new(found)), Some(defect)));
             }
         }
         Err(defect.into())
@@ -234,10 +278,14 @@ impl Search<'_> {
         halves: &HeldOutHalves,
         declared: &Declared,
         (control, reached): (&Control<'_>, &Reached),
-    ) -> Result<Found, DiagnoseError> {
+    ) -> Result<Searched, DiagnoseError> {
         let contexts = self.contexts(halves, declared, control)?;
         let explaining = self.explaining(&contexts, reached);
-        let explanation = explaining.explain(declared.fit.clone())?;
+        let selection = explaining.select(declared.fit.clone())?;
+        if let Some(data) = self.moved(&selection.fit, &halves.whole, control)? {
+            return Ok(Searched::Moved(data));
+        }
+        let explanation = explaining.conclude(selection)?;
         let changing =
             between_periods::sought(&halves.whole, declared.fit.model.catalogue(), self.rules);
         if let Some(effects) = changing.filter(|_| !control.is_interrupted()) {
@@ -250,16 +298,37 @@ impl Search<'_> {
             let apart = Reached::default();
             let explaining = self.explaining(&over_time, &apart);
             if let Some(reported) = over_periods(&explaining, &explanation.full, &effects)? {
-                return Ok(Found {
+                return Ok(Searched::Found(Box::new(Found {
                     reported,
                     data: Some(unrolled.whole),
-                });
+                })));
             }
         }
-        Ok(Found {
+        Ok(Searched::Found(Box::new(Found {
             reported: report(&explaining, &explanation)?,
             data: None,
-        })
+        })))
+    }
+
+    /// The recordings with the motion that suits a model with findings, if that is another one.
+    fn moved(
+        &self,
+        found: &ModelFit,
+        present: &Dataset,
+        control: &Control<'_>,
+    ) -> Result<Option<Dataset>, DiagnoseError> {
+        if found.hypotheses.is_empty() || !self.may_move {
+            return Ok(None);
+        }
+        let model = found.started();
+        let machine = (&model, &found.prior);
+        Ok(bandwidth::beside(
+            self.problem,
+            self.robot,
+            machine,
+            present,
+            control,
+        )?)
     }
 
     /// Reports a selected model as a search that is interrupted there does.

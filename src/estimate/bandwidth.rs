@@ -67,6 +67,33 @@ pub fn prepared(
     search.run()
 }
 
+/// The recordings with the motion that suits another model, where it is not the one that they have: what was chosen beside
+/// a model that lacks physics served to hide the lack of it.
+///
+/// # Errors
+/// Those of files and of settings.
+pub fn beside(
+    problem: &ProblemFile,
+    robot: &Robot,
+    (model, prior): (&Model, &Prior),
+    present: &Dataset,
+    control: &Control<'_>,
+) -> Result<Option<Dataset>, SetupError> {
+    if in_common(present).is_none() {
+        return Ok(None);
+    }
+    let data = prepared(problem, robot, model, prior, control)?;
+    let of = |data: &Dataset| -> Vec<f64> {
+        let bandwidths = data.recordings.iter().flat_map(|r| &r.experiment.bandwidth);
+        bandwidths.map(|b| b.cutoff_hz).collect()
+    };
+    // Cut-offs are steps of one ladder.
+    let differs = |(a, b): (&f64, &f64)| (a / b).ln().abs() > 0.5 * STEP.ln();
+    let (old, new) = (of(present), of(&data));
+    let other = old.len() == new.len() && old.iter().zip(&new).any(differs);
+    Ok((other && !control.is_interrupted()).then_some(data))
+}
+
 /// Whether the bandwidth of a recording is for the data to choose.
 fn is_open(recording: &Prepared) -> bool {
     let experiment = &recording.experiment;

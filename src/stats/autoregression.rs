@@ -186,7 +186,14 @@ impl Autoregression {
     /// `Σ w_t e_t = Σ (Aᵀw)_t y_t`.
     pub fn adjoint(&self, weights: &[f64]) -> Vec<f64> {
         let order = self.coefficients.len();
-        let mut samples = vec![0.0; if weights.is_empty() { 0 } else { weights.len() + order }];
+        let mut samples = vec![
+            0.0;
+            if weights.is_empty() {
+                0
+            } else {
+                weights.len() + order
+            }
+        ];
         for (k, w) in weights.iter().enumerate() {
             samples[k + order] += w;
             for (lag, a) in self.coefficients.iter().enumerate() {

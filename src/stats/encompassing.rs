@@ -119,7 +119,9 @@ impl ResidualPair<'_> {
                 let differences = Differences::of(white.pair());
                 let weights = || {
                     let pairs = white.models.iter().zip(differences.weights());
-                    pairs.map(|(model, w)| model.adjoint(&w)).collect::<Vec<_>>()
+                    pairs
+                        .map(|(model, w)| model.adjoint(&w))
+                        .collect::<Vec<_>>()
                 };
                 let of_estimates = known.estimates.map_or(0.0, |e| e.variance(&weights()));
                 differences.encompassing(white.noise.as_deref(), of_estimates)

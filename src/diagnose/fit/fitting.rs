@@ -37,6 +37,13 @@ const ROUNDS: usize = 4;
 const SETTLED: f64 = 0.05;
 
 impl ModelFit {
+    /// The model as a further fit of it begins, at the values that were found.
+    pub fn started(&self) -> Model {
+        let mut model = self.model.clone();
+        apply(&mut model, &self.start());
+        model
+    }
+
     /// The same fit with what it leaves on the held-out rows of another context.
     pub fn on(&self, context: &Context<'_>) -> Self {
         let held_out = context.recordings(Split::Validation);

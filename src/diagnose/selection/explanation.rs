@@ -49,10 +49,9 @@ pub struct Explaining<'a> {
 
 impl Explaining<'_> {
     /// Grows the declared model by what explains its misfit.
-    pub fn explain(&self, declared: ModelFit) -> Result<Explanation, DiagnoseError> {
+    pub fn select(&self, declared: ModelFit) -> Result<Selection, DiagnoseError> {
         let searching = |selection: &Selection| self.step(selection);
-        let selection = self.stepwise(&searching).forward(declared)?;
-        self.conclude(selection)
+        self.stepwise(&searching).forward(declared)
     }
 
     fn step(&self, selection: &Selection) {

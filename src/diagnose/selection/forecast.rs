@@ -100,7 +100,9 @@ impl<'a> Rows<'a> {
     fn estimation_error(&self) -> Option<EstimationError> {
         let FitPair { poorer, richer } = self.pair;
         let fitted = self.context.recordings(Split::Train);
-        let noise = richer.problem(&fitted).counted_residuals(&richer.solution.x);
+        let noise = richer
+            .problem(&fitted)
+            .counted_residuals(&richer.solution.x);
         let problem = poorer.problem(&fitted);
         let covariance = of_unknowns_in(&problem, &poorer.solution.x, &noise)?;
         let held_out = self.context.recordings(Split::Validation);

@@ -206,7 +206,8 @@ pub fn separation(
     let held_out = pair.held_out();
     let evidence = forecast(context, pair);
     let differs = evidence.p_value < 1.0 - CONFIDENCE || error_excess(pair, joints) > MATTERS;
-    let missed = Distribution::Normal.quantile(CONFIDENCE) - Distribution::Normal.quantile(TOLD_APART);
+    let missed =
+        Distribution::Normal.quantile(CONFIDENCE) - Distribution::Normal.quantile(TOLD_APART);
     let times = (missed / evidence.distance).powi(2);
     let channels = channels_of(&pair.richer.model, joints);
     // Taken as it is where the noise is not measured.
