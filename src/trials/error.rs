@@ -10,16 +10,22 @@ use thiserror::Error;
 /// A trial that cannot be simulated or diagnosed.
 #[derive(Debug, Error)]
 pub enum TrialError {
+    /// The temporary folder of a trial.
     #[error("no folder for the recordings of a trial: {0}")]
     Scratch(#[from] std::io::Error),
+    /// The problem file of a trial.
     #[error(transparent)]
     Problem(#[from] ProblemFileError),
+    /// What it describes.
     #[error(transparent)]
     Setup(#[from] SetupError),
+    /// Its recordings.
     #[error(transparent)]
     Simulate(#[from] SimulateError),
+    /// Its diagnosis.
     #[error(transparent)]
     Diagnose(#[from] DiagnoseError),
+    /// A defect of the program.
     #[error(transparent)]
     Defect(#[from] Defect),
 }

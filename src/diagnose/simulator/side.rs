@@ -16,12 +16,17 @@ use nalgebra::DVector;
 /// An identified model.
 #[derive(Debug, Clone, Copy)]
 pub struct Side<'a> {
+    /// Its parameters with deviations.
     pub estimate: &'a Estimate,
+    /// Its base parameters and what else a fit says.
     pub fit: &'a Fit,
     /// Physics beyond the declared model; empty after a fit.
     pub findings: &'a [Finding],
+    /// The model.
     pub model: &'a Model,
+    /// All its parameters, in SI units.
     pub values: &'a DVector<f64>,
+    /// The recordings.
     pub data: &'a Dataset,
 }
 
