@@ -10,7 +10,8 @@
 //!
 //! A [`model::Model`] lists every parameter with its name, unit and state; [`evaluate`] predicts the
 //! signal and its derivatives with respect to any of them; [`forward`] turns the chain round, from the
-//! signal to the motion; [`effect`] is the table of the physics.
+//! signal to the motion; [`effect`] is the table of the physics. [`base_parameters`] has the combinations that the signal depends
+//! on, [`prior`] what is known before the data, [`dataset`] the recordings as estimates use them.
 
 pub mod assemble;
 pub mod base_parameters;
