@@ -4,7 +4,7 @@
 //! `M(x) = W(x)ᵀ W(x)` of the observation matrix W, the derivatives of the signal with respect to the
 //! parameters, in units of the noise.
 //!
-//! In the order of the work:
+//! # Files in the order of the work
 //!
 //! | step | files |
 //! |---|---|

@@ -1,6 +1,6 @@
 //! From recordings to parameters: `min ‖W (s − ŝ(θ))‖²` with its uncertainty, checked on other recordings.
 //!
-//! In the order of the work:
+//! # Files in the order of the work
 //!
 //! | step | files |
 //! |---|---|

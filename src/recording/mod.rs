@@ -1,6 +1,6 @@
 //! From files to motion and signal: tables, channels, time base, periods, derivatives, noise.
 //!
-//! In the order of the work:
+//! # Files in the order of the work
 //!
 //! | step | files |
 //! |---|---|
