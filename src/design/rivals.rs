@@ -43,7 +43,7 @@ const ROUNDING: f64 = 1e-12;
 pub struct Rival {
     /// As the problem file has it.
     pub name: String,
-    /// The model.
+    /// The robot with the effects that this rival states.
     pub model: Model,
     /// All its parameters, in SI units.
     pub values: DVector<f64>,

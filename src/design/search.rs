@@ -84,7 +84,7 @@ pub struct Improvement {
 /// The end of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
-    /// The coefficients.
+    /// Fourier coefficients of all trajectories, in the order of [`crate::design::motion::Joints`].
     pub x: DVector<f64>,
     /// The criterion's reported value.
     pub value: f64,

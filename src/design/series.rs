@@ -67,7 +67,7 @@ impl Series {
 /// The functions of all coefficients at even instants of one period.
 #[derive(Debug, Clone)]
 pub struct Basis {
-    /// The series.
+    /// Period and number of harmonics.
     pub series: Series,
     /// Instants, from 0 on, even over the period.
     pub samples: usize,

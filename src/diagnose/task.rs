@@ -54,7 +54,7 @@ pub struct DiagnoseRun {
     pub data: Dataset,
     /// Predictions of the declared and of the final model, `[recording][channel][row]`.
     pub baseline: Predictions,
-    /// The latter.
+    /// Predictions of the final model, in the same order.
     pub finally: Predictions,
     /// Findings with rivals that the recordings cannot set aside.
     pub ambiguities: Vec<Ambiguity>,

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 /// What is compressed: a model at parameter values, derivatives with respect to some parameters.
 #[derive(Debug, Clone, Copy)]
 pub struct Request<'a> {
-    /// The model.
+    /// Predicts ŝ, and has the parameters of the columns.
     pub model: &'a Model,
     /// Values of all its parameters, at which derivatives are taken.
     pub values: &'a DVector<f64>,

@@ -19,7 +19,7 @@ const COVERAGE: f64 = 0.95;
 /// An estimate before it is reported.
 #[derive(Debug, Clone, Copy)]
 pub struct Estimated<'a> {
-    /// The model.
+    /// Says which parameters belong to which body or effect.
     pub model: &'a Model,
     /// What was estimated, and in which order.
     pub unknowns: &'a Unknowns,

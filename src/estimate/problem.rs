@@ -28,7 +28,7 @@ pub enum NoiseSource {
 /// A weighted fit of a model to recordings.
 #[derive(Debug)]
 pub struct FitProblem<'a> {
-    /// The model.
+    /// Predicts ŝ.
     pub model: &'a Model,
     /// What is estimated, and in which order.
     pub unknowns: &'a Unknowns,

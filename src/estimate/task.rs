@@ -31,7 +31,7 @@ pub enum FitError {
     /// The problem, its robot or its recordings.
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// The fit itself.
+    /// The model cannot be fitted to the recordings.
     #[error("{place}: {error}")]
     Estimate {
         /// The problem file, as text.

@@ -9,7 +9,7 @@ use thiserror::Error;
 /// What is missing or cannot be read.
 #[derive(Debug, Error)]
 pub enum InitError {
-    /// The robot's description.
+    /// The robot's description cannot be read.
     #[error(transparent)]
     Robot(#[from] RobotError),
     /// A recording.

@@ -83,7 +83,7 @@ impl Verdict {
 /// The declared model.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Baseline {
-    /// Its errors.
+    /// How well it predicts each joint.
     pub joints: Vec<JointFigures>,
     /// The model in full.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -93,7 +93,7 @@ pub struct Baseline {
 /// The model with all findings.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Final {
-    /// Its errors.
+    /// How well it predicts each joint.
     pub joints: Vec<JointFigures>,
     /// Its parameters, those of the findings among them.
     pub parameters: Vec<Parameter>,

@@ -58,7 +58,7 @@ pub struct BodyPrior {
 /// One strength that was tried.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HeldOut {
-    /// The weight.
+    /// Weight of the prior that was tried.
     #[serde(with = "number::nullable")]
     pub strength: f64,
     /// Mean square of the weighted residual of the blocks that were held out with it, without unit.

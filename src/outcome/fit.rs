@@ -98,7 +98,7 @@ impl Posterior {
 /// A linear combination of parameters (of the model's raw ones: first moments, inertia about the origin).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Combination {
-    /// Its terms.
+    /// Parameters with their coefficients; they are summed.
     pub terms: Vec<Term>,
     /// Its value in the fit, in SI units.
     #[serde(with = "number::nullable")]
@@ -141,7 +141,7 @@ pub struct Comparison {
     pub name: String,
     /// Identifiers of its effects, of all joints.
     pub effects: Vec<String>,
-    /// Its errors.
+    /// How well it predicts each joint.
     pub joints: Vec<JointFigures>,
 }
 

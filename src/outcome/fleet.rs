@@ -61,7 +61,7 @@ impl Reason {
 pub struct LookAt {
     /// Name of the robot.
     pub robot: String,
-    /// Its type.
+    /// Type of the robot, with whose robots it is compared.
     #[serde(rename = "type")]
     pub kind_of_robot: String,
     /// What it is, such as `friction up`.

@@ -48,7 +48,7 @@ pub struct Group {
     pub power: Vec<Power>,
     /// Findings of its controls.
     pub false_findings: FalseFindings,
-    /// Its rates.
+    /// Rates over the trials of this kind.
     pub rates: Rates,
 }
 

@@ -18,7 +18,7 @@ pub struct ProblemFileError {
 pub enum ProblemFileErrorKind {
     /// The file as a whole.
     File(FileFault),
-    /// A key.
+    /// A key is unknown, missing, or contradicts another.
     Key(KeyFault),
     /// The kind of a value.
     Value(ValueFault),

@@ -31,7 +31,7 @@ pub enum RecordingErrorKind {
     },
     /// The file's name ends like no known format.
     UnknownExtension {
-        /// The ending.
+        /// What the name ends in.
         found: String,
         /// The extensions that are known.
         known: &'static str,
@@ -156,7 +156,7 @@ pub enum RecordingErrorKind {
     },
     /// A pattern names the same column for every joint.
     PatternNotPerJoint {
-        /// The pattern.
+        /// As the problem has it, with its placeholders.
         pattern: String,
         /// Joints of the robot.
         joints: usize,

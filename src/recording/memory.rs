@@ -37,7 +37,7 @@ pub struct NamedArray {
     pub shape: Vec<usize>,
     /// In which order the numbers lie.
     pub order: Order,
-    /// The numbers themselves.
+    /// All of them, one after the other in that order.
     pub numbers: Numbers,
 }
 

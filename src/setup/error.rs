@@ -11,9 +11,9 @@ use std::fmt;
 /// A fault of the problem file, or of a file that it names.
 #[derive(Debug)]
 pub enum SetupError {
-    /// A key of the problem file.
+    /// The problem file lacks a table, or a list has not one value per joint.
     ProblemFile(ProblemFileError),
-    /// The robot's file.
+    /// The robot's file cannot be read.
     Robot(RobotError),
     /// A recording.
     Recording(Box<RecordingError>),

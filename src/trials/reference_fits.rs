@@ -58,7 +58,7 @@ pub(super) fn sizes(
 
 /// Fits of a declared model with the truth in it: what a diagnosis could reach.
 pub struct Informed {
-    /// The declared model.
+    /// Without what is concealed.
     pub declared: ModelFit,
     /// The declared model with what is concealed.
     pub known: ModelFit,

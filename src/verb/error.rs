@@ -20,31 +20,31 @@ use thiserror::Error;
 /// Why a run ends without a result.
 #[derive(Debug, Error)]
 pub enum VerbError {
-    /// The problem file.
+    /// The problem file cannot be read, or states what cannot be.
     #[error(transparent)]
     Problem(#[from] ProblemFileError),
-    /// A design.
+    /// No motion can be designed.
     #[error(transparent)]
     Design(#[from] DesignError),
-    /// A fit.
+    /// No parameters can be estimated.
     #[error(transparent)]
     Fit(#[from] FitError),
-    /// Motor constants.
+    /// No motor constants can be estimated.
     #[error(transparent)]
     Motors(#[from] MotorsError),
-    /// A diagnosis.
+    /// The declared model cannot be fitted, so that nothing can be compared with it.
     #[error(transparent)]
     Diagnose(#[from] DiagnoseError),
-    /// A simulation.
+    /// No recordings can be made.
     #[error(transparent)]
     Simulate(#[from] SimulateError),
-    /// A rollout.
+    /// No motion can be simulated from the result.
     #[error(transparent)]
     Rollout(#[from] RolloutError),
-    /// The results folder.
+    /// The results folder cannot be read or written.
     #[error(transparent)]
     Outcome(#[from] OutcomeError),
-    /// An export.
+    /// The robot of the result does not go into the format.
     #[error(transparent)]
     Export(#[from] ExportError),
     /// Mistakes in the inputs with which every figure would be meaningless.

@@ -15,7 +15,7 @@ use crate::verb::settings::Settings;
 /// A result whose models are rolled out.
 #[derive(Debug)]
 pub struct RolledResult<'a> {
-    /// The result.
+    /// Of a fit or a diagnosis, with its models in full.
     pub outcome: &'a Outcome,
     /// The problem that it keeps, overrides included.
     pub problem: &'a ProblemFile,

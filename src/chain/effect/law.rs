@@ -44,9 +44,9 @@ pub struct Contribution<'a> {
     pub by_parameter: &'a mut [Vec<f64>],
     /// ∂torque/∂sign is added: the chain carries it on to w.
     pub by_sign: &'a mut [f64],
-    /// ∂torque/∂position and ∂torque/∂velocity are added; looked at for laws at the joint.
+    /// ∂torque/∂position is added; looked at for laws at the joint.
     pub by_position: &'a mut [f64],
-    /// The latter.
+    /// ∂torque/∂velocity is added; looked at for laws at the joint.
     pub by_velocity: &'a mut [f64],
 }
 

@@ -13,7 +13,7 @@ pub const MOSTLY: f64 = 0.9;
 pub struct Compared<'a> {
     /// The problem with its recordings.
     pub context: &'a Context<'a>,
-    /// The declared model.
+    /// Fitted to the same rows.
     pub declared: &'a ModelFit,
     /// The model with all findings.
     pub full: &'a ModelFit,

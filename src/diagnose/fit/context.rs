@@ -18,7 +18,7 @@ use crate::stats::encompassing::ResidualRows;
 pub struct Context<'a> {
     /// What is declared.
     pub problem: &'a ProblemFile,
-    /// Its robot.
+    /// Tree, order of the joints, and what the robot file says of drives.
     pub robot: &'a Robot,
     /// The recordings, prepared.
     pub data: &'a Dataset,

@@ -19,7 +19,7 @@ use nalgebra::DVector;
 pub struct ModelFit {
     /// What it has beyond the declared model.
     pub hypotheses: Vec<Hypothesis>,
-    /// The model.
+    /// The declared model with the hypotheses in it.
     pub model: Model,
     /// What is known before the data.
     pub prior: Prior,

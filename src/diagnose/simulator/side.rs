@@ -22,11 +22,11 @@ pub struct Side<'a> {
     pub fit: &'a Fit,
     /// Physics beyond the declared model; empty after a fit.
     pub findings: &'a [Finding],
-    /// The model.
+    /// The identified model, with findings where there are any.
     pub model: &'a Model,
     /// All its parameters, in SI units.
     pub values: &'a DVector<f64>,
-    /// The recordings.
+    /// What it was identified from.
     pub data: &'a Dataset,
 }
 

@@ -25,7 +25,7 @@ use nalgebra::{DMatrix, DVector, Matrix4};
 /// The prior of unit strength over the unknowns of a fit.
 #[derive(Debug, Clone)]
 pub struct InertialPrior {
-    /// Its kind.
+    /// By what norm or divergence bodies are held to those of the robot file.
     pub kind: PriorKind,
     /// Quadratic part `½ ‖rows x + offset‖²`; for the entropic kind that of its second-order form.
     rows: DMatrix<f64>,

@@ -23,7 +23,7 @@ const LEAST_REFERENCE: f64 = 1e-3;
 /// Unknowns of a feasible fit in their order.
 #[derive(Debug)]
 pub struct Standard<'a> {
-    /// The model.
+    /// Whose parameters the unknowns are.
     pub model: &'a Model,
     /// Positions in the model: linear unknowns in the order of the scan, then nonlinear ones.
     pub parameters: Vec<usize>,

@@ -55,7 +55,7 @@ pub struct Entry {
     pub recordings: Vec<PathBuf>,
     /// Recordings to judge the fit by; none where the manifest names none.
     pub validation: Vec<PathBuf>,
-    /// The problem file.
+    /// The declared model and the settings of the run.
     pub problem: PathBuf,
     /// A number as it stands, or seconds since 1970.
     pub time: f64,
