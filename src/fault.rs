@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 /// Where a fault lies: a file, and as much of line, column and key or channel as is known.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Place {
+    /// As it was opened or named; for what is not in a file, a word for where it is.
     pub file: PathBuf,
     /// Line in the file, from 1.
     pub line: Option<usize>,
@@ -74,6 +75,7 @@ pub struct Description {
 }
 
 impl Description {
+    /// Puts the three together; the remedy is an imperative that stands behind a semicolon.
     pub fn new(code: &'static str, message: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self {
             code,
@@ -85,7 +87,9 @@ impl Description {
 
 /// An error that knows its place and can describe itself.
 pub trait Fault: std::error::Error {
+    /// Where the fault lies.
     fn place(&self) -> &Place;
+    /// Code, message and remedy.
     fn describe(&self) -> Description;
 }
 

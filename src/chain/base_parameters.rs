@@ -43,6 +43,7 @@ pub struct BaseParameter {
 /// The base parameters of a model.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct BaseParameters {
+    /// The independent ones, in the order of the scan; each stands for the dependent ones behind it.
     pub base: Vec<BaseParameter>,
     /// Linear unknowns that have no effect on the signal at all.
     pub without_effect: Vec<usize>,

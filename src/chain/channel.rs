@@ -5,6 +5,7 @@
 pub struct Channel {
     /// Name of the joint, or of the component of the wrench.
     pub name: String,
+    /// Unit of the signal: A, N·m or N.
     pub unit: &'static str,
     /// Joint of a torque or current; `None` for a component of the wrench.
     pub joint: Option<usize>,

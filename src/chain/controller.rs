@@ -19,6 +19,7 @@ use crate::robot::tree::Joint;
 pub struct Gain {
     /// The known value, or the one from which an estimate starts.
     pub value: f64,
+    /// Whether an estimate may change it.
     pub state: State,
 }
 
@@ -83,6 +84,7 @@ impl Controller {
 }
 
 impl ControllerGain {
+    /// What the gain is, in words for a list of parameters.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Proportional => "torque of the controller per error of the position",

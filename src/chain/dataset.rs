@@ -15,10 +15,13 @@ const ROWS_PER_CUTOFF_PERIOD: f64 = 8.0;
 /// A recording ready for estimates. The experiment is in motor coordinates at joint scale.
 #[derive(Debug, Clone)]
 pub struct Prepared {
+    /// Name of the recording as the problem has it.
     pub name: String,
+    /// Whether it is fitted or held out.
     pub split: Split,
     /// The load, if the model has one, hangs on the robot.
     pub loaded: bool,
+    /// Motion, signal and noise at even rows.
     pub experiment: Arc<Experiment>,
     /// Every `stride`-th row of the experiment is used.
     pub stride: usize,
@@ -251,10 +254,12 @@ fn stride(experiment: &Experiment) -> usize {
 /// All recordings of a fit.
 #[derive(Debug, Clone, Default)]
 pub struct Dataset {
+    /// In the order of the problem.
     pub recordings: Vec<Prepared>,
 }
 
 impl Dataset {
+    /// The recordings that are fitted, or those that are held out.
     pub fn of(&self, split: Split) -> impl Iterator<Item = &Prepared> {
         self.recordings.iter().filter(move |r| r.split == split)
     }

@@ -24,8 +24,11 @@ pub struct Flank {
 /// c and its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
+    /// c, N·m (N).
     pub torque: f64,
+    /// ∂c/∂δ, N·m/rad (N/m).
     pub by_lag: f64,
+    /// ∂c/∂δ̇, N·m·s/rad (N·s/m).
     pub by_rate: f64,
     /// ∂c/∂K, ∂c/∂D, ∂c/∂gap.
     pub by_parameters: [f64; 3],

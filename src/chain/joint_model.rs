@@ -7,11 +7,15 @@ use crate::robot::tree::JointKind;
 /// A joint with its drive.
 #[derive(Debug, Clone)]
 pub struct JointModel {
+    /// Name of the joint.
     pub name: String,
+    /// Whether it turns or slides.
     pub kind: JointKind,
+    /// N·m/A (N/A) at joint scale; 1 where the signal is a torque.
     pub torque_constant: f64,
     /// Relative; 0 where the constant is certain.
     pub torque_constant_std: f64,
+    /// It stands still: neither its signal nor its drive is in the model.
     pub locked: bool,
     /// Effects and the position of their first parameter in the model's list.
     pub effects: Vec<(&'static Effect, usize)>,

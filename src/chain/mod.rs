@@ -11,6 +11,17 @@
 //! A [`model::Model`] lists every parameter with its name, unit and state; [`evaluate`] predicts the
 //! signal and its derivatives with respect to any of them; [`forward`] turns the chain round, from the
 //! signal to the motion; [`effect`] is the table of the physics.
+//!
+//! # Files in the order of the work
+//!
+//! | step | files |
+//! |---|---|
+//! | what a model is made of | `settings`, `effect/`, `platform`, `controller` |
+//! | the model with its parameters | `model` (by `assemble`), `joint_model`, `parameter`, `channel` |
+//! | what the signal depends on | `base_parameters` |
+//! | recordings, and what is known before them | `dataset`, `prior` |
+//! | from motion to signal, with derivatives | `evaluate/` |
+//! | from signal to motion | `forward/`, `flank` |
 
 pub mod assemble;
 pub mod base_parameters;

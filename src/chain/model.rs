@@ -41,6 +41,10 @@ pub struct Model {
 }
 
 impl Model {
+    /// Lays out the parameters: bodies, effects joint by joint, controllers, coupling, tilt of the base, load, in this order.
+    ///
+    /// # Errors
+    /// [`ModelError::SingularCoupling`] and effects that need another effect or joint that is not there.
     pub fn new(settings: ModelSettings) -> Result<Self, ModelError> {
         let n = settings.tree.len();
         let mut parameters = assemble::inertial_parameters(&settings);
@@ -86,14 +90,17 @@ impl Model {
         })
     }
 
+    /// The moving joints with their links.
     pub fn tree(&self) -> &Tree {
         &self.tree
     }
 
+    /// What is measured.
     pub fn signal(&self) -> Signal {
         self.signal
     }
 
+    /// The measured series, in the order in which predictions have them.
     pub fn channels(&self) -> &[Channel] {
         &self.channels
     }
@@ -105,6 +112,7 @@ impl Model {
         }
     }
 
+    /// The joints with their drives, in the order of the tree.
     pub fn joints(&self) -> &[JointModel] {
         &self.joints
     }
@@ -119,6 +127,7 @@ impl Model {
         self.period
     }
 
+    /// All of them, known and free; positions in this list are what the rest of the crate calls a parameter's position.
     pub fn parameters(&self) -> &[Parameter] {
         &self.parameters
     }

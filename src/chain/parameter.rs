@@ -6,23 +6,50 @@ use crate::chain::effect::Linearity;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// Entry of the ten inertial parameters of a link (project order).
-    Inertial { link: usize, quantity: usize },
+    Inertial {
+        /// Position of the link's joint in the tree.
+        link: usize,
+        /// Which of the ten, from 0.
+        quantity: usize,
+    },
     /// Entry of the ten inertial parameters of the load.
-    Payload { quantity: usize },
+    Payload {
+        /// Which of the ten, from 0.
+        quantity: usize,
+    },
     /// Parameter of an effect on a joint: positions in `JointModel::effects` and in the effect.
     Effect {
+        /// Position of the joint in the tree.
         joint: usize,
+        /// Position in [`JointModel::effects`](crate::chain::joint_model::JointModel::effects).
         effect: usize,
+        /// Position among the effect's parameters.
         parameter: usize,
     },
     /// Entry of V.
-    Coupling { row: usize, column: usize },
+    Coupling {
+        /// The joint that is moved.
+        row: usize,
+        /// The motor that moves it.
+        column: usize,
+    },
     /// Roll (0) or pitch (1) of the base.
-    Tilt { angle: usize },
+    Tilt {
+        /// Rotation about x or y of the base frame, rad.
+        angle: usize,
+    },
     /// What a component of the base wrench reads without the robot.
-    Tare { component: usize },
+    Tare {
+        /// Which of fx, fy, fz, mx, my, mz, from 0.
+        component: usize,
+    },
     /// Gain of a joint's position controller.
-    Controller { joint: usize, gain: ControllerGain },
+    Controller {
+        /// Position of the joint in the tree.
+        joint: usize,
+        /// Which of its gains.
+        gain: ControllerGain,
+    },
 }
 
 /// A gain of a position controller.
@@ -44,7 +71,9 @@ impl Role {
 /// Whether an estimate may change a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum State {
+    /// It is estimated.
     Free,
+    /// It keeps its value.
     Known,
 }
 
@@ -53,13 +82,17 @@ pub enum State {
 pub struct Parameter {
     /// `<link>.<entry>` for inertial parameters (link3.mcx), `<joint>.<effect>.<parameter>` for effects.
     pub name: String,
+    /// SI unit of value, limits and scale.
     pub unit: String,
+    /// What it stands for.
     pub role: Role,
+    /// Whether an estimate may change it.
     pub state: State,
     /// The known value, or the one from which an estimate starts.
     pub value: f64,
     /// Natural limits, or narrower ones that were asked for.
     pub lower: f64,
+    /// The upper end of the same; infinity where there is none.
     pub upper: f64,
     /// Limits were asked for: every estimate keeps them. Natural limits of linear parameters (friction is
     /// not negative) are those of feasible estimates; least squares without them shows when a model is
@@ -67,10 +100,12 @@ pub struct Parameter {
     pub bounded: bool,
     /// A change that matters, in the parameter's unit.
     pub scale: f64,
+    /// Whether the signal is affine in it.
     pub linearity: Linearity,
 }
 
 impl Parameter {
+    /// Whether an estimate may change it.
     pub fn is_free(&self) -> bool {
         self.state == State::Free
     }

@@ -30,6 +30,7 @@ pub struct Rotor {
 pub struct Platform {
     /// T.
     pub transfer: Matrix6<f64>,
+    /// What spins on the links, and adds its angular momentum to the base wrench.
     pub rotors: Vec<Rotor>,
     /// Standard deviation of a sample as share of each channel's root mean square, if the sensor's maker
     /// states it.

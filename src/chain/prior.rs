@@ -59,6 +59,7 @@ impl Prior {
         self.rows.nrows()
     }
 
+    /// Whether nothing is known.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, Isometry3, SMatrix};
 /// A load on a link, in a frame that is fixed to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Payload {
+    /// Position of the joint in the tree whose link carries it.
     pub link: usize,
     /// Placement of the load's frame in the link's frame.
     pub frame: Isometry3<f64>,
@@ -33,15 +34,20 @@ impl Payload {
 /// Whether the links' inertial parameters are known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Inertials {
+    /// They are unknown.
     Estimate,
+    /// They are those of the tree.
     Known,
 }
 
 /// What a model is built from; arrays have one entry per joint.
 #[derive(Debug, Clone)]
 pub struct ModelSettings {
+    /// The moving joints with their links.
     pub tree: Tree,
+    /// What is measured.
     pub signal: Signal,
+    /// Whether the links' parameters are unknown.
     pub inertials: Inertials,
     /// Position controllers, where the signal is their error.
     pub controllers: Option<Vec<Controller>>,
@@ -55,12 +61,15 @@ pub struct ModelSettings {
     pub rotor_inertia: Option<Vec<f64>>,
     /// V of `q = V m + offset`; `None` is the identity.
     pub coupling: Option<DMatrix<f64>>,
+    /// rad (m); `None` is zero.
     pub offset: Option<Vec<f64>>,
+    /// The physics of every joint beside rigid bodies.
     pub effects: Vec<Vec<&'static Effect>>,
     /// The effects that it may have.
     pub catalogue: Catalogue,
     /// s, after which the motion is declared to repeat.
     pub period: Option<f64>,
+    /// A load whose ten parameters are unknown.
     pub payload: Option<Payload>,
     /// Joints that stand still.
     pub locked: Vec<bool>,

@@ -144,7 +144,9 @@ fn worst_first(findings: impl IntoIterator<Item = Finding>) -> Vec<Finding> {
 /// What the errors among findings are of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AtFault {
+    /// No finding is an error.
     Nothing,
+    /// The problem file, and nothing that it names.
     ProblemFile,
     /// A recording or robot file, whatever else is wrong.
     Data,

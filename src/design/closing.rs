@@ -30,6 +30,8 @@ pub struct LoopRows {
 }
 
 impl LoopRows {
+    /// The rows of a mechanism at each sample: its distance from a singularity, then one per joint without a motor whose
+    /// range is stated.
     pub fn new(mechanism: &Mechanism) -> Self {
         let joints = mechanism.tree().joints();
         let range = |&joint: &usize| {
@@ -80,7 +82,9 @@ impl LoopRows {
 /// What keeps a mechanism in one assembly, or a joint without a motor within its range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopLimit {
+    /// What the row keeps, in words.
     pub name: String,
+    /// Unit of the limit.
     pub unit: &'static str,
     /// What rows are measured against.
     pub limit: f64,
@@ -95,7 +99,9 @@ pub trait AlongMotion {
 /// One derivative of the motion of a motor, by its place among those that move.
 #[derive(Debug, Clone, Copy)]
 pub struct Shifted {
+    /// 0 of the position, 1 of the velocity, 2 of the acceleration.
     pub order: usize,
+    /// Place of the motor among those that move.
     pub motor: usize,
 }
 

@@ -41,6 +41,7 @@ impl Entries {
         *slot as usize
     }
 
+    /// Different entries of the regressor that the columns use.
     pub fn count(&self) -> usize {
         self.count
     }
@@ -57,14 +58,18 @@ impl Entries {
 pub struct Part {
     /// Number of the entry.
     pub entry: usize,
+    /// Its factor in the column.
     pub weight: f64,
+    /// The way to the motor of an entry of a joint that has none.
     pub carried: Option<CarriedBy>,
 }
 
 /// How loops carry a row of a joint without a motor to a motor, both by their places among their kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CarriedBy {
+    /// Place among the joints without a motor.
     pub passive: usize,
+    /// Place among the motors.
     pub motor: usize,
 }
 
@@ -113,17 +118,24 @@ pub enum Recipe {
     /// Σ weight · entry of the regressor.
     Bodies(Vec<Part>),
     /// A parameter of a law of the channel's motor, times the channel's weight.
-    Law { effect: usize, parameter: usize },
+    Law {
+        /// Position among the effects of the motor's laws.
+        effect: usize,
+        /// Position among the effect's parameters.
+        parameter: usize,
+    },
 }
 
 /// The rows of one motor.
 #[derive(Debug, Clone)]
 pub struct Channel {
+    /// The motor's joint in the tree.
     pub joint: usize,
     /// 1/(torque constant · standard deviation of the noise).
     pub weight: f64,
     /// Columns of the whole matrix that can be other than zero here.
     pub columns: Vec<usize>,
+    /// What each of these columns is made of.
     pub recipes: Vec<Recipe>,
 }
 
@@ -132,7 +144,9 @@ pub struct Channel {
 pub struct Columns {
     /// Parameter of the model of each column.
     pub parameters: Vec<usize>,
+    /// The rows, motor by motor.
     pub channels: Vec<Channel>,
+    /// The entries of the regressor that any column uses, each counted once.
     pub entries: Entries,
     /// In how many of the runs (without and with the load) a product of two columns counts.
     pub multiplicity: DMatrix<f64>,
@@ -194,6 +208,7 @@ impl Columns {
         self.parameters.len()
     }
 
+    /// Whether nothing is asked for.
     pub fn is_empty(&self) -> bool {
         self.parameters.is_empty()
     }

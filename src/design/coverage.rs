@@ -23,9 +23,13 @@ const LOAD_RANGE: f64 = 0.5;
 /// What a motion shows of one effect on one joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shown {
+    /// Name of the joint.
     pub joint: String,
+    /// Identifier of the effect.
     pub effect: &'static str,
+    /// The motion varies what the effect's law depends on.
     pub shown: bool,
+    /// The same in words, with the figures.
     pub sentence: String,
 }
 

@@ -68,7 +68,9 @@ impl StatedJoint {
 /// A motion of its own period and number of harmonics.
 #[derive(Debug, Clone)]
 pub struct Earlier {
+    /// The joints that move, in which series.
     pub joints: Joints,
+    /// Its coefficients, in the order of [`Joints`].
     pub x: DVector<f64>,
 }
 

@@ -8,27 +8,63 @@ use std::fmt;
 /// A fault of what a design is asked for.
 #[derive(Debug)]
 pub enum DesignError {
+    /// The problem, its robot or its recordings.
     Setup(Box<SetupError>),
+    /// A solver cannot start.
     Solve(SolveError),
-    Unsuitable { place: Place, kind: Unsuitable },
+    /// What is asked for cannot be designed.
+    Unsuitable {
+        /// The key of the problem file.
+        place: Place,
+        /// Why not.
+        kind: Unsuitable,
+    },
 }
 
 /// What makes a request unsuitable.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Unsuitable {
+    /// Every parameter is known.
     NothingToEstimate,
+    /// No parameter belongs to what is asked for.
     EmptyGroup,
-    NotDetermined { found: String },
-    NoShape { link: String },
+    /// A parameter that no motion determines by itself.
+    NotDetermined {
+        /// Its name.
+        found: String,
+    },
+    /// A clearance of a link that has no shape.
+    NoShape {
+        /// Name of the link.
+        link: String,
+    },
+    /// Rivals are to be told apart, and there are none.
     NoRivals,
+    /// Two rivals predict the same for every motion once they are fitted.
     SameRivals,
-    NotCoefficients { why: String },
+    /// A file that ought to hold coefficients does not.
+    NotCoefficients {
+        /// What is wrong with it.
+        why: String,
+    },
+    /// The motion of a file has another period than the design, or more harmonics.
     OtherSeries,
-    TooFast { joint: String },
-    TooFewSamples { found: usize, least: usize },
+    /// A joint cannot reach two speeds within its range of positions: no plan of constant velocities has room.
+    TooFast {
+        /// Name of the joint.
+        joint: String,
+    },
+    /// Too few samples for the highest harmonic.
+    TooFewSamples {
+        /// Samples per period.
+        found: usize,
+        /// Samples that it needs.
+        least: usize,
+    },
 }
 
 impl DesignError {
+    /// At a key of the problem file.
     pub fn unsuitable(place: &Place, kind: Unsuitable) -> Self {
         Self::Unsuitable {
             place: place.clone(),

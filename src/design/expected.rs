@@ -18,8 +18,11 @@ use crate::robot::inertia::{Inertia, PER_LINK, REPORTED, TENSOR};
 /// One expected standard deviation; `None` where the motion does not determine the parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Deviation {
+    /// Name of the parameter, or the combination as an expression.
     pub name: String,
+    /// SI unit.
     pub unit: String,
+    /// In that unit.
     pub std_dev: Option<f64>,
     /// The value that the prediction was made with.
     pub value: f64,
@@ -28,11 +31,15 @@ pub struct Deviation {
 /// The experiment as an estimate would see it.
 #[derive(Debug, Clone, Copy)]
 pub struct Recorded<'a> {
+    /// The model that would be fitted.
     pub model: &'a Model,
+    /// Its base parameters.
     pub base: &'a BaseParameters,
+    /// What is known before the data.
     pub prior: &'a Prior,
     /// Values at which nonlinear parameters act.
     pub values: &'a DVector<f64>,
+    /// Runs, each without (false) or with the load.
     pub loads: &'a [bool],
     /// Of each channel.
     pub noise: &'a [f64],

@@ -27,7 +27,9 @@ const DRAWN_BACK: [f64; 8] = [0.9995, 0.999, 0.998, 0.995, 0.99, 0.97, 0.94, 0.9
 /// A motion with the margins of all limits on the dense grid.
 #[derive(Debug, Clone)]
 pub struct Held {
+    /// The motion and how the search ended.
     pub found: Found,
+    /// The least of every limit.
     pub margins: Vec<Margin>,
 }
 

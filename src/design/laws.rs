@@ -31,6 +31,7 @@ pub struct Laws<'m> {
 /// Torque and derivatives with respect to the parameters of every effect, sample by sample.
 #[derive(Debug, Clone, Default)]
 pub struct Evaluated {
+    /// Of all effects together, N·m (N).
     pub torque: Vec<f64>,
     /// `[effect][parameter][sample]`.
     pub by_parameter: Vec<Vec<Vec<f64>>>,
@@ -60,6 +61,7 @@ impl<'m> Laws<'m> {
         }
     }
 
+    /// Whether the motor has no torque laws.
     pub fn is_empty(&self) -> bool {
         self.effects.is_empty()
     }

@@ -29,6 +29,7 @@ pub fn of_order(limits: &JointLimits, order: usize) -> Option<(f64, f64)> {
 pub enum Ends {
     /// Velocity and acceleration are zero at the start of a period.
     AtRest,
+    /// Nothing: the motion repeats.
     Free,
 }
 

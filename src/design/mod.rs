@@ -3,6 +3,18 @@
 //! The Fourier coefficients x of the joints minimise a criterion of the information matrix
 //! `M(x) = W(x)ᵀ W(x)` of the observation matrix W, the derivatives of the signal with respect to the
 //! parameters, in units of the noise.
+//!
+//! # Files in the order of the work
+//!
+//! | step | files |
+//! |---|---|
+//! | the task | `task`, `prepare`; `steady` and `strokes` for motions at constant velocity |
+//! | the motion | `series` (Fourier), `motion`, `closing` where loops are closed |
+//! | the information | `columns`, `laws`, `observation`, `target` |
+//! | the criterion | `criterion/`, or `rivals` and `contenders` where models are to be told apart |
+//! | the constraints | `limits` (linear rows), `torque`, `workspace`, `shapes` |
+//! | the optimum | `problem`, `start`, `search`, `hold` (limits between samples), `verify` |
+//! | what is reported | `expected`, `coverage`, `compare`, `validation`, `output`, `report` |
 
 pub mod closing;
 pub mod columns;

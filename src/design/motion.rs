@@ -15,6 +15,7 @@ pub const MOTION: usize = 3;
 /// moving joint, of each q0, a, b.
 #[derive(Debug, Clone)]
 pub struct Joints {
+    /// The series of every joint that moves.
     pub series: Series,
     /// Joints of the robot.
     pub count: usize,
@@ -83,6 +84,7 @@ impl Joints {
 /// A motion `[order][joint][sample]`, the trajectories one after the other.
 #[derive(Debug, Clone)]
 pub struct Motion {
+    /// Positions, velocities and accelerations, rad (m), 1/s and 1/s² of these.
     pub values: [Vec<Vec<f64>>; MOTION],
     /// P of a closed motion at every sample (joints without a motor x motors), which carries torques to the motors.
     pub carried: Vec<DMatrix<f64>>,
@@ -117,6 +119,7 @@ impl Motion {
         motion
     }
 
+    /// Fills in the motion of coefficients x, over samples of a basis; joints that stand keep their positions.
     pub fn set(&mut self, joints: &Joints, basis: &Basis, x: &DVector<f64>) {
         let width = joints.series.width();
         for trajectory in 0..joints.trajectories {
@@ -148,21 +151,25 @@ impl Motion {
         }
     }
 
+    /// Sets every value to zero.
     pub fn clear(&mut self) {
         for series in self.values.iter_mut().flatten() {
             series.fill(0.0);
         }
     }
 
+    /// The motion as the recursions over the robot take it.
     pub fn trajectory(&self) -> Trajectory<'_> {
         let [q, dq, ddq] = &self.values;
         Trajectory { q, dq, ddq }
     }
 
+    /// Samples of all trajectories together.
     pub fn len(&self) -> usize {
         self.values[0].first().map_or(0, Vec::len)
     }
 
+    /// Whether there is no sample.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -69,14 +69,17 @@ impl<'m> Observation<'m> {
         }
     }
 
+    /// The model whose parameters the columns are of.
     pub fn model(&self) -> &'m Model {
         self.model
     }
 
+    /// The columns of W.
     pub fn columns(&self) -> &'m Columns {
         self.columns
     }
 
+    /// The torque laws, motor by motor.
     pub fn laws(&self) -> &[Laws<'m>] {
         &self.laws
     }

@@ -48,10 +48,12 @@ impl Sampled {
         }
     }
 
+    /// Rows.
     pub fn len(&self) -> usize {
         self.values[0].first().map_or(0, Vec::len)
     }
 
+    /// Whether there is no row.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

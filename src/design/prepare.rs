@@ -43,17 +43,23 @@ fn refuse_leaders(problem: &ProblemFile, robot: &Robot) -> Result<(), SetupError
 /// Everything that does not depend on the motion.
 #[derive(Debug)]
 pub struct Prepared {
+    /// The robot as the problem has it.
     pub robot: Robot,
+    /// The model that the motion is for.
     pub model: Model,
+    /// What is known before the data.
     pub prior: Prior,
     /// Parameter values that torques are predicted with.
     pub values: DVector<f64>,
+    /// The combinations of parameters that its signal depends on.
     pub base: BaseParameters,
     /// Runs without and with the load.
     pub loads: Vec<bool>,
     /// Standard deviation of each channel's signal.
     pub noise: Vec<f64>,
+    /// Of each joint, in the order of the tree.
     pub limits: Vec<JointLimits>,
+    /// Anything a reader should know, one sentence each.
     pub notes: Vec<String>,
 }
 

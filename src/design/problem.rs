@@ -23,14 +23,21 @@ use crate::setup::limits::JointLimits;
 /// What all starts of a search share.
 #[derive(Debug)]
 pub struct Experiment<'m> {
+    /// The joints that move, and the layout of the coefficients.
     pub joints: Joints,
+    /// Their functions at the samples.
     pub basis: Basis,
+    /// Limits of each joint.
     pub bounds: Vec<JointLimits>,
+    /// W of a motion, with derivatives.
     pub observation: Observation<'m>,
+    /// Torque limits as rows.
     pub torques: Torques<'m>,
+    /// Cartesian limits as rows.
     pub workspace: Workspace<'m>,
     /// Where the robot closes loops.
     pub loops: Option<LoopRows>,
+    /// What is judged.
     pub target: Target<'m>,
     /// Models that are to be told apart, in place of the target.
     pub rivals: Option<Rivals<'m>>,
@@ -39,18 +46,25 @@ pub struct Experiment<'m> {
 /// What an experiment is made of.
 #[derive(Debug)]
 pub struct Plan<'m> {
+    /// The model that the motion is for.
     pub model: &'m Model,
+    /// The columns of its observation matrix.
     pub columns: &'m Columns,
     /// Parameter values that torques are predicted with.
     pub values: &'m DVector<f64>,
     /// Runs without and with the load.
     pub loads: &'m [bool],
+    /// The joints that move, and the layout of the coefficients.
     pub joints: Joints,
     /// Per period.
     pub samples: usize,
+    /// Limits of each joint.
     pub bounds: Vec<JointLimits>,
+    /// Cartesian limits.
     pub rules: Vec<Rule>,
+    /// What is judged.
     pub target: Target<'m>,
+    /// Models that are to be told apart, in place of the target.
     pub rivals: Option<Rivals<'m>>,
 }
 
@@ -58,6 +72,7 @@ pub struct Plan<'m> {
 pub const SMOOTHING: f64 = 0.01;
 
 impl<'m> Plan<'m> {
+    /// Lays out the criterion, the torque rows and the Cartesian rows.
     pub fn experiment(self) -> Experiment<'m> {
         let scales: Vec<f64> = self.bounds.iter().map(|b| b.velocity).collect();
         let smoothing: Vec<f64> = scales.iter().map(|v| SMOOTHING * v).collect();
@@ -209,6 +224,8 @@ struct Memories {
 }
 
 impl<'a> Excitation<'a> {
+    /// The problem over the coefficients, with ρ = `exponent` in the means that stand for a criterion's extremes; torque and
+    /// workspace keep to the share `shrink` of their limits.
     pub fn new(experiment: &'a Experiment<'a>, exponent: f64, shrink: f64) -> Self {
         let motion = Motion::new(&experiment.joints, experiment.basis.samples);
         let mut slopes = motion.clone();

@@ -41,8 +41,11 @@ const ROUNDING: f64 = 1e-12;
 /// One model with its values and what would be estimated of it.
 #[derive(Debug, Clone)]
 pub struct Rival {
+    /// As the problem file has it.
     pub name: String,
+    /// The robot with the effects that this rival states.
     pub model: Model,
+    /// All its parameters, in SI units.
     pub values: DVector<f64>,
     /// Parameters that a fit of it estimates, without the dependent ones.
     pub unknowns: Vec<usize>,
@@ -53,7 +56,9 @@ pub struct Rival {
 /// Models of one robot, and how it is recorded.
 #[derive(Debug)]
 pub struct Rivals<'m> {
+    /// Two at least.
     pub models: Vec<Rival>,
+    /// Runs, each without (false) or with the load.
     pub loads: &'m [bool],
     /// Standard deviation of each channel.
     pub noise: &'m [f64],

@@ -61,6 +61,7 @@ pub struct Settings {
     pub starts: Option<usize>,
     /// Wall time.
     pub budget: Option<Duration>,
+    /// Of the random starts: the same seed, the same starts.
     pub seed: u64,
     /// Coefficients to start from before random ones.
     pub given: Vec<DVector<f64>>,
@@ -76,25 +77,33 @@ pub struct Improvement {
     pub elapsed: f64,
     /// Starts made by then.
     pub starts: usize,
+    /// The criterion's reported value.
     pub value: f64,
 }
 
 /// The end of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
+    /// Fourier coefficients of all trajectories, in the order of [`crate::design::motion::Joints`].
     pub x: DVector<f64>,
     /// The criterion's reported value.
     pub value: f64,
     /// Σ of violated shares at the samples; zero where the motion is feasible.
     pub infeasibility: f64,
+    /// Why the search ended.
     pub stop: Stop,
+    /// Starts made.
     pub starts: usize,
+    /// Of all starts together.
     pub iterations: usize,
+    /// Of all starts together, values and gradients alike.
     pub evaluations: usize,
+    /// Every improvement, in the order of time.
     pub history: Vec<Improvement>,
 }
 
 impl Found {
+    /// Whether it keeps every limit at the samples.
     pub fn is_feasible(&self) -> bool {
         self.infeasibility <= FEASIBLE
     }
@@ -102,8 +111,11 @@ impl Found {
 
 /// A search over one experiment.
 pub struct Search<'a> {
+    /// What is designed.
     pub experiment: &'a Experiment<'a>,
+    /// Limits that are linear in the coefficients.
     pub rows: &'a LinearRows,
+    /// When it ends, and what it starts from.
     pub settings: &'a Settings,
     /// Share of the limits of torque and workspace that is used.
     pub shrink: f64,

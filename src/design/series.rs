@@ -16,6 +16,7 @@ pub const ORDERS: usize = 4;
 /// The series of one joint, without its coefficients.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Series {
+    /// Terms, each with a sine and a cosine.
     pub harmonics: usize,
     /// s.
     pub period: f64,
@@ -66,13 +67,16 @@ impl Series {
 /// The functions of all coefficients at even instants of one period.
 #[derive(Debug, Clone)]
 pub struct Basis {
+    /// Period and number of harmonics.
     pub series: Series,
+    /// Instants, from 0 on, even over the period.
     pub samples: usize,
     /// `[order][coefficient][sample]`.
     functions: [Vec<Vec<f64>>; ORDERS],
 }
 
 impl Basis {
+    /// Computes sines and cosines of all harmonics at the instants, with three derivatives.
     pub fn new(series: Series, samples: usize) -> Self {
         let step = series.period / samples as f64;
         let functions = std::array::from_fn(|order| {

@@ -26,11 +26,13 @@ pub enum Scale {
 /// What a design is judged by.
 #[derive(Debug, Clone)]
 pub struct Target<'a> {
+    /// What is minimised.
     pub criterion: &'a dyn Criterion,
     /// Positions of the columns asked for; all of them where absent.
     pub wanted: Option<Vec<usize>>,
     /// M₀, what is known beforehand.
     pub prior: DMatrix<f64>,
+    /// How the matrix is scaled before it.
     pub scale: Scale,
 }
 

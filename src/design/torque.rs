@@ -20,6 +20,7 @@ use std::ops::Range;
 /// A motor whose torque is limited, under one of the loads.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Limited {
+    /// The motor's joint in the tree.
     pub joint: usize,
     /// Position in the list of loads.
     pub load: usize,
@@ -36,6 +37,7 @@ pub struct Torques<'m> {
     coupling: DMatrix<f64>,
     /// Inertial parameters of the links with each load.
     bodies: Vec<Vec<f64>>,
+    /// One row per sample of each.
     pub limited: Vec<Limited>,
 }
 

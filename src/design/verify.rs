@@ -25,6 +25,7 @@ pub struct Margin {
     pub constraint: String,
     /// Joint, where the limit is one of a joint.
     pub joint: Option<String>,
+    /// Trajectory, from 1.
     pub trajectory: usize,
     /// s within the period.
     pub time: f64,
@@ -34,6 +35,7 @@ pub struct Margin {
     pub relative: f64,
     /// The limit that is nearest.
     pub limit: f64,
+    /// Of margin and limit.
     pub unit: String,
 }
 

@@ -16,6 +16,7 @@ use crate::robot::tree::{JointKind, Tree};
 /// A point that is fixed to a link, or to the base.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Place {
+    /// Name of the link or frame.
     pub name: String,
     /// Joint that carries the link; `None` for the base.
     pub link: Option<usize>,
@@ -26,7 +27,9 @@ pub struct Place {
 /// A segment with a radius, fixed to a link; a sphere where its ends coincide.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Capsule {
+    /// Joint that carries the link; `None` for the base.
     pub link: Option<usize>,
+    /// Both ends of the segment in the link's frame, m.
     pub ends: [Point3<f64>; 2],
     /// m.
     pub radius: f64,
@@ -35,22 +38,29 @@ pub struct Capsule {
 /// A Cartesian limit; every one has one row per sample, nonnegative where it holds.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Rule {
+    /// normal·p >= offset.
     Halfspace {
         /// What it is part of.
         label: String,
+        /// The point p.
         place: Place,
         /// Unit vector in the base frame.
         normal: Vector3<f64>,
         /// m.
         offset: f64,
     },
+    /// The speed of a point in the base frame is limited.
     Speed {
+        /// The point.
         place: Place,
         /// m/s.
         limit: f64,
     },
+    /// Bodies of two links keep a distance.
     Clearance {
+        /// Names of the links.
         names: [String; 2],
+        /// Shapes of either link.
         shapes: [Vec<Capsule>; 2],
         /// m.
         distance: f64,
@@ -76,6 +86,7 @@ impl Rule {
         }
     }
 
+    /// Unit of its margin; speeds are measured as a share of their limit.
     pub fn unit(&self) -> &'static str {
         match self {
             Self::Speed { .. } => "1",
@@ -250,7 +261,9 @@ fn nearest(a: [Point3<f64>; 2], b: [Point3<f64>; 2]) -> [Point3<f64>; 2] {
 /// The Cartesian rows of a design.
 #[derive(Debug)]
 pub struct Workspace<'m> {
+    /// The robot whose points they are of.
     pub tree: &'m Tree,
+    /// In the order of their rows.
     pub rules: Vec<Rule>,
 }
 

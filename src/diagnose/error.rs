@@ -8,8 +8,10 @@ use thiserror::Error;
 /// A diagnosis that cannot start or finish.
 #[derive(Debug, Error)]
 pub enum DiagnoseError {
+    /// The problem, its robot or its recordings.
     #[error(transparent)]
     Setup(#[from] SetupError),
+    /// The declared model cannot be fitted.
     #[error(transparent)]
     Fit(Box<EstimateError>),
     /// Nothing was found before it.

@@ -12,6 +12,12 @@
 //! model, and so on until none does; then each is dropped on trial, and a name that explains less than it
 //! leaves, or only resembles what another joint does, is withdrawn. All this chooses by one half of the rows that were not
 //! fitted; what it has chosen is tested by the other half.
+//!
+//! # Files in the order of the work
+//!
+//! `task` reads and checks; `fit/` fits the declared model; `residuals/` looks at what it leaves;
+//! `candidates/` screens effects by score tests; `selection/` fits, tests, compares and withdraws them; `findings/` says what
+//! they mean; `simulator/` compares a robot with its simulator.
 
 pub mod candidates;
 pub mod error;

@@ -5,17 +5,25 @@
 pub enum Stage {
     /// Before the robot, its simulator goes through the same steps.
     Simulator,
+    /// Recordings are read, differentiated and averaged over periods.
     Reading,
+    /// Inputs are looked at for mistakes.
     Checking,
+    /// The declared model is fitted.
     Fitting,
+    /// Hypotheses are screened and fitted beside what was found.
     Searching {
+        /// Findings so far.
         found: usize,
     },
+    /// Rivals are fitted in the place of findings.
     Comparing,
+    /// Averages over periods are taken apart for what changes between them.
     Drift,
 }
 
 impl Stage {
+    /// As progress shows it.
     pub fn words(self) -> String {
         match self {
             Self::Simulator => "identifying the simulator".to_string(),

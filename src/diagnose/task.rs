@@ -38,18 +38,23 @@ use nalgebra::DVector;
 /// A diagnosis with the recordings that it was made from.
 #[derive(Debug)]
 pub struct DiagnoseRun {
+    /// Verdict, findings and what led to them.
     pub diagnosis: Diagnosis,
     /// A mismatch that is a mistake in the input, not physics.
     pub mistakes: Vec<Mistake>,
+    /// Parameters of the final model with deviations, and its errors.
     pub estimate: Estimate,
     /// The final model as a fit gives it.
     pub fit: Fit,
+    /// The declared model with all findings.
     pub model: Model,
     /// Values of the parameters of that model.
     pub values: DVector<f64>,
+    /// The recordings, as they were fitted.
     pub data: Dataset,
     /// Predictions of the declared and of the final model, `[recording][channel][row]`.
     pub baseline: Predictions,
+    /// Predictions of the final model, in the same order.
     pub finally: Predictions,
     /// Findings with rivals that the recordings cannot set aside.
     pub ambiguities: Vec<Ambiguity>,

@@ -17,9 +17,13 @@ use rayon::prelude::*;
 /// What is compressed: a model at parameter values, derivatives with respect to some parameters.
 #[derive(Debug, Clone, Copy)]
 pub struct Request<'a> {
+    /// Predicts ŝ, and has the parameters of the columns.
     pub model: &'a Model,
+    /// Values of all its parameters, at which derivatives are taken.
     pub values: &'a DVector<f64>,
+    /// Positions of the parameters whose derivatives are columns of the factor.
     pub columns: &'a [usize],
+    /// What rows are multiplied by.
     pub weights: &'a Weights,
     /// Factors of single rows of the recordings, in their order.
     pub factors: Option<&'a RowFactors>,

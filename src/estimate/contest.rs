@@ -26,7 +26,9 @@ const MAX_ORDER: usize = 40;
 
 /// A fitted model by its name and what it predicts.
 pub struct Entrant<'a> {
+    /// Its name in the comparison.
     pub name: &'a str,
+    /// What it predicts, over the rows that all entrants predict.
     pub predictions: &'a Predictions,
 }
 

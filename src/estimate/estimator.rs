@@ -6,9 +6,13 @@ use crate::chain::prior::Prior;
 /// How parameters follow from recordings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Estimator {
+    /// Ordinary least squares: every channel counts the same.
     Ordinary,
+    /// Weighted least squares: every channel by the deviation of its residual.
     Weighted,
+    /// Weighted least squares, iterated with Tukey's biweight of every residual.
     Robust,
+    /// Maximum likelihood with the covariance of the noise across channels and frequencies.
     MaximumLikelihood,
 }
 

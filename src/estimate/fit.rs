@@ -40,9 +40,13 @@ use nalgebra::{DMatrix, DVector};
 /// A fit as it is reported, and what it predicts.
 #[derive(Debug, Clone)]
 pub struct Fitted {
+    /// Parameters, errors and covariance, as results have them.
     pub estimate: Estimate,
+    /// Base parameters and what else the verb adds to a result.
     pub fit: Fit,
+    /// What the model predicts of every recording.
     pub predictions: Predictions,
+    /// The model, transition speeds and limits as the fit had them.
     pub model: Model,
     /// Values of all parameters.
     pub values: DVector<f64>,

@@ -1,4 +1,17 @@
 //! From recordings to parameters: `min ‖W (s − ŝ(θ))‖²` with its uncertainty, checked on other recordings.
+//!
+//! # Files in the order of the work
+//!
+//! | step | files |
+//! |---|---|
+//! | the task | `task` chooses the fit: `fit`, `noisy_fit`, `feasible/`, `difference` of a load |
+//! | bandwidth of the motion | `bandwidth` |
+//! | the problem that solvers take | `problem` over the `unknowns`, its rows from `rows` and `weights`, compressed by `compress` |
+//! | where it starts | `start`, `reach`, `shapes` |
+//! | the optimum | `coarse`, `minimise`, `optimum`, `rounded`; a single search is `least_squares` |
+//! | weights from residuals | `reweight`, `noise`, `colour`, `gaps` |
+//! | covariance and intervals | `covariance`, with `torque_constants` |
+//! | what is reported | `physical`, `realization`, `load`, `reactions`, `figures`, `contest` |
 
 pub mod bandwidth;
 mod coarse;

@@ -19,7 +19,9 @@ const COVERAGE: f64 = 0.95;
 /// An estimate before it is reported.
 #[derive(Debug, Clone, Copy)]
 pub struct Estimated<'a> {
+    /// Says which parameters belong to which body or effect.
     pub model: &'a Model,
+    /// What was estimated, and in which order.
     pub unknowns: &'a Unknowns,
     /// Values of all parameters.
     pub values: &'a DVector<f64>,

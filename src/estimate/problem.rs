@@ -28,12 +28,18 @@ pub enum NoiseSource {
 /// A weighted fit of a model to recordings.
 #[derive(Debug)]
 pub struct FitProblem<'a> {
+    /// Predicts ŝ.
     pub model: &'a Model,
+    /// What is estimated, and in which order.
     pub unknowns: &'a Unknowns,
+    /// What is fitted.
     pub recordings: &'a [&'a Prepared],
+    /// What is known before the data, as rows of the residual.
     pub prior: &'a Prior,
     weights: Weights,
+    /// Where the deviations of the noise come from.
     pub noise: NoiseSource,
+    /// Factors of single rows, of robust estimates; none where every row counts the same.
     pub factors: Option<RowFactors>,
     /// 0 where a joint stands still.
     moving: Option<RowFactors>,
@@ -48,6 +54,7 @@ pub struct FitProblem<'a> {
 }
 
 impl<'a> FitProblem<'a> {
+    /// A residual over the rows of all recordings and those of the prior, `weights` times predictions minus recordings.
     pub fn new(
         model: &'a Model,
         unknowns: &'a Unknowns,
@@ -194,6 +201,7 @@ impl<'a> FitProblem<'a> {
         DVector::from_iterator(self.columns.len(), start)
     }
 
+    /// What rows are multiplied by.
     pub fn weights(&self) -> &Weights {
         &self.weights
     }

@@ -16,8 +16,11 @@ const MOST_ORDERS: usize = 600;
 /// What a joint did in recordings, as far as searches depend on it.
 #[derive(Debug, Clone, Copy)]
 pub struct Motion {
+    /// Least position of the motor at joint scale, rad (m).
     pub least: f64,
+    /// Greatest position, rad (m).
     pub greatest: f64,
+    /// Greatest speed, rad/s (m/s).
     pub fastest: f64,
     /// s.
     pub duration: f64,
@@ -26,6 +29,7 @@ pub struct Motion {
 }
 
 impl Motion {
+    /// Of one joint over all recordings.
     pub fn of(recordings: &[&Prepared], joint: usize) -> Self {
         let mut motion = Self {
             least: f64::INFINITY,

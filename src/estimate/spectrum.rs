@@ -28,6 +28,7 @@ pub struct Transform {
 }
 
 impl Transform {
+    /// Plans transforms of segments of so many rows.
     pub fn new(length: usize) -> Self {
         let mut planner = RealFftPlanner::new();
         Self {
@@ -91,6 +92,7 @@ impl Transform {
 pub struct Power {
     /// Of the frequencies up to half the rate, the share at which it lies.
     pub place: f64,
+    /// How often it counts: 2 for a frequency that stands for its negative too.
     pub weight: f64,
     /// P = e eᴴ for a periodogram.
     pub matrix: DMatrix<Complex<f64>>,
@@ -131,6 +133,7 @@ impl Spectrum {
         }
     }
 
+    /// L of every cell, from the lowest frequencies to the highest.
     pub fn roots(&self) -> &[DMatrix<Complex<f64>>] {
         &self.roots
     }

@@ -28,11 +28,15 @@ use thiserror::Error;
 /// Why `fit` gives no result.
 #[derive(Debug, Error)]
 pub enum FitError {
+    /// The problem, its robot or its recordings.
     #[error(transparent)]
     Setup(#[from] SetupError),
+    /// The model cannot be fitted to the recordings.
     #[error("{place}: {error}")]
     Estimate {
+        /// The problem file, as text.
         place: String,
+        /// Why.
         error: Box<EstimateError>,
     },
     /// Nothing was found before it.
@@ -43,7 +47,9 @@ pub enum FitError {
 /// A fit with the recordings that it was made from.
 #[derive(Debug)]
 pub struct FitRun {
+    /// The fit, with the model that it is of.
     pub fitted: Fitted,
+    /// The recordings as they were fitted.
     pub data: Dataset,
     /// What ended the search, where the rest is what was found before it.
     pub defect: Option<Defect>,
@@ -52,12 +58,16 @@ pub struct FitRun {
 /// Steps of a fit, as progress shows them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
+    /// Recordings are read, differentiated and averaged over periods.
     Reading,
+    /// The model is fitted.
     Fitting,
+    /// Models to compare with are fitted.
     Comparing,
 }
 
 impl Step {
+    /// As progress shows it.
     pub fn words(self) -> &'static str {
         match self {
             Self::Reading => "reading and differentiating the recordings",

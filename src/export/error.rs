@@ -10,17 +10,38 @@ use std::path::Path;
 #[derive(Debug)]
 pub enum ExportError {
     /// The verb identifies no robot, or the result is of a version that did not keep it.
-    NoRobot { name: String, verb: &'static str },
+    NoRobot {
+        /// Name of the problem.
+        name: String,
+        /// Verb of the result.
+        verb: &'static str,
+    },
     /// Joints of the robot close loops, which the format does not have.
-    ClosedLoops { name: String },
+    ClosedLoops {
+        /// Name of the problem.
+        name: String,
+    },
     /// An effect that this version does not know.
-    UnknownEffect { joint: String, effect: String },
+    UnknownEffect {
+        /// Name of the joint.
+        joint: String,
+        /// Identifier of the effect.
+        effect: String,
+    },
     /// The result lacks a parameter.
-    Incomplete { joint: String, parameter: String },
+    Incomplete {
+        /// Name of the joint.
+        joint: String,
+        /// Name of the parameter.
+        parameter: String,
+    },
     /// A law that a program cannot have.
     NotWritable {
+        /// Name of the joint.
         joint: String,
+        /// Identifier of the effect.
         effect: String,
+        /// What it has that programs cannot have, in words.
         why: &'static str,
     },
     /// The laws of the problem that the result keeps.
@@ -28,7 +49,12 @@ pub enum ExportError {
     /// The robot file in the result does not read.
     Description(Box<RobotError>),
     /// The document cannot be encoded.
-    NotEncodable { place: Place, reason: String },
+    NotEncodable {
+        /// Where in the document.
+        place: Place,
+        /// What the encoder says.
+        reason: String,
+    },
 }
 
 impl ExportError {
@@ -39,6 +65,7 @@ impl ExportError {
         }
     }
 
+    /// Code, message and remedy; the place is the result's folder.
     pub fn describe(&self) -> Description {
         match self {
             Self::NoRobot { name, verb } => Description::new(

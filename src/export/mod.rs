@@ -33,12 +33,19 @@ use crate::setup::laws;
 /// Formats of `--to`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
+    /// URDF with the identified inertias, friction and damping.
     Urdf,
+    /// MJCF with armature, damping and frictionloss.
     Mjcf,
+    /// The bodies as MJCF, and the drives in full as the C source of an actuator plugin.
     Mujoco,
+    /// A table of all numbers.
     Toml,
+    /// Source code of inverse dynamics in Rust.
     Rust,
+    /// Source code of inverse dynamics in C.
     C,
+    /// Source code of inverse dynamics in Python.
     NumPy,
 }
 

@@ -16,17 +16,23 @@ use std::collections::BTreeMap;
 /// The whole model. Every number is in SI units.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Table {
+    /// Name of the robot.
     pub name: String,
+    /// Version of exid that wrote it.
     pub version: String,
     /// Every body can exist; absent where it was not examined.
     pub physically_feasible: Option<bool>,
     /// m/s², in the base frame.
     pub gravity: [f64; 3],
+    /// Name of the base link.
     pub base: String,
     /// V of `q = V m + offset`.
     pub coupling: Option<Vec<Vec<f64>>>,
+    /// Absent without a load.
     pub load: Option<Load>,
+    /// Joints in the order of the tree, parents first.
     pub joint: Vec<Joint>,
+    /// Frames that are fixed to a link or to the base.
     pub frame: Vec<MachineFrame>,
     /// Parameters that the recordings determine or that were known: `[value, lower, upper]`, the ends of the
     /// 95 % interval, or `[value]` where it was known.
@@ -36,7 +42,9 @@ pub struct Table {
 /// A body: mass (kg), centre of mass (m), inertia about the centre of mass (kg·m²) in the frame's axes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Body {
+    /// kg.
     pub mass: f64,
+    /// In the frame, m.
     pub centre_of_mass: [f64; 3],
     /// xx, xy, xz, yy, yz, zz
     pub inertia: [f64; 6],
@@ -49,32 +57,47 @@ pub struct Load {
     pub frame: String,
     /// The joint whose link carries it.
     pub joint: String,
+    /// Mass, centre of mass and inertia in that frame.
     #[serde(flatten)]
     pub body: Body,
     /// kg·m², about the centre of mass, the smallest first.
     pub principal_moments: [f64; 3],
     /// Unit vectors of the principal axes in the frame, in the order of the moments; right-handed.
     pub principal_axes: [[f64; 3]; 3],
+    /// The frame in the frame of the joint's link.
     pub pose: Pose,
 }
 
 /// A joint, its link's body, and its drive.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Joint {
+    /// Name of the joint.
     pub name: String,
+    /// Name of the link that it carries.
     pub link: String,
     /// The joint that carries the parent link; absent for the base.
     pub parent: Option<String>,
+    /// Whether it turns or slides.
     pub motion: Motion,
+    /// Unit vector in the link's frame.
     pub axis: [f64; 3],
+    /// Least position, rad (m); absent where the robot file states none.
     pub lower: Option<f64>,
+    /// Greatest position, rad (m).
     pub upper: Option<f64>,
+    /// Greatest speed, rad/s (m/s).
     pub velocity: Option<f64>,
+    /// Greatest torque, N·m (N).
     pub effort: Option<f64>,
+    /// Position at which it stood still in every recording, rad (m); absent of a joint that moved.
     pub locked: Option<f64>,
+    /// N·m/A (N/A) at joint scale; absent where the signal is a torque.
     pub torque_constant: Option<f64>,
+    /// Constant of `q = V m + offset`, rad (m).
     pub offset: f64,
+    /// The link's frame in its parent's at position 0.
     pub pose: Pose,
+    /// The link with all that is fixed to it.
     pub body: Body,
     /// Effects of the drive and their parameters.
     pub drive: BTreeMap<String, BTreeMap<String, f64>>,

@@ -7,7 +7,9 @@ use std::path::Path;
 /// A fault of the manifest, of the folder of items or of the scratch database.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FleetError {
+    /// The file with line or column where these are known.
     pub place: Place,
+    /// What is wrong there.
     pub kind: FleetErrorKind,
 }
 
@@ -16,59 +18,81 @@ pub struct FleetError {
 pub enum FleetErrorKind {
     /// The file ends in something else than the three known formats.
     UnknownFormat,
+    /// The file cannot be opened or read.
     NotRead {
+        /// What the system says.
         reason: String,
     },
+    /// The file is not of the format that its name says.
     NotParsed {
+        /// What its reader says.
         reason: String,
     },
+    /// The table lacks a column that it needs.
     MissingColumn {
+        /// Name of the column.
         name: &'static str,
+        /// Names of those that it has.
         found: Box<str>,
     },
+    /// The table has a column that means nothing here.
     UnknownColumn {
+        /// Its name.
         name: Box<str>,
+        /// The known name most like it.
         nearest: Option<&'static str>,
     },
+    /// A cell does not hold what its column asks for.
     BadCell {
+        /// As written.
         found: Box<str>,
+        /// What it should hold, in words.
         expected: &'static str,
     },
+    /// The table has no row.
     Empty,
     /// The folder of items.
     NotWritten {
+        /// What the system says.
         reason: String,
     },
     /// The database in which results are sorted.
     NotSorted {
+        /// What the database says.
         reason: String,
     },
     /// The table of results.
     TableNotWritten {
+        /// What its writer says.
         reason: String,
     },
 }
 
 impl FleetError {
+    /// A fault at a place.
     pub fn new(place: Place, kind: FleetErrorKind) -> Self {
         Self { place, kind }
     }
 
+    /// A file that cannot be read.
     pub fn not_read(file: &Path, reason: &impl fmt::Display) -> Self {
         let reason = reason.to_string();
         Self::new(Place::file(file), FleetErrorKind::NotRead { reason })
     }
 
+    /// A place in a file that cannot be understood.
     pub fn not_parsed(place: Place, reason: &impl fmt::Display) -> Self {
         let reason = reason.to_string().trim_end().replace('\n', ", ");
         Self::new(place, FleetErrorKind::NotParsed { reason })
     }
 
+    /// A file of the folder of items that cannot be written.
     pub fn not_written(file: &Path, reason: &impl fmt::Display) -> Self {
         let reason = reason.to_string();
         Self::new(Place::file(file), FleetErrorKind::NotWritten { reason })
     }
 
+    /// The temporary database fails.
     pub fn not_sorted(reason: &impl fmt::Display) -> Self {
         let reason = reason.to_string();
         Self::new(
@@ -77,6 +101,7 @@ impl FleetError {
         )
     }
 
+    /// The table of results cannot be written.
     pub fn table_not_written(reason: &impl fmt::Display) -> Self {
         let reason = reason.to_string();
         Self::new(

@@ -6,7 +6,9 @@ use crate::chain::effect::knowledge::Change;
 /// The kind of a change, and the joint that it belongs to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Kind {
+    /// What it means, such as `friction up`.
     pub words: String,
+    /// Absent where it belongs to no joint.
     pub joint: Option<String>,
 }
 

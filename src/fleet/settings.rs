@@ -34,8 +34,10 @@ pub struct Settings {
 /// How many items there are.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counts {
+    /// Items of the manifest, or of the part of it.
     pub items: u64,
     /// Worked on by this run; the others were done by earlier ones.
     pub now: u64,
+    /// Items of which there is no result.
     pub set_aside: u64,
 }

@@ -5,7 +5,9 @@ use std::str::FromStr;
 /// Part `number` of `parts`, counted from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
+    /// Which part, from 1.
     pub number: u64,
+    /// How many parts there are.
     pub parts: u64,
 }
 

@@ -16,6 +16,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A fleet whose items are done.
 pub struct Ran {
+    /// How many items were done and set aside.
     pub counts: Counts,
     /// Absent of a part of a manifest, and of a run that was interrupted.
     pub results: Option<Results>,
@@ -24,6 +25,7 @@ pub struct Ran {
 /// Sorted results of all items.
 pub struct Results {
     scratch: Scratch,
+    /// What is said of the fleet.
     pub fleet: Fleet,
 }
 

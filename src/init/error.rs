@@ -9,31 +9,43 @@ use thiserror::Error;
 /// What is missing or cannot be read.
 #[derive(Debug, Error)]
 pub enum InitError {
+    /// The robot's description cannot be read.
     #[error(transparent)]
     Robot(#[from] RobotError),
+    /// A recording.
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// The draft itself is no problem file.
     #[error(transparent)]
     Draft(#[from] ProblemFileError),
+    /// No recording is named.
     #[error("no recordings are given; name at least one")]
     NoRecordings,
+    /// A recording has no column for the joints that is known by its name.
     #[error(
         "{}: no column is known by its name to hold {what} of the joints {}; it has {}. Write the problem file by hand and name \
          the columns under [recordings.columns]",
         file.display(), joints.join(", "), present.join(", ")
     )]
     NoChannel {
+        /// The recording.
         file: PathBuf,
+        /// What the column would hold.
         what: &'static str,
+        /// Joints of the robot.
         joints: Vec<String>,
+        /// Columns of the recording.
         present: Vec<String>,
     },
+    /// A recording without time stamps and velocities.
     #[error(
         "{}: there are neither time stamps nor velocities, so that nothing tells the rate; write the problem file by hand and state \
          recordings.rate", file.display()
     )]
-    NoTimeBase { file: PathBuf },
+    NoTimeBase {
+        /// The recording.
+        file: PathBuf,
+    },
 }
 
 impl InitError {

@@ -9,17 +9,30 @@ pub use crate::mechanism::motion::Anchor;
 #[derive(Debug, Clone, PartialEq)]
 pub enum Condition {
     /// A ball joint: two points are one. Three rows, m.
-    Ball { ends: [Anchor; 2] },
+    Ball {
+        /// The two points, each on its link.
+        ends: [Anchor; 2],
+    },
     /// A hinge: two points are one and two axes (unit vectors in the links' frames) are parallel. Six rows,
     /// m and without unit, of which five are independent.
     Hinge {
+        /// The two points, each on its link.
         ends: [Anchor; 2],
+        /// Their axes, unit vectors in the frames of the links.
         axes: [Vector3<f64>; 2],
     },
     /// A massless rod with a ball joint at both ends: `(|p_b − p_a|² − L²) / 2L = 0`. One row, m.
-    Rod { ends: [Anchor; 2], length: f64 },
+    Rod {
+        /// The two points, p_a and p_b, each on its link.
+        ends: [Anchor; 2],
+        /// L, m, > 0.
+        length: f64,
+    },
     /// Two joints move alike: `q_b − q_a = 0`. One row, rad or m.
-    Equal { joints: [usize; 2] },
+    Equal {
+        /// Indices of the two joints in the tree.
+        joints: [usize; 2],
+    },
 }
 
 impl Condition {

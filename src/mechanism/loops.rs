@@ -105,6 +105,7 @@ impl Mechanism {
         self
     }
 
+    /// The tree that is left where the loops are cut.
     pub fn tree(&self) -> &Tree {
         &self.tree
     }

@@ -12,6 +12,7 @@ pub struct Equality {
     pub mean: f64,
     /// Σ (k − mean)² / σ², chi-squared with one degree of freedom less than joints.
     pub chi_squared: f64,
+    /// Probability of such a sum, or a larger one, where the constants are equal.
     pub p_value: f64,
 }
 

@@ -19,11 +19,17 @@ pub struct Part {
 /// Sums of a set of samples about their means.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Sums {
+    /// Samples.
     pub count: f64,
+    /// Mean torque, N·m (N).
     pub torque: f64,
+    /// Mean current, A.
     pub current: f64,
+    /// Σ of squared torques about their mean.
     pub torque_torque: f64,
+    /// Σ of products of torque and current about their means.
     pub torque_current: f64,
+    /// Σ of squared currents about their mean.
     pub current_current: f64,
 }
 
@@ -57,9 +63,11 @@ impl Sums {
 pub struct AtSpeed {
     /// Mean over its parts, rad/s (m/s).
     pub speed: f64,
+    /// Of its samples.
     pub sums: Sums,
     /// a = 1/k_ct, A/(N·m), with its variance; infinite where the load does not vary.
     pub inverse: f64,
+    /// Variance of a; infinite where the load does not vary.
     pub inverse_variance: f64,
     /// k_ct of each part by itself, N·m/A, where it is determined.
     pub of_parts: Vec<f64>,
@@ -201,9 +209,11 @@ fn weighted_mean(speeds: &[AtSpeed]) -> Option<(f64, f64)> {
 pub struct LoadDependence {
     /// Friction torque per torque, without unit.
     pub mu: f64,
+    /// Standard deviation of mu, without unit.
     pub std_dev: f64,
     /// k_ct with this term in the model, N·m/A.
     pub torque_constant: f64,
+    /// N·m/A.
     pub torque_constant_std_dev: f64,
 }
 
@@ -276,7 +286,9 @@ impl Term {
 /// The second stage: friction as currents, β = friction coefficients / k_ct.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SecondStage {
+    /// The terms of the friction law, in order.
     pub terms: Vec<Term>,
+    /// β, A per unit of each term.
     pub coefficients: DVector<f64>,
     /// Of a and the coefficients together, in this order.
     pub covariance: DMatrix<f64>,

@@ -7,20 +7,30 @@ use crate::setup::error::SetupError;
 /// A fault of the problem file or of what it names.
 #[derive(Debug, Error)]
 pub enum MotorsError {
+    /// The problem, its robot or its recordings.
     #[error(transparent)]
     Setup(#[from] SetupError),
     /// The problem file asks for what this fit does not do.
     #[error("{place}: {message}; {remedy}")]
     Setting {
+        /// The key of the problem file.
         place: String,
+        /// What is asked for.
         message: String,
+        /// What to do instead.
         remedy: String,
     },
+    /// No part of a recording is steady.
     #[error(
         "{file}: no part of the recording is steady, one joint at constant speed while all others stand; \
          record such motions, or lower fit.constant_velocity.least_speed from {least_speed}"
     )]
-    NothingSteady { file: String, least_speed: f64 },
+    NothingSteady {
+        /// The recording.
+        file: String,
+        /// Least speed that was looked for, rad/s (m/s).
+        least_speed: f64,
+    },
 }
 
 impl MotorsError {

@@ -8,8 +8,11 @@ use crate::recording::split::Split;
 /// Recorded and predicted currents of one recording, its steady parts only.
 #[derive(Debug)]
 pub struct Predicted {
+    /// Name of the recording.
     pub recording: String,
+    /// Whether it was fitted or held out.
     pub split: Split,
+    /// Of the rows of its steady parts, s.
     pub t: Vec<f64>,
     /// For each joint recorded, then predicted, A; NaN where the joint stands.
     pub columns: Vec<Vec<f64>>,

@@ -28,6 +28,7 @@ impl Default for Steadiness {
 pub struct Segment {
     /// The joint that moves.
     pub joint: usize,
+    /// Its rows in the recording.
     pub samples: Range<usize>,
     /// Mean speed over the part, rad/s (m/s), from its positions.
     pub speed: f64,

@@ -29,10 +29,13 @@ use crate::setup::robot::Robot;
 /// What the fit gives.
 #[derive(Debug)]
 pub struct MotorRun {
+    /// Torque constants and friction, with errors.
     pub estimate: Estimate,
+    /// The stages and what else the verb adds to a result.
     pub fit: Fit,
     /// Names of the joints, in the order of the columns of `predictions`.
     pub joints: Vec<String>,
+    /// Recorded and predicted currents, recording by recording.
     pub predictions: Vec<Predicted>,
 }
 

@@ -7,6 +7,7 @@ use crate::fault::{Description, Fault};
 /// The part of `check`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Check {
+    /// What was found, the worst first.
     pub findings: Vec<Finding>,
 }
 
@@ -14,8 +15,11 @@ pub struct Check {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
+    /// There can be no result, or it would be wrong.
     Error,
+    /// A result may be wrong because of it.
     Warning,
+    /// Worth knowing; nothing has to be done.
     Note,
 }
 
@@ -35,12 +39,15 @@ impl Severity {
 pub struct Finding {
     /// Stable identifier in kebab-case.
     pub code: String,
+    /// How much it matters.
     pub severity: Severity,
     /// The file it is about.
     pub file: Option<String>,
     /// Channel, key or element; absent where the file as a whole is meant.
     pub channel: Option<String>,
+    /// What is wrong, with the value found.
     pub message: String,
+    /// What to do about it.
     pub remedy: String,
     /// Line in the file, from 1.
     #[serde(default)]

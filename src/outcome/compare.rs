@@ -34,9 +34,13 @@ pub struct Compared {
     pub parameters: Vec<ComparedParameter>,
     /// All parameters that are in both covariances; absent where there is none.
     pub together: Option<Together>,
+    /// Errors of the joints that are in both.
     pub joints: Vec<ComparedJoint>,
+    /// Findings of either.
     pub findings: Vec<ComparedFinding>,
+    /// Names of parameters and combinations that the second does not have.
     pub only_first: Vec<String>,
+    /// Names of those that the first does not have.
     pub only_second: Vec<String>,
     /// Chance of calling anything different where nothing is.
     pub level: f64,
@@ -45,9 +49,13 @@ pub struct Compared {
 /// A parameter, or a combination that the data determine.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ComparedParameter {
+    /// Name of the parameter, or the combination as an expression.
     pub name: String,
+    /// SI unit of values, deviations and difference.
     pub unit: String,
+    /// What the first result says.
     pub first: Valued,
+    /// What the second says.
     pub second: Valued,
     /// Second minus first.
     pub difference: Option<f64>,
@@ -55,42 +63,53 @@ pub struct ComparedParameter {
     pub deviations: Option<f64>,
     /// Corrected for the number of parameters.
     pub p_value: Option<f64>,
+    /// The p-value is below the level.
     pub differs: bool,
 }
 
 /// A value with its standard deviation, as far as there are.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Valued {
+    /// Absent where the data do not determine it.
     pub value: Option<f64>,
+    /// Absent of a value that is known or not determined.
     pub std_dev: Option<f64>,
 }
 
 /// The test of all parameters together.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Together {
+    /// T, the squared difference in the metric of its covariance.
     pub chi_squared: f64,
     /// Independent parameters.
     pub freedom: usize,
+    /// Probability of such a T, or a larger one, where nothing differs.
     pub p_value: f64,
 }
 
 /// Errors of a joint in both.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ComparedJoint {
+    /// Name of the joint, or of the channel of a wrench.
     pub joint: String,
     /// Of the first, then of the second.
     pub unit: [String; 2],
+    /// Of the fitted recordings, of the first, then of the second.
     pub rmse_train: [f64; 2],
+    /// Of recordings that were not fitted; absent where there are none.
     pub rmse_validation: [Option<f64>; 2],
 }
 
 /// A finding and in which result it is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ComparedFinding {
+    /// Identifier of the effect.
     pub effect: String,
+    /// Joints at which it was found.
     pub joints: Vec<String>,
     /// Probability in the first; absent where it has no such finding.
     pub first: Option<f64>,
+    /// Probability in the second; absent where it has no such finding.
     pub second: Option<f64>,
 }
 

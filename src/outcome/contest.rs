@@ -12,6 +12,7 @@ pub struct Contest {
     pub joint: Option<String>,
     /// Unit of the errors; empty for all joints together.
     pub unit: String,
+    /// The fit itself, then the models that it is compared with.
     pub models: Vec<ModelErrors>,
     /// The model that predicts better than every other by more than chance and by more than 1 %, on
     /// recordings that were held out where there are any; absent where none does.
@@ -26,10 +27,15 @@ pub struct Contest {
 /// Errors of one model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelErrors {
+    /// Name of the model.
     pub name: String,
+    /// Root mean square of the residual on what was fitted.
     pub rmse_train: ErrorFigure,
+    /// The same on recordings that were not fitted; absent where there are none.
     pub rmse_validation: Option<ErrorFigure>,
+    /// Mean size of the residual on what was fitted.
     pub mae_train: ErrorFigure,
+    /// The same on recordings that were not fitted.
     pub mae_validation: Option<ErrorFigure>,
 }
 
@@ -43,8 +49,10 @@ impl ModelErrors {
 /// An error, and where that of another recording of the same length and kind is expected.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ErrorFigure {
+    /// In the unit of the contest.
     #[serde(with = "number::nullable")]
     pub value: f64,
+    /// Absent where the residual has too few independent blocks to tell.
     #[serde(with = "number::interval")]
     pub ci95: Option<[f64; 2]>,
 }

@@ -16,6 +16,7 @@ pub struct Diagnosis {
     pub verdict: Option<Verdict>,
     /// A paragraph in plain words.
     pub summary: String,
+    /// The declared model, its parameters fitted.
     pub baseline: Baseline,
     /// Where the misfit of the declared model lies, the largest share first.
     pub located: Vec<Located>,
@@ -24,6 +25,7 @@ pub struct Diagnosis {
     /// What is of weight, and nothing in the recordings says that it is noise.
     #[serde(default)]
     pub unattested: Vec<Unattested>,
+    /// The model with all findings, fitted.
     #[serde(rename = "final")]
     pub outcome: Final,
     /// The recording that would tell rivals apart.
@@ -34,6 +36,7 @@ pub struct Diagnosis {
     /// Parameters of the declared model that the missing physics had spoiled.
     #[serde(default)]
     pub spoiled: Vec<Spoiled>,
+    /// What was done to the recordings before the fits.
     #[serde(default)]
     pub preprocessing: Vec<Preprocessing>,
     /// Anything a reader should know, one sentence each.
@@ -51,9 +54,13 @@ pub struct Diagnosis {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
+    /// What the declared model leaves is noise as far as the recordings tell.
     NothingMissing,
+    /// Findings explain what the declared model leaves.
     Explained,
+    /// Findings explain a part of it; what is left is more than noise.
     PartlyExplained,
+    /// The declared model leaves more than noise, and nothing of the vocabulary explains it.
     Unexplained,
 }
 
@@ -76,6 +83,7 @@ impl Verdict {
 /// The declared model.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Baseline {
+    /// How well it predicts each joint.
     pub joints: Vec<JointFigures>,
     /// The model in full.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -85,25 +93,31 @@ pub struct Baseline {
 /// The model with all findings.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Final {
+    /// How well it predicts each joint.
     pub joints: Vec<JointFigures>,
+    /// Its parameters, those of the findings among them.
     pub parameters: Vec<Parameter>,
 }
 
 /// A regime in which the misfit of a joint lies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Located {
+    /// Name of the joint.
     pub joint: String,
     /// What the residual depends on.
     pub variable: String,
+    /// Unit of the variable.
     pub unit: String,
     /// Range of the variable in which the misfit is largest.
     #[serde(with = "number::nullable")]
     pub low: f64,
+    /// Upper end of that range.
     #[serde(with = "number::nullable")]
     pub high: f64,
     /// Share of the residual's energy beyond the noise that the variable explains on held-out rows.
     #[serde(with = "number::nullable")]
     pub share: f64,
+    /// The same in words.
     pub sentence: String,
     /// Mean residual over the variable, for the picture.
     #[serde(default)]
@@ -113,11 +127,13 @@ pub struct Located {
 /// Mean residual in a bin of a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CurvePoint {
+    /// Middle of the bin, in the unit of the variable.
     #[serde(with = "number::nullable")]
     pub at: f64,
     /// Recorded minus predicted.
     #[serde(with = "number::nullable")]
     pub mean: f64,
+    /// Standard error of the mean, in the unit of the signal.
     #[serde(with = "number::nullable")]
     pub std_error: f64,
 }
@@ -125,19 +141,24 @@ pub struct CurvePoint {
 /// A channel of which the final model leaves more than is known to be noise.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Unattested {
+    /// Name of the joint or channel.
     pub joint: String,
+    /// Unit of the signal.
     pub unit: String,
+    /// Root mean square of what is left on held-out rows.
     #[serde(with = "number::nullable")]
     pub rmse_validation: f64,
     /// Share of the RMS signal.
     #[serde(with = "number::nullable")]
     pub of_signal: f64,
+    /// The same in words.
     pub sentence: String,
 }
 
 /// A recording that would tell rivals apart.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NextExperiment {
+    /// What to record, and which rivals it tells apart.
     pub sentence: String,
     /// A problem file for `exid design`.
     pub problem: String,
@@ -146,12 +167,17 @@ pub struct NextExperiment {
 /// A parameter that was wrong in the declared model because physics was missing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Spoiled {
+    /// Name of the parameter.
     pub name: String,
+    /// SI unit of the values.
     pub unit: String,
+    /// Its value in the declared model.
     #[serde(with = "number::nullable")]
     pub before: f64,
+    /// Its value in the model with all findings.
     #[serde(with = "number::nullable")]
     pub after: f64,
+    /// Standard deviation of the latter.
     #[serde(with = "number::nullable")]
     pub std_dev: f64,
 }
@@ -161,7 +187,9 @@ pub struct Spoiled {
 pub struct Evidence {
     /// Findings that were in the model already.
     pub step: usize,
+    /// Identifier of the effect.
     pub effect: String,
+    /// Joints that it was tried at.
     pub joints: Vec<String>,
     /// Share of the held-out residual's forecast that is true: 0 where nothing is, 1 where all is.
     #[serde(with = "number::nullable")]
@@ -175,5 +203,6 @@ pub struct Evidence {
     /// Change of minus twice the logarithm of the held-out likelihood: negative is better.
     #[serde(with = "number::nullable")]
     pub score: f64,
+    /// It joined the model.
     pub accepted: bool,
 }

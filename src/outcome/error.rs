@@ -9,7 +9,9 @@ use crate::fault::{Description, Fault, Place, write_fault};
 /// An error of the outcome layer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct OutcomeError {
+    /// The file or folder.
     pub place: Place,
+    /// What happened there.
     pub kind: OutcomeErrorKind,
 }
 
@@ -19,13 +21,27 @@ pub enum OutcomeErrorKind {
     /// The results folder is to be where a file is.
     FileInTheWay,
     /// The folder holds something that is not a result; one of the names found in it.
-    ForeignFolder { found: String },
+    ForeignFolder {
+        /// The first such name.
+        found: String,
+    },
     /// The folder is the working directory, or the working directory lies in it.
-    WorkingFolder { working: PathBuf },
+    WorkingFolder {
+        /// The working directory.
+        working: PathBuf,
+    },
     /// The system refused an action for lack of permission.
-    NotPermitted { action: Action },
+    NotPermitted {
+        /// What was being done.
+        action: Action,
+    },
     /// The system failed at an action, in its words.
-    Failed { action: Action, reason: String },
+    Failed {
+        /// What was being done.
+        action: Action,
+        /// The system's words.
+        reason: String,
+    },
     /// The text is not the result of a run.
     NotAResult(String),
     /// The predictions do not follow their layout.
@@ -37,12 +53,19 @@ pub enum OutcomeErrorKind {
 /// What was being done with a file or folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Action {
+    /// A file that a run names among its inputs is read for its hash.
     ReadInput,
+    /// `result.json` is read.
     ReadResult,
+    /// `predictions.csv` is read.
     ReadPredictions,
+    /// The folder is looked into, whether it holds a result.
     InspectFolder,
+    /// A folder is made.
     CreateFolder,
+    /// A file is written into it.
     WriteFile,
+    /// The new folder takes the place of the old one.
     ReplaceFolder,
 }
 
@@ -69,6 +92,7 @@ impl Action {
 }
 
 impl OutcomeError {
+    /// A fault of the file or folder at a path.
     pub fn new(file: &Path, kind: OutcomeErrorKind) -> Self {
         Self {
             place: Place::file(file),

@@ -9,11 +9,23 @@ use crate::outcome::parameter::Parameter;
 /// The estimate of a run; empty for a verb that estimates nothing.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
+    /// Estimated, known and undetermined parameters in the order of the model.
     pub parameters: Vec<Parameter>,
+    /// Errors of every joint, or channel of a wrench.
     pub joints: Vec<JointFigures>,
+    /// Covariance of what was estimated.
     pub covariance: Covariance,
     /// Absent where nothing was solved.
     pub solver: Option<Solver>,
+}
+
+impl Estimate {
+    /// The parameter with this name, `<joint>.<effect>.<parameter>` or `<link>.<quantity>`.
+    pub fn find(&self, name: &str) -> Option<&Parameter> {
+        self.parameters
+            .iter()
+            .find(|parameter| parameter.name == name)
+    }
 }
 
 /// Covariance of the estimated parameters, symmetric; entry units are the products of the units.
@@ -38,11 +50,15 @@ impl Covariance {
 /// How the solver ended.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Solver {
+    /// Name of the method.
     pub name: String,
     /// Why it stopped, in snake_case: `cost_tolerance`, `iteration_limit`, `interrupted`, ...
     pub stop: String,
+    /// The point is a solution within the solver's tolerances.
     pub converged: bool,
+    /// Steps, accepted or not; 1 of a direct solution.
     pub iterations: u64,
+    /// Evaluations of residual or cost, those with derivatives included.
     pub evaluations: u64,
     /// Value of the objective at the end.
     #[serde(with = "number::nullable")]

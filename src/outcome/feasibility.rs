@@ -28,6 +28,7 @@ pub struct Feasibility {
     /// Half the sum of squares of the weighted residual, least squares and feasible.
     #[serde(with = "number::nullable")]
     pub cost_unconstrained: f64,
+    /// The same of the feasible answer; never below the former.
     #[serde(with = "number::nullable")]
     pub cost: f64,
     /// The prior on the bodies and its strength.
@@ -43,7 +44,9 @@ pub struct Feasibility {
 /// A prior on the bodies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BodyPrior {
+    /// Word of the problem file: `euclidean`, `entropic`, ...
     pub kind: String,
+    /// Weight of the prior beside half the squares of the weighted residual.
     #[serde(with = "number::nullable")]
     pub strength: f64,
     /// `held_out`, `noise` or `number`.
@@ -55,8 +58,10 @@ pub struct BodyPrior {
 /// One strength that was tried.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HeldOut {
+    /// Weight of the prior that was tried.
     #[serde(with = "number::nullable")]
     pub strength: f64,
+    /// Mean square of the weighted residual of the blocks that were held out with it, without unit.
     #[serde(with = "number::nullable")]
     pub error: f64,
 }
@@ -64,10 +69,14 @@ pub struct HeldOut {
 /// Errors of one joint without constraints, in the unit of its signal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Unconstrained {
+    /// Name of the joint or channel.
     pub joint: String,
+    /// Unit of the errors.
     pub unit: String,
+    /// Root mean square of the residual on what was fitted.
     #[serde(with = "number::nullable")]
     pub rmse_train: f64,
+    /// The same on recordings that were not fitted; absent where there are none.
     #[serde(with = "number::optional")]
     pub rmse_validation: Option<f64>,
 }
@@ -75,6 +84,7 @@ pub struct Unconstrained {
 /// A body whose constraint holds the answer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EdgeBody {
+    /// Name of the link, or of the load.
     pub body: String,
     /// Smallest eigenvalue of `D J D` that the data ask for when the other bodies alone must be possible, kg.
     #[serde(with = "number::nullable")]

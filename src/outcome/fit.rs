@@ -14,6 +14,7 @@ use crate::outcome::simulator::Simulator;
 /// The part of `fit`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Fit {
+    /// The combinations that the recordings determine.
     pub base_parameters: Vec<BaseParameter>,
     /// The base parameters of the joint-torque model, where they follow from base reactions.
     #[serde(default)]
@@ -32,6 +33,7 @@ pub struct Fit {
     /// Certificate and cost of a feasible fit; absent for the others.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub feasibility: Option<Feasibility>,
+    /// Fits of other models to the same recordings.
     pub comparison: Vec<Comparison>,
     /// This fit and those of the comparison on every joint, then on all together; empty without a comparison.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -77,6 +79,7 @@ pub struct Fit {
 /// What the fit knows, as the prior of a later one: combinations of parameters, their values and covariance.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Posterior {
+    /// Each with a value.
     pub combinations: Vec<Combination>,
     /// Covariance of the combinations, in their order.
     #[serde(with = "number::matrix")]
@@ -95,7 +98,9 @@ impl Posterior {
 /// A linear combination of parameters (of the model's raw ones: first moments, inertia about the origin).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Combination {
+    /// Parameters with their coefficients; they are summed.
     pub terms: Vec<Term>,
+    /// Its value in the fit, in SI units.
     #[serde(with = "number::nullable")]
     pub value: f64,
 }
@@ -103,7 +108,9 @@ pub struct Combination {
 /// One term of a combination.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Term {
+    /// Name of the parameter.
     pub parameter: String,
+    /// Its factor in the combination.
     #[serde(with = "number::nullable")]
     pub coefficient: f64,
 }
@@ -113,12 +120,16 @@ pub struct Term {
 pub struct BaseParameter {
     /// The combination, such as `link2.mass + 0.4*link3.mass`.
     pub expression: String,
+    /// SI unit of value and deviation.
     #[serde(default)]
     pub unit: String,
+    /// Absent where it was not determined.
     #[serde(with = "number::optional")]
     pub value: Option<f64>,
+    /// Standard deviation of the value.
     #[serde(with = "number::optional")]
     pub std_dev: Option<f64>,
+    /// 95 % confidence interval, lower and upper end.
     #[serde(with = "number::interval", default)]
     pub ci95: Option<[f64; 2]>,
 }
@@ -126,14 +137,18 @@ pub struct BaseParameter {
 /// The same fit with another list of effects.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
+    /// Name that the problem file gives the model.
     pub name: String,
+    /// Identifiers of its effects, of all joints.
     pub effects: Vec<String>,
+    /// How well it predicts each joint.
     pub joints: Vec<JointFigures>,
 }
 
 /// A fitted model beside the problem that declares it: every value, and the effects that the problem does not have.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct FittedModel {
+    /// Effects that a diagnosis found.
     pub added: Vec<AddedEffect>,
     /// Every parameter as the program has it, in SI units: masses, first moments, inertias about the origin, effects.
     pub values: Vec<Realized>,
@@ -142,7 +157,9 @@ pub struct FittedModel {
 /// An effect that a problem does not declare.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AddedEffect {
+    /// Identifier of the effect.
     pub effect: String,
+    /// Joints at which it acts.
     pub joints: Vec<String>,
     /// Of a kinematic coupling: the joint whose motor moves the other too.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -152,7 +169,9 @@ pub struct AddedEffect {
 /// One value of the feasible realization, or of a model, in SI units.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Realized {
+    /// Name of the parameter.
     pub name: String,
+    /// In its SI unit.
     #[serde(with = "number::nullable")]
     pub value: f64,
 }
@@ -160,8 +179,10 @@ pub struct Realized {
 /// One line on what was done to a channel: rate, bandwidth, trims.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Preprocessing {
+    /// Name of the recording.
     pub recording: String,
     /// Absent where the line is about the recording as a whole.
     pub channel: Option<String>,
+    /// What was done, in words.
     pub text: String,
 }

@@ -9,7 +9,9 @@ use crate::outcome::number;
 pub struct Fleet {
     /// A paragraph in plain words.
     pub summary: String,
+    /// Recordings, or groups of them, that were to be fitted or diagnosed.
     pub items: u64,
+    /// Different robots among them.
     pub robots: u64,
     /// Items without a result.
     pub set_aside: u64,
@@ -20,6 +22,7 @@ pub struct Fleet {
     pub tests: u64,
     /// The surest first.
     pub look_at: Vec<LookAt>,
+    /// Robots of one type each, in the order of their names.
     pub types: Vec<TypeFigures>,
     /// Items that were set aside, the first hundred in the order of the table.
     pub failures: Vec<Failure>,
@@ -56,13 +59,16 @@ impl Reason {
 /// A robot to look at.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LookAt {
+    /// Name of the robot.
     pub robot: String,
+    /// Type of the robot, with whose robots it is compared.
     #[serde(rename = "type")]
     pub kind_of_robot: String,
     /// What it is, such as `friction up`.
     pub kind: String,
     /// Absent where it belongs to no joint.
     pub joint: Option<String>,
+    /// What was seen, in words.
     pub sentence: String,
     /// The parameter that shows it most clearly.
     pub evidence: Shown,
@@ -75,9 +81,13 @@ pub struct LookAt {
 /// A parameter of a robot that is listed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Shown {
+    /// Name of the parameter.
     pub parameter: String,
+    /// SI unit of the means.
     pub unit: String,
+    /// How it came to be listed.
     pub reason: Reason,
+    /// What the change means, such as `friction up`.
     pub kind: String,
     /// Time of the first recording behind the change; absent of a robot that is unlike its type.
     #[serde(with = "number::optional")]
@@ -85,11 +95,13 @@ pub struct Shown {
     /// Mean before the change, or of the type.
     #[serde(with = "number::nullable")]
     pub before: f64,
+    /// Standard error of that mean, or the spread of the type.
     #[serde(with = "number::nullable")]
     pub before_std: f64,
     /// Mean behind the change, or of the robot.
     #[serde(with = "number::nullable")]
     pub after: f64,
+    /// Standard error of that mean.
     #[serde(with = "number::nullable")]
     pub after_std: f64,
     /// Size in standard deviations, with its sign.
@@ -106,10 +118,13 @@ pub struct Shown {
 /// A value of one night.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HistoryPoint {
+    /// Time of the recording, s since 1970.
     #[serde(with = "number::nullable")]
     pub time: f64,
+    /// In the parameter's unit.
     #[serde(with = "number::nullable")]
     pub value: f64,
+    /// Standard deviation of the fit.
     #[serde(with = "number::nullable")]
     pub std: f64,
 }
@@ -117,15 +132,20 @@ pub struct HistoryPoint {
 /// Robots of one type.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TypeFigures {
+    /// Name of the type.
     pub name: String,
+    /// Robots of it.
     pub robots: u64,
+    /// What their parameters are like.
     pub parameters: Vec<ParameterFigures>,
 }
 
 /// A parameter over the robots of a type.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ParameterFigures {
+    /// Name of the parameter.
     pub name: String,
+    /// SI unit of mean and deviations.
     pub unit: String,
     /// Absent of fewer than five robots.
     #[serde(with = "number::optional")]
@@ -144,10 +164,13 @@ pub struct ParameterFigures {
 /// An item that was set aside.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Failure {
+    /// Name of the robot.
     pub robot: String,
+    /// Time of the recording, s since 1970.
     #[serde(with = "number::nullable")]
     pub time: f64,
     /// Stable code of the fault.
     pub code: String,
+    /// What is wrong and what to do about it.
     pub message: String,
 }

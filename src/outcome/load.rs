@@ -19,10 +19,13 @@ pub struct Load {
 /// One principal moment, kg·m².
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PrincipalMoment {
+    /// About the axis through the centre of mass.
     #[serde(with = "number::nullable")]
     pub value: f64,
+    /// Absent where the recordings do not determine it.
     #[serde(with = "number::optional")]
     pub std_dev: Option<f64>,
+    /// 95 % confidence interval, lower and upper end.
     #[serde(with = "number::interval")]
     pub ci95: Option<[f64; 2]>,
     /// Unit vector; its largest component is positive.

@@ -13,6 +13,7 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vect
 /// A robot with its identified bodies and drives, joints in the order of the tree, parents first.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
+    /// Name of the robot.
     pub name: String,
     /// Name of the base link.
     pub base: String,
@@ -22,6 +23,7 @@ pub struct Machine {
     /// the model.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tilt: Option<[f64; 2]>,
+    /// Parents before children.
     pub joints: Vec<MachineJoint>,
     /// Frames that are fixed to a link or to the base.
     pub frames: Vec<MachineFrame>,
@@ -30,6 +32,7 @@ pub struct Machine {
     pub loops: Vec<MachineLoop>,
     /// V of `q = V m + offset` by rows; absent where every motor moves its own joint alone.
     pub coupling: Option<Vec<Vec<f64>>>,
+    /// The load of the run; absent without one.
     pub payload: Option<MachineLoad>,
     /// Whether every body is physically possible; absent where it was not examined.
     pub feasible: Option<bool>,
@@ -43,8 +46,10 @@ pub struct Machine {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Motion {
+    /// It turns about its axis.
     #[default]
     Revolute,
+    /// It slides along its axis.
     Prismatic,
 }
 
@@ -60,10 +65,13 @@ pub struct Pose {
 /// A joint, the link that it carries, and its drive.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct MachineJoint {
+    /// Name of the joint.
     pub name: String,
+    /// Name of the link that it carries.
     pub link: String,
     /// Position of the joint that carries the parent link; absent for the base.
     pub parent: Option<usize>,
+    /// Whether it turns or slides.
     pub motion: Motion,
     /// Unit vector in the link's frame.
     pub axis: [f64; 3],
@@ -71,6 +79,7 @@ pub struct MachineJoint {
     pub pose: Pose,
     /// Lower and upper position, rad (m); absent where the robot file states none.
     pub lower: Option<f64>,
+    /// As `lower`, at the other end.
     pub upper: Option<f64>,
     /// rad/s (m/s)
     pub velocity: Option<f64>,
@@ -90,6 +99,7 @@ pub struct MachineJoint {
     pub torque_constant: Option<f64>,
     /// Constant of `q = V m + offset`, rad (m).
     pub offset: f64,
+    /// Friction, elasticity and other physics of its drive, in the order of the vocabulary.
     pub effects: Vec<MachineEffect>,
 }
 
@@ -98,19 +108,29 @@ pub struct MachineJoint {
 #[serde(tag = "joint", rename_all = "lowercase")]
 pub enum MachineLoop {
     /// Two points are one.
-    Ball { ends: [MachineAnchor; 2] },
+    Ball {
+        /// The two points, each on its link.
+        ends: [MachineAnchor; 2],
+    },
     /// Two points are one and two axes, unit vectors in the links' frames, are parallel.
     Hinge {
+        /// The two points, each on its link.
         ends: [MachineAnchor; 2],
+        /// Their axes, unit vectors in the frames of the links.
         axes: [[f64; 3]; 2],
     },
     /// A massless rod between two points, m.
     Rod {
+        /// The two points, each on its link.
         ends: [MachineAnchor; 2],
+        /// Length of the rod, m.
         length: f64,
     },
     /// Two joints have one position.
-    Equal { joints: [usize; 2] },
+    Equal {
+        /// Positions of the two among the joints.
+        joints: [usize; 2],
+    },
 }
 
 /// A point that is fixed to a link.
@@ -127,6 +147,7 @@ pub struct MachineAnchor {
 pub struct MachineLeader {
     /// Position of the leader among the joints.
     pub joint: usize,
+    /// Its motion per motion of the leader, signed.
     pub multiplier: f64,
     /// rad (m)
     pub offset: f64,
@@ -135,14 +156,18 @@ pub struct MachineLeader {
 /// An effect of a joint's drive and the values of its parameters, in SI units.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct MachineEffect {
+    /// Identifier of the effect.
     pub id: String,
+    /// Its parameters by name.
     pub parameters: Vec<MachineValue>,
 }
 
 /// A value by name.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct MachineValue {
+    /// Name of the parameter within the effect.
     pub name: String,
+    /// In its SI unit.
     #[serde(with = "number::nullable")]
     pub value: f64,
 }
@@ -150,8 +175,11 @@ pub struct MachineValue {
 /// A named frame and the joint whose link carries it; absent for the base.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct MachineFrame {
+    /// Name of the frame.
     pub name: String,
+    /// Position of the joint whose link carries it; absent for the base.
     pub joint: Option<usize>,
+    /// The frame in that link's frame.
     pub pose: Pose,
 }
 
@@ -162,6 +190,7 @@ pub struct MachineLoad {
     pub joint: usize,
     /// Name of the frame: a link or a fixed frame of the robot file.
     pub frame: String,
+    /// The load's frame in the frame of the link.
     pub pose: Pose,
     /// As [`MachineJoint::body`], about the origin of the load's frame.
     pub body: [f64; PER_LINK],
@@ -172,10 +201,12 @@ pub struct MachineLoad {
 pub struct RobotDescription {
     /// Name of the file, without folder.
     pub file: String,
+    /// The whole file.
     pub text: String,
 }
 
 impl Pose {
+    /// Of an isometry from one frame to another, m.
     pub fn of(isometry: &Isometry3<f64>) -> Self {
         Self::from_parts(
             &isometry.rotation.to_rotation_matrix(),
@@ -183,6 +214,7 @@ impl Pose {
         )
     }
 
+    /// Of a rotation and a translation, m, that is applied after it.
     pub fn from_parts(rotation: &Rotation3<f64>, translation: &Vector3<f64>) -> Self {
         let m = rotation.matrix();
         Self {
@@ -191,15 +223,18 @@ impl Pose {
         }
     }
 
+    /// The rotation, which is not made orthogonal anew.
     pub fn rotation(&self) -> Rotation3<f64> {
         let m = &self.rotation;
         Rotation3::from_matrix_unchecked(Matrix3::from_fn(|r, c| m[r][c]))
     }
 
+    /// Origin of the frame in the other, m.
     pub fn translation(&self) -> Vector3<f64> {
         Vector3::from(self.translation)
     }
 
+    /// The same as nalgebra has it.
     pub fn isometry(&self) -> Isometry3<f64> {
         Isometry3::from_parts(
             Translation3::from(self.translation()),

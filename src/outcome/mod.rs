@@ -89,13 +89,21 @@ pub struct Outcome {
 #[serde(untagged)]
 #[allow(clippy::large_enum_variant)] // one per run
 pub enum Part {
+    /// Parameters with base parameters, identifiability and comparisons.
     Fit(Fit),
+    /// Mistakes in the inputs.
     Check(Check),
+    /// Recordings that were made.
     Simulate(Simulation),
+    /// A motion for an experiment.
     Design(Design),
+    /// Missing physics.
     Diagnose(Box<Diagnosis>),
+    /// How often the diagnosis is right where the truth is known.
     Trials(Trials),
+    /// Forward simulation beside recordings.
     Rollout(Box<Rollout>),
+    /// Robots that have changed.
     Fleet(Box<Fleet>),
 }
 

@@ -6,10 +6,12 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 pub mod nullable {
     use super::*;
 
+    /// Writes `null` for what is not finite.
     pub fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
         finite(*value).serialize(serializer)
     }
 
+    /// Reads `null` as not a number.
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
         Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
     }
@@ -19,10 +21,12 @@ pub mod nullable {
 pub mod optional {
     use super::*;
 
+    /// Writes `null` for nothing and for what is not finite.
     pub fn serialize<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
         value.and_then(finite).serialize(serializer)
     }
 
+    /// Reads `null` as nothing.
     pub fn deserialize<'de, D: Deserializer<'de>>(
         deserializer: D,
     ) -> Result<Option<f64>, D::Error> {
@@ -34,6 +38,7 @@ pub mod optional {
 pub mod interval {
     use super::*;
 
+    /// Writes `null` for nothing and for an end that is not finite.
     pub fn serialize<S: Serializer>(
         value: &Option<[f64; 2]>,
         serializer: S,
@@ -43,6 +48,7 @@ pub mod interval {
             .serialize(serializer)
     }
 
+    /// Reads `null` as nothing.
     pub fn deserialize<'de, D: Deserializer<'de>>(
         deserializer: D,
     ) -> Result<Option<[f64; 2]>, D::Error> {
@@ -54,10 +60,12 @@ pub mod interval {
 pub mod matrix {
     use super::*;
 
+    /// Writes rows as lists, `null` for what is not finite.
     pub fn serialize<S: Serializer>(rows: &[Vec<f64>], serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_seq(rows.iter().map(|row| Row(row)))
     }
 
+    /// Reads `null` as not a number.
     pub fn deserialize<'de, D: Deserializer<'de>>(
         deserializer: D,
     ) -> Result<Vec<Vec<f64>>, D::Error> {
@@ -81,10 +89,12 @@ pub mod matrix {
 pub mod list {
     use super::*;
 
+    /// Writes `null` for what is not finite.
     pub fn serialize<S: Serializer>(values: &[f64], serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_seq(values.iter().map(|x| finite(*x)))
     }
 
+    /// Reads `null` as not a number.
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Error> {
         let values: Vec<Option<f64>> = Vec::deserialize(deserializer)?;
         Ok(values.into_iter().map(|x| x.unwrap_or(f64::NAN)).collect())

@@ -38,6 +38,7 @@ impl Source {
 pub struct Parameter {
     /// `<joint>.<effect>.<parameter>` or `<link>.<quantity>`.
     pub name: String,
+    /// SI unit in plain text, such as `N·m·s/rad`; empty where there is none.
     pub unit: String,
     /// The estimate; absent where undetermined.
     #[serde(with = "number::optional")]
@@ -55,6 +56,7 @@ pub struct Parameter {
     /// 95 % confidence interval, lower and upper end.
     #[serde(with = "number::interval")]
     pub ci95: Option<[f64; 2]>,
+    /// Where the value is from.
     pub source: Source,
     /// What the parameter is, in plain words; may be empty.
     #[serde(default)]

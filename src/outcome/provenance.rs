@@ -13,6 +13,7 @@ pub struct Provenance {
     pub directory: String,
     /// End of the run in UTC, `2026-01-31T12:00:00Z`.
     pub date: String,
+    /// Threads that the run could use.
     pub threads: usize,
     /// Commit of the sources that the program was built from; its version where that is not known.
     pub revision: String,

@@ -17,6 +17,7 @@ pub struct Rollout {
     pub source_verb: String,
     /// What `before` is; absent without such a model.
     pub before: Option<Before>,
+    /// Whether the windows lie in what was fitted.
     pub held_out: HeldOut,
     /// A paragraph in plain words.
     pub summary: String,
@@ -33,6 +34,7 @@ pub struct Rollout {
     /// The robot, for the picture.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skeleton: Option<Skeleton>,
+    /// How the motion was computed.
     pub integrator: Integrator,
     /// Anything a reader should know, one sentence each.
     #[serde(default)]
@@ -89,16 +91,20 @@ pub struct Horizon {
     /// s.
     #[serde(with = "number::nullable")]
     pub horizon: f64,
+    /// Errors of every joint at that time.
     pub joints: Vec<JointErrors>,
 }
 
 /// Errors of position of one joint at a horizon.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JointErrors {
+    /// Name of the joint.
     pub joint: String,
     /// rad or m.
     pub unit: String,
+    /// Of the model before; absent without one.
     pub before: Option<Spread>,
+    /// Of the final model.
     pub after: Spread,
     /// What the final model would give were it right: its own torques with the noise of the signal, from starts with the
     /// errors of the estimated motion.
@@ -121,8 +127,10 @@ pub struct Spread {
     /// Of the size of the error; absent where it has no limit.
     #[serde(with = "number::optional")]
     pub lower_quartile: Option<f64>,
+    /// Of the size of the error; absent where it has no limit.
     #[serde(with = "number::optional")]
     pub median: Option<f64>,
+    /// Of the size of the error; absent where it has no limit.
     #[serde(with = "number::optional")]
     pub upper_quartile: Option<f64>,
 }
@@ -130,19 +138,26 @@ pub struct Spread {
 /// Sizes of the errors of a joint over the time since the start.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ErrorCurve {
+    /// Name of the joint.
     pub joint: String,
+    /// rad or m.
     pub unit: String,
     /// s.
     pub t: Vec<f64>,
+    /// Of the model before, by instant; empty without one.
     pub before: Vec<Spread>,
+    /// Of the final model, by instant.
     pub after: Vec<Spread>,
+    /// Of the final model were it right, by instant: see [`JointErrors::noise`].
     pub noise: Vec<Spread>,
 }
 
 /// The windows of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RolledRecording {
+    /// Name of the recording.
     pub recording: String,
+    /// How many of its windows were simulated.
     pub windows: usize,
     /// From one start to the next, s.
     #[serde(with = "number::nullable")]
@@ -154,24 +169,31 @@ pub struct RolledRecording {
 pub struct Example {
     /// `median` or `worst`.
     pub kind: String,
+    /// Name of the recording in which it lies.
     pub recording: String,
     /// Of the start in the recording, s.
     #[serde(with = "number::nullable")]
     pub start: f64,
     /// s since the start, some of the samples.
     pub t: Vec<f64>,
+    /// Joint by joint, sample by sample.
     pub joints: Vec<ExampleJoint>,
 }
 
 /// Positions of a joint in a window, rad or m.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ExampleJoint {
+    /// Name of the joint.
     pub joint: String,
+    /// rad or m.
     pub unit: String,
+    /// As recorded.
     #[serde(with = "number::list")]
     pub recorded: Vec<f64>,
+    /// By the model before; empty without one.
     #[serde(with = "number::list")]
     pub before: Vec<f64>,
+    /// By the final model.
     #[serde(with = "number::list")]
     pub after: Vec<f64>,
 }
@@ -179,6 +201,7 @@ pub struct ExampleJoint {
 /// How motions were integrated.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Integrator {
+    /// Name of the method and its order.
     pub name: String,
     /// Longest step, s.
     #[serde(with = "number::nullable")]

@@ -9,6 +9,7 @@ use crate::outcome::number;
 pub struct Simulation {
     /// Names of the recordings in the results folder.
     pub files: Vec<String>,
+    /// Noise of every channel of every recording.
     pub realised_noise: Vec<RealisedNoise>,
     /// Anything a reader should know, one sentence each.
     #[serde(default)]
@@ -18,7 +19,9 @@ pub struct Simulation {
 /// Noise of one channel as it came out of the generator.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RealisedNoise {
+    /// Name of its column in the recording.
     pub channel: String,
+    /// Unit of the deviation.
     pub unit: String,
     /// Standard deviation over the samples written.
     #[serde(with = "number::nullable")]

@@ -38,14 +38,20 @@ pub struct Simulator {
 /// A parameter, or a combination that the recordings determine, in the simulator and on the robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Contrast {
+    /// Name of the parameter, or the combination as an expression.
     pub parameter: String,
+    /// SI unit of values, deviations and interval.
     pub unit: String,
+    /// Value in the simulator.
     #[serde(with = "number::nullable")]
     pub simulated: f64,
+    /// Its standard deviation; zero where it is known.
     #[serde(with = "number::nullable")]
     pub simulated_std_dev: f64,
+    /// Value on the robot.
     #[serde(with = "number::nullable")]
     pub robot: f64,
+    /// Its standard deviation; zero where it is known.
     #[serde(with = "number::nullable")]
     pub robot_std_dev: f64,
     /// Robot minus simulator.
@@ -60,17 +66,21 @@ pub struct Contrast {
     /// What the difference makes of the robot's signal, as share of its root mean square, where it makes most.
     #[serde(with = "number::nullable")]
     pub share_of_signal: f64,
+    /// The same in words.
     pub sentence: String,
 }
 
 /// Physics that one of the two has.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OneSided {
+    /// Identifier of the effect.
     pub effect: String,
+    /// Joints at which it acts.
     pub joints: Vec<String>,
     /// Of the one that has it.
     pub parameters: Vec<Parameter>,
     /// The other's value of its size, where the other's model could have had it.
     pub contrasts: Vec<Contrast>,
+    /// What it means, in words.
     pub sentence: String,
 }

@@ -7,6 +7,7 @@ use crate::outcome::machine::{Machine, MachineJoint, MachineLeader, Motion, Pose
 /// Joints in the order of the tree, parents first.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Skeleton {
+    /// Parents before children.
     pub joints: Vec<Bone>,
     /// Points at the ends of the robot.
     pub tips: Vec<Tip>,
@@ -18,9 +19,11 @@ pub struct Skeleton {
 /// A joint and where it stands on the link before it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Bone {
+    /// Name of the joint.
     pub name: String,
     /// Position of the joint before it; absent for the base.
     pub parent: Option<usize>,
+    /// Whether it turns or slides.
     pub motion: Motion,
     /// Unit vector in the link's frame.
     pub axis: [f64; 3],
@@ -29,6 +32,7 @@ pub struct Bone {
     /// Position at which the joint stands still.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub locked: Option<f64>,
+    /// The joint that moves this one, which has no motor of its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub follows: Option<MachineLeader>,
 }
@@ -36,7 +40,9 @@ pub struct Bone {
 /// A named frame on a link that carries no further joint.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tip {
+    /// Name of the frame.
     pub name: String,
+    /// Position of the joint whose link carries it.
     pub joint: usize,
     /// m, in the frame of the link.
     pub at: [f64; 3],
@@ -45,6 +51,7 @@ pub struct Tip {
 /// The half-space `normal · p >= offset` for a point of the robot, in the base frame.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Wall {
+    /// Unit vector, into the space that is allowed.
     pub normal: [f64; 3],
     /// m
     pub offset: f64,

@@ -8,12 +8,16 @@ use crate::outcome::number;
 /// The part of `trials`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trials {
+    /// In the order of their numbers.
     pub trials: Vec<Trial>,
     /// Times that an effect was found first, by what was concealed; of trials whose effect is at least
     /// [`Rates::least_size`] times the noise, and of the controls.
     pub confusion: BTreeMap<String, BTreeMap<String, usize>>,
+    /// How often each effect is found, by its size.
     pub power: Vec<Power>,
+    /// Findings of the controls.
     pub false_findings: FalseFindings,
+    /// The rates over all trials.
     pub rates: Rates,
     /// The same of the trials of each kind of motion.
     #[serde(default)]
@@ -32,13 +36,19 @@ pub struct Trials {
 /// The trials of one kind of motion or noise.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Group {
+    /// Word of the motion or noise.
     pub kind: String,
+    /// How many there are.
     pub trials: usize,
     /// Trials that ended in a failure.
     pub without_answer: usize,
+    /// As [`Trials::confusion`].
     pub confusion: BTreeMap<String, BTreeMap<String, usize>>,
+    /// How often each effect is found, by its size.
     pub power: Vec<Power>,
+    /// Findings of its controls.
     pub false_findings: FalseFindings,
+    /// Rates over the trials of this kind.
     pub rates: Rates,
 }
 
@@ -49,6 +59,7 @@ pub struct Calibration {
     pub motion: Option<String>,
     /// Lower end of the tenth; the last one includes 1.
     pub from: f64,
+    /// How many there are.
     pub claims: usize,
     /// Mean of what was stated.
     #[serde(with = "number::nullable")]
@@ -62,8 +73,11 @@ pub struct Calibration {
 /// A claim of a diagnosis with its probability.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Stated {
+    /// Identifier of the effect, or `unnamed`.
     pub effect: String,
+    /// Joints at which it is said to act.
     pub joints: Vec<String>,
+    /// As stated, 0 to 1.
     #[serde(with = "number::nullable")]
     pub probability: f64,
     /// Whether it was there: the effect on these joints, or physics outside the vocabulary where `unnamed` is said.
@@ -88,6 +102,7 @@ pub struct Trial {
     pub noise_correlation: f64,
     /// What the declared model lacks; nothing in a control.
     pub concealed: Vec<Hidden>,
+    /// What the diagnosis found, strongest first.
     pub found: Vec<Found>,
     /// Findings and rivals with the probabilities that the diagnosis states.
     #[serde(default)]
@@ -98,7 +113,9 @@ pub struct Trial {
     pub right_joints: bool,
     /// Every concealed effect is found so.
     pub all_found: bool,
+    /// The verdict as people read it.
     pub verdict: String,
+    /// Wall time of the diagnosis, s.
     #[serde(with = "number::nullable")]
     pub seconds: f64,
     /// Held-out RMS error after over before, of the joint with the largest misfit.
@@ -119,7 +136,9 @@ pub struct Trial {
 /// A concealed effect.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Hidden {
+    /// Identifier of the effect, or a name that begins with [`OUTSIDE`].
     pub effect: String,
+    /// Joints at which it acts.
     pub joints: Vec<String>,
     /// Held-out RMS of what the fitted declared model leaves of it over the noise of a row, at the joint where it is
     /// largest.
@@ -130,8 +149,11 @@ pub struct Hidden {
 /// A finding of a trial.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Found {
+    /// Identifier of the effect.
     pub effect: String,
+    /// Joints at which it was found.
     pub joints: Vec<String>,
+    /// As the diagnosis states it, 0 to 1.
     #[serde(with = "number::nullable")]
     pub explained_share: f64,
     /// Rivals that the recording cannot separate from it.
@@ -142,7 +164,9 @@ pub struct Found {
 /// A rival that a recording cannot separate from a finding, and whether a longer one can.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Inseparable {
+    /// Identifier of the effect.
     pub effect: String,
+    /// Joints at which it would act.
     pub joints: Vec<String>,
     /// As the diagnosis says; see [`crate::outcome::finding::Rival`].
     #[serde(default, with = "number::optional")]
@@ -166,18 +190,23 @@ pub const LONGER: usize = 4;
 /// Detections of one effect in a range of sizes.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Power {
+    /// Identifier of the effect.
     pub effect: String,
     /// Lower end of the range; the upper one is that of the next row.
     #[serde(with = "number::nullable")]
     pub effect_over_noise: f64,
+    /// Trials in which it was found.
     pub right: usize,
+    /// Trials in which it was concealed in that range.
     pub trials: usize,
 }
 
 /// Findings where nothing is concealed.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct FalseFindings {
+    /// Trials in which nothing is concealed.
     pub controls: usize,
+    /// Those of them in which something was found.
     pub with_finding: usize,
     /// Upper 95 % bound of the rate (Clopper and Pearson 1934).
     #[serde(with = "number::nullable")]
@@ -187,11 +216,14 @@ pub struct FalseFindings {
 /// A number of cases and how many of them are so.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Share {
+    /// Cases.
     pub of: usize,
+    /// Those that are so.
     pub are: usize,
 }
 
 impl Share {
+    /// One case more.
     pub fn count(&mut self, is_so: bool) {
         self.of += 1;
         self.are += usize::from(is_so);
@@ -206,6 +238,7 @@ impl Share {
 /// The rates over trials whose effect is at least `least_size` times the noise.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Rates {
+    /// The size from which on trials count, as a multiple of the noise.
     #[serde(with = "number::nullable")]
     pub least_size: f64,
     /// One effect: the first finding is right.
@@ -238,6 +271,7 @@ pub struct Rates {
     /// The same of the torque that links and rotors ask for.
     #[serde(default, with = "number::optional")]
     pub median_body_ratio: Option<f64>,
+    /// Share of trials in which that ratio is at most 1.5.
     #[serde(default)]
     pub bodies_back: Share,
     /// Processor seconds a trial, of the last run.

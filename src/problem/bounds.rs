@@ -7,17 +7,22 @@ use crate::problem::form::{Form, Variable};
 /// The side on which a variable is bounded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
+    /// x >= lower.
     Lower,
+    /// x <= upper.
     Upper,
 }
 
 /// A variable that a solution holds at one of its bounds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ActiveBound {
+    /// Its name in the form of the problem.
     pub variable: String,
+    /// SI unit of the variable.
     pub unit: String,
     /// The bound, in the unit.
     pub value: f64,
+    /// Which of its bounds holds it.
     pub side: Side,
 }
 

@@ -31,7 +31,9 @@ pub struct Mismatch {
     pub quantity: String,
     /// The variable of the derivative, or the direction of the check.
     pub variable: String,
+    /// What the problem says.
     pub claimed: f64,
+    /// What differences of its values give.
     pub found: f64,
     /// |claimed - found|, less what rounding explains, over the larger of both.
     pub relative: f64,

@@ -10,7 +10,9 @@ const PROBLEM: &str = "problem";
 /// A fault of a problem's form, or of what is asked of the problem.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProblemError {
+    /// The variable or constraint at fault, under the name of the problem.
     pub place: Place,
+    /// What is wrong with it.
     pub kind: ProblemErrorKind,
 }
 
@@ -18,26 +20,62 @@ pub struct ProblemError {
 #[derive(Debug, Clone, PartialEq)]
 pub enum ProblemErrorKind {
     /// lower <= upper does not hold, or a bound is NaN.
-    BoundsCross { lower: f64, upper: f64 },
+    BoundsCross {
+        /// The lower bound, in the variable's unit.
+        lower: f64,
+        /// The upper bound, in the variable's unit.
+        upper: f64,
+    },
     /// The scale of a variable is not a positive number.
-    ScaleNotPositive { scale: f64 },
+    ScaleNotPositive {
+        /// What was given in its place.
+        scale: f64,
+    },
     /// A semidefinite constraint whose rows are not the svec of a matrix of its order.
-    RowsOfCone { rows: usize, order: usize },
+    RowsOfCone {
+        /// Rows of the constraint.
+        rows: usize,
+        /// Order n of the matrix, whose svec has n(n + 1)/2 rows.
+        order: usize,
+    },
     /// The view needs a sum of squares.
-    NotSumOfSquares { view: &'static str },
+    NotSumOfSquares {
+        /// The name of the view.
+        view: &'static str,
+    },
     /// The view takes no constraints besides bounds.
     Constrained {
+        /// The name of the view.
         view: &'static str,
+        /// Constraints of the problem.
         constraints: usize,
     },
     /// The view takes no semidefinite constraints.
-    HasCone { view: &'static str },
+    HasCone {
+        /// The name of the view.
+        view: &'static str,
+    },
     /// The view needs residual and rows that are affine in the variables.
-    NotAffine { view: &'static str },
+    NotAffine {
+        /// The name of the view.
+        view: &'static str,
+    },
     /// A variable that does not exist.
-    NoSuchVariable { index: usize, variables: usize },
+    NoSuchVariable {
+        /// The index that was asked for.
+        index: usize,
+        /// Entries of x.
+        variables: usize,
+    },
     /// A value that is not a number, or outside the bounds, for a frozen variable.
-    FrozenOutsideBounds { value: f64, lower: f64, upper: f64 },
+    FrozenOutsideBounds {
+        /// The value at which the variable was to be frozen, in its unit.
+        value: f64,
+        /// Its lower bound.
+        lower: f64,
+        /// Its upper bound.
+        upper: f64,
+    },
 }
 
 impl ProblemError {

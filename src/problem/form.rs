@@ -5,15 +5,20 @@ use crate::problem::error::{ProblemError, ProblemErrorKind};
 /// What a problem minimises over what, without numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Form {
+    /// Entries of x, in order.
     pub variables: Vec<Variable>,
+    /// What is minimised.
     pub objective: Objective,
+    /// Rows of g with their sets, in the order in which values have them.
     pub constraints: Vec<Constraint>,
+    /// Whether one linearisation describes residual and rows everywhere.
     pub structure: Structure,
 }
 
 /// One entry of x.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
+    /// The name in messages, traces and reports.
     pub name: String,
     /// SI unit of the value and of the bounds.
     pub unit: String,
@@ -31,15 +36,22 @@ pub enum Objective {
     /// A smooth function with a gradient.
     Smooth,
     /// f(x) = 1/2 |r(x)|^2 with this many rows of r before any compression.
-    SumOfSquares { rows: usize },
+    SumOfSquares {
+        /// Rows of r.
+        rows: usize,
+    },
 }
 
 /// Some rows of g, and the set in which they must lie.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Constraint {
+    /// The name in messages and reports; rows are numbered behind it.
     pub name: String,
+    /// SI unit of the rows.
     pub unit: String,
+    /// Rows of g that belong to it.
     pub rows: usize,
+    /// Where the rows have to lie.
     pub set: Set,
 }
 
@@ -52,7 +64,10 @@ pub enum Set {
     Nonnegative,
     /// smat(g) is positive semidefinite; the rows are the svec of a symmetric matrix of this order
     /// (see [`crate::linalg::svec`]).
-    Psd { order: usize },
+    Psd {
+        /// n of the n x n matrix.
+        order: usize,
+    },
 }
 
 /// How residual (or smooth cost) and constraints depend on x.

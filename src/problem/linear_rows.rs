@@ -46,7 +46,9 @@ impl LinearRow {
 /// The set `lower <= A x <= upper`. Rows beside each other belong to instants beside each other.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LinearRows {
+    /// The numbers of A that rows share; each row points at a run of them.
     pub table: Vec<f64>,
+    /// The rows of A with their bounds.
     pub rows: Vec<LinearRow>,
     /// A point well inside, if one is known: what leaves the set is drawn back towards it.
     pub inside: Option<DVector<f64>>,

@@ -93,6 +93,7 @@ pub struct OutsideDomain {
 }
 
 impl OutsideDomain {
+    /// A point at which the problem has no value, for a reason in words.
     pub fn new(reason: impl Into<String>) -> Self {
         Self {
             reason: reason.into(),

@@ -13,6 +13,7 @@ pub struct Scaled<'a> {
 }
 
 impl<'a> Scaled<'a> {
+    /// Scales every variable by its `scale` in the form; bounds are scaled with it, and units fall away.
     pub fn new(inner: &'a dyn Problem) -> Self {
         let mut form = inner.form().clone();
         let scale =

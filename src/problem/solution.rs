@@ -27,7 +27,9 @@ pub enum Stop {
     Unbounded,
     /// No step lowers the cost although no test of convergence holds.
     Stalled,
+    /// So many iterations were allowed, and none of the tests of convergence holds.
     IterationLimit,
+    /// The time allowed is over, and none of the tests of convergence holds.
     TimeLimit,
     /// The caller asked to stop.
     Interrupted,
@@ -66,27 +68,33 @@ impl Stop {
 /// The end of a run: stopping is a result, not an error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
+    /// The point, in the units of the problem's variables.
     pub x: DVector<f64>,
     /// f(x).
     pub cost: f64,
+    /// Why it is the last one.
     pub stop: Stop,
+    /// Accepted and rejected steps together.
     pub iterations: usize,
     /// Calls of the problem, values and linearisations together.
     pub evaluations: usize,
     /// Variables held at a bound.
     pub active_bounds: Vec<ActiveBound>,
+    /// How the run came there.
     pub trace: Trace,
 }
 
 /// The course of a run, one row per iteration.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Trace {
+    /// In the order of the run.
     pub rows: Vec<TraceRow>,
 }
 
 /// One iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TraceRow {
+    /// Its number, one more from row to row.
     pub iteration: usize,
     /// f at the best point so far.
     pub cost: f64,
@@ -118,6 +126,7 @@ impl Control<'_> {
         }
     }
 
+    /// Whether the caller has asked for the end, from whichever thread.
     pub fn is_interrupted(&self) -> bool {
         self.interrupt
             .as_ref()

@@ -26,12 +26,14 @@ pub struct ConeProgram<'a> {
 }
 
 impl<'a> LeastSquares<'a> {
+    /// The problem, which has passed the check of this view.
     pub fn problem(&self) -> &'a dyn Problem {
         self.problem
     }
 }
 
 impl<'a> Nlp<'a> {
+    /// The problem, which has passed the check of this view.
     pub fn problem(&self) -> &'a dyn Problem {
         self.problem
     }
@@ -51,6 +53,7 @@ impl<'a> Nlp<'a> {
 }
 
 impl<'a> ConeProgram<'a> {
+    /// The problem, which has passed the check of this view.
     pub fn problem(&self) -> &'a dyn Problem {
         self.problem
     }

@@ -80,12 +80,17 @@ impl Choice for DifferentiationMethod {
 /// How parameters follow from recordings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Estimator {
+    /// Least squares in which every channel counts the same.
     OrdinaryLeastSquares,
+    /// Least squares in which every channel counts by the deviation of its residual.
     WeightedLeastSquares,
+    /// The same with Tukey's biweight of every residual.
     IterativelyReweightedLeastSquares,
+    /// By the covariance of the noise across channels and frequencies.
     MaximumLikelihood,
     /// Least squares over parameters of bodies that can exist (semidefinite).
     Feasible,
+    /// The same with the weights of maximum likelihood.
     FeasibleMaximumLikelihood,
     /// Motor constants from motions of one joint at constant speed.
     ConstantVelocity,

@@ -54,12 +54,16 @@ fn estimated() -> Vec<&'static str> {
 /// What is known of a gain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Gain {
+    /// It has this value.
     Known(f64),
     /// A value and its standard deviation.
     Uncertain {
+        /// The value expected.
         value: f64,
+        /// How far to trust it, positive, in the gain's unit.
         std_dev: f64,
     },
+    /// It is estimated from the recordings alone.
     Estimate,
 }
 

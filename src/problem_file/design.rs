@@ -153,13 +153,16 @@ pub struct DesignTable {
     pub rival: Vec<Rival>,
     /// Parameter values that torques are predicted with. Default: those of the robot file or an earlier fit.
     pub values: Vec<Named<f64>>,
+    /// Limits of the joints.
     pub limits: LimitsTable,
+    /// Limits in space.
     pub workspace: WorkspaceTable,
 }
 
 /// Harmonics of the Fourier series.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Harmonics {
+    /// As many for each joint.
     All(usize),
     /// In the order of the joints.
     Each(Vec<usize>),
@@ -178,6 +181,7 @@ impl Harmonics {
 /// One of the models that a motion is to tell apart: the problem file's, but for what is given here.
 #[derive(Debug, Clone)]
 pub struct Rival {
+    /// Name in the result.
     pub name: Located<String>,
     /// What replaces `drive.effects` on all joints. Default: the problem file's effects.
     pub effects: Option<Located<Vec<Located<String>>>>,
@@ -192,10 +196,15 @@ pub struct Rival {
 /// The parameters whose accuracy a design improves; the rest are nuisance parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DesignParameters {
+    /// All unknown parameters.
     All,
+    /// Those of links.
     Inertial,
+    /// Those of the load.
     Payload,
+    /// Those of effects of the drives.
     Friction,
+    /// These.
     Listed(Vec<Located<String>>),
 }
 
@@ -219,9 +228,13 @@ pub struct LimitsTable {
 /// The table `[design.workspace]`. Default: empty.
 #[derive(Debug, Clone)]
 pub struct WorkspaceTable {
+    /// Points that stay on one side of a plane.
     pub halfspace: Vec<Halfspace>,
+    /// Points that stay in a box; the table `box`.
     pub boxes: Vec<Region>,
+    /// Points whose speed is limited.
     pub speed: Vec<Speed>,
+    /// Links that keep a distance.
     pub clearance: Vec<Clearance>,
     /// Shapes beside those of the robot file.
     pub shape: Vec<Shape>,
@@ -272,6 +285,7 @@ pub struct Shape {
 /// Least distance between the collision shapes of two links.
 #[derive(Debug, Clone)]
 pub struct Clearance {
+    /// Names of the two links.
     pub links: Located<[String; 2]>,
     /// m, not negative.
     pub distance: Located<f64>,

@@ -31,7 +31,9 @@ pub struct DiagnoseTable {
 /// The physics to look for.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SoughtEffects {
+    /// All of the vocabulary, with laws of the problem and registered effects.
     All,
+    /// These.
     Listed(Vec<Located<String>>),
 }
 

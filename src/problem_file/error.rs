@@ -16,40 +16,75 @@ pub struct ProblemFileError {
 /// What is at fault.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ProblemFileErrorKind {
+    /// The file as a whole.
     File(FileFault),
+    /// A key is unknown, missing, or contradicts another.
     Key(KeyFault),
+    /// The kind of a value.
     Value(ValueFault),
+    /// The range of a number.
     Number(NumberFault),
+    /// An override, or a key that a program sets.
     Override(OverrideFault),
 }
 
 /// The file as a whole cannot be used.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FileFault {
+    /// No file has the path.
     Missing,
+    /// The path is a folder's.
     IsDirectory,
+    /// The operating system refuses to read the file.
     PermissionDenied,
-    Unreadable { reason: String },
-    TooLarge { bytes: u64, limit: u64 },
-    NotUtf8 { byte: u8 },
+    /// Reading fails.
+    Unreadable {
+        /// What the system says.
+        reason: String,
+    },
+    /// The file is larger than any problem.
+    TooLarge {
+        /// Its size, bytes.
+        bytes: u64,
+        /// The largest size that is read, bytes.
+        limit: u64,
+    },
+    /// The text is not UTF-8.
+    NotUtf8 {
+        /// The first byte that is none of it.
+        byte: u8,
+    },
+    /// There is nothing in the file.
     Empty,
-    Syntax { reason: String },
+    /// The text is not TOML.
+    Syntax {
+        /// What the TOML reader says.
+        reason: String,
+    },
 }
 
 /// A key is unknown, missing, or contradicts another.
 #[derive(Debug, Clone, PartialEq)]
 pub enum KeyFault {
+    /// The table has no such key.
     Unknown {
+        /// As written.
         found: String,
+        /// The keys that it has.
         known: Vec<&'static str>,
         /// Another table that has a key of this name.
         elsewhere: Option<String>,
     },
+    /// A required key is absent.
     Missing {
+        /// What to write, in words.
         remedy: String,
     },
+    /// Two statements contradict each other.
     Conflict {
+        /// What was found, in words.
         found: String,
+        /// What to do about it.
         remedy: String,
     },
 }
@@ -57,31 +92,48 @@ pub enum KeyFault {
 /// A value is not of the kind that its key asks for.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ValueFault {
+    /// The value is of another kind.
     WrongType {
+        /// What would be right, in words.
         expected: &'static str,
+        /// What stands there, in words.
         found: String,
     },
+    /// A list has too many or too few entries.
     WrongLength {
+        /// What would be right, in words.
         expected: String,
+        /// How many it has.
         found: usize,
     },
     /// A table where TOML has split a name with dots that stands without quotes.
     UnquotedName {
+        /// What the key asks for, in words.
         expected: &'static str,
     },
     /// A word that is not in the list for its key; each list has its own code.
     UnknownWord {
+        /// What the word chooses, such as `estimator`.
         noun: &'static str,
+        /// Code of the error.
         code: &'static str,
+        /// As written.
         found: String,
+        /// The words of the list.
         known: Vec<String>,
     },
+    /// A name stands twice in a list.
     Duplicate {
+        /// The name.
         found: String,
     },
+    /// A text is blank.
     EmptyText,
+    /// A list is empty.
     EmptyList,
+    /// A text that cannot be the name of a folder.
     NotAFolderName {
+        /// As written.
         found: String,
     },
 }
@@ -89,31 +141,91 @@ pub enum ValueFault {
 /// A number is out of its range.
 #[derive(Debug, Clone, PartialEq)]
 pub enum NumberFault {
+    /// NaN.
     NotANumber,
-    Infinite { found: f64 },
-    TooLarge { found: String },
-    NotPositive { found: f64 },
-    Negative { found: f64 },
+    /// Infinite where it may not be.
+    Infinite {
+        /// As written.
+        found: f64,
+    },
+    /// Beyond the range of numbers of 64 bits.
+    TooLarge {
+        /// As written.
+        found: String,
+    },
+    /// Not above zero.
+    NotPositive {
+        /// As written.
+        found: f64,
+    },
+    /// Below zero.
+    Negative {
+        /// As written.
+        found: f64,
+    },
+    /// Zero.
     Zero,
-    OutOfRange { found: String, range: &'static str },
-    LowerAboveUpper { lower: f64, upper: f64 },
-    CutoffAboveNyquist { cutoff: f64, rate: f64 },
+    /// Outside of another range.
+    OutOfRange {
+        /// As written.
+        found: String,
+        /// What is allowed, in words.
+        range: &'static str,
+    },
+    /// A lower limit above the upper one.
+    LowerAboveUpper {
+        /// In the key's unit.
+        lower: f64,
+        /// In the key's unit.
+        upper: f64,
+    },
+    /// A cut-off that is not below half of the rate.
+    CutoffAboveNyquist {
+        /// Hz.
+        cutoff: f64,
+        /// Samples per second, Hz.
+        rate: f64,
+    },
 }
 
 /// An override cannot be applied.
 #[derive(Debug, Clone, PartialEq)]
 pub enum OverrideFault {
     /// It is not `key=value`.
-    Form { found: String },
+    Form {
+        /// As given.
+        found: String,
+    },
+    /// It is not the path of a key.
+    Key {
+        /// As given.
+        found: String,
+    },
     /// The key has more parts between dots than any key of the file.
-    TooDeep { parts: usize, limit: usize },
+    TooDeep {
+        /// How many it has.
+        parts: usize,
+        /// The most that are read.
+        limit: usize,
+    },
     /// What follows the equals sign begins like a TOML value and is none.
-    Value { found: String, reason: String },
+    Value {
+        /// As given.
+        found: String,
+        /// What the TOML reader says.
+        reason: String,
+    },
     /// The key lies below a value that is not a table.
-    BelowValue { parent: String, found: &'static str },
+    BelowValue {
+        /// Path of that value.
+        parent: String,
+        /// What it is, in words.
+        found: &'static str,
+    },
 }
 
 impl ProblemFileError {
+    /// At a place of the file.
     pub fn new(place: &Place, kind: impl Into<ProblemFileErrorKind>) -> Self {
         Self {
             place: place.clone(),
@@ -121,6 +233,7 @@ impl ProblemFileError {
         }
     }
 
+    /// What is at fault, for whoever tells faults apart in code.
     pub fn kind(&self) -> &ProblemFileErrorKind {
         &self.kind
     }
@@ -391,9 +504,14 @@ impl OverrideFault {
                 format!("\"{found}\" is not of the form key=value"),
                 "write it such as fit.estimator=wls",
             ),
+            Self::Key { found } => Description::new(
+                "override-key",
+                format!("\"{found}\" is not the path of a key"),
+                "name a key of the problem file, such as fit.estimator",
+            ),
             Self::TooDeep { parts, limit } => Description::new(
                 "override-too-deep",
-                format!("the key of --set has {parts} parts between dots, more than {limit}"),
+                format!("the key has {parts} parts between dots, more than {limit}"),
                 "name a key of the problem file, such as fit.estimator",
             ),
             Self::Value { found, reason } => Description::new(

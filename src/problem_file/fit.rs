@@ -68,6 +68,7 @@ pub struct FitTable {
     pub load: Located<LoadFrom>,
     /// Whether joint angles are noisy, for `maximum_likelihood`. Default: [`Motion::Exact`].
     pub motion: Located<Motion>,
+    /// Priors of bodies and of single parameters.
     pub prior: PriorTable,
     /// By parameter name, in the parameter's unit. Default: none.
     pub bounds: Vec<Named<Interval>>,
@@ -75,6 +76,7 @@ pub struct FitTable {
     pub total_mass: Option<Located<Interval>>,
     /// The same fit with other effects. Default: none.
     pub compare: Vec<Comparison>,
+    /// For the estimator `constant_velocity`.
     pub constant_velocity: ConstantVelocityTable,
 }
 
@@ -117,6 +119,7 @@ pub enum Strength {
 /// What is known of a parameter before the data, in its unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PriorValue {
+    /// The value expected.
     pub value: f64,
     /// Standard deviation, positive.
     pub std_dev: f64,
@@ -125,13 +128,16 @@ pub struct PriorValue {
 /// lower <= x <= upper; a side may be infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
+    /// Minus infinity where there is no limit.
     pub lower: f64,
+    /// Infinity where there is no limit.
     pub upper: f64,
 }
 
 /// One table `[[fit.compare]]`.
 #[derive(Debug, Clone)]
 pub struct Comparison {
+    /// Name in the result.
     pub name: Located<String>,
     /// What replaces `drive.effects`.
     pub effects: Located<Vec<Located<String>>>,

@@ -8,7 +8,9 @@ use crate::problem_file::choices::Choice;
 /// One key of a table.
 #[derive(Debug)]
 pub struct Key {
+    /// As it stands in the file.
     pub name: &'static str,
+    /// What its value has to be.
     pub form: Form,
     /// In words, with that of sliding joints in brackets; empty where there is none.
     pub unit: &'static str,
@@ -16,6 +18,7 @@ pub struct Key {
     pub default: &'static str,
     /// A value of TOML; empty for a table, whose own keys have examples.
     pub example: &'static str,
+    /// In a few words, as the reference shows it.
     pub meaning: &'static str,
 }
 
@@ -29,7 +32,9 @@ pub enum Form {
     Text,
     /// A file's path, which starts from the problem file's folder unless it is absolute.
     File,
+    /// true or false.
     Boolean,
+    /// A number in a range.
     Number(Range),
     /// A number for all joints, or a list with one for each.
     PerJoint(Range),
@@ -39,6 +44,7 @@ pub enum Form {
     Words(fn() -> Vec<&'static str>),
     /// The identifier of an effect.
     Effect,
+    /// A list of values of one form.
     List(&'static Form, Length),
     /// A table with these keys.
     Table(&'static [Key]),
@@ -55,9 +61,13 @@ pub enum Form {
 pub enum Range {
     /// Infinity too.
     Any,
+    /// Not infinite.
     Finite,
+    /// Finite and above zero.
     Positive,
+    /// Finite and not below zero.
     NonNegative,
+    /// Finite and not zero.
     Nonzero,
     /// 0 <= x < 1.
     Correlation,
@@ -68,14 +78,19 @@ pub enum Range {
 /// How many entries a list has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Length {
+    /// Any number, none included.
     Any,
     /// No entry twice.
     Distinct,
     /// No entry twice, and at least one.
     SomeDistinct,
+    /// At least one.
     Some,
+    /// So many.
     Exactly(usize),
+    /// One or two.
     OneOrTwo,
+    /// Two, and not the same.
     TwoDistinct,
 }
 
@@ -105,6 +120,7 @@ pub struct Section {
     pub path: Vec<&'static str>,
     /// How the table is written, `[[fit.compare]]`; empty at the top.
     pub header: String,
+    /// Its keys.
     pub keys: &'static [Key],
 }
 

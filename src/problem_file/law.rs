@@ -48,9 +48,13 @@ pub(crate) const FILE_KEYS: &[Key] = &[
 /// Where a law acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ActsOn {
+    /// A torque that the motor exerts in addition.
     Motor,
+    /// A torque at the joint, which an elastic gear passes on.
     Joint,
+    /// What the signal shows beyond the torque of the motor.
     Signal,
+    /// The true torque constant over the declared one.
     Gain,
 }
 
@@ -68,10 +72,15 @@ impl Choice for ActsOn {
 /// What values of a search are shares of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ShareOf {
+    /// Of the way from the least to the greatest position.
     Position,
+    /// Of the range of positions.
     Range,
+    /// Of the greatest speed.
     Speed,
+    /// Multiples of one over the greatest speed.
     OverSpeed,
+    /// Of the duration of the recording.
     Duration,
 }
 
@@ -90,35 +99,53 @@ impl Choice for ShareOf {
 /// One table `[[law]]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LawTable {
+    /// Identifier in lists of effects and in results.
     pub id: Located<String>,
+    /// One sentence of physics.
     pub sentence: Located<String>,
+    /// Author, year and equation. Default: none.
     pub source: Option<Located<String>>,
     /// Default: [`ActsOn::Motor`].
     pub acts_on: Located<ActsOn>,
+    /// The formula: N·m (N); of a gain a factor.
     pub torque: Located<String>,
+    /// Rates of the states z1, z2, ... (of a single one: z). Default: no state.
     pub dz: Vec<Located<String>>,
+    /// First values of the states. Default: zero.
     pub start: Vec<Located<String>>,
+    /// Effects of which it refines one: without any of them it is not looked for. Default: none.
     pub refines: Vec<Located<String>>,
+    /// By their names in the formulas.
     pub parameters: Vec<Named<LawParameter>>,
 }
 
 /// A parameter of a law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LawParameter {
+    /// Default: none, and dimensions are not checked with it.
     pub unit: Option<String>,
+    /// In a few words; may be empty.
     pub meaning: String,
+    /// Least value, in its unit. Default: minus infinity.
     pub lower: f64,
+    /// Greatest value. Default: infinity.
     pub upper: f64,
+    /// A value of usual size, from which estimates start.
     pub typical: f64,
+    /// Where a search for it starts.
     pub search: LawSearch,
 }
 
 /// Values from which a search for a parameter starts.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LawSearch {
+    /// From the typical value alone.
     Typical,
+    /// Cycles over the range of the joint's positions, from one to what the sampling resolves.
     Cycles,
+    /// From each of these, in the parameter's unit.
     Values(Vec<f64>),
+    /// From each of these shares of something that the motion has.
     Shares(ShareOf, Vec<f64>),
 }
 

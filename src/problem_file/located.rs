@@ -9,7 +9,9 @@ use crate::problem_file::error::{ProblemFileError, ValueFault};
 /// A value and the place where it was written. A default has the key, but no line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Located<T> {
+    /// The value itself.
     pub value: T,
+    /// File, line, column and key, as far as there are.
     pub place: Place,
 }
 
@@ -24,19 +26,23 @@ impl<T> Deref for Located<T> {
 /// An entry of a table whose keys are names of joints or parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Named<T> {
+    /// The name, without quotes.
     pub name: String,
+    /// What it is given.
     pub value: Located<T>,
 }
 
 /// The path of a file, as written and as it is opened.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FilePath {
+    /// As the problem file has it.
     pub written: String,
     /// Relative paths start from the folder of the problem file.
     pub resolved: PathBuf,
 }
 
 impl FilePath {
+    /// A path as written in a problem file of this folder.
     pub fn new(folder: &Path, written: &str) -> Self {
         Self {
             written: written.to_owned(),
@@ -48,7 +54,9 @@ impl FilePath {
 /// Numbers per joint: one number for all joints, or one for each in the order of the joints.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PerJoint {
+    /// The same for every joint.
     All(f64),
+    /// One per joint.
     Each(Vec<f64>),
 }
 

@@ -2,8 +2,10 @@
 //!
 //! This layer knows the keys, their types and their ranges. What needs the robot (the number of
 //! joints, the names of parameters) is checked later, by the layer that has it; every value that
-//! can still turn out wrong is therefore a [`Located`] value, which knows its line and key.
+//! can still turn out wrong is therefore a [`Located`] value, which knows its line and key. A program states a
+//! problem without a file, by a [`builder`].
 
+pub mod builder;
 pub mod choices;
 mod columns;
 mod context;
@@ -75,6 +77,7 @@ pub struct ProblemFile {
     pub path: PathBuf,
     /// Name of the problem and of its results folder. Default: the file's name without extension.
     pub name: Located<String>,
+    /// The kinematics, what is known of it, and what is to be estimated.
     pub robot: RobotTable,
     /// Default: an empty table, a rigid body without losses.
     pub drive: DriveTable,
@@ -84,9 +87,13 @@ pub struct ProblemFile {
     pub controller: Option<Located<ControllerTable>>,
     /// Laws of one's own, those of other files first.
     pub laws: Vec<LawTable>,
+    /// The estimator, priors and fits to compare with. Default: the keys' own defaults.
     pub fit: FitTable,
+    /// Motions among which an excitation is sought, and their limits. Default: the keys' own defaults.
     pub design: DesignTable,
+    /// The trajectory, how it is recorded, and the truth behind it. Default: the keys' own defaults.
     pub simulate: SimulateTable,
+    /// The physics to look for, and how sure a finding has to be. Default: the keys' own defaults.
     pub diagnose: DiagnoseTable,
     /// The file as read, after overrides, for the record in `result.json`. A number that JSON
     /// cannot hold, such as an infinite bound, is a text there.

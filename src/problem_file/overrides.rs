@@ -29,17 +29,37 @@ pub(super) fn apply(
                 },
             )
         })?;
-        if segments.len() > MOST_PARTS {
-            let (parts, limit) = (segments.len(), MOST_PARTS);
-            return Err(ProblemFileError::new(
-                &file,
-                OverrideFault::TooDeep { parts, limit },
-            ));
-        }
+        check_depth(&segments, &file)?;
         let node = parse_value(value, &place)?;
         insert(root, &segments, node)?;
     }
     Ok(())
+}
+
+/// Puts a value at a key `a.b."c.d"` of the root table, which has these `keys`.
+pub(super) fn set(
+    root: &mut Node,
+    keys: &'static [Key],
+    key: &str,
+    value: Node,
+) -> Result<(), ProblemFileError> {
+    let segments = parts(key, keys).ok_or_else(|| {
+        let found = key.to_owned();
+        ProblemFileError::new(&value.place, OverrideFault::Key { found })
+    })?;
+    check_depth(&segments, &root.place)?;
+    insert(root, &segments, value)
+}
+
+fn check_depth(segments: &[String], file: &Place) -> Result<(), ProblemFileError> {
+    let (parts, limit) = (segments.len(), MOST_PARTS);
+    match parts > limit {
+        true => Err(ProblemFileError::new(
+            file,
+            OverrideFault::TooDeep { parts, limit },
+        )),
+        false => Ok(()),
+    }
 }
 
 /// The part before the value, or all of it where there is none.
@@ -49,24 +69,40 @@ fn key_text(text: &str) -> &str {
 
 /// Splits `a.b."c.d" = value` into the parts of the key and the text of the value.
 fn split<'t>(text: &'t str, keys: &'static [Key]) -> Option<(Vec<String>, &'t str)> {
+    let mut quote = None;
+    let equals = text.char_indices().find(|&(_, c)| match (quote, c) {
+        (Some(open), c) if c == open => {
+            quote = None;
+            false
+        }
+        (None, '"' | '\'') => {
+            quote = Some(c);
+            false
+        }
+        (quote, c) => quote.is_none() && c == '=',
+    });
+    let (key, value) = text.split_at(equals?.0);
+    let value = value[1..].trim();
+    let segments = parts(key, keys)?;
+    (!value.is_empty()).then_some((segments, value))
+}
+
+/// The parts of a key `a.b."c.d"`, none of them empty.
+fn parts(key: &str, keys: &'static [Key]) -> Option<Vec<String>> {
     let mut segments = vec![String::new()];
     let mut quote = None;
-    for (offset, c) in text.char_indices() {
+    for c in key.chars() {
         match (quote, c) {
             (Some(open), c) if c == open => quote = None,
             (None, '"' | '\'') => quote = Some(c),
             (None, '.') => segments.push(String::new()),
-            (None, '=') => {
-                let value = text[offset + 1..].trim();
-                let segments = join_names(&segments, keys);
-                let complete = segments.iter().all(|segment| !segment.is_empty());
-                return (complete && !value.is_empty()).then_some((segments, value));
-            }
             (None, c) if c.is_whitespace() => {}
             (_, c) => segments.last_mut()?.push(c),
         }
     }
-    None
+    let segments = join_names(&segments, keys);
+    let complete = segments.iter().all(|segment| !segment.is_empty());
+    complete.then_some(segments)
 }
 
 /// Makes one name of what follows a table of names: a shell takes the quotes off a name with dots.

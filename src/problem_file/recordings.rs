@@ -99,7 +99,9 @@ pub struct RecordingsTable {
     pub rate: Option<Located<f64>>,
     /// s, positive. Default: not periodic.
     pub period: Option<Located<f64>>,
+    /// What columns are called, and their units. Default: the usual names.
     pub columns: ColumnsTable,
+    /// How positions give velocities and accelerations.
     pub differentiation: DifferentiationTable,
     /// The sensor of a base wrench. Default: it reads in the base frame.
     pub platform: Option<PlatformTable>,
@@ -133,6 +135,7 @@ impl Deref for RecordingFiles {
 /// A file of a recording.
 #[derive(Debug, Clone)]
 pub struct RecordingFile {
+    /// Where it is.
     pub path: FilePath,
     /// In the place of `[recordings.columns]`. Default: that table.
     pub columns: Option<ColumnsTable>,

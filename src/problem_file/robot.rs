@@ -89,6 +89,7 @@ pub struct ClosedTable {
 /// Where the kinematics comes from.
 #[derive(Debug, Clone)]
 pub enum RobotSource {
+    /// Robot description (URDF).
     Urdf(Located<FilePath>),
     /// Modified Denavit-Hartenberg parameters, a TOML file.
     Mdh(Located<FilePath>),
@@ -96,7 +97,9 @@ pub enum RobotSource {
     Mjcf(Located<FilePath>),
     /// A mechanism the tool knows, with its own table `[robot.<mechanism>]` (empty where absent).
     Mechanism {
+        /// Which one.
         mechanism: Located<Mechanism>,
+        /// Its lengths.
         table: Located<toml::Value>,
     },
 }

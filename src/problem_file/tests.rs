@@ -1,6 +1,7 @@
 //! Tests of the problem file as a whole: a complete one, broken ones, and overrides.
 
 mod broken;
+mod built;
 mod complete;
 mod overridden;
 mod unreadable;

@@ -5,11 +5,17 @@
 /// optional channels that it does not name are not read.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ColumnMap {
+    /// Time stamps, one column.
     pub time: Option<Column>,
+    /// Positions of the joints.
     pub position: Option<Column>,
+    /// Velocities of the joints.
     pub velocity: Option<Column>,
+    /// Accelerations of the joints.
     pub acceleration: Option<Column>,
+    /// Motor currents.
     pub current: Option<Column>,
+    /// Torques of joints or motors.
     pub torque: Option<Column>,
     /// Commanded positions.
     pub command: Option<Column>,
@@ -19,14 +25,18 @@ pub struct ColumnMap {
     pub feed_forward: Option<Column>,
     /// Force x, y, z and moment x, y, z.
     pub wrench: Option<[String; 6]>,
+    /// Temperatures of the joints, °C.
     pub temperature: Option<Column>,
+    /// Samples to count, not 0, and to leave out, 0; one column.
     pub mask: Option<Column>,
 }
 
 /// Where a channel stands in a file, and what turns its numbers into SI units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
+    /// By pattern, number or list of columns.
     pub at: ColumnsAt,
+    /// What its numbers are multiplied by, one factor for all joints or one for each.
     pub factors: Factors,
 }
 

@@ -18,6 +18,7 @@ use crate::recording::samples::{Commanded, Recording, SignalKind};
 /// A joint whose channels are read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RecordedJoint {
+    /// The name that columns may bear, `q_<name>`.
     pub name: String,
     /// Number from 1 in the order of the problem's joints, for columns that are named by number.
     pub number: usize,

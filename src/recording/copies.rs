@@ -45,9 +45,11 @@ const MOST_SHIFTS: usize = 4;
 pub struct Shared {
     /// Indices of the recordings among those compared.
     pub first: usize,
+    /// Index of the other recording, after the first one.
     pub second: usize,
     /// First row of the longest common run in either.
     pub first_row: usize,
+    /// The same in the second.
     pub second_row: usize,
     /// Rows of that run.
     pub rows: usize,

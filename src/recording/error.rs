@@ -9,113 +9,183 @@ use crate::recording::row_faults::{SharedRows, describe_held_apart};
 /// A fault of a recording, with the file, line and column or channel where it lies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordingError {
+    /// File, and line, column or channel where they are known.
     pub place: Place,
+    /// What is wrong there.
     pub kind: RecordingErrorKind,
 }
 
 /// The kinds of fault, each with what was found.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RecordingErrorKind {
+    /// No file has the path.
     NotFound,
+    /// The path is a folder's.
     IsDirectory,
+    /// The operating system refuses to read the file.
     NoPermission,
+    /// Reading fails in the middle.
     Unreadable {
+        /// What the system says.
         reason: String,
     },
+    /// The file's name ends like no known format.
     UnknownExtension {
+        /// What the name ends in.
         found: String,
         /// The extensions that are known.
         known: &'static str,
     },
+    /// Compressed data end before their end mark.
     TruncatedGzip,
+    /// Compressed data are damaged, or no gzip.
     CorruptGzip {
+        /// What the unpacker says.
         reason: String,
     },
+    /// A binary format is damaged, or the file is another format.
     Corrupt {
+        /// The format that the name promises, in words.
         format: &'static str,
+        /// What its reader says.
         reason: Box<str>,
     },
+    /// A valid file that uses something of its format that is not read.
     Unsupported {
+        /// What it uses.
         what: Box<str>,
+        /// What to do instead.
         remedy: &'static str,
     },
+    /// Channels of one recording differ in length.
     UnequalLengths {
+        /// Samples of this one.
         found: usize,
+        /// Name of the first channel.
         other: Box<str>,
+        /// Samples of that one.
         expected: usize,
     },
+    /// A bag without joint states.
     NoJointState {
+        /// Types of the messages that it has.
         present: Vec<String>,
     },
+    /// A joint state that cannot be used.
     BadMessage {
+        /// What is wrong with it.
         reason: String,
     },
+    /// Columns that were asked for come from topics without common samples.
     TwoTopics {
+        /// Names of the topics.
         topics: Vec<String>,
     },
     /// Reading was interrupted.
     Interrupted,
+    /// More rows than may be read.
     TooManyRows {
+        /// The most rows.
         most: usize,
     },
+    /// More bytes, unpacked, than may be read.
     TooManyBytes {
+        /// The most bytes.
         most: u64,
     },
+    /// There is nothing in the file.
     EmptyFile,
+    /// The first line is numbers where names of columns are needed.
     NoHeader,
+    /// A text with a NUL byte is binary, or was cut off.
     NulByte,
+    /// A line longer than any row of numbers.
     LineTooLong {
+        /// The longest line that is read, bytes.
         limit: usize,
     },
+    /// Two columns have one name.
     DuplicateColumn {
+        /// The name.
         name: String,
     },
+    /// A row has another number of fields than the header.
     WrongFieldCount {
+        /// Fields of the row.
         found: usize,
+        /// Fields of the header.
         expected: usize,
     },
+    /// A cell is no number.
     NotANumber {
+        /// What stands there, cut to a few characters.
         found: String,
     },
+    /// A number is infinite.
     NotFinite {
+        /// As written.
         found: String,
     },
+    /// Too few samples to differentiate.
     TooFewRows {
+        /// Rows of the table.
         found: usize,
+        /// Rows at least.
         least: usize,
     },
     /// A column whose cells are all empty.
     EmptyColumn {
+        /// Rows of the table.
         rows: usize,
     },
     /// Rows that lack a value, and cells that the worst column lacks.
     TooManyMissing {
+        /// Rows that lack a value.
         rows: usize,
+        /// Rows of the table.
         of: usize,
+        /// Cells that the worst column lacks.
         cells: usize,
     },
+    /// A channel has no column.
     MissingColumn(Box<MissingColumn>),
+    /// One column is named for two channels.
     ColumnUsedTwice {
+        /// Name of the column.
         name: String,
     },
+    /// A pattern names the same column for every joint.
     PatternNotPerJoint {
+        /// As the problem has it, with its placeholders.
         pattern: String,
+        /// Joints of the robot.
         joints: usize,
     },
+    /// A list has not one column per joint.
     TooFewColumns {
+        /// Columns of the list.
         given: usize,
+        /// Joints of the robot.
         joints: usize,
     },
+    /// A pattern has something in braces that stands for nothing.
     UnknownPlaceholder {
+        /// As written, with its braces.
         found: String,
     },
+    /// A time stamp does not come after the one before.
     TimeNotIncreasing {
+        /// The stamp before, s.
         before: f64,
+        /// The stamp at fault, s.
         found: f64,
     },
+    /// More samples are missing than straight lines may bridge.
     GapTooLong {
+        /// The gap in the stamps, s.
         seconds: f64,
     },
+    /// Neither stamps nor a rate.
     NoTimeBase,
     /// A file that is to be joined with others has no time stamps.
     JoinWithoutTime,
@@ -123,35 +193,53 @@ pub enum RecordingErrorKind {
     ClocksDiffer,
     /// Files that are to be joined, one from when to when, and the others, s.
     NoCommonTime {
+        /// First and last stamp of this file, s.
         span: [f64; 2],
+        /// First and last stamp that the files before it have in common, s.
         others: [f64; 2],
     },
+    /// The rate that is given is not that of the stamps.
     RateContradictsTime {
+        /// Hz.
         given: f64,
+        /// Rate of the stamps, Hz.
         found: f64,
     },
+    /// A setting is out of its range.
     InvalidSetting {
+        /// What was given.
         value: f64,
+        /// What it must be, in words.
         requirement: String,
     },
+    /// The recording ends before its motion can repeat.
     ShorterThanPeriod {
+        /// Its length, s.
         duration: f64,
+        /// The period that is given, s.
         period: f64,
     },
+    /// A Fourier series is asked for, and the motion has no period.
     FourierWithoutPeriod,
+    /// The filter's edges take all samples.
     TooShortForFilter {
+        /// Samples of the recording.
         samples: usize,
+        /// Samples that it would need.
         least: usize,
     },
+    /// The mask leaves too few samples.
     NothingUnmasked,
     /// Rows that are those of another recording of the same problem.
     SharedRows(Box<SharedRows>),
     /// Channels that repeat samples of different instants, each so many times.
     HeldApart {
+        /// Rows of the file per sample of either channel.
         factors: [f64; 2],
     },
     /// A recorded position at which the loops of the mechanism stay open, or are not held.
     NoMotion {
+        /// What the mechanism says.
         reason: String,
     },
 }
@@ -181,6 +269,7 @@ pub struct MissingColumn {
     pub accepted: Vec<String>,
     /// The present column whose name is nearest to the first accepted one.
     pub nearest: Option<String>,
+    /// Names of all columns of the file.
     pub present: Vec<String>,
 }
 

@@ -24,7 +24,9 @@ pub struct Motion {
 /// Whether a bandwidth was asked for or follows from the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Chosen {
+    /// Asked for.
     Given,
+    /// By the data.
     Data,
 }
 
@@ -33,9 +35,11 @@ pub enum Chosen {
 pub struct Bandwidth {
     /// Harmonics of the Fourier series; None for the smoother and the low-pass.
     pub harmonics: Option<usize>,
+    /// Highest frequency of the motion that is kept, Hz.
     pub cutoff_hz: f64,
     /// Up to here the motion stands clear of its noise; the cut-off where it was given.
     pub clear_hz: f64,
+    /// Where the bandwidth is from.
     pub chosen: Chosen,
 }
 
@@ -69,18 +73,34 @@ pub enum RowMap {
     /// Sample k is row k.
     Same,
     /// Rows are even in time from `start` (s) on at `rate_hz`; samples are not.
-    Grid { start: f64, rate_hz: f64 },
+    Grid {
+        /// Time of row 0, s.
+        start: f64,
+        /// Rows per second.
+        rate_hz: f64,
+    },
     /// Sample `first + m` is row m modulo the rows.
-    Periodic { first: usize },
+    Periodic {
+        /// Sample at which row 0 is.
+        first: usize,
+    },
     /// As `Periodic`, with samples that are not on the grid of rows.
-    PeriodicGrid { start: f64, rate_hz: f64 },
+    PeriodicGrid {
+        /// Time of a row 0, s.
+        start: f64,
+        /// Rows per second.
+        rate_hz: f64,
+    },
 }
 
 /// A place between two rows: `value = (1 - weight) · row[before] + weight · row[after]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Between {
+    /// The row at or before the place.
     pub before: usize,
+    /// The row behind it.
     pub after: usize,
+    /// How far the place is on the way to it, 0 to 1.
     pub weight: f64,
 }
 
@@ -95,6 +115,7 @@ pub struct Raw {
     pub temperature: Option<Vec<Vec<f64>>>,
     /// false: left out.
     pub mask: Option<Vec<bool>>,
+    /// Which row of the motion each sample belongs to.
     pub map: RowMap,
     pub(super) rows: usize,
 }
@@ -102,6 +123,7 @@ pub struct Raw {
 /// Whole periods found in a recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Periods {
+    /// Whole periods that were averaged.
     pub count: usize,
     /// Rows of one period.
     pub samples: usize,
@@ -114,10 +136,13 @@ pub struct Periods {
 /// A recording made ready for a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Experiment {
+    /// The file that was read.
     pub file: PathBuf,
     /// s, from the first sample of the file; even.
     pub t: Vec<f64>,
+    /// Rows per second, Hz.
     pub rate_hz: f64,
+    /// Positions, velocities and accelerations of the joints at the rows.
     pub motion: Motion,
     /// None where nothing tells the noise of the positions.
     pub motion_error: Option<MotionError>,
@@ -132,10 +157,13 @@ pub struct Experiment {
     /// Per channel the deviation of the noise of a sample that is seen to be white, in the unit of the recording; empty
     /// where periods tell the noise.
     pub white_noise: Vec<Option<f64>>,
+    /// Every recorded sample with its way back to the rows.
     pub raw: Raw,
     /// Per joint.
     pub bandwidth: Vec<Bandwidth>,
+    /// What the time stamps are like.
     pub timing: Timing,
+    /// None where the motion does not repeat.
     pub periods: Option<Periods>,
     /// Seconds dropped at the start, and about as many at the end, where too little is known of the motion.
     pub edge_s: f64,

@@ -19,7 +19,9 @@ use crate::recording::table::Table;
 /// Which side of a matrix varies fastest in memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Order {
+    /// Rows one after the other, as NumPy has it by default.
     RowMajor,
+    /// Columns one after the other, as Fortran has it.
     ColumnMajor,
 }
 
@@ -29,9 +31,13 @@ pub type Numbers = Arc<dyn AsRef<[f64]> + Send + Sync>;
 /// An array with its name: so many numbers as its sides multiply to.
 #[derive(Clone)]
 pub struct NamedArray {
+    /// Name of the column, or of columns that are numbered.
     pub name: String,
+    /// Lengths of its sides.
     pub shape: Vec<usize>,
+    /// In which order the numbers lie.
     pub order: Order,
+    /// All of them, one after the other in that order.
     pub numbers: Numbers,
 }
 

@@ -17,6 +17,7 @@ const MOST_MISSING: f64 = 0.5;
 pub struct MissingValues {
     /// Rows that are left out, and rows in all.
     pub rows: usize,
+    /// Rows of the recording.
     pub of: usize,
     /// Columns that lack values, in the order of the channels.
     pub columns: Vec<MissingCells>,
@@ -25,7 +26,9 @@ pub struct MissingValues {
 /// Cells of one column that hold no number.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MissingCells {
+    /// Name of the column.
     pub column: String,
+    /// How many of its cells.
     pub cells: usize,
 }
 

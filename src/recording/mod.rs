@@ -1,4 +1,16 @@
 //! From files to motion and signal: tables, channels, time base, periods, derivatives, noise.
+//!
+//! # Files in the order of the work
+//!
+//! | step | files |
+//! |---|---|
+//! | a file becomes a table | `format` chooses among `csv`, `parquet`, `hdf5`, `mat`, `npz` and `bag/`; arrays of a program: `memory` |
+//! | columns become channels in SI units | `columns`, by `column_map` and `column_names`; `join/` from several files |
+//! | flaws of rows | `missing`, `held`, `spikes`, `copies` |
+//! | the time base | `timing`, `clock` |
+//! | positions become velocities and accelerations | `preprocess` begins: `periodic` (by `fourier`) where the motion repeats, else `aperiodic` (`differentiate`, by `smoother` or `zero_phase`) |
+//! | the noise | `periodic` from the scatter of periods, `noise_level` from differences of samples |
+//! | what comes out | `experiment` |
 
 pub mod apart;
 pub mod aperiodic;

@@ -94,6 +94,7 @@ pub fn find(recording: &Recording, timing: &Timing) -> Option<Repetition> {
 pub struct Settled {
     /// s; None where the motion does not repeat.
     pub period: Option<(f64, Chosen)>,
+    /// What to know of a period that was found, or that differs from the one that was given.
     pub remark: Option<String>,
 }
 

@@ -41,6 +41,7 @@ impl Default for Reading {
 }
 
 impl Reading {
+    /// Whether somebody has asked for the end, from whichever thread.
     pub fn is_interrupted(&self) -> bool {
         let flag = self.interrupt.as_ref();
         flag.is_some_and(|flag| flag.load(Ordering::Relaxed))

@@ -5,10 +5,13 @@ use crate::fault::Description;
 /// Rows of a recording that are those of another, as well.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SharedRows {
+    /// Name of the other recording.
     pub other: String,
     /// First row of the longest common run in this recording and in the other, from 1.
     pub first: usize,
+    /// First row of that run in the other recording, from 1.
     pub first_of_other: usize,
+    /// Rows in common in all.
     pub rows: usize,
     /// Of all common rows.
     pub seconds: f64,

@@ -38,6 +38,7 @@ impl SignalKind {
 /// What was measured, as read: nothing averaged, filtered or scaled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
+    /// The file that was read, the first of several.
     pub file: PathBuf,
     /// Time stamps, s.
     pub time: Option<Vec<f64>>,
@@ -105,20 +106,25 @@ impl Recording {
 /// Commands that a recording has beside those of the position, behind them in its signal.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Commanded {
+    /// Commanded velocities.
     pub velocity: bool,
+    /// Torques that are fed forward.
     pub feed_forward: bool,
 }
 
 /// How rows between samples were filled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Manner {
+    /// By the last sample, again and again.
     Repeated,
+    /// By straight lines from sample to sample.
     Interpolated,
 }
 
 /// Samples that were taken out of a file with more rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Held {
+    /// What stands between samples.
     pub manner: Manner,
     /// Rows of the file for one sample, on average.
     pub factor: f64,

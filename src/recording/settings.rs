@@ -36,6 +36,7 @@ pub struct Preparation {
     pub rate: Option<f64>,
     /// s; None: found in the motion, if it repeats and the method is not the low-pass.
     pub period: Option<f64>,
+    /// How positions give velocities and accelerations.
     pub differentiation: Differentiation,
 }
 

@@ -3,11 +3,14 @@
 /// Whether a recording was fitted or held out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Split {
+    /// It is fitted.
     Train,
+    /// It is held out, to judge fits by.
     Validation,
 }
 
 impl Split {
+    /// Both, in the order of the tables that list them.
     pub const ALL: [Split; 2] = [Split::Train, Split::Validation];
 
     /// The word in the table.

@@ -27,7 +27,9 @@ const MILLIAMPERES_FROM: f64 = 500.0;
 /// What a file holds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Survey {
+    /// The file that was looked at.
     pub file: PathBuf,
+    /// Rows of its table.
     pub rows: usize,
     /// Rows that lack a value in some column.
     pub rows_with_empty_cells: usize,
@@ -37,18 +39,24 @@ pub struct Survey {
     pub rate_hz: Option<f64>,
     /// Steps of time in which samples are missing.
     pub gaps: usize,
+    /// In the order of the file.
     pub columns: Vec<ColumnSurvey>,
 }
 
 /// What a column holds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ColumnSurvey {
+    /// Name in the header.
     pub name: String,
+    /// What its cells are.
     pub kind: ColumnKind,
     /// As names and numbers suggest; nothing is done by it.
     pub unit_guessed: Option<&'static str>,
+    /// Least number, as written; none of a column without numbers.
     pub lowest: Option<f64>,
+    /// Greatest number, as written.
     pub highest: Option<f64>,
+    /// Cells without a number.
     pub empty_cells: usize,
 }
 
@@ -56,6 +64,7 @@ pub struct ColumnSurvey {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ColumnKind {
+    /// Numbers, not all of them whole.
     Number,
     /// Whole numbers alone.
     Integer,

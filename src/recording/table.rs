@@ -8,6 +8,7 @@ use crate::recording::error::{RecordingError, RecordingErrorKind};
 /// The wanted columns of a file, column by column; a cell without a number is NaN.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
+    /// Names of the columns, in the order of `data`.
     pub columns: Vec<String>,
     /// `data[c][k]`: column c, row k.
     pub data: Vec<Vec<f64>>,
@@ -23,6 +24,7 @@ pub struct Table {
 /// When a column of seconds since its first row begins.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Origin {
+    /// Name of the column.
     pub column: String,
     /// ns since 1970.
     pub nanoseconds: i64,

@@ -175,8 +175,11 @@ pub(super) fn take_stamps(recording: &mut Recording, rate_hz: f64) -> Vec<f64> {
 /// An even grid: sample m is at `start + m / rate_hz`, s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
+    /// Time of sample 0, s.
     pub start: f64,
+    /// Samples per second, Hz.
     pub rate_hz: f64,
+    /// How many there are.
     pub samples: usize,
 }
 

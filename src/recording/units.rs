@@ -5,11 +5,17 @@ use std::f64::consts::{PI, TAU};
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
+    /// s.
     Time,
+    /// rad or m.
     Position,
+    /// rad/s or m/s.
     Velocity,
+    /// rad/s² or m/s².
     Acceleration,
+    /// A.
     Current,
+    /// N·m or N.
     Torque,
 }
 

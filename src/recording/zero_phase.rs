@@ -20,7 +20,9 @@ pub struct ZeroPhase {
 /// A cut-off that is not strictly between 0 and half the rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CutoffOutOfRange {
+    /// The cut-off that was asked for, Hz.
     pub cutoff_hz: f64,
+    /// Samples per second, Hz: a cut-off lies below half of it.
     pub rate_hz: f64,
 }
 
@@ -59,6 +61,7 @@ impl ZeroPhase {
         })
     }
 
+    /// f_c, Hz, at which the gain is one half.
     pub fn cutoff_hz(&self) -> f64 {
         self.cutoff_hz
     }

@@ -17,7 +17,9 @@ const MOST: usize = 4;
 /// What lies beside the result and is on the page.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tables {
+    /// Recorded and predicted signals.
     pub predictions: Predictions,
+    /// Other tables of the folder.
     pub written: Vec<Written>,
 }
 
@@ -26,11 +28,14 @@ pub struct Tables {
 pub struct Written {
     /// Name of the file.
     pub name: String,
+    /// Names of the columns.
     pub header: Vec<String>,
+    /// `[column][row]`; not a number where a field is empty.
     pub columns: Vec<Vec<f64>>,
 }
 
 impl Written {
+    /// A column by its name.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         let at = self.header.iter().position(|own| own == name)?;
         Some(&self.columns[at])

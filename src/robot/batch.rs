@@ -13,8 +13,11 @@ use std::ops::Range;
 /// Position, velocity and acceleration of every joint over time: `[joint][sample]`.
 #[derive(Clone, Copy, Debug)]
 pub struct Trajectory<'a> {
+    /// Positions, rad (m).
     pub q: &'a [Vec<f64>],
+    /// Velocities, rad/s (m/s).
     pub dq: &'a [Vec<f64>],
+    /// Accelerations, rad/s² (m/s²).
     pub ddq: &'a [Vec<f64>],
 }
 
@@ -24,6 +27,7 @@ impl Trajectory<'_> {
         self.q.first().map_or(0, Vec::len)
     }
 
+    /// Whether there is no sample.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

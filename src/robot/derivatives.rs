@@ -37,6 +37,7 @@ pub struct Derivatives<T> {
 }
 
 impl<T: Scalar> Derivatives<T> {
+    /// Memory for the recursion over a tree; computes nothing yet.
     pub fn new(tree: &Tree) -> Self {
         let n = tree.len();
         let zeros = || vec![T::constant(0.0); (n + 6) * n];

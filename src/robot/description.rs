@@ -9,6 +9,7 @@ use std::path::PathBuf;
 /// A robot file, read.
 #[derive(Debug, Clone)]
 pub struct Description {
+    /// The moving joints, with links behind fixed joints merged into theirs.
     pub tree: Tree,
     /// Joints without a motor of their own, each behind another joint.
     pub dependents: Vec<Dependent>,
@@ -41,17 +42,22 @@ impl Description {
 /// Its torque reaches the motor of the leader: `τ_leader += multiplier · τ_joint` (virtual work).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dependent {
+    /// Index in the tree of the joint that follows.
     pub joint: usize,
     /// A joint that follows none.
     pub leader: usize,
+    /// Its motion per motion of the leader, signed.
     pub multiplier: f64,
+    /// Its position where the leader stands at zero, rad (m).
     pub offset: f64,
 }
 
 /// A joint that the file holds at a position, rad or m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Held {
+    /// Index of the joint in the tree.
     pub joint: usize,
+    /// rad (m).
     pub position: f64,
 }
 
@@ -64,7 +70,9 @@ pub struct DeclaredDrive {
     pub viscous_friction: Option<f64>,
     /// N·m (N)
     pub coulomb_friction: Option<f64>,
+    /// What pulls the joint to a position of rest.
     pub spring: Option<DeclaredSpring>,
+    /// The controller within the actuator.
     pub servo: Option<DeclaredServo>,
 }
 
@@ -91,8 +99,11 @@ pub struct DeclaredServo {
 /// What a reader made of an element, for a user to know.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Note {
+    /// The element in the robot file.
     pub place: Place,
+    /// What was read, and what was made of it.
     pub words: Words,
+    /// Whether it changes torques.
     pub weight: Weight,
 }
 

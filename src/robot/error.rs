@@ -7,12 +7,15 @@ use std::fmt;
 /// A fault of a robot description, with its place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobotError {
+    /// The file, with line and element where they are known.
     pub place: Place,
     // Boxed, so that every result of the readers stays small.
+    /// What is wrong there.
     pub kind: Box<RobotErrorKind>,
 }
 
 impl RobotError {
+    /// A fault at a place.
     pub fn new(place: Place, kind: RobotErrorKind) -> Self {
         Self {
             place,
@@ -28,98 +31,164 @@ pub(crate) const LARGEST_NUMBER: f64 = 1e20;
 /// Kinds of faults of a robot description.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RobotErrorKind {
+    /// No file has the path.
     NotFound,
+    /// The path is a folder's.
     IsDirectory,
+    /// The operating system does not give the file.
     NotReadable {
+        /// What it says.
         reason: String,
     },
+    /// The file is larger than any description of a robot.
     TooLarge {
+        /// Its size in bytes, at least.
         bytes: u64,
+        /// The largest size that is read, bytes.
         limit: u64,
     },
+    /// The file is not UTF-8.
     NotText,
+    /// There is nothing in the file.
     Empty,
+    /// The file is not well-formed XML.
     NotXml {
+        /// What the XML reader says.
         reason: String,
     },
+    /// The root element is not that of a robot.
     NotRobot {
+        /// Name of the root element.
         root: String,
     },
+    /// An element lacks an attribute that it needs.
     MissingAttribute {
+        /// Name of the element.
         element: String,
+        /// The attribute that is missing.
         attribute: &'static str,
     },
+    /// An element lacks one that it has to contain.
     MissingElement {
+        /// Name of the element.
         element: String,
+        /// The element that is missing in it.
         child: &'static str,
     },
+    /// A text stands where a number is needed.
     NotNumber {
+        /// The text.
         found: String,
     },
+    /// A number is infinite or NaN.
     NotFinite {
+        /// As written.
         found: String,
     },
+    /// A magnitude that no robot has in SI units.
     TooLargeNumber {
+        /// As written.
         found: String,
+        /// The largest magnitude that is read.
         limit: f64,
     },
+    /// A list has too many or too few numbers.
     WrongCount {
+        /// How many it has.
         found: usize,
+        /// How many are needed.
         expected: usize,
     },
+    /// The kind of a joint is none that URDF knows.
     UnknownJointType {
+        /// The kind as written.
         found: String,
+        /// The known kind most like it.
         nearest: Option<String>,
     },
     /// A file with macros that are not expanded.
     Xacro,
     /// A joint follows one that does not exist.
     UnknownLeader {
+        /// The name as written.
         found: String,
+        /// The name of a joint most like it.
         nearest: Option<String>,
     },
+    /// A joint follows two others.
     TwoLeaders {
+        /// The joints that it follows.
         leaders: [String; 2],
     },
+    /// Joints follow each other, and none of them leads.
     LeadersInCircle {
+        /// Their names, along the circle.
         joints: Vec<String>,
     },
+    /// Two joints have one name.
     DuplicateJoint {
+        /// Line of the first of them, where it is known.
         first_line: Option<usize>,
     },
+    /// Two links have one name.
     DuplicateLink {
+        /// Line of the first of them, where it is known.
         first_line: Option<usize>,
     },
+    /// A link has two elements `inertial`.
     DuplicateInertial,
+    /// A joint names a link that does not exist.
     UnknownLink {
+        /// The name as written.
         found: String,
+        /// The name of a link most like it.
         nearest: Option<String>,
     },
+    /// Two joints carry one link: the tree would have a loop.
     TwoParents {
+        /// The link.
         link: String,
+        /// The other joint that carries it.
         other: String,
     },
+    /// Links carry each other in a circle.
     Cycle {
+        /// Their names, along the circle.
         links: Vec<String>,
     },
+    /// Several links are carried by none, where one base is needed.
     SeveralRoots {
+        /// Their names.
         roots: Vec<String>,
     },
+    /// The file has no link.
     NoLinks,
+    /// Every joint is fixed: there is nothing to identify.
     NoMovingJoint,
+    /// The robot has more moving joints than are read.
     TooManyJoints {
+        /// How many it has.
         found: usize,
+        /// How many are read.
         limit: usize,
     },
+    /// The axis of a joint is the zero vector.
     ZeroAxis,
+    /// The mass of a link is below zero.
     NegativeMass {
+        /// As written, kg.
         found: f64,
     },
+    /// The lower limit of a joint is above its upper one.
     LimitsReversed {
+        /// rad (m).
         lower: f64,
+        /// rad (m).
         upper: f64,
     },
+    /// The table of modified Denavit-Hartenberg parameters cannot be read.
     NotMdh {
+        /// What is wrong with it.
         reason: String,
     },
     /// A fault that only MJCF files have.

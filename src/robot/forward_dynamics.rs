@@ -40,10 +40,12 @@ pub struct EquationOfMotion<'a> {
 pub struct SingularMass {
     /// Index of the joint at which the factorisation fails, from 0.
     pub joint: usize,
+    /// The pivot of the Cholesky factorisation there, kg·m² (kg), which is not positive.
     pub pivot: f64,
 }
 
 impl ForwardDynamics {
+    /// Memory for the recursions over a tree of n joints, n x n for the mass matrix; computes nothing yet.
     pub fn new(tree: &Tree) -> Self {
         let n = tree.len();
         Self {

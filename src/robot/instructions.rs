@@ -6,8 +6,11 @@ use std::sync::OnceLock;
 /// Instruction sets that the kernels are compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum InstructionSet {
+    /// What every processor of the architecture has: two lanes of 64 bits on x86-64.
     Baseline,
+    /// AVX2 with fused multiply-add: four lanes of 64 bits.
     Avx2,
+    /// AVX-512: eight lanes of 64 bits.
     Avx512,
 }
 

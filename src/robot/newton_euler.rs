@@ -58,6 +58,7 @@ pub struct NewtonEuler<T> {
 }
 
 impl<T: Scalar> NewtonEuler<T> {
+    /// Memory for the recursion over a tree; computes nothing yet.
     pub fn new(tree: &Tree) -> Self {
         Self {
             motions: vec![LinkMotion::rest(); tree.len()],

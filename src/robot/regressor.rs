@@ -204,6 +204,7 @@ pub struct Regressor<T> {
 }
 
 impl<T: Scalar> Regressor<T> {
+    /// Memory for the recursion over a tree, for the chosen rows; computes nothing yet.
     pub fn new(tree: &Tree, rows: Rows) -> Self {
         let n = tree.len();
         Self {

@@ -30,8 +30,11 @@ struct Adjoint<T> {
 /// Gradient with respect to the motion of the joints.
 #[derive(Clone, Debug)]
 pub struct MotionGradient<T> {
+    /// ∂/∂q_j, per rad (m), one entry per joint.
     pub q: Vec<T>,
+    /// ∂/∂q̇_j, per rad/s (m/s).
     pub dq: Vec<T>,
+    /// ∂/∂q̈_j, per rad/s² (m/s²).
     pub ddq: Vec<T>,
 }
 
@@ -46,6 +49,7 @@ pub struct RegressorGradient<T> {
 }
 
 impl<T: Scalar> RegressorGradient<T> {
+    /// Memory for the recursion over a tree; computes nothing yet.
     pub fn new(tree: &Tree) -> Self {
         let n = tree.len();
         let (zero, none) = (T::constant(0.0), Vec3::zero());

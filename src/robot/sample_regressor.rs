@@ -70,6 +70,7 @@ pub struct SampleRegressor {
 }
 
 impl SampleRegressor {
+    /// Lays the chosen rows of a tree out in lanes; computes nothing yet.
     pub fn new(tree: &Tree, rows: Rows) -> Self {
         let n = tree.len();
         let first = rows.base_row(n);

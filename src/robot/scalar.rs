@@ -14,6 +14,7 @@ pub trait Scalar:
     + Neg<Output = Self>
     + AddAssign
 {
+    /// The same number in every lane.
     fn constant(value: f64) -> Self;
     /// `self · factor + addend`, fused where the instruction set has it.
     fn mul_add(self, factor: Self, addend: Self) -> Self;

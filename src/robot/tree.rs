@@ -37,25 +37,34 @@ impl JointKind {
 /// Limits of a joint as its description states them; `None` where it states none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limits {
+    /// Least position, rad (m).
     pub lower: Option<f64>,
+    /// Greatest position, rad (m).
     pub upper: Option<f64>,
+    /// Greatest speed, rad/s (m/s), > 0.
     pub velocity: Option<f64>,
+    /// Greatest torque or force, N·m (N), > 0.
     pub effort: Option<f64>,
 }
 
 /// A moving joint and the link that it carries.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
+    /// Name of the joint in the robot's description.
     pub name: String,
+    /// Name of the link that it carries.
     pub link: String,
     /// Joint that carries the parent link; `None` for the base.
     pub parent: Option<usize>,
+    /// Whether the link turns about the axis or slides along it.
     pub kind: JointKind,
     /// Unit vector in the link's frame.
     pub axis: Vector3<f64>,
     /// Frame of the link in its parent's frame at q = 0.
     pub rotation: Rotation3<f64>,
+    /// Origin of the link's frame in its parent's frame at q = 0, m.
     pub translation: Vector3<f64>,
+    /// What the description allows the joint.
     pub limits: Limits,
     /// Inertial parameters of the link, rigidly attached parts included, about its frame's origin.
     pub inertia: Inertia,
@@ -64,9 +73,11 @@ pub struct Joint {
 /// A named frame that is fixed to a link or to the base: links behind fixed joints keep theirs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
+    /// Name of the link or fixed frame.
     pub name: String,
     /// Joint whose link carries the frame; `None` for the base.
     pub joint: Option<usize>,
+    /// Its pose in the frame of that joint's link, or of the base; m.
     pub placement: Isometry3<f64>,
 }
 
@@ -145,6 +156,7 @@ impl Tree {
         self
     }
 
+    /// The robot's name in its description.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -154,6 +166,7 @@ impl Tree {
         &self.base
     }
 
+    /// Acceleration of free fall in the base frame, m/s².
     pub fn gravity(&self) -> Vector3<f64> {
         self.gravity
     }
@@ -163,14 +176,17 @@ impl Tree {
         self.joints.len()
     }
 
+    /// Whether nothing moves.
     pub fn is_empty(&self) -> bool {
         self.joints.is_empty()
     }
 
+    /// The moving joints, parents before children.
     pub fn joints(&self) -> &[Joint] {
         &self.joints
     }
 
+    /// Links and fixed frames by name, that of the base among them.
     pub fn frames(&self) -> &[Frame] {
         &self.frames
     }

@@ -18,14 +18,18 @@ use nalgebra::DVector;
 /// A model with a value of every parameter.
 #[derive(Debug, Clone)]
 pub struct Candidate {
+    /// The structure: bodies, drives and effects.
     pub model: Model,
+    /// Values of all its parameters, in SI units.
     pub values: DVector<f64>,
 }
 
 /// The models of a result.
 #[derive(Debug, Clone)]
 pub struct Candidates {
+    /// The model that the final one is compared with, and what it is; none of a result without one.
     pub before: Option<(Before, Candidate)>,
+    /// As the result has it, with all findings.
     pub after: Candidate,
 }
 

@@ -225,6 +225,7 @@ impl<'a> Course<'a> {
         Ok(out)
     }
 
+    /// Rows at which windows begin.
     pub fn starts(&self) -> &[usize] {
         &self.starts
     }

@@ -8,21 +8,28 @@ pub(super) const EXAMPLE_POINTS: usize = 160;
 /// A window, sample by sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Window {
+    /// `median` or `worst`.
     pub kind: &'static str,
+    /// Name of the recording.
     pub recording: String,
     /// s in the recording.
     pub t: Vec<f64>,
+    /// Joint by joint.
     pub joints: Vec<WindowJoint>,
 }
 
 /// Positions of one joint in a window.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WindowJoint {
+    /// Name of the joint.
     pub joint: String,
+    /// rad or m.
     pub unit: &'static str,
+    /// As recorded.
     pub recorded: Vec<f64>,
     /// Not a number without such a model, and where it is lost.
     pub before: Vec<f64>,
+    /// By the final model; not a number where it is lost.
     pub after: Vec<f64>,
 }
 

@@ -11,10 +11,13 @@ use crate::setup::names::{BodyQuantity, Reference};
 /// `Σ coefficient · parameter + constant >= 0`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Limit {
+    /// What is limited, and on which side.
     pub name: String,
+    /// SI unit of the sum.
     pub unit: String,
     /// Position of a parameter in the model and its coefficient.
     pub terms: Vec<(usize, f64)>,
+    /// In that unit.
     pub constant: f64,
 }
 

@@ -29,6 +29,7 @@ struct Entry {
 pub struct DeclaredValue {
     /// Position among the parameters of the model.
     pub parameter: usize,
+    /// In the parameter's SI unit.
     pub value: f64,
     /// Nothing asks for an estimate.
     pub known: bool,

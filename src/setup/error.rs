@@ -11,14 +11,19 @@ use std::fmt;
 /// A fault of the problem file, or of a file that it names.
 #[derive(Debug)]
 pub enum SetupError {
+    /// The problem file lacks a table, or a list has not one value per joint.
     ProblemFile(ProblemFileError),
+    /// The robot's file cannot be read.
     Robot(RobotError),
+    /// A recording.
     Recording(Box<RecordingError>),
     /// An earlier result that the problem file starts from.
     Earlier(Box<OutcomeError>),
     /// The problem file and the robot or the recordings do not fit together.
     Mismatch {
+        /// The key of the problem file.
         place: Place,
+        /// What does not fit.
         kind: Box<Mismatch>,
     },
 }
@@ -26,90 +31,140 @@ pub enum SetupError {
 /// How the problem file and what it names do not fit together.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mismatch {
+    /// No moving joint has the name.
     UnknownJoint {
+        /// As written.
         found: String,
+        /// The moving joints.
         known: Vec<String>,
     },
+    /// No link or fixed frame has the name.
     UnknownFrame {
+        /// As written.
         found: String,
+        /// Links and frames.
         known: Vec<String>,
     },
+    /// A joint stands twice in a list.
     JointTwice {
+        /// Its name.
         found: String,
     },
+    /// A list leaves joints out.
     JointMissing {
+        /// Their names.
         missing: Vec<String>,
     },
+    /// Every joint is locked: there is nothing to identify.
     AllLocked,
     /// Position limits that leave nothing between them.
     NoRange {
+        /// Its name.
         joint: String,
     },
+    /// The model has no such parameter.
     UnknownParameter {
+        /// As written.
         found: String,
+        /// The name most like it.
         nearest: Option<String>,
     },
+    /// A value outside of its parameter's limits.
     OutOfBounds {
+        /// What was given, in the parameter's unit.
         found: f64,
+        /// Its lower limit.
         lower: f64,
+        /// Its upper limit.
         upper: f64,
     },
+    /// A quantity of a body that cannot be known without its mass.
     NeedsMass {
+        /// The quantity as written.
         found: String,
     },
+    /// V has no inverse.
     SingularCoupling,
+    /// V has not one row per joint.
     CouplingSize {
+        /// Rows that it has.
         found: usize,
+        /// Joints of the robot.
         expected: usize,
     },
+    /// A locked joint that other motors move through V.
     LockedCoupled {
+        /// Its name.
         joint: String,
     },
     /// As many polynomials as joints are needed.
     PolynomialCount {
+        /// How many there are.
         found: usize,
+        /// Joints of the robot.
         expected: usize,
     },
     /// A polynomial that does not rise at small currents.
     FallingPolynomial {
+        /// Its name.
         joint: String,
+        /// c1, N·m/A (N/A).
         slope: f64,
     },
     /// An effect that takes a parameter of another.
     NeedsEffect {
+        /// Name of the joint.
         joint: String,
+        /// Identifier of the effect.
         effect: &'static str,
+        /// Identifier of the one that is missing.
         needs: &'static str,
     },
     /// An effect that knows the motion of a joint that is not there.
     NeedsJoint {
+        /// Name of the joint that has the effect.
         joint: String,
+        /// Identifier of the effect.
         effect: &'static str,
+        /// The joint as the effect names it.
         needs: &'static str,
     },
     /// A `[[law]]` that is none, in words.
     Law(Description),
+    /// Currents, and nothing that says how much torque they give.
     NeedsTorqueConstant,
+    /// Positions of the motor's side, and no ratio to the joint's.
     NeedsRatio,
+    /// Something that is asked for where it cannot be had.
     NotYet {
+        /// What.
         what: String,
+        /// What to do instead.
         instead: String,
     },
+    /// A file that ought to be the result of a fit is none.
     NotAFit,
+    /// No body has the inertial parameters of a link.
     Impossible {
+        /// Name of the link.
         link: String,
+        /// Least eigenvalue of its pseudo-inertia, kg.
         eigenvalue: f64,
     },
+    /// Limits that leave no motion.
     Unreachable {
+        /// Which, in words.
         what: String,
     },
     /// A mechanism that the problem file does not describe well; the words say what to do.
     Mechanism {
+        /// What is wrong with the description, in words.
         what: String,
     },
 }
 
 impl SetupError {
+    /// At a key of the problem file.
     pub fn mismatch(place: &Place, kind: Mismatch) -> Self {
         Self::Mismatch {
             place: place.clone(),

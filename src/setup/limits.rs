@@ -10,10 +10,15 @@ use std::f64::consts::FRAC_PI_2;
 /// Limits of one joint, rad or m and seconds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointLimits {
+    /// Least position, rad (m).
     pub lower: f64,
+    /// Greatest position, rad (m).
     pub upper: f64,
+    /// Greatest speed, rad/s (m/s).
     pub velocity: f64,
+    /// Greatest size of the acceleration, rad/s² (m/s²).
     pub acceleration: f64,
+    /// Greatest size of the jerk, rad/s³ (m/s³); none where it is not limited.
     pub jerk: Option<f64>,
     /// Of the motor torque at joint scale, N·m or N.
     pub torque: Option<f64>,

@@ -21,7 +21,9 @@ const SHORT: &[(&str, JointTerm)] = &[
 /// A quantity of a body by its reported name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BodyQuantity {
+    /// kg.
     Mass,
+    /// A component of the centre of mass in the link's frame, 0 to 2, m.
     Centre(usize),
     /// About the centre of mass, axes of the link's frame.
     Inertia(usize, usize),

@@ -7,7 +7,9 @@ use crate::recording::split::Split;
 /// A recording that the problem file names.
 #[derive(Debug, Clone)]
 pub struct Named<'a> {
+    /// Its files, as the problem names them.
     pub path: &'a RecordingFiles,
+    /// Whether it is fitted or held out.
     pub split: Split,
     /// A load that the model has hangs on the robot.
     pub loaded: bool,
@@ -16,6 +18,8 @@ pub struct Named<'a> {
 /// A recording as it was read.
 #[derive(Debug, Clone)]
 pub struct Read<'a> {
+    /// As the problem names it.
     pub named: Named<'a>,
+    /// What was read.
     pub recording: Recording,
 }

@@ -15,7 +15,9 @@ use std::path::{Path, PathBuf};
 /// A robot as a problem file uses it.
 #[derive(Debug, Clone)]
 pub struct Robot {
+    /// The joints that move, with what is fixed to their links.
     pub tree: Tree,
+    /// The robot's file; the problem file of a built-in mechanism.
     pub file: PathBuf,
     /// What the robot's file says beside the tree.
     pub description: Description,

@@ -10,8 +10,11 @@ use std::fmt;
 /// A fault of what the problem file names, or of the simulation that it asks for.
 #[derive(Debug)]
 pub enum SimulateError {
+    /// The problem, its robot or its recordings.
     Setup(Box<SetupError>),
+    /// The simulation itself.
     Simulation {
+        /// The key of the problem file, or the file.
         place: Place,
         /// In a box, so that results without an error stay small.
         kind: Box<SimulateErrorKind>,
@@ -21,65 +24,107 @@ pub enum SimulateError {
 /// The kinds of fault, each with what was found.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SimulateErrorKind {
+    /// An effect acts whose parameters have no values.
     NoValue {
+        /// Joint and effect, `<joint>.<effect>`.
         effect: String,
+        /// Names of the parameters.
         missing: Vec<String>,
     },
+    /// A body is given a centre of mass or an inertia, and no mass.
     NeedsMass {
+        /// Name of the link or load.
         body: String,
     },
+    /// A concealed load beside the declared one.
     TwoLoads {
+        /// The value that hangs it there.
         found: String,
     },
+    /// Two rates are stated.
     RateConflict {
+        /// simulate.rate, Hz.
         simulate: f64,
+        /// recordings.rate, Hz.
         recordings: f64,
     },
+    /// The recording would be too short to be read again.
     TooShort {
+        /// Samples that it would have.
         samples: usize,
+        /// Samples at least.
         least: usize,
     },
+    /// A name that ends like no format that is written.
     FormatNotWritten {
+        /// The name.
         found: String,
     },
+    /// Two recordings would bear one name.
     SameName {
+        /// The name.
         found: String,
     },
+    /// Gravity leaves too little of a torque limit.
     Unreachable {
+        /// Name of the joint.
         joint: String,
+        /// Torque that it needs near its middle position, N·m (N).
         found: f64,
+        /// Its limit, N·m (N).
         limit: f64,
     },
+    /// The trajectory's file and the problem state different periods.
     PeriodConflict {
+        /// Duration of the file, s.
         file: f64,
+        /// recordings.period, s.
         recordings: f64,
     },
+    /// A period is stated of a motion that has none.
     PeriodOfFreeMotion {
+        /// recordings.period, s.
         recordings: f64,
     },
+    /// A trajectory's file whose rows are not even in time.
     UnevenTime {
+        /// A step of its time, s.
         step: f64,
+        /// The mean step, s.
         mean: f64,
     },
+    /// Dry friction without a transition, of which forward dynamics has no solution at rest.
     SharpFriction {
+        /// Name of the joint.
         joint: String,
     },
+    /// The mass matrix is not positive definite.
     SingularMass {
+        /// Name of the joint at which its factorisation fails.
         joint: String,
+        /// The pivot there, kg·m² (kg).
         pivot: f64,
     },
+    /// A controlled joint leaves its trajectory.
     Diverged {
+        /// Name of the joint.
         joint: String,
+        /// When, s.
         time: f64,
     },
+    /// More joints than forward dynamics has room for.
     TooManyJoints {
+        /// How many.
         found: usize,
     },
     /// The loops of a mechanism stay open.
     OpenLoops {
+        /// When in the motion, s.
         time: f64,
+        /// What the mechanism says.
         reason: String,
     },
+    /// It was interrupted; nothing was written.
     Interrupted,
 }
 

@@ -61,6 +61,7 @@ pub const DEFAULT_RATE: f64 = 200.0;
 /// What a simulation gives.
 #[derive(Debug, Clone)]
 pub struct Simulated {
+    /// In the order of the problem file: without load, with it, for validation.
     pub recordings: Vec<SimulatedRecording>,
     /// One pass of each trajectory that was commanded, of the joints, as `simulate.trajectory` reads it.
     pub trajectories: Vec<SimulatedRecording>,

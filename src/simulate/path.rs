@@ -27,8 +27,11 @@ pub(super) fn with_loops(model: &Model, mut motion: Motion) -> Result<Motion, Op
 /// A path of all joints.
 #[derive(Debug, Clone)]
 pub enum Path {
+    /// It repeats.
     Fourier(Fourier),
+    /// Through given points.
     Spline(Spline),
+    /// Tones, moves or sweeps, which do not repeat.
     Free(Free),
 }
 
@@ -51,6 +54,7 @@ impl Path {
         }
     }
 
+    /// Whether it goes on after a period as before.
     pub fn repeats(&self) -> bool {
         matches!(self, Self::Fourier(_))
     }
@@ -88,13 +92,16 @@ fn mixed(series: &[Vec<f64>], matrix: &DMatrix<f64>, shift: &DVector<f64>) -> Ve
 pub struct Fourier {
     /// s.
     pub period: f64,
+    /// Mean position of each joint, rad (m).
     pub centre: Vec<f64>,
     /// `[joint][h − 1]`, of as many harmonics for each joint.
     pub cosine: Vec<Vec<f64>>,
+    /// The same of sines.
     pub sine: Vec<Vec<f64>>,
 }
 
 impl Fourier {
+    /// Harmonics of each joint.
     pub fn harmonics(&self) -> usize {
         self.cosine.first().map_or(0, Vec::len)
     }

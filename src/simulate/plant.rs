@@ -38,7 +38,12 @@ pub enum NoAcceleration {
     #[error(
         "the mass matrix is singular at joint {joint} (pivot {pivot:e}); give it a body or a rotor inertia"
     )]
-    SingularMass { joint: usize, pivot: f64 },
+    SingularMass {
+        /// Index of the joint.
+        joint: usize,
+        /// The pivot of the factorisation there, kg·m² (kg).
+        pivot: f64,
+    },
     /// The loops of the mechanism do not close.
     #[error(transparent)]
     Open(MechanismError),
@@ -47,7 +52,9 @@ pub enum NoAcceleration {
 /// Positions and speeds of all motors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
+    /// At joint scale, rad (m).
     pub position: Vec<f64>,
+    /// rad/s (m/s).
     pub velocity: Vec<f64>,
 }
 

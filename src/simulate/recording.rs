@@ -8,6 +8,7 @@ use crate::simulate::sensors::Table;
 pub struct SimulatedRecording {
     /// File in the results folder, relative to it.
     pub name: String,
+    /// Time, motion and signal, as they are written.
     pub table: Table,
     /// What the table holds of noise, per channel of the signal.
     pub noise: Vec<Vec<f64>>,

@@ -27,6 +27,7 @@ use std::f64::consts::TAU;
 /// Columns of numbers with their names.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Table {
+    /// Names of the columns.
     pub header: Vec<String>,
     /// `[column][row]`.
     pub data: Vec<Vec<f64>>,
@@ -53,6 +54,7 @@ pub struct Channel {
     pub column: String,
     /// The column of the command that makes a signal which is an error of the position.
     command: Option<Column>,
+    /// Of the numbers in the file.
     pub unit: String,
     /// Index in the model.
     pub index: usize,
@@ -65,6 +67,7 @@ pub struct Channel {
 /// The sensors of a problem file.
 #[derive(Debug, Clone)]
 pub struct Sensors {
+    /// What is measured beside the motion, in the order of the file.
     pub channels: Vec<Channel>,
     joints: Vec<Recorded>,
     side: PositionSide,

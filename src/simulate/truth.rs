@@ -40,6 +40,7 @@ pub struct Truth {
     pub parameters: Vec<Parameter>,
     /// The load is not declared, so that every recording carries it.
     pub hidden_load: bool,
+    /// Anything a reader should know, one sentence each.
     pub notes: Vec<String>,
 }
 

@@ -16,7 +16,9 @@ const CHANGES_PER_VARIABLE: usize = 10;
 
 /// Bounds of a step, entry by entry; zero lies within them.
 pub struct Bounds {
+    /// Least step, <= 0; minus infinity where there is none.
     pub lower: DVector<f64>,
+    /// Greatest step, >= 0; infinity where there is none.
     pub upper: DVector<f64>,
 }
 

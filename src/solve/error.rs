@@ -12,7 +12,9 @@ const SOLVER: &str = "solver";
 /// A fault of a solver's input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolveError {
+    /// The variable or setting at fault, under the name of the solver or problem.
     pub place: Place,
+    /// What is wrong with it.
     pub kind: SolveErrorKind,
 }
 
@@ -20,19 +22,38 @@ pub struct SolveError {
 #[derive(Debug, Clone, PartialEq)]
 pub enum SolveErrorKind {
     /// The starting point has the wrong number of entries.
-    StartLength { expected: usize, found: usize },
+    StartLength {
+        /// Entries of x.
+        expected: usize,
+        /// Entries of the start.
+        found: usize,
+    },
     /// A starting value is not a finite number.
-    StartNotFinite { value: f64 },
+    StartNotFinite {
+        /// The value at the place.
+        value: f64,
+    },
     /// The problem has no value at the starting point.
-    StartOutsideDomain { reason: String },
+    StartOutsideDomain {
+        /// What the problem says of the point.
+        reason: String,
+    },
     /// Cost, gradient or constraints are not finite at the starting point.
     ModelNotFinite,
     /// A setting outside its range.
-    Setting { value: f64, range: &'static str },
+    Setting {
+        /// What was given.
+        value: f64,
+        /// What is allowed, in words.
+        range: &'static str,
+    },
     /// The problem itself is at fault.
     Problem(Box<ProblemError>),
     /// The machinery failed in a way that no input explains.
-    Defect { message: String },
+    Defect {
+        /// What failed.
+        message: String,
+    },
 }
 
 impl SolveError {

@@ -51,6 +51,7 @@ impl Settings {
 /// The solution, and what it rests on.
 #[derive(Debug, Clone)]
 pub struct LinearSolution {
+    /// The point and why it is the last one.
     pub solution: Solution,
     /// Which variables were estimated, and how the others would enter.
     pub columns: IndependentColumns,

@@ -18,6 +18,7 @@ use std::f64::consts::{PI, TAU};
 /// A value and the variance that it has without a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Observation {
+    /// In any one unit.
     pub value: f64,
     /// > 0.
     pub variance: f64,
@@ -26,7 +27,9 @@ pub struct Observation {
 /// A mean and its variance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mean {
+    /// In the unit of the values.
     pub value: f64,
+    /// Square of the standard error of the mean, in that unit squared.
     pub variance: f64,
 }
 
@@ -37,7 +40,9 @@ pub struct Step {
     pub first: usize,
     /// Z at that instant: its size in standard deviations, with its sign.
     pub z: f64,
+    /// Of the observations before the step, weighted by inverse variances.
     pub before: Mean,
+    /// Of those from the step on.
     pub after: Mean,
 }
 

@@ -10,14 +10,21 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, St
 pub enum Distribution {
     /// Mean zero, variance one.
     Normal,
+    /// Student's t: a normal value over a root of an independent χ² over its degrees of freedom.
     StudentT {
+        /// Degrees of freedom.
         freedom: f64,
     },
+    /// χ²: a sum of squares of independent normal values.
     ChiSquared {
+        /// Degrees of freedom.
         freedom: f64,
     },
+    /// Fisher's F: the ratio of two independent χ², each over its degrees of freedom.
     FisherF {
+        /// Degrees of freedom above the line.
         numerator: f64,
+        /// Degrees of freedom below the line.
         denominator: f64,
     },
 }

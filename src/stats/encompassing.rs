@@ -32,6 +32,7 @@ pub struct Encompassing {
     pub ratio: f64,
     /// 1 over the standard deviation of b: the ratio to be expected where the richer model is right.
     pub distance: f64,
+    /// Degrees of freedom of Student's distribution that the ratio has where b = 0; need not be an integer.
     pub freedom: f64,
     /// Probability of such a ratio, or a larger one, where b = 0; of one test.
     pub p_value: f64,
@@ -100,7 +101,9 @@ impl EstimationError {
 /// Residuals of a poorer and of a richer model over the same rows, `[channel][row]`.
 #[derive(Debug, Clone, Copy)]
 pub struct ResidualPair<'a> {
+    /// e, in the unit of the signal.
     pub poorer: &'a [Vec<f64>],
+    /// e_h, over the same rows.
     pub richer: &'a [Vec<f64>],
 }
 

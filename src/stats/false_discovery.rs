@@ -39,6 +39,7 @@ impl Listing {
         p * tests as f64 * self.groups as f64 / listed
     }
 
+    /// Whether a group is listed whose test has this p-value, where so many tests were made within the group.
     pub fn lists(&self, p: f64, tests: usize) -> bool {
         self.listed > 0 && self.rate_of(p, tests) <= self.rate
     }

@@ -6,7 +6,9 @@ use crate::stats::distribution::Distribution;
 /// The outcome of the test.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LjungBox {
+    /// Q.
     pub statistic: f64,
+    /// Degrees of freedom, lags less fitted parameters.
     pub freedom: f64,
     /// Probability of a statistic at least as large for a white series.
     pub p_value: f64,

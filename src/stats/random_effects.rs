@@ -19,8 +19,11 @@ const MEDIAN_OF_SQUARE: f64 = 0.454_936_423_119_572_8;
 /// A squared difference, the variance that is known of it, and how often the unknown variance is in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Square {
+    /// Square of the difference.
     pub square: f64,
+    /// Known part of its variance, in the unit of the square.
     pub variance: f64,
+    /// Times that ω² is in its variance: 1 of a value about a known mean, 2 between two values.
     pub times: f64,
 }
 
@@ -57,6 +60,7 @@ pub struct Population {
     pub mean: Mean,
     /// τ.
     pub spread: f64,
+    /// How many groups it is of.
     pub groups: usize,
 }
 
@@ -132,6 +136,7 @@ impl Population {
 pub struct Pooled {
     /// Weight of the population's mean, 0 to 1.
     pub share: f64,
+    /// The group's value after leaning, and its variance.
     pub mean: Mean,
 }
 

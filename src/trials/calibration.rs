@@ -18,7 +18,9 @@ const TENTHS: usize = 10;
 /// What a diagnosis claims.
 #[derive(Debug, Clone, Copy)]
 pub enum Claim<'a> {
+    /// A finding is what is there.
     Finding(&'a Finding),
+    /// A rival is there in its place.
     Rival(&'a Rival),
 }
 

@@ -49,6 +49,7 @@ pub fn effects(catalogue: &Catalogue) -> impl Iterator<Item = &'static Effect> {
 pub struct Course {
     /// s.
     pub period: f64,
+    /// How many; 1 is a recording of one period's length.
     pub periods: usize,
 }
 
@@ -61,7 +62,9 @@ impl Course {
 /// The robot of a trial, and how large its concealed effects are.
 #[derive(Clone, Copy)]
 pub struct Scale<'a> {
+    /// Whose joints bear it.
     pub robot: &'a RandomRobot,
+    /// How long the recording lasts.
     pub course: Course,
     /// Size of an effect as a share of the usual torque.
     pub share: f64,

@@ -25,6 +25,7 @@ pub enum Motion {
 }
 
 impl Motion {
+    /// All of them, in the order of results.
     pub const ALL: [Self; 5] = [
         Self::Fourier,
         Self::FourierUnstated,
@@ -44,6 +45,7 @@ impl Motion {
         }
     }
 
+    /// Whether a period comes again and again.
     pub fn repeats(self) -> bool {
         matches!(self, Self::Fourier | Self::FourierUnstated)
     }
@@ -65,6 +67,7 @@ impl Motion {
 /// A kind of noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Noise {
+    /// Every sample has its own.
     White,
     /// Neighbouring samples are alike.
     Red,
@@ -79,6 +82,7 @@ const RED: f64 = 1.0 / 3.0;
 const CORRELATIONS: (f64, f64) = (0.8, 0.98);
 
 impl Noise {
+    /// All of them, in the order of results.
     pub const ALL: [Self; 2] = [Self::White, Self::Red];
 
     /// The name on the command line and in results.

@@ -14,6 +14,7 @@ pub enum Outside {
 }
 
 impl Outside {
+    /// All of them, in the order in which trials draw them.
     pub const ALL: [Self; 3] = [Self::Crosstalk, Self::NeighbourFriction, Self::SpeedProduct];
 
     /// The name in results; no effect has it.

@@ -24,15 +24,19 @@ const SHARES: (f64, f64) = (0.002, 0.5);
 /// What the trials are drawn from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Scope {
+    /// Seed of the run, from which with its number every trial follows.
     pub seed: u64,
     /// Files and folders of laws beside the vocabulary, by absolute paths, and all effects with them.
     pub laws: Vec<PathBuf>,
+    /// The vocabulary with these laws.
     pub catalogue: Catalogue,
     /// Ids of the effects that are concealed.
     pub effects: Vec<&'static str>,
     /// Kinds of robots.
     pub robots: Vec<&'static str>,
+    /// Kinds of motions.
     pub motions: Vec<Motion>,
+    /// Kinds of noise.
     pub noises: Vec<Noise>,
 }
 
@@ -64,15 +68,21 @@ impl Scope {
 /// One trial before it is simulated.
 #[derive(Debug, Clone)]
 pub struct Plan {
+    /// Its number in the run.
     pub number: u64,
     /// Files and folders of laws that its problem names.
     pub laws: Vec<PathBuf>,
+    /// The robot with its drives.
     pub robot: RandomRobot,
+    /// How long its recordings last.
     pub course: Course,
+    /// What its declared model lacks; nothing in a control.
     pub concealed: Vec<Concealed>,
     /// A law outside the vocabulary, its joint and neighbour, and its size as a share of the usual current.
     pub outside: Option<(Outside, (usize, usize), f64)>,
+    /// Kind of its motion.
     pub motion: Motion,
+    /// Kind of its noise.
     pub noise: Noise,
     /// Correlation of the noise of neighbouring samples.
     pub correlation: f64,

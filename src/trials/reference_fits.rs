@@ -24,7 +24,9 @@ use std::path::Path;
 /// where there are any, and of single samples.
 #[derive(Debug, Clone, Default)]
 pub struct Sizes {
+    /// Of averages over periods; of samples where nothing repeats.
     pub averaged: Vec<f64>,
+    /// Of samples in the order of time; empty where nothing concealed changes with time.
     pub in_time: Vec<f64>,
 }
 
@@ -56,7 +58,9 @@ pub(super) fn sizes(
 
 /// Fits of a declared model with the truth in it: what a diagnosis could reach.
 pub struct Informed {
+    /// Without what is concealed.
     pub declared: ModelFit,
+    /// The declared model with what is concealed.
     pub known: ModelFit,
 }
 
@@ -90,10 +94,15 @@ pub(super) fn informed(
 pub struct Opened {
     problem: ProblemFile,
     robot: setup::robot::Robot,
+    /// The recordings, prepared.
     pub data: Dataset,
 }
 
 impl Opened {
+    /// Reads problem, robot and recordings of a trial.
+    ///
+    /// # Errors
+    /// As the tasks that read them.
     pub fn read(path: &Path, control: &Control<'_>) -> Result<Self, TrialError> {
         let problem = ProblemFile::read(path, &[], &effect::ids())?;
         let robot = setup::robot::open(&problem)?;
@@ -108,10 +117,15 @@ impl Opened {
         })
     }
 
+    /// What fits of a diagnosis share.
     pub fn context<'b>(&'b self, data: &'b Dataset, control: &'b Control<'b>) -> Context<'b> {
         Context::new(&self.problem, &self.robot, data, control)
     }
 
+    /// Fits the declared model with hypotheses in it.
+    ///
+    /// # Errors
+    /// A model that cannot be built or fitted.
     pub fn fit(
         &self,
         data: &Dataset,

@@ -28,7 +28,9 @@ pub const ENCODER_COUNTS: f64 = 524_288.0;
 /// A robot with its drives.
 #[derive(Debug, Clone)]
 pub struct RandomRobot {
+    /// Its name in results: one of [`KINDS`].
     pub kind: &'static str,
+    /// Its joints, and links with random inertias.
     pub tree: Tree,
     /// RMS torque of the bodies in random motion, N·m (N); a twentieth of the largest at least.
     pub torque: Vec<f64>,
@@ -45,6 +47,7 @@ pub struct RandomRobot {
 }
 
 impl RandomRobot {
+    /// A random robot of a kind.
     pub fn draw(rng: &mut ChaCha8Rng, kind: &'static str) -> Self {
         let count = kind
             .trim_start_matches(char::is_alphabetic)
@@ -79,6 +82,7 @@ impl RandomRobot {
         }
     }
 
+    /// Name of a joint.
     pub fn name(&self, joint: usize) -> &str {
         &self.tree.joints()[joint].name
     }

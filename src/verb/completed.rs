@@ -12,8 +12,11 @@ use crate::verb::ending::Ending;
 /// A run with its result.
 #[derive(Debug)]
 pub struct Completed {
+    /// The result, as `result.json` has it.
     pub outcome: Outcome,
+    /// How the run ended.
     pub ending: Ending,
+    /// What the other files of the results folder are made of.
     pub found: Found,
 }
 
@@ -22,10 +25,16 @@ pub struct Completed {
 pub enum Found {
     /// A check has its findings alone.
     Findings,
+    /// A motion.
     Design(Box<Designed>),
+    /// A diagnosis with its recordings.
     Diagnosis(Box<DiagnoseRun>),
+    /// A fit with its recordings.
     Fit(Box<FitRun>),
+    /// Motor constants with predicted currents.
     Motors(Box<MotorRun>),
+    /// Windows sample by sample.
     Rollout(Vec<Window>),
+    /// Recordings with their truth.
     Simulation(Box<Simulated>),
 }

@@ -10,11 +10,13 @@ pub const WRONG_DATA: u8 = 3;
 pub const NO_SOLUTION: u8 = 4;
 /// A defect of exid.
 pub const DEFECT: u8 = 70;
+/// Somebody interrupted the run: 128 and the number of the signal SIGINT.
 pub const INTERRUPTED: u8 = 130;
 
 /// How a run with a result ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Ending {
+    /// To its end.
     Done,
     /// A check found the problem file to be at fault.
     WrongProblem,
@@ -29,6 +31,7 @@ pub enum Ending {
 }
 
 impl Ending {
+    /// What the process returns to the shell.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Done => 0,

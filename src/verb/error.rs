@@ -20,22 +20,31 @@ use thiserror::Error;
 /// Why a run ends without a result.
 #[derive(Debug, Error)]
 pub enum VerbError {
+    /// The problem file cannot be read, or states what cannot be.
     #[error(transparent)]
     Problem(#[from] ProblemFileError),
+    /// No motion can be designed.
     #[error(transparent)]
     Design(#[from] DesignError),
+    /// No parameters can be estimated.
     #[error(transparent)]
     Fit(#[from] FitError),
+    /// No motor constants can be estimated.
     #[error(transparent)]
     Motors(#[from] MotorsError),
+    /// The declared model cannot be fitted, so that nothing can be compared with it.
     #[error(transparent)]
     Diagnose(#[from] DiagnoseError),
+    /// No recordings can be made.
     #[error(transparent)]
     Simulate(#[from] SimulateError),
+    /// No motion can be simulated from the result.
     #[error(transparent)]
     Rollout(#[from] RolloutError),
+    /// The results folder cannot be read or written.
     #[error(transparent)]
     Outcome(#[from] OutcomeError),
+    /// The robot of the result does not go into the format.
     #[error(transparent)]
     Export(#[from] ExportError),
     /// Mistakes in the inputs with which every figure would be meaningless.
@@ -52,6 +61,7 @@ pub enum VerbError {
 /// A fault for whoever handles it in code; what the underlying error does not tell apart is left out.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Account {
+    /// File, line, column and key, as far as they are known; absent of a fault without a place.
     pub place: Option<Place>,
     /// Stable identifier in kebab-case.
     pub code: String,
@@ -59,10 +69,12 @@ pub struct Account {
     pub message: String,
     /// The value itself, where one value is at fault.
     pub value: Option<String>,
+    /// What to do about it; absent where the message says it.
     pub remedy: Option<String>,
 }
 
 impl VerbError {
+    /// What the process returns to the shell.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Design(DesignError::Solve(_)) => NO_SOLUTION,

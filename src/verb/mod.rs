@@ -25,14 +25,20 @@ use crate::verb::settings::Settings;
 /// The verbs that run a problem file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verb {
+    /// Mistakes in the inputs.
     Check,
+    /// A motion for an experiment.
     Design,
+    /// Missing physics.
     Diagnose,
+    /// Parameters from recordings.
     Fit,
+    /// Recordings from a model.
     Simulate,
 }
 
 impl Verb {
+    /// All of them, in the order of the alphabet.
     pub const ALL: [Self; 5] = [
         Self::Check,
         Self::Design,

@@ -15,14 +15,17 @@ use crate::verb::settings::Settings;
 /// A result whose models are rolled out.
 #[derive(Debug)]
 pub struct RolledResult<'a> {
+    /// Of a fit or a diagnosis, with its models in full.
     pub outcome: &'a Outcome,
     /// The problem that it keeps, overrides included.
     pub problem: &'a ProblemFile,
     /// Where the result is, as the user named it, and its file; None of a result that was not written.
     pub source: String,
+    /// The file of the result; None of a result that was not written.
     pub file: Option<Input>,
     /// The overrides.
     pub set: &'a [String],
+    /// Anything a reader should know, one sentence each.
     pub notes: Vec<String>,
 }
 

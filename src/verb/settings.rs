@@ -16,7 +16,9 @@ use std::time::Instant;
 /// What to do where mistakes in the inputs make every figure meaningless.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OnMistakes {
+    /// End the run with the mistakes.
     Refuse,
+    /// Report them beside the result.
     GoOn,
 }
 
@@ -24,6 +26,7 @@ pub enum OnMistakes {
 pub struct Settings<'a> {
     /// Seed of everything random.
     pub seed: u64,
+    /// What to do where inputs have mistakes.
     pub on_mistakes: OnMistakes,
     /// Set from anywhere; the run ends with what it has.
     pub interrupt: Option<Arc<AtomicBool>>,

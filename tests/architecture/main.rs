@@ -3,6 +3,7 @@
 
 mod circles;
 mod effects;
+mod guide;
 mod imports;
 mod source;
 

@@ -113,9 +113,13 @@ fn keys_of_results_are_those_of_the_sources() {
     settle("docs/src/reference/result.md", &text);
 }
 
+/// The section of a folder's head that leads through its files, which is of no use to readers of a page.
+const FILES: &str = "//!\n//! # Files";
+
 /// What a source file says of itself at its head, as Markdown for a page: links to items are their names.
 fn head_of(path: &str) -> String {
     let text = fs::read_to_string(root().join(path)).unwrap_or_else(|e| panic!("{path}: {e}"));
+    let text = text.split(FILES).next().unwrap();
     let head = text.lines().map_while(|line| line.strip_prefix("//!"));
     let head: Vec<&str> = head
         .map(|line| line.strip_prefix(' ').unwrap_or(line))

@@ -89,6 +89,7 @@ impl Catalogue {
         }
     }
 
+    /// In the order in which they are listed and searched.
     pub fn effects(&self) -> &[&'static Effect] {
         &self.effects
     }

@@ -63,6 +63,7 @@ fn finding(found: &Found<'_>) -> String {
 
 /// Positions of the parameters within the effect's.
 pub const FC: usize = 0;
+/// Position of the transition speed w among the parameters.
 pub const WIDTH: usize = 1;
 
 /// Share of Fc that a joint has to come to at its fastest, for Fc to be seen rather than extrapolated: the usual band within which

@@ -17,8 +17,11 @@ pub(super) const STEPS: usize = 50;
 /// Current of a torque, and its derivatives with respect to the torque and the coefficients.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inverse {
+    /// i, A.
     pub current: f64,
+    /// ∂i/∂τ, A/(N·m).
     pub by_torque: f64,
+    /// ∂i/∂c_k, k = 0 to 3.
     pub by_coefficient: [f64; COEFFICIENTS],
 }
 
@@ -118,7 +121,9 @@ pub(super) fn last_rising(c: [f64; COEFFICIENTS], least: f64) -> f64 {
 /// The rising branch as a formula of the size of the current: torque and slope, and what they rest on.
 #[derive(Debug, Clone)]
 pub struct Branch {
+    /// c0 + c1·x + c2·x² + c3·x³ up to the end, and its tangent from there on, N·m (N).
     pub torque: Expression,
+    /// Derivative of that torque by the size of the current, N·m/A.
     pub slope: Expression,
     /// Current at which the polynomial is left; infinite where it never is.
     pub end: f64,

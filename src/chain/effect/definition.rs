@@ -15,18 +15,47 @@ pub struct Effect {
     pub equation: &'static str,
     /// Author, year and equation.
     pub source: &'static str,
+    /// In the order in which its law takes them.
     pub parameters: &'static [ParameterInfo],
     /// Motion variables that its torque depends on.
     pub depends_on: &'static [Dependence],
+    /// What it can be mistaken for.
     pub confounded_with: &'static [Confounder],
+    /// Where it acts, and its torque as a function of the motion.
     pub law: Law,
+    /// What it needs beside its parameters and the state at one sample.
     pub needs: Needs,
+    /// What is known of it beyond its law.
     pub knowledge: Knowledge,
+}
+
+impl Effect {
+    /// A torque at the motor of which no more is stated than its parameters and law. The rest is left empty, to be filled in by
+    /// `Effect { sentence: "…", ..Effect::at_motor(…) }`.
+    pub const fn at_motor(
+        id: &'static str,
+        parameters: &'static [ParameterInfo],
+        law: &'static dyn TorqueLaw,
+    ) -> Self {
+        Self {
+            id,
+            sentence: "",
+            equation: "",
+            source: "",
+            parameters,
+            depends_on: &[],
+            confounded_with: &[],
+            law: Law::Motor(law),
+            needs: Needs::NOTHING,
+            knowledge: Knowledge::NONE,
+        }
+    }
 }
 
 /// What an effect needs beside its own parameters and the state at one sample.
 #[derive(Debug, Clone, Copy)]
 pub struct Needs {
+    /// What of the past its law has to know.
     pub memory: Memory,
     /// Parameters of other effects of the same joint, `(effect, parameter)`.
     pub borrows: &'static [(&'static str, &'static str)],
@@ -35,6 +64,7 @@ pub struct Needs {
     /// Effects of the same joint of which it refines one: where none is there, it would only imitate it. Empty where it
     /// stands alone.
     pub refines: &'static [&'static str],
+    /// Whether the next recording has the same parameters.
     pub lasts: Lasts,
     /// Other joints whose motion the law knows, by name, or [`NEXT`] and [`PREVIOUS`].
     pub others: &'static [&'static str],
@@ -43,6 +73,7 @@ pub struct Needs {
 /// The joint behind one in the order of the robot, and the one before it.
 pub const NEXT: &str = "next";
 
+/// The joint before one in the order of the robot.
 pub const PREVIOUS: &str = "previous";
 
 impl Needs {
@@ -60,6 +91,7 @@ impl Needs {
 /// What of the past a law has to know.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Memory {
+    /// Nothing: the state at one sample is enough.
     None,
     /// The time of the sample: averages over periods hide the effect.
     Time,
@@ -70,6 +102,7 @@ pub enum Memory {
 /// Whether an effect belongs to the robot or to one recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lasts {
+    /// Its parameters are the robot's, the same in every recording.
     Always,
     /// Its parameters are other ones in the next recording.
     OneRecording,
@@ -140,20 +173,32 @@ impl Law {
 /// A variable that an effect's torque varies with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dependence {
+    /// Of the motor or joint.
     Position,
+    /// Size of the velocity.
     Speed,
+    /// Sign of the velocity.
     Direction,
+    /// Of the motor or joint.
     Acceleration,
+    /// What the gear transmits.
     Load,
+    /// Positions or velocities of other joints.
     OtherJoints,
+    /// Posture, through the weight of the links.
     Gravity,
+    /// Since the start of the recording.
     Time,
+    /// As recorded with the joint.
     Temperature,
+    /// The motor's.
     Current,
+    /// It is constant.
     Nothing,
 }
 
 impl Dependence {
+    /// As catalogue and problem files show it.
     pub fn word(self) -> &'static str {
         match self {
             Self::Position => "position",
@@ -174,6 +219,8 @@ impl Dependence {
 /// What an effect can be mistaken for, and the motion that tells them apart.
 #[derive(Debug, Clone, Copy)]
 pub struct Confounder {
+    /// Identifier of the other effect.
     pub with: &'static str,
+    /// The motion that does, in words.
     pub separated_by: &'static str,
 }

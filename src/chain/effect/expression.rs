@@ -10,7 +10,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub enum Variable {
     /// m of the motor at joint scale, or q for a law at the joint.
     Position,
+    /// Its rate, rad/s (m/s).
     Velocity,
+    /// The rate of that, rad/s² (m/s²).
     Acceleration,
     /// `ṁ/(|ṁ| + w)`.
     Sign,
@@ -26,6 +28,7 @@ pub enum Variable {
     Period,
     /// Position and velocity of another joint's motor, by its place among those that the law names.
     OtherPosition(usize),
+    /// The velocity of such a joint, rad/s (m/s).
     OtherVelocity(usize),
     /// A state of a law with memory, by its place among the law's own.
     State(usize),
@@ -33,46 +36,66 @@ pub enum Variable {
     Duration,
     /// Lag δ of the link behind the motor, and its rate.
     Lag,
+    /// Rate of the lag, rad/s (m/s).
     LagRate,
 }
 
 /// A function of one or two arguments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Function {
+    /// sin x, x in rad.
     Sine,
+    /// cos x, x in rad.
     Cosine,
+    /// eˣ.
     Exponential,
+    /// Natural logarithm.
     Logarithm,
+    /// tanh x.
     HyperbolicTangent,
+    /// |x|.
     Magnitude,
+    /// √x.
     SquareRoot,
     /// `sgn x`, 0 at 0.
     Signum,
+    /// xʸ of x and y.
     Power,
+    /// The lesser of two.
     Smaller,
+    /// The greater of two.
     Larger,
 }
 
 /// An arithmetic operation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Operator {
+    /// a + b.
     Sum,
+    /// a − b.
     Difference,
+    /// a · b.
     Product,
+    /// a / b.
     Quotient,
 }
 
 /// A formula.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Expression {
+    /// A constant.
     Number(f64),
     /// A parameter of the effect by its position, borrowed ones behind its own.
     Parameter(usize),
+    /// Something of the motion or its surroundings.
     Variable(Variable),
     /// A name of the program that the formula is written into.
     Name(String),
+    /// −a.
     Negative(Box<Expression>),
+    /// An operation on two formulas, in their order.
     Binary(Operator, Box<[Expression; 2]>),
+    /// A function of one or two formulas.
     Call(Function, Vec<Expression>),
     /// The third where the first is less than the second, else the fourth.
     Less(Box<[Expression; 4]>),
@@ -95,26 +118,32 @@ impl Expression {
         Self::Parameter(position)
     }
 
+    /// A name that means something in the program that the formula is written into.
     pub fn name(name: impl Into<String>) -> Self {
         Self::Name(name.into())
     }
 
+    /// A function of this formula.
     pub fn call(self, function: Function) -> Self {
         Self::Call(function, vec![self])
     }
 
+    /// A function of this formula and a second one.
     pub fn call_with(self, function: Function, second: impl Into<Self>) -> Self {
         Self::Call(function, vec![self, second.into()])
     }
 
+    /// The formula times itself.
     pub fn squared(self) -> Self {
         self.clone() * self
     }
 
+    /// e to the power of the formula.
     pub fn exponential(self) -> Self {
         self.call(Function::Exponential)
     }
 
+    /// The formula without its sign.
     pub fn magnitude(self) -> Self {
         self.call(Function::Magnitude)
     }

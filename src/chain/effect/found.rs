@@ -8,8 +8,11 @@ use crate::chain::words::short;
 pub struct Estimated<'a> {
     /// Within its effect.
     pub name: &'a str,
+    /// SI unit of value and interval.
     pub unit: &'a str,
+    /// Absent where the recordings do not determine it.
     pub value: Option<f64>,
+    /// 95 % confidence interval, lower and upper end.
     pub ci95: Option<[f64; 2]>,
 }
 
@@ -20,8 +23,11 @@ pub struct Found<'a> {
     pub who: String,
     /// Of a coupling: the joints that are moved, and the motors that move them.
     pub moved: String,
+    /// Of a coupling: the motors that move them.
     pub by: Vec<String>,
+    /// What was recorded, by which the finding was made.
     pub signal: Signal,
+    /// Its estimated parameters.
     pub parameters: Vec<Estimated<'a>>,
 }
 

@@ -49,7 +49,9 @@ impl Knowledge {
 /// Words for a size that grows and for one that falls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Change {
+    /// Where its size grows.
     pub up: &'static str,
+    /// Where its size falls.
     pub down: &'static str,
 }
 
@@ -79,7 +81,9 @@ pub enum Sizes {
     /// These, each of which has the value `nothing` where there is nothing. Without any the effect has no size: its
     /// parameters trade against one another.
     Of {
+        /// Names of the parameters within the effect.
         names: &'static [&'static str],
+        /// Their value where there is nothing.
         nothing: f64,
     },
 }
@@ -98,7 +102,9 @@ pub enum Trial {
 /// A parameter by its name within the effect, and the value that was drawn for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drawn {
+    /// Name within the effect.
     pub parameter: &'static str,
+    /// In the parameter's unit.
     pub value: f64,
 }
 

@@ -7,7 +7,9 @@ use crate::chain::effect::expression::{Expression, StateLaw};
 pub struct Samples<'a> {
     /// m, ṁ, m̈ of the motor at joint scale; q, q̇, q̈ of the joint for a law at the joint.
     pub position: &'a [f64],
+    /// ṁ or q̇, rad/s (m/s).
     pub velocity: &'a [f64],
+    /// m̈ or q̈, rad/s² (m/s²).
     pub acceleration: &'a [f64],
     /// `ṁ/(|ṁ| + w)`.
     pub sign: &'a [f64],
@@ -15,6 +17,7 @@ pub struct Samples<'a> {
     pub time: &'a [f64],
     /// The last sample is followed by the first: one period of a motion that repeats.
     pub cyclic: bool,
+    /// What is known beside the motion of the joint itself.
     pub surroundings: Surroundings<'a>,
 }
 
@@ -41,8 +44,9 @@ pub struct Contribution<'a> {
     pub by_parameter: &'a mut [Vec<f64>],
     /// ∂torque/∂sign is added: the chain carries it on to w.
     pub by_sign: &'a mut [f64],
-    /// ∂torque/∂position and ∂torque/∂velocity are added; looked at for laws at the joint.
+    /// ∂torque/∂position is added; looked at for laws at the joint.
     pub by_position: &'a mut [f64],
+    /// ∂torque/∂velocity is added; looked at for laws at the joint.
     pub by_velocity: &'a mut [f64],
 }
 
@@ -80,11 +84,17 @@ pub trait LawDynamics: Sync + std::fmt::Debug {
 /// ż and torque of a law with an internal state, and their derivatives.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Flow {
+    /// ż.
     pub rate: f64,
+    /// ∂ż/∂z.
     pub rate_by_state: f64,
+    /// ∂ż/∂v.
     pub rate_by_velocity: f64,
+    /// N·m (N).
     pub torque: f64,
+    /// ∂torque/∂z.
     pub torque_by_state: f64,
+    /// ∂torque/∂v.
     pub torque_by_velocity: f64,
 }
 

@@ -5,22 +5,32 @@ use crate::chain::effect::unit::Unit;
 /// A parameter of an effect.
 #[derive(Debug, Clone, Copy)]
 pub struct ParameterInfo {
+    /// Within the effect, as results and problem files have it.
     pub name: &'static str,
+    /// Depends on whether the joint turns or slides.
     pub unit: Unit,
+    /// In a few words.
     pub meaning: &'static str,
+    /// Least value that the physics allows, in the unit; minus infinity where there is no limit.
     pub lower: f64,
+    /// Greatest value that the physics allows; infinity where there is no limit.
     pub upper: f64,
     /// Value from which a nonlinear estimate starts, and a size at which it matters.
     pub typical: f64,
+    /// Whether the signal is affine in it.
     pub linearity: Linearity,
+    /// Where a search for it starts.
     pub search: Search,
 }
 
 /// Limits of a parameter and its usual value between them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Span {
+    /// Least value.
     pub lower: f64,
+    /// Value from which an estimate starts.
     pub typical: f64,
+    /// Greatest value.
     pub upper: f64,
 }
 
@@ -76,6 +86,7 @@ impl ParameterInfo {
 pub enum Search {
     /// The typical value is good enough.
     Typical,
+    /// Each of these, in the parameter's unit.
     Values(&'static [f64]),
     /// Rising values of which all beyond one that is far too large are larger still.
     Rising(&'static [f64]),
@@ -98,6 +109,8 @@ pub enum Search {
 /// Whether the signal is affine in a parameter while the others stay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Linearity {
+    /// Affine: one linear solution finds it.
     Linear,
+    /// Not affine: it is found by iteration, from where its search starts.
     Nonlinear,
 }

@@ -12,9 +12,11 @@ pub struct Site {
     pub usual_torque: f64,
     /// Of the declared dry friction.
     pub dry_friction: f64,
+    /// The joint's greatest speed.
     pub fastest: f64,
     /// Of the range of positions.
     pub middle: f64,
+    /// Half of the range of positions.
     pub half_range: f64,
     /// What the motor moves, at joint scale.
     pub inertia: f64,

@@ -66,6 +66,7 @@ pub const TRANSITION: EffectParameter = EffectParameter {
 /// A parameter of an effect of the table.
 #[derive(Debug, Clone, Copy)]
 pub struct EffectParameter {
+    /// The effect of the vocabulary that has it.
     pub effect: &'static Effect,
     /// Its position among the effect's.
     pub parameter: usize,

@@ -5,19 +5,29 @@ use crate::robot::tree::JointKind;
 /// The unit of a parameter of an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unit {
+    /// A pure number.
     One,
+    /// N·m (N).
     Torque,
+    /// N·m·s/rad (N·s/m).
     TorquePerSpeed,
     /// Torque over the power of speed that another parameter states.
     TorquePerSpeedPower,
+    /// N·m/rad (N/m).
     TorquePerPosition,
+    /// kg·m² (kg).
     Inertia,
+    /// rad (m).
     Position,
+    /// rad/s (m/s).
     Speed,
+    /// s/rad (s/m).
     PerSpeed,
     /// Cycles per turn, or rad per metre.
     Order,
+    /// rad, of whichever joint.
     Angle,
+    /// s.
     Time,
     /// Torque over this power of a current.
     TorquePerCurrent(u8),

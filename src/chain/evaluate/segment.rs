@@ -11,6 +11,7 @@ pub const BLOCK: usize = 64;
 /// Motion of the motors at joint scale, `[joint][sample]`, and what the robot carries.
 #[derive(Debug, Clone, Copy)]
 pub struct Segment<'a> {
+    /// Position, velocity and acceleration of the motors.
     pub motors: Trajectory<'a>,
     /// Known forces of the surroundings on the links along their joints, `[joint][sample]`, N·m (N); empty
     /// where there are none.

@@ -72,10 +72,12 @@ impl Accuracy {
 /// Why a model cannot be simulated forward.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NotForward {
+    /// The signal is a base wrench, from which no motion follows.
     #[error(
         "the signal is a base wrench, which no motion follows from; record motor currents or torques too"
     )]
     NoTorque,
+    /// Every joint is locked.
     #[error("every joint is locked; release one")]
     NothingMoves,
 }

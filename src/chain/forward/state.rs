@@ -7,6 +7,7 @@ use crate::chain::flank::Flank;
 pub struct State {
     /// Motors that move at joint scale, then lags, rad (m).
     pub position: Vec<f64>,
+    /// Their rates, rad/s (m/s).
     pub velocity: Vec<f64>,
     /// Internal state of the law of each motor that has one, 0 for the others.
     pub memory: Vec<f64>,
@@ -16,9 +17,17 @@ pub struct State {
 #[derive(Debug, Clone, Copy)]
 pub enum Driven<'a> {
     /// Torques of the motors at joint scale at both ends, N·m (N), linear between them.
-    Torque { from: &'a [f64], to: &'a [f64] },
+    Torque {
+        /// At the start of the step.
+        from: &'a [f64],
+        /// At its end.
+        to: &'a [f64],
+    },
     /// Their accelerations, rad/s² (m/s²), whatever it takes: what lags and what has a memory follow.
-    Motion { acceleration: &'a [f64] },
+    Motion {
+        /// One per motor that moves, the same over the step.
+        acceleration: &'a [f64],
+    },
 }
 
 /// A link behind an elastic gear or one with play.

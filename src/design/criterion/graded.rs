@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 /// The logarithm that is minimised, and its gradient.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Graded {
+    /// Natural logarithm of the criterion, or of the mean that stands for it.
     pub value: f64,
     /// `∂value/∂matrix`, symmetric.
     pub gradient: DMatrix<f64>,

@@ -81,6 +81,7 @@ const ENOUGH: usize = 2500;
 const CLOSER: usize = 40;
 
 impl<'a> Linearised<'a> {
+    /// Derivatives of the signal by every parameter over all rows that were fitted.
     pub fn new(context: &Context<'_>, fit: &'a ModelFit) -> Self {
         Self::of_every(1, context, fit)
     }

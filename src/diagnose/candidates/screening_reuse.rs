@@ -43,6 +43,7 @@ impl Reusable {
         is_of_joints && named.iter().all(stayed) && self.screening.open.contains(hypothesis)
     }
 
+    /// What was found of a hypothesis by a glance, if it promised something.
     pub fn candidate(&self, hypothesis: &Hypothesis) -> Option<Candidate> {
         let mut candidates = self.screening.glance.iter();
         candidates

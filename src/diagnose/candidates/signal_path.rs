@@ -16,6 +16,7 @@ pub enum SignalPath {
 }
 
 impl SignalPath {
+    /// Of a model, by its coupling, loops, delays and lags.
     pub fn of(model: &Model) -> Self {
         let own = |(c, channel): (usize, &Channel)| channel.joint == Some(c);
         let is_plain = model.is_uncoupled()

@@ -11,9 +11,13 @@ pub const MOSTLY: f64 = 0.9;
 
 /// Two fits of the same rows, and what their residuals are held against.
 pub struct Compared<'a> {
+    /// The problem with its recordings.
     pub context: &'a Context<'a>,
+    /// Fitted to the same rows.
     pub declared: &'a ModelFit,
+    /// The model with all findings.
     pub full: &'a ModelFit,
+    /// What noise leaves of each channel.
     pub noise_level: &'a NoiseLevel,
     /// Of the final model.
     pub predicted: &'a PredictionError,
@@ -48,6 +52,8 @@ impl Compared<'_> {
 /// Lack of fit of the declared and of the final model.
 #[derive(Debug, Clone, Copy)]
 pub struct LackOfFit {
+    /// Of the declared model: mean square of the residual over that of the noise.
     pub before: f64,
+    /// Of the final model.
     pub after: f64,
 }

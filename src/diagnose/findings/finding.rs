@@ -25,9 +25,13 @@ const RIVALLING: f64 = 0.5;
 /// A step of the explanation on rows that no choice has seen: the model before, the model with one finding more, and the
 /// test of that finding.
 pub struct ConfirmedStep<'a> {
+    /// Without the finding.
     pub before: ModelFit,
+    /// With it.
     pub after: ModelFit,
+    /// Whether the richer forecasts what the poorer leaves.
     pub test: &'a HypothesisTest,
+    /// What could stand in its place.
     pub comparison: &'a RivalComparison,
     /// Of the finding and of each alternative of the comparison.
     pub probabilities: Probabilities,

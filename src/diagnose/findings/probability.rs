@@ -37,13 +37,18 @@ pub struct Alternatives {
 /// Probabilities that add up to one, but for what is no rival.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Probabilities {
+    /// That the finding is what is there.
     pub finding: f64,
+    /// That each of the rivals is, in their order.
     pub rivals: Vec<f64>,
+    /// That something which the vocabulary has no name for is.
     pub unnamed: f64,
+    /// That nothing is.
     pub nothing: f64,
 }
 
 impl Alternatives {
+    /// By the theorem of Bayes, from the likelihoods on rows that took no part in the choice.
     pub fn probabilities(&self) -> Probabilities {
         let rivals: Vec<f64> = self.rivals.iter().map(|e| (-log_ratio(e)).exp()).collect();
         let nothing = odds_of_nothing(&self.nothing);

@@ -34,23 +34,33 @@ const UNMEASURED: &str = "Nothing repeats, so the noise is not known apart from 
 
 /// What is said of a model that a search has come to.
 pub struct Reported {
+    /// The part of `diagnose` of a result.
     pub diagnosis: Diagnosis,
+    /// The final model as a fit gives it.
     pub fitted: Fitted,
     /// Predictions of the declared model.
     pub declared: Predictions,
     /// Predictions of the final model, with its corrections.
     pub last: Predictions,
+    /// Findings with rivals that the recordings cannot set aside.
     pub ambiguities: Vec<Ambiguity>,
 }
 
 /// What a report is made of.
 pub struct Reporting<'a> {
+    /// The held-out rows that choose, those that test, and both.
     pub contexts: &'a Contexts<'a>,
+    /// What the search has selected.
     pub explanation: &'a Explanation,
+    /// What was sought, and how sure a finding has to be.
     pub rules: Rules<'a>,
 }
 
 impl Reporting<'_> {
+    /// Fits declared and final model to their ends and says how they differ.
+    ///
+    /// # Errors
+    /// A model that cannot be fitted over all rows.
     pub fn report(&self) -> Result<Reported, DiagnoseError> {
         let (context, explanation) = (&self.contexts.whole, self.explanation);
         let full = &explanation.full.on(context);

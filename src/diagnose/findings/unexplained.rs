@@ -22,6 +22,7 @@ const VIEWS: usize = 2;
 /// What a search has come to beside its findings.
 #[derive(Debug, Clone, Copy)]
 pub struct SearchState<'a> {
+    /// Chance of a finding where there is nothing.
     pub significance: f64,
     /// Joints of names that were withdrawn.
     pub withdrawn: &'a [usize],

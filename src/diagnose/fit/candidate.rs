@@ -8,6 +8,7 @@ use crate::diagnose::fit::start_grid::Grid;
 /// A hypothesis with the points from which it promises most.
 #[derive(Debug, Clone)]
 pub struct Candidate {
+    /// What may be missing.
     pub hypothesis: Hypothesis,
     /// Weighted sum of squares that one step of all parameters takes away.
     pub gain: f64,
@@ -23,6 +24,7 @@ pub struct Candidate {
 /// What the hypotheses that are open beside one model promise.
 #[derive(Debug, Clone, Default)]
 pub struct Screening {
+    /// Hypotheses that the model does not have and that are not ruled out.
     pub open: Vec<Hypothesis>,
     /// All that promise something, by a glance at some of the rows.
     pub glance: Vec<Candidate>,
@@ -36,6 +38,7 @@ const OTHERS: usize = 2;
 /// A point of a grid, from one of the values of all other parameters.
 #[derive(Debug, Clone)]
 pub struct Point {
+    /// Weighted sum of squares that one step of all parameters takes away.
     pub gain: f64,
     /// Number of the other values.
     pub base: usize,
@@ -50,6 +53,7 @@ pub struct Naming<'a> {
     pub own: Vec<String>,
     /// What each base has otherwise than the fit.
     pub bases: Vec<&'a Start>,
+    /// The grid that the points are of.
     pub grid: &'a Grid,
 }
 

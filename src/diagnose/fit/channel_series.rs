@@ -11,6 +11,7 @@ use rayon::prelude::*;
 pub struct ChannelSeries {
     /// `[channel][row]`; empty for channels that are not active.
     pub predicted: Vec<Vec<f64>>,
+    /// The signal as recorded, over the same rows.
     pub recorded: Vec<Vec<f64>>,
     /// `[channel][column]`; `None` where the channel does not depend on the column.
     pub columns: Vec<Vec<Option<Vec<f64>>>>,

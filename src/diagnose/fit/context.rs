@@ -16,9 +16,13 @@ use crate::stats::encompassing::ResidualRows;
 
 /// The problem with its recordings.
 pub struct Context<'a> {
+    /// What is declared.
     pub problem: &'a ProblemFile,
+    /// Tree, order of the joints, and what the robot file says of drives.
     pub robot: &'a Robot,
+    /// The recordings, prepared.
     pub data: &'a Dataset,
+    /// Who may interrupt, and how long it may take.
     pub control: &'a Control<'a>,
     /// Rows are samples in the order of time, not averages over periods.
     pub in_time: bool,
@@ -27,6 +31,7 @@ pub struct Context<'a> {
     /// Rows of the recordings that are held out to which parameters of one recording are fitted; none where rows are
     /// averages over periods.
     pub between: Vec<Prepared>,
+    /// Fits that were made before, by their hypotheses.
     pub cache: FitCache,
 }
 
@@ -88,6 +93,7 @@ impl<'a> Context<'a> {
         }
     }
 
+    /// The recordings that are fitted, or those that are held out.
     pub fn recordings(&self, split: Split) -> Vec<&Prepared> {
         self.data.of(split).collect()
     }

@@ -11,6 +11,7 @@ use crate::setup::robot::Robot;
 
 /// Recordings whose held-out rows are in two halves.
 pub struct HeldOutHalves {
+    /// All held-out rows.
     pub whole: Dataset,
     selection: Dataset,
     test: Dataset,
@@ -19,6 +20,8 @@ pub struct HeldOutHalves {
 }
 
 impl HeldOutHalves {
+    /// Gives one half of the held-out rows to the choice and the other to the test of what was chosen; `between` are rows of
+    /// held-out recordings to which their own parameters are fitted.
     pub fn of(whole: Dataset, between: Vec<Prepared>) -> Self {
         Self {
             selection: half(&whole, Purpose::Selection),
@@ -28,6 +31,7 @@ impl HeldOutHalves {
         }
     }
 
+    /// The problem over either half and over both.
     pub fn contexts<'a>(
         &'a self,
         problem: &'a ProblemFile,

@@ -10,6 +10,7 @@ use crate::setup::model::Addition;
 /// An effect with the joints that it acts on.
 #[derive(Debug, Clone)]
 pub struct Hypothesis {
+    /// What acts.
     pub effect: &'static Effect,
     /// Joints in whose lists the effect stands.
     pub joints: Vec<usize>,

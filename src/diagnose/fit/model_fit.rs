@@ -17,16 +17,23 @@ use nalgebra::DVector;
 /// A fitted model and what it leaves.
 #[derive(Debug, Clone)]
 pub struct ModelFit {
+    /// What it has beyond the declared model.
     pub hypotheses: Vec<Hypothesis>,
+    /// The declared model with the hypotheses in it.
     pub model: Model,
+    /// What is known before the data.
     pub prior: Prior,
+    /// What of its parameters is estimated, and in which order.
     pub unknowns: Unknowns,
+    /// All its parameters at the optimum, in SI units.
     pub values: DVector<f64>,
     /// Values in each recording that is held out, where parameters belong to a recording.
     pub own: Vec<DVector<f64>>,
     /// Residuals `ŝ − s`, `[channel][row]`, of what was fitted and of what was held out.
     pub train: Vec<Vec<f64>>,
+    /// The same of what was held out.
     pub validation: Vec<Vec<f64>>,
+    /// How the solver ended.
     pub solution: Solution,
 }
 
@@ -98,7 +105,9 @@ fn score(residuals: &[Vec<f64>]) -> f64 {
 /// A model and one that is richer, or that takes its place.
 #[derive(Debug, Clone, Copy)]
 pub struct FitPair<'a> {
+    /// The simpler of the two, or the one whose place is taken.
     pub poorer: &'a ModelFit,
+    /// The other.
     pub richer: &'a ModelFit,
 }
 

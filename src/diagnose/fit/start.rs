@@ -7,7 +7,9 @@ pub type Start = Vec<(String, f64)>;
 /// known.
 #[derive(Debug, Clone)]
 pub struct WarmStart {
+    /// By names of parameters.
     pub values: Start,
+    /// Of each channel, in the unit of its signal.
     pub deviations: Vec<f64>,
 }
 

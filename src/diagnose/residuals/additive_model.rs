@@ -35,11 +35,13 @@ const MUCH: f64 = 1.5;
 /// A smooth model of one channel.
 #[derive(Debug, Clone)]
 pub struct AdditiveModel {
+    /// Its place among the channels.
     pub channel: usize,
     /// Names of its variables.
     pub over: Vec<String>,
     /// Models of the channel that it was chosen from.
     pub tried: usize,
+    /// Whether it forecasts the residual on held-out rows.
     pub evidence: Encompassing,
     /// Share by which the held-out RMS error falls.
     pub error_reduction: f64,
@@ -47,6 +49,7 @@ pub struct AdditiveModel {
     pub taken: f64,
     /// To be subtracted from the residual, over the fitted and over the held-out rows.
     pub train: Vec<f64>,
+    /// The same over the held-out rows.
     pub validation: Vec<f64>,
     curves: Curves,
 }

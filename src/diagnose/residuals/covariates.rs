@@ -8,8 +8,11 @@ use crate::robot::tree::JointKind;
 /// One variable of one joint over the rows that count, recording after recording.
 #[derive(Debug, Clone)]
 pub struct Covariate {
+    /// In words, with the joint where it is another one.
     pub name: String,
+    /// Of its values.
     pub unit: &'static str,
+    /// Row by row.
     pub values: Vec<f64>,
     /// Whether the residual is looked at by direction of motion too.
     pub by_direction: bool,
@@ -20,6 +23,7 @@ pub struct Covariate {
 /// The variables of one joint, and the direction of its motion.
 #[derive(Debug, Clone)]
 pub struct Covariates {
+    /// Those that vary over the rows.
     pub variables: Vec<Covariate>,
     /// +1 or −1.
     pub direction: Vec<f64>,

@@ -21,6 +21,7 @@ pub const UNEXPLAINED: f64 = 2.0;
 /// Mean square of one row that is noise, per channel, and where it comes from.
 #[derive(Debug, Clone)]
 pub struct NoiseLevel {
+    /// Its root per channel, in the unit of the signal.
     pub rms: Vec<f64>,
     /// Evidence between periods; otherwise the least residual of any model.
     pub measured: bool,

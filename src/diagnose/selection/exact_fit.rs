@@ -43,8 +43,11 @@ pub fn fit_without(
 
 /// A candidate to be fitted beside what a model has.
 pub struct ExactFit<'a> {
+    /// The problem with its recordings.
     pub context: &'a Context<'a>,
+    /// The model without the candidate.
     pub before: &'a ModelFit,
+    /// What is added, and from where.
     pub candidate: &'a Candidate,
 }
 

@@ -22,9 +22,11 @@ const EXCHANGES: usize = 3;
 
 /// The selected model with the evidence for each finding.
 pub struct Explanation {
+    /// The declared model with all findings.
     pub full: ModelFit,
     /// Each finding on rows that no choice has seen.
     pub tests: Vec<HypothesisTest>,
+    /// What could stand in the place of each finding.
     pub comparisons: Vec<RivalComparison>,
     /// Models with the first 0, 1, ... findings.
     pub prefixes: Vec<ModelFit>,
@@ -39,7 +41,9 @@ pub struct Explanation {
 
 /// A search for what explains the misfit of a model.
 pub struct Explaining<'a> {
+    /// The held-out rows that choose, those that test, and both.
     pub contexts: &'a Contexts<'a>,
+    /// What is sought, and how sure a finding has to be.
     pub rules: Rules<'a>,
     /// Hears of every stage.
     pub watch: &'a (dyn Fn(Stage) + Sync),

@@ -20,7 +20,9 @@ pub const CONFIDENCE: f64 = 0.99;
 /// A hypothesis fitted beside what a model has already.
 #[derive(Debug, Clone)]
 pub struct HypothesisTest {
+    /// What was tried.
     pub hypothesis: Hypothesis,
+    /// The model that has it.
     pub fit: ModelFit,
     /// Against the model without it.
     pub evidence: Encompassing,

@@ -11,6 +11,7 @@ pub struct Reached {
 }
 
 impl Reached {
+    /// Keeps a model that has come out of `examined` hypotheses in the place of the one before.
     pub fn set(&self, fit: &ModelFit, examined: usize) {
         let selection = Selection {
             fit: fit.clone(),
@@ -23,6 +24,7 @@ impl Reached {
             .unwrap_or_else(PoisonError::into_inner) = Some(selection);
     }
 
+    /// The last model that was kept; none where the search had come to nothing.
     pub fn get(&self) -> Option<Selection> {
         let selection = self.selection.lock();
         selection.unwrap_or_else(PoisonError::into_inner).clone()

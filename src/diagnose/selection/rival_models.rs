@@ -25,7 +25,9 @@ const TOLD_APART: f64 = 0.95;
 /// A hypothesis in the place of a finding.
 #[derive(Debug, Clone)]
 pub struct Alternative {
+    /// The model that has the alternative, against the one with neither.
     pub test: HypothesisTest,
+    /// Whether held-out rows tell it from the finding.
     pub separation: Separation,
     /// The alternative forecasts what the finding leaves, and where it has more parameters that matters and it fits
     /// better too.
@@ -46,7 +48,9 @@ pub struct Separation {
 /// A finding with the model that lacks it and what could stand in its place.
 #[derive(Debug, Clone)]
 pub struct RivalComparison {
+    /// The model without the finding.
     pub without: ModelFit,
+    /// The other hypotheses, each in its place.
     pub alternatives: Vec<Alternative>,
 }
 
@@ -97,14 +101,18 @@ impl RivalComparison {
 pub struct Ambiguity {
     /// Number of the finding.
     pub finding: usize,
+    /// The model with it.
     pub found: StatedModel,
+    /// The models with each rival in its place.
     pub rivals: Vec<StatedModel>,
 }
 
 /// A fitted model without what it was fitted to.
 #[derive(Debug, Clone)]
 pub struct StatedModel {
+    /// What it has beyond the declared model.
     pub hypotheses: Vec<Hypothesis>,
+    /// Values of its parameters by name.
     pub start: Start,
 }
 

@@ -43,6 +43,7 @@ impl Rules<'_> {
 /// A model grown and what was tried on the way.
 #[derive(Debug, Clone)]
 pub struct Selection {
+    /// The model that it came to.
     pub fit: ModelFit,
     /// Tests of every step; the accepted one first, in all but the last.
     pub steps: Vec<SelectionStep>,
@@ -64,9 +65,11 @@ impl Selection {
 /// What was tried beside a model.
 #[derive(Debug, Clone)]
 pub struct SelectionStep {
+    /// The hypotheses that were fitted exactly.
     pub tests: Vec<HypothesisTest>,
     /// Held-out score of the model as it was.
     pub score: f64,
+    /// The first of them joined the model.
     pub accepted: bool,
     /// Nothing interrupted it.
     pub is_complete: bool,
@@ -90,7 +93,9 @@ const CHOICE: f64 = 0.05;
 
 /// Stepwise selection over the rows of a context.
 pub struct Stepwise<'a> {
+    /// The rows that choose.
     pub context: &'a Context<'a>,
+    /// What is sought, and how sure a finding has to be.
     pub rules: Rules<'a>,
     /// Hears before every step what was selected so far.
     pub progress: &'a (dyn Fn(&Selection) + Sync),

@@ -18,7 +18,9 @@ const COVERAGE: f64 = 0.95;
 
 /// A parameter that says how much of an effect there is, and its value where there is none.
 pub struct Size<'a> {
+    /// Name within the effect.
     pub parameter: &'a str,
+    /// In the parameter's unit.
     pub nothing: f64,
 }
 

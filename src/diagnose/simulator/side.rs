@@ -16,12 +16,17 @@ use nalgebra::DVector;
 /// An identified model.
 #[derive(Debug, Clone, Copy)]
 pub struct Side<'a> {
+    /// Its parameters with deviations.
     pub estimate: &'a Estimate,
+    /// Its base parameters and what else a fit says.
     pub fit: &'a Fit,
     /// Physics beyond the declared model; empty after a fit.
     pub findings: &'a [Finding],
+    /// The identified model, with findings where there are any.
     pub model: &'a Model,
+    /// All its parameters, in SI units.
     pub values: &'a DVector<f64>,
+    /// What it was identified from.
     pub data: &'a Dataset,
 }
 

@@ -62,9 +62,13 @@ pub enum Form {
 /// What a feasible fit keeps and prefers.
 #[derive(Debug, Clone)]
 pub struct Settings {
+    /// How channels are weighted.
     pub form: Form,
+    /// How bodies are kept possible.
     pub by: FeasibleBy,
+    /// What is preferred among bodies that explain the recordings as well, and by how much; none without a prior.
     pub prior: Option<(PriorKind, Strength)>,
+    /// Limits on combinations of parameters beside those of single ones.
     pub limits: Vec<Limit>,
 }
 

@@ -25,6 +25,7 @@ use nalgebra::{DMatrix, DVector, Matrix4};
 /// The prior of unit strength over the unknowns of a fit.
 #[derive(Debug, Clone)]
 pub struct InertialPrior {
+    /// By what norm or divergence bodies are held to those of the robot file.
     pub kind: PriorKind,
     /// Quadratic part `½ ‖rows x + offset‖²`; for the entropic kind that of its second-order form.
     rows: DMatrix<f64>,
@@ -37,6 +38,8 @@ pub struct InertialPrior {
 }
 
 impl InertialPrior {
+    /// Lays out the prior about the bodies of the robot file; `margin` is the least eigenvalue of a scaled pseudo-inertia,
+    /// kg.
     pub fn new(kind: PriorKind, standard: &Standard<'_>, margin: f64) -> Self {
         let references = standard.references();
         let reference = standard.reference();

@@ -34,15 +34,19 @@ const NEARBY: f64 = 1e-3;
 /// Constraints on the unknowns: affine rows by x, and limits of x.
 #[derive(Debug, Clone)]
 pub struct Constraints {
+    /// The unknowns, with their limits.
     pub variables: Vec<Variable>,
+    /// Blocks of rows with their sets: one semidefinite block per body, then combined limits.
     pub blocks: Vec<Constraint>,
     /// Rows of all blocks at x = 0 and per unit of x, before the margin.
     pub constant: DVector<f64>,
+    /// ∂(rows)/∂x, rows x unknowns.
     pub slopes: DMatrix<f64>,
     bodies: usize,
 }
 
 impl Constraints {
+    /// Of the bodies with unknowns and of the limits given.
     pub fn new(standard: &Standard<'_>, limits: &[Limit]) -> Self {
         let (bodies, body_slopes) = standard.pseudo_inertias();
         let first = bodies.len();
@@ -205,8 +209,11 @@ pub fn pull(
 
 /// Members x = x_0 + N z of a class, within constraints.
 pub struct Class<'a> {
+    /// What members must satisfy.
     pub constraints: &'a Constraints,
+    /// N, unknowns x directions.
     pub null: &'a DMatrix<f64>,
+    /// x_0.
     pub member: &'a DVector<f64>,
 }
 

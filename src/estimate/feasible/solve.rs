@@ -22,12 +22,14 @@ pub type Strong<'a> = Option<(&'a InertialPrior, f64)>;
 /// The compressed residual over base unknowns.
 #[derive(Debug, Clone)]
 pub struct Compressed {
+    /// R, by base unknowns.
     pub matrix: DMatrix<f64>,
     /// Residual at β = 0.
     pub offset: DVector<f64>,
 }
 
 impl Compressed {
+    /// ½ ‖R β + b‖² at base unknowns β.
     pub fn cost(&self, base: &DVector<f64>) -> f64 {
         0.5 * (&self.matrix * base + &self.offset).norm_squared()
     }
@@ -44,25 +46,35 @@ impl Compressed {
 /// An estimate in the standard parameters with its certificate.
 #[derive(Debug, Clone)]
 pub struct Feasible {
+    /// The unknowns in the order of [`Standard`].
     pub x: DVector<f64>,
     /// ½ ‖R β + b‖² there and at the least squares solution.
     pub cost: f64,
+    /// The same at the least squares solution, where bodies need not be possible.
     pub unconstrained: f64,
     /// The constraints change nothing.
     pub inactive: bool,
+    /// Duality gap in units of the cost, which bounds its distance from the least; NaN where a chart kept the bodies
+    /// possible.
     pub gap: f64,
+    /// Largest imbalance of the gradient of the Lagrangian, relative to its terms.
     pub stationarity: f64,
+    /// Why the solver stopped.
     pub stop: Stop,
+    /// Steps of the solver.
     pub iterations: usize,
 }
 
 /// What an estimate is made of beside the residual.
 #[derive(Clone, Copy)]
 pub struct Setting<'a> {
+    /// The unknowns and their way to base unknowns and bodies.
     pub standard: &'a Standard<'a>,
+    /// What the unknowns must satisfy.
     pub constraints: &'a Constraints,
     /// Smallest eigenvalue of a scaled pseudo-inertia, kg.
     pub margin: f64,
+    /// The prior with its strength; it may be none.
     pub prior: Strong<'a>,
 }
 

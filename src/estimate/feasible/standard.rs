@@ -23,9 +23,11 @@ const LEAST_REFERENCE: f64 = 1e-3;
 /// Unknowns of a feasible fit in their order.
 #[derive(Debug)]
 pub struct Standard<'a> {
+    /// Whose parameters the unknowns are.
     pub model: &'a Model,
     /// Positions in the model: linear unknowns in the order of the scan, then nonlinear ones.
     pub parameters: Vec<usize>,
+    /// How many of them are linear.
     pub linear: usize,
     /// T, base unknowns x unknowns.
     pub to_base: DMatrix<f64>,
@@ -36,6 +38,7 @@ pub struct Standard<'a> {
 }
 
 impl<'a> Standard<'a> {
+    /// Of the unknowns of a fit: those that the data determine together with those that only their combinations determine.
     pub fn new(model: &'a Model, unknowns: &Unknowns) -> Self {
         let linear = crate::chain::base_parameters::scan_order(model);
         let count = linear.len();
@@ -79,6 +82,7 @@ impl<'a> Standard<'a> {
         self.parameters.len()
     }
 
+    /// Whether nothing is unknown.
     pub fn is_empty(&self) -> bool {
         self.parameters.is_empty()
     }

@@ -26,11 +26,14 @@ use std::path::{Path, PathBuf};
 /// What is done with an item.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verb {
+    /// Its declared model is fitted.
     Fit,
+    /// It is diagnosed.
     Diagnose,
 }
 
 impl Verb {
+    /// The word in the manifest.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Fit => "fit",
@@ -44,14 +47,19 @@ impl Verb {
 pub struct Entry {
     /// Its position in the manifest, from 0.
     pub position: u64,
+    /// Name of the robot.
     pub robot: String,
+    /// Type of the robot, whose robots are compared.
     pub kind: String,
     /// Absolute, as are the others.
     pub recordings: Vec<PathBuf>,
+    /// Recordings to judge the fit by; none where the manifest names none.
     pub validation: Vec<PathBuf>,
+    /// The declared model and the settings of the run.
     pub problem: PathBuf,
     /// A number as it stands, or seconds since 1970.
     pub time: f64,
+    /// What is done with it.
     pub verb: Verb,
 }
 

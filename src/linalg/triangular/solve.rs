@@ -8,6 +8,7 @@ use crate::linalg::triangular::Triangular;
 /// Scaling of the columns before singular values are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ColumnScaling {
+    /// The columns as they are.
     None,
     /// Every column of unit Euclidean norm; a zero column stays zero.
     UnitNorm,

@@ -21,6 +21,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
+    /// All of them, in the order of the columns of a joint.
     pub const ALL: [Quantity; 6] = [
         Quantity::Recorded,
         Quantity::Predicted,

@@ -15,13 +15,16 @@ use crate::recording::split::Split;
 pub struct Predictions {
     /// Joint and quantity of each column.
     pub columns: Vec<(String, Quantity)>,
+    /// Those that were fitted or held out, as the run had them.
     pub recordings: Vec<RecordingPredictions>,
 }
 
 /// The rows of one recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordingPredictions {
+    /// Name of the recording.
     pub recording: String,
+    /// What the recording was for.
     pub split: Split,
     /// Time in s.
     pub t: Vec<f64>,

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 pub struct Block<'a> {
     /// Name of the recording as the user wrote it.
     pub recording: &'a str,
+    /// What the recording is for.
     pub split: Split,
     /// Time of each row in s.
     pub t: &'a [f64],

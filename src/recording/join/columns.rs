@@ -16,7 +16,9 @@ use std::path::Path;
 /// A file of a recording, and where its channels stand.
 #[derive(Debug, Clone, Copy)]
 pub struct Source<'a> {
+    /// Where it is opened.
     pub path: &'a Path,
+    /// What its columns are called.
     pub map: &'a ColumnMap,
 }
 

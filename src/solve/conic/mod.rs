@@ -34,6 +34,7 @@ pub struct Settings {
     pub tolerance: f64,
     /// Where the tolerance is out of reach, as on a degenerate cone, optimal when they are <= this.
     pub reduced_tolerance: f64,
+    /// Interior-point iterations after which it stops with [`Stop::IterationLimit`](crate::problem::solution::Stop).
     pub max_iterations: usize,
     /// A column of A is independent when |its part orthogonal to the columns kept| > rank_tolerance · |column|.
     pub rank_tolerance: f64,
@@ -53,6 +54,7 @@ impl Default for Settings {
 /// A solution with its certificate.
 #[derive(Debug, Clone)]
 pub struct ConicSolution {
+    /// The point and why it is the last one.
     pub solution: Solution,
     /// |primal - dual cost|, which bounds cost - optimal cost, in units of the cost. Infinity or NaN where
     /// the run found that there is no optimum.

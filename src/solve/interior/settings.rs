@@ -9,6 +9,7 @@ pub struct Settings {
     /// Where the tolerance is out of reach, as with an infimum that no point attains, optimal when gap <= this ·
     /// unit and the last iterations have not halved it.
     pub reduced_tolerance: f64,
+    /// Iterations after which it stops with [`Stop::IterationLimit`](crate::problem::solution::Stop).
     pub max_iterations: usize,
     /// Largest shortfall of the smallest eigenvalue of a semidefinite block that an answer may have. Where blocks grow
     /// without bound the rounding of S is worth more cost than the tolerance: who asks for a margin that is larger than

@@ -5,6 +5,7 @@ use crate::solve::error::{SolveError, SolveErrorKind, check_tolerances};
 /// When to stop, and how to start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
+    /// Iterations after which it stops with [`Stop::IterationLimit`](crate::problem::solution::Stop).
     pub max_iterations: usize,
     /// Stop when the undamped Gauss-Newton step promises a decrease <= cost_tolerance · cost: the point is
     /// then within sqrt(2 cost_tolerance · rows) standard deviations of the optimum. No unit.

@@ -30,6 +30,7 @@ mod tests;
 /// A solution and what the constraints say of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Constrained {
+    /// The point and why it is the last one.
     pub solution: Solution,
     /// Σ max(0, −g) over the rows of the problem at the solution; zero where it is feasible.
     pub infeasibility: f64,

@@ -5,6 +5,7 @@ use crate::solve::error::{SolveError, check_tolerances};
 /// When to stop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
+    /// Iterations after which it stops with [`Stop::IterationLimit`](crate::problem::solution::Stop).
     pub max_iterations: usize,
     /// Stop when the penalty's model promises a decrease <= cost_tolerance · (1 + |cost|). No unit.
     pub cost_tolerance: f64,
@@ -13,6 +14,7 @@ pub struct Settings {
     /// Stop as stalled when the last `patience` iterations together lowered the penalty by
     /// <= progress_tolerance · (1 + |penalty|): smooth minima are reached long before.
     pub progress_tolerance: f64,
+    /// Iterations over which progress is judged, > 0.
     pub patience: usize,
 }
 

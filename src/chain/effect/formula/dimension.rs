@@ -12,9 +12,11 @@ pub struct Dimension([i8; 5]);
 /// What is known of a value's dimension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Known {
+    /// Its dimension.
     Dimension(Dimension),
     /// A number of the formula, which in a sum has the dimension of the other term.
     Number,
+    /// A parameter whose unit nobody has stated, or what is made of one: it goes with everything.
     Unknown,
 }
 
@@ -122,6 +124,7 @@ fn with_power(text: &str) -> Option<(&str, i8)> {
 /// What is known beside the formula itself.
 #[derive(Debug)]
 pub struct Quantities<'a> {
+    /// Whether positions are angles or lengths.
     pub kind: JointKind,
     /// Dimensions of the parameters.
     pub parameters: &'a [Known],
@@ -132,7 +135,9 @@ pub struct Quantities<'a> {
 pub struct Clash {
     /// Such as `a sum of`.
     pub what: &'static str,
+    /// The one, as a product of units.
     pub found: String,
+    /// The other, as a product of units.
     pub other: String,
 }
 

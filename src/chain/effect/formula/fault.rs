@@ -10,40 +10,60 @@ pub(super) const DEEPEST: usize = 64;
 /// Why a text is no formula, and where: characters from its start.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FormulaError {
+    /// Where in the text, in characters.
     pub at: Range<usize>,
+    /// What is wrong there.
     pub fault: FormulaFault,
 }
 
 /// What is wrong with a formula.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FormulaFault {
+    /// There is no formula.
     Empty,
     /// Something else ought to stand here.
     Expected {
+        /// What stands there.
         found: String,
+        /// What may stand there, in words.
         expected: &'static str,
     },
+    /// A bracket is opened and not closed.
     Unclosed,
+    /// A text that begins like a number and is none.
     NotANumber {
+        /// As written.
         found: String,
     },
+    /// A name that is no parameter and no variable.
     UnknownName {
+        /// As written.
         found: String,
+        /// The known name most like it.
         nearest: Option<String>,
     },
+    /// A name before a bracket that is no function.
     UnknownFunction {
+        /// As written.
         found: String,
+        /// The known function most like it.
         nearest: Option<String>,
     },
+    /// A function with too many or too few arguments.
     Arguments {
+        /// Name of the function.
         function: String,
+        /// How many it was given.
         found: usize,
+        /// How many it takes.
         expected: usize,
     },
     /// Only q and v of another joint can be asked for.
     OtherJoint {
+        /// The name before the bracket.
         found: String,
     },
+    /// Brackets and powers are nested more deeply than formulas of physics are.
     TooDeep,
 }
 

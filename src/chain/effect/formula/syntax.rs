@@ -18,6 +18,7 @@ use std::ops::Range;
 /// What the names of a formula mean.
 #[derive(Debug)]
 pub struct Names<'a> {
+    /// Names of the law's parameters, in its order.
     pub parameters: &'a [String],
     /// How many states the law has: z, or z1, z2, ...
     pub states: usize,
@@ -32,6 +33,7 @@ pub struct Names<'a> {
 pub enum Sign {
     /// `v/(|v| + w)`.
     Smoothed,
+    /// sgn v, 0 at 0.
     Plain,
 }
 

@@ -6,10 +6,13 @@ use crate::chain::effect::own::MOST_PARAMETERS;
 /// A part of a law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
+    /// Its identifier.
     Id,
+    /// The formula of its torque or factor.
     Torque,
     /// The rate of a state, and its first value.
     Rate(usize),
+    /// The first value of a state by its place.
     Start(usize),
     /// A parameter by its place.
     Parameter(usize),
@@ -18,47 +21,72 @@ pub enum Part {
 /// A fault of a law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LawError {
+    /// Where in the law.
     pub part: Part,
+    /// What is wrong there.
     pub fault: LawFault,
 }
 
 /// What is wrong.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LawFault {
+    /// A formula cannot be read.
     Formula {
+        /// The formula as written.
         text: String,
+        /// What is wrong with it, and where.
         error: FormulaError,
     },
     /// Neither an identifier.
     BadName {
+        /// As written.
         found: String,
     },
+    /// A parameter bears the name of a variable.
     Reserved {
+        /// The name.
         found: String,
     },
     /// The formula has a variable that is not known there.
     NotKnownHere {
+        /// The variable as formulas write it.
         variable: &'static str,
+        /// What to do instead.
         remedy: &'static str,
     },
+    /// A unit that is no product of known ones.
     UnknownUnit {
+        /// As written.
         found: String,
     },
+    /// Terms of different dimensions are added or compared, or the formula does not give what the law needs.
     Dimensions {
+        /// The formula as written.
         text: String,
+        /// Which dimensions, in words.
         what: String,
     },
+    /// The typical value of a parameter does not lie between its limits, or a limit is not a number.
     Bounds {
+        /// Name of the parameter.
         name: String,
+        /// Its lower limit, in its unit.
         lower: f64,
+        /// Its typical value.
         typical: f64,
+        /// Its upper limit.
         upper: f64,
     },
+    /// A parameter stands in no formula.
     Unused {
+        /// Name of the parameter.
         name: String,
     },
+    /// There is nothing to estimate.
     NoParameters,
+    /// More parameters than evaluations have room for.
     TooManyParameters {
+        /// How many there are; [`MOST_PARAMETERS`] are allowed.
         found: usize,
     },
     /// A state that does not stand in the torque.
@@ -81,6 +109,7 @@ impl LawError {
         }
     }
 
+    /// What is wrong, with the text found.
     pub fn message(&self) -> String {
         match &self.fault {
             LawFault::Formula { text, error } => format!(
@@ -107,6 +136,7 @@ impl LawError {
         }
     }
 
+    /// What to do about it.
     pub fn remedy(&self) -> String {
         match &self.fault {
             LawFault::Formula { error, .. } => error.fault.remedy(),
