@@ -64,6 +64,7 @@ const CORRELATION_TIMES: f64 = 4.0;
 pub struct Known<'a> {
     /// RMS noise of a row per channel.
     pub noise: Option<&'a [f64]>,
+    /// Errors of the poorer model's parameters.
     pub estimates: Option<&'a EstimationError>,
 }
 

@@ -317,7 +317,8 @@ fn a_search_withdraws_what_it_found_beside_something_larger() {
         reached: &Reached::default(),
     };
     let declared = bench.declared(contexts.selection.data);
-    let explanation = explaining.explain(declared).unwrap();
+    let selection = explaining.select(declared).unwrap();
+    let explanation = explaining.conclude(selection).unwrap();
     assert!(explanation.tried.iter().any(|step| step.accepted));
     assert!(explanation.full.hypotheses.is_empty());
     assert!(!explanation.withdrawn.is_empty());
