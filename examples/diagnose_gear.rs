@@ -36,10 +36,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             finding.p_value
         );
         for parameter in &finding.parameters {
-            println!(
-                "  {} = {:?} ± {:?} {}",
-                parameter.name, parameter.value, parameter.std_dev, parameter.unit
-            );
+            if let Some((value, std_dev)) = parameter.value.zip(parameter.std_dev) {
+                let (name, unit) = (&parameter.name, &parameter.unit);
+                println!("  {name} = {value:.4} ± {std_dev:.4} {unit}");
+            }
         }
         for rival in finding.rivals.iter().filter(|rival| !rival.separable) {
             println!(
