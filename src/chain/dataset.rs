@@ -155,6 +155,21 @@ impl Prepared {
         part
     }
 
+    /// The same positions and accelerations with all speeds the other way; what bodies do is not known of it.
+    pub fn with_speeds_turned(&self) -> Self {
+        let turn = |speeds: &mut Vec<Vec<f64>>| {
+            speeds.iter_mut().flatten().for_each(|v| *v = -*v);
+        };
+        let mut turned = self.clone();
+        turn(&mut Arc::make_mut(&mut turned.experiment).motion.velocity);
+        turned.bodies = None;
+        if let Some(rows) = &mut turned.rows {
+            turn(&mut rows.motion[1]);
+            rows.bodies = None;
+        }
+        turned
+    }
+
     /// Number of rows used.
     pub fn rows(&self) -> usize {
         self.experiment.rows().div_ceil(self.stride)

@@ -106,15 +106,12 @@ const NEAREST: &str = "no set of real bodies has the fitted base parameters: the
 const CUT: &str =
     "the file has the tree that the loops were cut to: what reads it has to close them again";
 
-/// What a diagnosis calls a finding that has no law.
-const UNNAMED: &str = "unnamed";
-
 /// What a diagnosis found and has no law for.
 fn nameless(outcome: &Outcome) -> Option<String> {
     let Part::Diagnose(diagnosis) = &outcome.part else {
         return None;
     };
-    let found = diagnosis.findings.iter().filter(|f| f.effect == UNNAMED);
+    let found = diagnosis.findings.iter().filter(|f| f.has_no_name());
     let joints: Vec<String> = found.flat_map(|f| f.joints.clone()).collect();
     (!joints.is_empty()).then(|| {
         format!(

@@ -1,8 +1,12 @@
 //! Physics that the declared model lacks, and the other physics that would explain the same.
 
+use crate::outcome::formula::ProposedFormula;
 use crate::outcome::number;
 use crate::outcome::parameter::Parameter;
 use serde::{Deserialize, Serialize};
+
+/// The effect of a finding that no effect of the vocabulary explains.
+pub const UNNAMED: &str = "unnamed";
 
 /// Physics that the declared model lacks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -38,6 +42,16 @@ pub struct Finding {
     /// That there is nothing, and noise made the finding.
     #[serde(default, with = "number::nullable")]
     pub probability_nothing: f64,
+    /// The formula that was found for what has no name, or for what an improbable name resembles; absent where none has earned it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub formula: Option<ProposedFormula>,
+}
+
+impl Finding {
+    /// Whether no effect of the vocabulary explains it.
+    pub fn has_no_name(&self) -> bool {
+        self.effect == UNNAMED
+    }
 }
 
 /// Other physics that explains the same misfit.

@@ -17,6 +17,7 @@ pub mod finding;
 pub mod fit;
 pub mod fleet;
 pub mod folder;
+pub mod formula;
 pub mod input;
 pub mod joint;
 pub mod load;
@@ -65,6 +66,9 @@ pub const FLEET_REPORT_FILE: &str = "fleet.html";
 
 /// Name of the problem file for the recording that would tell rivals apart.
 pub const NEXT_FILE: &str = "next_experiment.toml";
+
+/// Laws that a diagnosis proposes for what has no name, as `laws` of a problem file takes them.
+pub const FORMULAS_FILE: &str = "formulas.toml";
 
 /// The result of one run: the common head and the part of the verb.
 ///

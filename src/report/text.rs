@@ -9,12 +9,13 @@ use crate::outcome::diagnose::{Diagnosis, Verdict};
 use crate::outcome::estimate::{Estimate, Solver};
 use crate::outcome::finding::Finding;
 use crate::outcome::fit::Fit;
+use crate::outcome::formula::ProposedFormula;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::load::Load;
 use crate::outcome::parameter::Parameter;
 use crate::outcome::simulation::Simulation;
 use crate::outcome::trials::Trials;
-use crate::outcome::{Outcome, Part};
+use crate::outcome::{FORMULAS_FILE, Outcome, Part};
 use crate::report::number::{optional, percent, significant};
 use crate::report::terminal::{GAP, align};
 use crate::report::terminal_parameters::{self, LOAD};
@@ -193,6 +194,11 @@ fn diagnosis_lines(diagnosis: &Diagnosis, room: usize) -> Vec<String> {
             finding.sentence
         ));
         lines.extend(rival_line(finding));
+        let formula = finding.formula.iter();
+        lines.extend(formula.map(|formula| {
+            let ProposedFormula { effect, joint, .. } = formula;
+            format!("{GAP}{GAP}law: {effect}, for the effects of {joint} [{FORMULAS_FILE}]")
+        }));
     }
     let mut rest = Vec::new();
     if !diagnosis.findings.is_empty() {

@@ -283,7 +283,10 @@ impl Summary<'_> {
             );
         }
         if let Part::Diagnose(diagnosis) = &self.task.outcome.part
-            && diagnosis.findings.iter().any(|f| f.effect == "unnamed")
+            && diagnosis
+                .findings
+                .iter()
+                .any(|finding| finding.has_no_name())
         {
             notes.push(
                 "Smooth corrections without a name say nothing of other motions and are not in the final model here."

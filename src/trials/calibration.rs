@@ -7,10 +7,11 @@
 //! Claims of one trial exclude each other, and the interval counts them as independent: it is a little too wide where
 //! they share one probability among them, and too narrow where trials fail together.
 
+use crate::outcome::finding::UNNAMED;
 use crate::outcome::finding::{Finding, Rival};
 use crate::outcome::trials::{Calibration, Hidden, Share, Stated, Trial, is_outside};
 use crate::stats::distribution::Distribution;
-use crate::trials::naming::{UNNAMED, same_joints};
+use crate::trials::naming::same_joints;
 
 /// Ranges of probability in the table.
 const TENTHS: usize = 10;

@@ -2,9 +2,6 @@
 
 use crate::outcome::trials::{Found, Hidden};
 
-/// Finding of a misfit that nothing in the vocabulary explains.
-pub(super) const UNNAMED: &str = "unnamed";
-
 /// A finding may list so many rivals that it cannot set aside and still be right by one of them.
 pub const RIVALS: usize = 2;
 

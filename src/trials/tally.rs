@@ -1,11 +1,12 @@
 //! The rates over many trials.
 
+use crate::outcome::finding::UNNAMED;
 use crate::outcome::trials::{
     self, FalseFindings, Found, Group, LONGER, Power, Rates, Share, Trial, Trials,
 };
 use crate::stats::distribution::Distribution;
 use crate::trials::calibration;
-use crate::trials::naming::{UNNAMED, names};
+use crate::trials::naming::names;
 use std::collections::BTreeMap;
 
 /// An effect of so many times the noise has to be found.

@@ -3,7 +3,7 @@
 use crate::diagnose::task::{self, DiagnoseRun};
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::predictions::Quantity;
-use crate::outcome::{NEXT_FILE, Outcome, Part};
+use crate::outcome::{FORMULAS_FILE, NEXT_FILE, Outcome, Part};
 use crate::problem::solution::Stop;
 use crate::problem_file::ProblemFile;
 use crate::verb::completed::{Completed, Found};
@@ -53,6 +53,17 @@ pub(super) fn write(folder: &ResultFolder, result: &DiagnoseRun) -> Result<(), V
     predicted(result, |predicted| predicted.write(folder))?;
     if let Some(next) = &result.diagnosis.next_experiment {
         folder.write(NEXT_FILE, |out| out.write_all(next.problem.as_bytes()))?;
+    }
+    let formulas = result
+        .diagnosis
+        .findings
+        .iter()
+        .filter_map(|finding| finding.formula.as_ref());
+    let laws: Vec<&str> = formulas.map(|formula| formula.law.as_str()).collect();
+    if !laws.is_empty() {
+        folder.write(FORMULAS_FILE, |out| {
+            out.write_all(laws.join("\n").as_bytes())
+        })?;
     }
     Ok(())
 }

@@ -271,6 +271,7 @@ pub const RESULT_FILES: &[&str] = &[
     "motors.rs",
     "machine.rs",
     "diagnose.rs",
+    "formula.rs",
     "design.rs",
     "simulation.rs",
     "trials.rs",

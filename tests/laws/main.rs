@@ -4,6 +4,8 @@
 mod common;
 #[path = "../common/own_versions.rs"]
 mod own_versions;
+
+mod formulas;
 mod values;
 
 use serde_json::Value;

@@ -86,7 +86,8 @@ impl<'a> Linearised<'a> {
         Self::of_every(1, context, fit)
     }
 
-    fn of_every(every: usize, context: &Context<'_>, fit: &'a ModelFit) -> Self {
+    /// Over every n-th row.
+    pub fn of_every(every: usize, context: &Context<'_>, fit: &'a ModelFit) -> Self {
         let recordings = context.recordings(Split::Train).into_iter();
         let recordings: Vec<Prepared> = recordings.map(|r| r.thinned(every)).collect();
         let scale = fit.deviations();
@@ -187,6 +188,24 @@ impl<'a> Linearised<'a> {
             model,
             recordings,
         })
+    }
+
+    /// The rows along which it is linearised.
+    pub fn recordings(&self) -> &[Prepared] {
+        &self.recordings
+    }
+
+    /// The residual of a channel, in units of its deviation.
+    pub fn residual_of(&self, channel: usize) -> &[f64] {
+        &self.residual[channel]
+    }
+
+    /// What the model's own parameters can take of a further column of a channel, in units of its deviation: R⁻ᵀ Jᵀ c.
+    pub fn taken_of(&self, channel: usize, column: &[f64]) -> DVector<f64> {
+        let own = self.columns[channel].iter();
+        let of = |own: &Option<Vec<f64>>| own.as_ref().map_or(0.0, |own| dot(own, column));
+        let product = DVector::from_iterator(self.columns[channel].len(), own.map(of));
+        self.inverse.tr_mul(&product)
     }
 
     /// What further columns of a channel would take.

@@ -9,7 +9,7 @@ use crate::diagnose::residuals::additive_model::{self, AdditiveModel};
 use crate::diagnose::residuals::effect_size::{MATTERS, OF_NOISE};
 use crate::diagnose::residuals::noise_level::NoiseLevel;
 use crate::diagnose::selection::stepwise::Rules;
-use crate::outcome::finding::Finding;
+use crate::outcome::finding::{Finding, UNNAMED};
 use crate::stats::deviation::rms;
 use crate::stats::encompassing::ResidualPair;
 
@@ -55,6 +55,11 @@ impl Corrections {
             .collect()
     }
 
+    /// The one of a channel, over the rows that confirm it.
+    pub fn of_channel(&self, channel: usize) -> Option<&AdditiveModel> {
+        self.confirmed.iter().find(|c| c.channel == channel)
+    }
+
     /// What they stand for has no name.
     pub fn findings(&self, noise_level: &NoiseLevel, state: SearchState<'_>) -> Vec<Finding> {
         let confirmed = self.confirmed.iter();
@@ -80,7 +85,7 @@ impl Corrections {
         };
         let (of_before, of_after) = (rms(&before[c]), rms(&after[c]));
         Finding {
-            effect: "unnamed".to_string(),
+            effect: UNNAMED.to_string(),
             joints: vec![channel.name.clone()],
             parameters: Vec::new(),
             rmse_validation_before: of_before,
@@ -98,6 +103,7 @@ impl Corrections {
             probability: odds.finding,
             probability_unnamed: odds.finding,
             probability_nothing: odds.nothing,
+            formula: None,
         }
     }
 }

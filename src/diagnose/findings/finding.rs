@@ -146,6 +146,7 @@ fn finding(
         probability: step.probabilities.finding,
         probability_unnamed: step.probabilities.unnamed,
         probability_nothing: step.probabilities.nothing,
+        formula: None,
     }
 }
 

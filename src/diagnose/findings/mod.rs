@@ -4,6 +4,7 @@
 pub mod compared;
 pub mod corrections;
 pub mod finding;
+pub mod formulas;
 pub mod next_experiment;
 pub mod probability;
 pub mod report;

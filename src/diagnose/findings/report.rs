@@ -5,6 +5,7 @@ use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::findings::compared::Compared;
 use crate::diagnose::findings::corrections::Corrections;
 use crate::diagnose::findings::finding::{self, ConfirmedStep};
+use crate::diagnose::findings::formulas::Formulas;
 use crate::diagnose::findings::summary::{self, About};
 use crate::diagnose::findings::unexplained::SearchState;
 use crate::diagnose::findings::{next_experiment, verdict};
@@ -86,7 +87,17 @@ impl Reporting<'_> {
             predicted: &predicted,
         };
         let comparisons = self.comparisons(&compared);
-        let findings = self.findings(&compared, &comparisons, &confirmed, &parameters);
+        let mut findings = self.findings(&compared, &comparisons, &confirmed, &parameters);
+        if !self.is_cut_short() {
+            let formulas = Formulas {
+                contexts: self.contexts,
+                full: &explanation.full,
+                corrections: &confirmed,
+                noise_level: &noise_level,
+                significance: self.rules.significance,
+            };
+            formulas.propose(&mut findings)?;
+        }
         let last = summary::correct(context, full, &mut after, &corrections);
         judged_in_time(context, &noise_level, [&mut before, &mut after]);
         let unattested = compared.unattested(&corrections);

@@ -4,6 +4,7 @@ use crate::chain::effect::found::{Estimated, Found};
 use crate::chain::model::Model;
 use crate::chain::words::{list, short};
 use crate::diagnose::fit::hypothesis::{Hypothesis, joint_names};
+use crate::outcome::formula::{OtherFormula, ProposedFormula};
 use crate::outcome::parameter::Parameter;
 
 /// What was wrong with the declared model, of a finding of a model with the parameters that it has brought.
@@ -38,6 +39,33 @@ pub fn improvement(before: f64, after: f64, unit: &str) -> String {
         "the error on recordings that were not fitted falls from {} to {} {unit}",
         short(before),
         short(after)
+    )
+}
+
+/// A formula, how much it explains, and what shorter ones do.
+pub fn formula(formula: &ProposedFormula) -> String {
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let others = formula.others.iter();
+    let shorter: Vec<&OtherFormula> = others
+        .filter(|other| other.complexity < formula.complexity)
+        .collect();
+    let most = shorter.iter().map(|other| other.explains);
+    let most = percent(most.fold(0.0, f64::max));
+    let shorter = match shorter.len() {
+        0 => String::new(),
+        1 => format!("; a shorter formula explains {most}"),
+        count => format!("; {count} shorter formulas explain {most} at most"),
+    };
+    let against = match &formula.against {
+        Some(rival) => format!(", not {rival}"),
+        None => String::new(),
+    };
+    format!(
+        "As a formula, {} at {} explains {} of it ({} probable{against}){shorter}.",
+        formula.expression,
+        formula.joint,
+        percent(formula.explains),
+        percent(formula.probability)
     )
 }
 

@@ -8,7 +8,7 @@ use crate::diagnose::residuals::effect_size::OF_TORQUE;
 use crate::diagnose::residuals::noise_level::{UNEXPLAINED, chance, of_steps};
 use crate::diagnose::residuals::reversal_mask;
 use crate::outcome::diagnose::Unattested;
-use crate::outcome::finding::Finding;
+use crate::outcome::finding::{Finding, UNNAMED};
 use crate::recording::split::Split;
 use crate::stats::deviation::rms;
 
@@ -75,7 +75,7 @@ impl Compared<'_> {
                 let chances = of_weight.filter_map(|(rows, _)| chance(rows, attested));
                 let p_value = (chances.reduce(f64::min)? * tried).min(1.0);
                 (p_value < state.significance).then(|| Finding {
-                    effect: "unnamed".to_string(),
+                    effect: UNNAMED.to_string(),
                     joints: vec![name.clone()],
                     parameters: Vec::new(),
                     rmse_validation_before: rms(residual),
@@ -92,6 +92,7 @@ impl Compared<'_> {
                     probability: 1.0 - p_value,
                     probability_unnamed: 1.0 - p_value,
                     probability_nothing: p_value,
+                    formula: None,
                 })
             })
             .collect()

@@ -13,7 +13,7 @@ const PARTLY: f64 = 0.5;
 /// and from whether what is left is known to be noise.
 pub fn verdict(findings: &[Finding], lack: LackOfFit, unattested: &[Unattested]) -> Verdict {
     let LackOfFit { before, after } = lack;
-    let named = findings.iter().filter(|f| f.effect != "unnamed").count();
+    let named = findings.iter().filter(|f| !f.has_no_name()).count();
     if named == 0 {
         return match findings.is_empty() && unattested.is_empty() {
             true => Verdict::NothingMissing,

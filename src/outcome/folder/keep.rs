@@ -4,10 +4,16 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-use crate::outcome::{NEXT_FILE, PREDICTIONS_FILE, REPORT_FILE, RESULT_FILE};
+use crate::outcome::{FORMULAS_FILE, NEXT_FILE, PREDICTIONS_FILE, REPORT_FILE, RESULT_FILE};
 
 /// Files that a run may write beside those that its result lists.
-const OWN: [&str; 4] = [RESULT_FILE, PREDICTIONS_FILE, REPORT_FILE, NEXT_FILE];
+const OWN: [&str; 5] = [
+    RESULT_FILE,
+    PREDICTIONS_FILE,
+    REPORT_FILE,
+    NEXT_FILE,
+    FORMULAS_FILE,
+];
 
 /// Ending of a user's file of which the new result has the name.
 const ASIDE: &str = ".kept";

@@ -2,8 +2,10 @@
 
 use crate::outcome::diagnose::{Diagnosis, NextExperiment};
 use crate::outcome::finding::{Finding, Rival};
+use crate::outcome::formula::ProposedFormula;
 use crate::outcome::parameter::Parameter;
 use crate::report::escape::{breakable, escape};
+use crate::report::facts::count;
 use crate::report::number::{optional, percent, significant};
 use crate::report::plots::rows::{Bars, bars};
 use crate::report::plots::{PREDICTED, RECORDED, figure, key};
@@ -77,6 +79,7 @@ fn card(number: usize, finding: &Finding, diagnosis: &Diagnosis) -> String {
         ),
     ));
     terms.push(("Instead".to_string(), instead(finding)));
+    terms.extend(finding.formula.iter().flat_map(formula));
     let terms: String = terms
         .iter()
         .map(|(term, text)| format!("<dt>{term}</dt><dd>{text}</dd>\n"))
@@ -100,6 +103,37 @@ fn sureness(probability: f64) -> &'static str {
         p if p >= OPEN => "fair",
         _ => "bad",
     }
+}
+
+/// A formula with its values, what other formulas explain, and the law for the problem file.
+fn formula(formula: &ProposedFormula) -> Vec<(String, String)> {
+    let against = match &formula.against {
+        Some(rival) => format!(", not {}", escape(&rival.replace('_', " "))),
+        None => String::new(),
+    };
+    let others = formula.others.iter().map(|other| {
+        format!(
+            "<br><code>{}</code> explains {} with {}",
+            breakable(&other.expression),
+            percent(other.explains),
+            count(other.complexity, "parameter")
+        )
+    });
+    let proposed = format!(
+        "<code>{}</code> explains {} with {}; {} probable{against}{}\
+         <details><summary>{}, a law for the problem file</summary><pre>{}</pre></details>",
+        breakable(&formula.expression),
+        percent(formula.explains),
+        count(formula.complexity, "parameter"),
+        percent(formula.probability),
+        others.collect::<String>(),
+        escape(&formula.effect),
+        escape(&formula.law)
+    );
+    let proposed = ("Formula".to_string(), proposed);
+    std::iter::once(proposed)
+        .chain(formula.parameters.iter().map(value))
+        .collect()
 }
 
 fn value(parameter: &Parameter) -> (String, String) {
@@ -144,7 +178,11 @@ fn to_do(finding: &Finding, next: Option<&NextExperiment>) -> String {
         (true, None) => {
             "treat it and its rivals alike: no recording of this kind tells them apart.".to_string()
         }
-        (false, _) if finding.effect == "unnamed" => {
+        (false, _) if finding.formula.is_some() => format!(
+            "think about the formula; its law, put into the problem file and among the effects of {}, is fitted like any other.",
+            escape(&finding.joints.join(", "))
+        ),
+        (false, _) if finding.has_no_name() => {
             "look at where it lies below; a law of your own can be tried with <code>[[law]]</code>."
                 .to_string()
         }

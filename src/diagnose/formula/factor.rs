@@ -1,0 +1,127 @@
+//! Factors of formulas: functions of one variable of the motion, as physics has them.
+
+use crate::diagnose::formula::quantity::Quantity;
+use crate::diagnose::formula::rows::FittedRows;
+
+/// What a factor does with its variable x; x₀, s and n are its own parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Shape {
+    /// x, x² or x³.
+    Power(u8),
+    /// |x|
+    Magnitude,
+    /// x |x|
+    SignedSquare,
+    /// `v/(|v| + w)` with the transition speed w of the joint.
+    Direction,
+    /// exp(−|x|/s)
+    Decay,
+    /// max(x − x₀, 0), or its square.
+    Above(u8),
+    /// min(x − x₀, 0), or its square.
+    Below(u8),
+    /// sin(n x + φ)
+    Wave,
+    /// sin(n x)
+    Sine,
+    /// cos(n x)
+    Cosine,
+}
+
+/// A function of one variable.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Factor {
+    pub quantity: Quantity,
+    pub shape: Shape,
+    /// x₀, s or n; 0 where the shape has none.
+    pub inner: f64,
+}
+
+impl Shape {
+    /// Whether it has a parameter of its own.
+    pub fn has_inner(self) -> bool {
+        use Shape::{Above, Below, Cosine, Decay, Sine, Wave};
+        matches!(self, Decay | Above(_) | Below(_) | Wave | Sine | Cosine)
+    }
+
+    /// Whether it repeats.
+    pub fn is_periodic(self) -> bool {
+        matches!(self, Self::Wave | Self::Sine | Self::Cosine)
+    }
+
+    /// Whether it changes its sign with its variable; what is neither odd nor even does not.
+    pub fn is_odd(self) -> bool {
+        matches!(
+            self,
+            Self::Power(1 | 3) | Self::SignedSquare | Self::Direction
+        )
+    }
+
+    /// Power of the unit of its variable in its own.
+    pub fn power(self) -> i8 {
+        match self {
+            Self::Power(n) | Self::Above(n) | Self::Below(n) => n as i8,
+            Self::Magnitude => 1,
+            Self::SignedSquare => 2,
+            Self::Direction | Self::Decay | Self::Wave | Self::Sine | Self::Cosine => 0,
+        }
+    }
+}
+
+impl Factor {
+    /// A factor without a parameter of its own.
+    pub fn plain(quantity: Quantity, shape: Shape) -> Self {
+        Self {
+            quantity,
+            shape,
+            inner: 0.0,
+        }
+    }
+
+    pub fn with_inner(self, inner: f64) -> Self {
+        Self { inner, ..self }
+    }
+
+    /// The same function of the same variable, whatever its parameter.
+    pub fn is_like(&self, other: &Self) -> bool {
+        self.quantity == other.quantity && self.shape == other.shape
+    }
+
+    /// Multiplies series by it: one, or of a wave the sine and the cosine.
+    pub fn multiply(&self, rows: &FittedRows, columns: &mut Vec<Vec<f64>>) {
+        if self.shape == Shape::Wave {
+            let mut second = columns[0].clone();
+            self.times(rows, Shape::Sine, &mut columns[0]);
+            self.times(rows, Shape::Cosine, &mut second);
+            columns.push(second);
+            return;
+        }
+        for column in columns {
+            self.times(rows, self.shape, column);
+        }
+    }
+
+    fn times(&self, rows: &FittedRows, shape: Shape, column: &mut [f64]) {
+        let x = match shape {
+            Shape::Direction => &rows.direction,
+            _ => rows.series(self.quantity),
+        };
+        let of = self.function(shape);
+        column.iter_mut().zip(x).for_each(|(c, x)| *c *= of(*x));
+    }
+
+    fn function(&self, shape: Shape) -> impl Fn(f64) -> f64 {
+        let a = self.inner;
+        move |x: f64| match shape {
+            Shape::Power(n) => x.powi(i32::from(n)),
+            Shape::Magnitude => x.abs(),
+            Shape::SignedSquare => x * x.abs(),
+            Shape::Direction => x,
+            Shape::Decay => (-x.abs() / a).exp(),
+            Shape::Above(n) => (x - a).max(0.0).powi(i32::from(n)),
+            Shape::Below(n) => (x - a).min(0.0).powi(i32::from(n)),
+            Shape::Wave | Shape::Sine => (a * x).sin(),
+            Shape::Cosine => (a * x).cos(),
+        }
+    }
+}

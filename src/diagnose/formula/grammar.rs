@@ -1,0 +1,286 @@
+//! The terms that a joint may have, and what each is charged for having been one of many.
+
+use crate::diagnose::formula::factor::{Factor, Shape};
+use crate::diagnose::formula::quantity::Quantity;
+use crate::diagnose::formula::rows::{Extent, FittedRows};
+use crate::diagnose::formula::term::Term;
+use std::collections::HashMap;
+use std::f64::consts::{PI, TAU};
+
+/// Cycles over the range of positions between one order of a wave and the next: half of what tells two apart.
+const CYCLES: f64 = 0.5;
+
+/// Orders of the joint's own position, and of the positions of others, at most.
+const OWN_ORDERS: usize = 240;
+const OTHER_ORDERS: usize = 24;
+
+/// Shares of the range of a position at which it may touch something.
+const TOUCHES: [f64; 7] = [0.15, 0.3, 0.4, 0.5, 0.6, 0.7, 0.85];
+
+/// Shares of the greatest speed over which something may decay.
+const DECAYS: [f64; 4] = [0.03, 0.08, 0.2, 0.5];
+
+/// Kinds of variables, of which a class of terms has some.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+enum Kind {
+    Position,
+    Wave,
+    Speed,
+    Acceleration,
+    Load,
+    Other,
+    OtherWave,
+}
+
+/// The kinds of the factors of a term, in order.
+type Class = Vec<Kind>;
+
+/// All terms of a joint.
+pub struct Grammar {
+    pub terms: Vec<Term>,
+    /// Factors of terms, each once.
+    pub factors: Vec<Factor>,
+    sizes: HashMap<Class, usize>,
+    spacing: HashMap<Quantity, f64>,
+    extents: HashMap<Quantity, Extent>,
+}
+
+impl Grammar {
+    /// Of the motion of a joint over the fitted rows.
+    pub fn of(rows: &FittedRows) -> Self {
+        let blocks = Blocks::of(rows);
+        let terms = blocks.terms();
+        let mut sizes = HashMap::new();
+        let mut factors: Vec<Factor> = Vec::new();
+        for term in &terms {
+            *sizes.entry(class(term)).or_default() += 1;
+            for factor in &term.factors {
+                if !factors.contains(factor) {
+                    factors.push(*factor);
+                }
+            }
+        }
+        let quantities: Vec<Quantity> = factors.iter().map(|f| f.quantity).collect();
+        let extents: HashMap<Quantity, Extent> = quantities
+            .iter()
+            .map(|&quantity| (quantity, rows.extent(quantity)))
+            .collect();
+        let spacing = extents.iter().map(|(q, extent)| (*q, extent.range()));
+        Self {
+            spacing: spacing.collect(),
+            extents,
+            terms,
+            factors,
+            sizes,
+        }
+    }
+
+    /// Twice the logarithm of the number of terms that a term was chosen from: those of its class, for each class.
+    pub fn charge(&self, term: &Term) -> f64 {
+        let largest = self.sizes.values().copied().max().unwrap_or(1);
+        let own = self.sizes.get(&class(term)).copied().unwrap_or(largest);
+        2.0 * ((own * self.sizes.len().max(1)) as f64).ln()
+    }
+
+    /// Where the parameter of a factor may lie between its neighbours in the search.
+    pub fn around(&self, factor: &Factor) -> [f64; 2] {
+        let range = self.spacing.get(&factor.quantity).copied().unwrap_or(1.0);
+        let a = factor.inner;
+        match factor.shape {
+            Shape::Decay => [0.5 * a, 2.0 * a],
+            Shape::Above(_) | Shape::Below(_) => {
+                let step = 0.15 * range;
+                let inside = self.inside(factor.quantity);
+                [(a - step).max(inside[0]), (a + step).min(inside[1])]
+            }
+            _ => {
+                let step = 0.5 * CYCLES * TAU / range;
+                [(a - step).max(step), a + step]
+            }
+        }
+    }
+
+    /// The range of a variable without its outermost twentieths: what is touched beyond them has too few rows.
+    pub fn inside(&self, quantity: Quantity) -> [f64; 2] {
+        const OUTERMOST: f64 = 0.05;
+        let extent = self.extents.get(&quantity);
+        let extent = extent.copied().unwrap_or(Extent {
+            least: 0.0,
+            greatest: 0.0,
+        });
+        let margin = OUTERMOST * extent.range();
+        [extent.least + margin, extent.greatest - margin]
+    }
+
+    /// The greatest size of a variable.
+    pub fn largest(&self, quantity: Quantity) -> f64 {
+        self.extents.get(&quantity).map_or(0.0, |e| e.largest())
+    }
+}
+
+fn class(term: &Term) -> Class {
+    let mut kinds: Class = term.factors.iter().map(kind).collect();
+    kinds.sort_unstable();
+    kinds
+}
+
+fn kind(factor: &Factor) -> Kind {
+    match (factor.quantity, factor.shape.is_periodic()) {
+        (Quantity::Position, true) => Kind::Wave,
+        (Quantity::Position, false) => Kind::Position,
+        (Quantity::Velocity, _) => Kind::Speed,
+        (Quantity::Acceleration, _) => Kind::Acceleration,
+        (Quantity::Load, _) => Kind::Load,
+        (Quantity::OtherPosition(_), true) => Kind::OtherWave,
+        (Quantity::OtherPosition(_) | Quantity::OtherVelocity(_), _) => Kind::Other,
+    }
+}
+
+/// Factors by the kinds of their variables.
+struct Blocks {
+    /// Of the position, without waves.
+    position: Vec<Factor>,
+    powers: Vec<Factor>,
+    waves: Vec<Factor>,
+    /// Products of factors of the speed.
+    speed: Vec<Vec<Factor>>,
+    load: Vec<Factor>,
+    acceleration: Factor,
+    others: Vec<Factor>,
+    other_waves: Vec<Factor>,
+}
+
+impl Blocks {
+    fn of(rows: &FittedRows) -> Self {
+        use Quantity::{Acceleration, Load, OtherPosition, OtherVelocity, Position, Velocity};
+        let plain = Factor::plain;
+        let powers = |q: Quantity, most: u8| (1..=most).map(move |n| plain(q, Shape::Power(n)));
+        let v = |shape: Shape| plain(Velocity, shape);
+        let mut speed: Vec<Vec<Factor>> = [
+            Shape::Direction,
+            Shape::Power(1),
+            Shape::Magnitude,
+            Shape::Power(2),
+            Shape::SignedSquare,
+            Shape::Power(3),
+        ]
+        .map(|shape| vec![v(shape)])
+        .to_vec();
+        let fastest = rows.extent(Velocity).largest();
+        for share in DECAYS {
+            let decay = v(Shape::Decay).with_inner(share * fastest);
+            speed.push(vec![decay]);
+            speed.push(vec![v(Shape::Direction), decay]);
+        }
+        let others = rows.others().flat_map(|k| {
+            let of_speed = [
+                Shape::Power(1),
+                Shape::Magnitude,
+                Shape::Power(2),
+                Shape::SignedSquare,
+            ];
+            powers(OtherPosition(k), 2)
+                .chain(touches(OtherPosition(k), rows))
+                .chain(of_speed.map(|shape| plain(OtherVelocity(k), shape)))
+        });
+        let other_waves = rows
+            .others()
+            .flat_map(|k| waves(OtherPosition(k), rows, OTHER_ORDERS));
+        let of_load = [
+            Shape::Power(1),
+            Shape::Magnitude,
+            Shape::Power(2),
+            Shape::SignedSquare,
+        ];
+        Self {
+            powers: powers(Position, 3).collect(),
+            position: powers(Position, 3).chain(touches(Position, rows)).collect(),
+            waves: waves(Position, rows, OWN_ORDERS),
+            speed,
+            load: of_load.map(|shape| plain(Load, shape)).to_vec(),
+            acceleration: plain(Acceleration, Shape::Power(1)),
+            others: others.collect(),
+            other_waves: other_waves.collect(),
+        }
+    }
+
+    /// All products that a formula may have.
+    fn terms(&self) -> Vec<Term> {
+        let one = |factor: &Factor| vec![*factor];
+        let each = |factors: &[Factor]| -> Vec<Vec<Factor>> { factors.iter().map(one).collect() };
+        let (position, powers, load) = (
+            each(&self.position),
+            each(&self.powers),
+            each(&self.load[..2]),
+        );
+        let (others, waves) = (each(&self.others), each(&self.waves));
+        let other_waves = each(&self.other_waves);
+        let acceleration = vec![vec![self.acceleration]];
+        // Direction, speed and its size go with waves and with what others do.
+        let simple = self.speed[..3].to_vec();
+        let mut all: Vec<Vec<Factor>> = [&position, &self.speed, &others, &waves, &other_waves]
+            .into_iter()
+            .flatten()
+            .cloned()
+            .collect();
+        all.extend(each(&self.load));
+        all.extend(acceleration.clone());
+        for (left, right) in [
+            (&position, &self.speed),
+            (&position, &load),
+            (&self.speed, &load),
+            (&powers, &acceleration),
+            (&waves, &simple),
+            (&waves, &load),
+            (&others, &simple),
+            (&others, &load),
+            (&others, &powers),
+            (&others, &acceleration),
+            (&other_waves, &simple[..2].to_vec()),
+            (&other_waves, &load[..1].to_vec()),
+        ] {
+            all.extend(products(left, right));
+        }
+        all.extend(products(&products(&powers, &simple), &load));
+        all.extend(products(&products(&waves, &simple[..1]), &load[1..]));
+        all.extend(products(&products(&others, &simple), &load[1..]));
+        let terms = all.into_iter().map(Term::of);
+        terms.filter(Term::is_sound).collect()
+    }
+}
+
+fn products(left: &[Vec<Factor>], right: &[Vec<Factor>]) -> Vec<Vec<Factor>> {
+    let of = |a: &Vec<Factor>| {
+        let a = a.clone();
+        right.iter().map(move |b| [&a[..], &b[..]].concat())
+    };
+    left.iter().flat_map(of).collect()
+}
+
+/// What acts on one side of a position.
+fn touches(quantity: Quantity, rows: &FittedRows) -> Vec<Factor> {
+    let extent = rows.extent(quantity);
+    let of = |share: f64| {
+        let at = extent.least + share * extent.range();
+        [
+            Shape::Above(1),
+            Shape::Below(1),
+            Shape::Above(2),
+            Shape::Below(2),
+        ]
+        .map(|shape| Factor::plain(quantity, shape).with_inner(at))
+    };
+    TOUCHES.into_iter().flat_map(of).collect()
+}
+
+/// Orders from one cycle over the range of a position to what the rows resolve.
+fn waves(quantity: Quantity, rows: &FittedRows, most: usize) -> Vec<Factor> {
+    let step = TAU * CYCLES / rows.extent(quantity).range();
+    let resolved = match quantity {
+        Quantity::Position => ((PI / rows.longest_step) / step) as usize,
+        _ => most,
+    };
+    let count = resolved.min(most);
+    let of = |k: usize| Factor::plain(quantity, Shape::Wave).with_inner(k as f64 * step);
+    (2..=count).map(of).collect()
+}

@@ -1,0 +1,212 @@
+//! A formula as a law of one's own: its text, the units of its parameters, and the table of a problem file.
+
+use crate::chain::effect::own::{ActsOn, LawText, ParameterText, SearchText};
+use crate::chain::model::Model;
+use crate::diagnose::formula::factor::{Factor, Shape};
+use crate::diagnose::formula::grammar::Grammar;
+use crate::diagnose::formula::named::{Named, NamedTerm};
+use crate::diagnose::formula::solved::Solved;
+use crate::diagnose::formula::term::Term;
+use crate::diagnose::formula::units::Units;
+use crate::diagnose::formula::words;
+use crate::robot::tree::JointKind;
+use std::fmt::Write;
+
+/// A sum of terms whose parameters have names, values and units.
+#[derive(Debug, Clone)]
+pub struct Formula {
+    pub id: String,
+    pub joint: usize,
+    /// Name of the joint.
+    pub on: String,
+    pub terms: Vec<NamedTerm>,
+    /// Names of all joints.
+    joints: Vec<String>,
+}
+
+const SIZES: [&str; 3] = ["a", "b", "c"];
+
+impl Formula {
+    /// Of what a search has found for a joint.
+    pub fn of(found: &Solved, grammar: &Grammar, model: &Model, joint: usize) -> Self {
+        let kinds: Vec<JointKind> = model.joints().iter().map(|j| j.kind).collect();
+        let units = Units {
+            kinds: &kinds,
+            joint,
+        };
+        let all = found.terms.iter().zip(&found.sizes).enumerate();
+        let terms = all.map(|(k, (term, sizes))| named(k, term, sizes, grammar, &units));
+        let on = model.joints()[joint].name.clone();
+        Self {
+            id: free_id(model, &on),
+            joint,
+            on,
+            terms: terms.collect(),
+            joints: model.joints().iter().map(|j| j.name.clone()).collect(),
+        }
+    }
+
+    pub fn parameters(&self) -> impl Iterator<Item = &Named> {
+        self.terms.iter().flat_map(NamedTerm::parameters)
+    }
+
+    /// The same with other values of its parameters, by name.
+    pub fn with_values(&self, value: &dyn Fn(&str) -> Option<f64>) -> Self {
+        let mut changed = self.clone();
+        for term in &mut changed.terms {
+            let inner = term.inner.iter_mut().flatten();
+            let own = std::iter::once(&mut term.size).chain(inner);
+            for parameter in own.chain(&mut term.phase) {
+                parameter.value = value(&parameter.name).unwrap_or(parameter.value);
+            }
+        }
+        changed
+    }
+
+    /// With numbers, as people read it: `0.41·tau·sin(8·q)`.
+    pub fn expression(&self) -> String {
+        words::expression(&self.terms, &self.joints)
+    }
+
+    /// Whether it has a term that turns over with the speed of its joint.
+    pub fn has_friction(&self) -> bool {
+        self.terms.iter().any(|named| named.term.is_friction())
+    }
+
+    pub fn text(&self) -> LawText {
+        let parameter = |named: &Named| ParameterText {
+            name: named.name.clone(),
+            unit: Some(named.unit.clone()),
+            meaning: named.meaning.to_string(),
+            lower: named.bounds[0],
+            upper: named.bounds[1],
+            typical: rounded(named.value),
+            search: match named.is_shape {
+                true => SearchText::Values(vec![rounded(named.value)]),
+                false => SearchText::Typical,
+            },
+        };
+        LawText {
+            id: self.id.clone(),
+            sentence: format!("A formula for what has no name on {}.", self.on),
+            source: "proposed by exid diagnose".to_string(),
+            acts_on: ActsOn::Motor,
+            torque: words::torque(&self.terms, &self.joints),
+            states: Vec::new(),
+            parameters: self.parameters().map(parameter).collect(),
+            refines: Vec::new(),
+        }
+    }
+
+    /// The table of a problem file.
+    pub fn table(&self) -> String {
+        let text = self.text();
+        let quoted =
+            |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
+        let mut table = format!(
+            "# Found on {on}: with effects_of in [drive], its id goes among the effects of {on}.\n\n[[law]]\nid = {}\n\
+             sentence = {}\nsource = {}\nacts_on = \"motor\"\ntorque = {}\n\n[law.parameters]\n",
+            quoted(&text.id),
+            quoted(&text.sentence),
+            quoted(&text.source),
+            quoted(&text.torque),
+            on = self.on
+        );
+        for named in self.parameters() {
+            let mut entry = format!(
+                "unit = {}, meaning = {}, typical = {:?}",
+                quoted(&named.unit),
+                quoted(named.meaning),
+                rounded(named.value)
+            );
+            for (key, bound) in ["lower", "upper"].iter().zip(named.bounds) {
+                if bound.is_finite() {
+                    // Writing to a string does not fail.
+                    let _ = write!(entry, ", {key} = {:?}", rounded(bound));
+                }
+            }
+            if named.is_shape {
+                let _ = write!(entry, ", search = [{:?}]", rounded(named.value));
+            }
+            let _ = writeln!(table, "{} = {{ {entry} }}", named.name);
+        }
+        table
+    }
+}
+
+/// Six significant digits: a start, not a result.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
+/// An identifier that no effect has yet.
+fn free_id(model: &Model, joint: &str) -> String {
+    let word = |c: char| if c.is_alphanumeric() { c } else { '_' };
+    let plain = format!("formula_{}", joint.chars().map(word).collect::<String>());
+    let is_taken = |id: &String| model.catalogue().ids().contains(&id.as_str());
+    let numbered = (2..).map(|k| format!("{plain}_{k}"));
+    let mut all = std::iter::once(plain.clone()).chain(numbered);
+    all.find(|id| !is_taken(id)).unwrap_or(plain)
+}
+
+fn named(
+    number: usize,
+    term: &Term,
+    sizes: &[f64],
+    grammar: &Grammar,
+    units: &Units<'_>,
+) -> NamedTerm {
+    const FREE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+    let again = match number {
+        0 => String::new(),
+        number => format!("{}", number + 1),
+    };
+    let inner = |factor: &Factor| {
+        let (name, meaning, bounds) = match factor.shape {
+            Shape::Wave | Shape::Sine | Shape::Cosine => ("n", "periods over 2π", FREE),
+            Shape::Above(_) | Shape::Below(_) => {
+                let inside = grammar.inside(factor.quantity);
+                ("touch", "position at which it begins", inside)
+            }
+            Shape::Decay => {
+                let largest = grammar.largest(factor.quantity);
+                let bounds = [1e-3 * largest, largest];
+                ("scale", "speed over which it decays", bounds)
+            }
+            _ => return None,
+        };
+        Some(Named {
+            name: format!("{name}{again}"),
+            value: factor.inner,
+            unit: units.of_inner(factor),
+            meaning,
+            bounds,
+            is_shape: true,
+        })
+    };
+    let (size, phase) = match sizes {
+        [sine, cosine] => (sine.hypot(*cosine), Some(cosine.atan2(*sine))),
+        _ => (sizes.first().copied().unwrap_or(0.0), None),
+    };
+    NamedTerm {
+        is_negative: size < 0.0,
+        size: Named {
+            name: SIZES[number % SIZES.len()].to_string(),
+            value: size.abs(),
+            unit: units.of_size(term),
+            meaning: "size",
+            bounds: FREE,
+            is_shape: false,
+        },
+        inner: term.factors.iter().map(inner).collect(),
+        phase: phase.map(|value| Named {
+            name: format!("phi{again}"),
+            value,
+            unit: "rad".to_string(),
+            meaning: "phase",
+            bounds: FREE,
+            is_shape: false,
+        }),
+        term: term.clone(),
+    }
+}

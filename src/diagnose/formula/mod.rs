@@ -1,0 +1,27 @@
+//! Formulas for what has no name: a short law in the variables of the motion that takes the place of a misfit, as a `[[law]]`.
+//!
+//! ```text
+//! τ_f = Σ_k c_k Π_j g_kj(x_kj),   x of q, v, acc, tau of the joint, q and v of others
+//! g of x, x², x³, |x|, x|x|, sign(v), exp(−|v|/s), max(x − x₀, 0), min(x − x₀, 0) and their squares, sin(n x + φ)
+//! ```
+//!
+//! Terms are chosen one after the other by what they take from the fitted rows beyond what every parameter of the model can
+//! take (orthogonal matching pursuit: Pati, Rezaiifar and Krishnaprasad 1993), several formulas at a time; their orders, touches and
+//! scales are refined, and factors are dropped, exchanged and added (symbolic regression: Schmidt and Lipson 2009). Each
+//! parameter is charged as by Schwarz (1978), and each term with the number of those that it was chosen from (Chen and Chen 2008).
+//! The foremost formulas are built as laws of one's own and fitted with all parameters of the model; the rows that choose models
+//! choose among them, and one is tested on rows that no choice has seen, against nothing and against a smooth correction.
+
+pub mod dissipation;
+pub mod factor;
+pub mod grammar;
+pub mod law;
+pub mod named;
+pub mod proposal;
+pub mod quantity;
+pub mod rows;
+pub mod search;
+pub mod solved;
+pub mod term;
+pub mod units;
+pub mod words;

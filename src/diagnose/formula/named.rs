@@ -1,0 +1,33 @@
+//! Terms of formulas with named parameters.
+
+use crate::diagnose::formula::term::Term;
+
+/// A term with its parameters.
+#[derive(Debug, Clone)]
+pub struct NamedTerm {
+    pub term: Term,
+    /// It is subtracted.
+    pub is_negative: bool,
+    pub size: Named,
+    /// Of each factor, its own one.
+    pub inner: Vec<Option<Named>>,
+    pub phase: Option<Named>,
+}
+
+/// A parameter.
+#[derive(Debug, Clone)]
+pub struct Named {
+    pub name: String,
+    pub value: f64,
+    pub unit: String,
+    pub meaning: &'static str,
+    pub bounds: [f64; 2],
+    pub is_shape: bool,
+}
+
+impl NamedTerm {
+    pub fn parameters(&self) -> impl Iterator<Item = &Named> {
+        let inner = self.inner.iter().flatten();
+        std::iter::once(&self.size).chain(inner).chain(&self.phase)
+    }
+}

@@ -1,0 +1,326 @@
+//! The search for formulas: terms one after the other, several formulas at a time, then their parts exchanged.
+
+use crate::diagnose::formula::factor::{Factor, Shape};
+use crate::diagnose::formula::solved::{Column, Misfit, Solved, dot};
+use crate::diagnose::formula::term::Term;
+use crate::linalg::normal_equations::INDEPENDENT;
+use rayon::prelude::*;
+
+/// Terms of a formula at most.
+const MOST_TERMS: usize = 3;
+
+/// Formulas that are kept for each number of terms.
+const KEPT: usize = 5;
+
+/// Formulas of each number of terms that a search gives.
+const GIVEN: usize = 2;
+
+/// Rounds in which parts of a formula are exchanged.
+const ROUNDS: usize = 4;
+
+/// Halvings by golden section of the interval in which a parameter lies, and rounds over all parameters.
+const SECTIONS: usize = 12;
+const SWEEPS: usize = 2;
+
+/// A term of the grammar with its columns.
+struct Candidate {
+    term: Term,
+    columns: Vec<Column>,
+}
+
+/// The foremost formulas of a misfit, the best score first; those that score no better than nothing are left out.
+pub fn formulas(misfit: &Misfit<'_>, is_interrupted: &(dyn Fn() -> bool + Sync)) -> Vec<Solved> {
+    let terms = misfit.grammar.terms.par_iter();
+    let candidates: Vec<Candidate> = terms
+        .map(|term| Candidate {
+            term: term.clone(),
+            columns: misfit.columns(term),
+        })
+        .collect();
+    let mut level = vec![misfit.solve(Vec::new())];
+    let mut given: Vec<Solved> = Vec::new();
+    for _ in 0..MOST_TERMS {
+        if is_interrupted() {
+            break;
+        }
+        let grown: Vec<Solved> = level
+            .par_iter()
+            .flat_map_iter(|known| grown(misfit, &candidates, known))
+            .collect();
+        let refined = distinct(grown, KEPT).into_par_iter();
+        let changed: Vec<Solved> = refined.map(|one| exchanged(misfit, one)).collect();
+        let next = distinct(changed, KEPT);
+        let best = |of: &[Solved]| of.iter().map(|s| s.score).fold(f64::INFINITY, f64::min);
+        let better = best(&next) < best(&level);
+        given.extend(next.iter().take(GIVEN).cloned());
+        level = next;
+        if !better {
+            break;
+        }
+    }
+    given.retain(|one| one.score < 0.0);
+    distinct(given, GIVEN * MOST_TERMS)
+}
+
+/// A formula with one term more, each of those that take most.
+fn grown(misfit: &Misfit<'_>, candidates: &[Candidate], known: &Solved) -> Vec<Solved> {
+    let basis = basis(misfit, known);
+    let residual = misfit.residual();
+    let shares: Vec<f64> = basis.iter().map(|e| dot(residual, &e.series)).collect();
+    let mut gains: Vec<(f64, &Candidate)> = candidates
+        .iter()
+        .map(|candidate| {
+            let gain = gain(candidate, residual, &basis, &shares);
+            (gain - misfit.grammar.charge(&candidate.term), candidate)
+        })
+        .collect();
+    gains.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut chosen: Vec<&Candidate> = Vec::new();
+    for (_, candidate) in gains {
+        let is_new = |other: &&Candidate| !other.term.is_like(&candidate.term);
+        if chosen.len() < KEPT && chosen.iter().all(is_new) {
+            chosen.push(candidate);
+        }
+    }
+    let with = |candidate: &Candidate| {
+        let mut terms = known.terms.clone();
+        terms.push(candidate.term.clone());
+        refined(misfit, misfit.solve(terms))
+    };
+    chosen.into_iter().map(with).collect()
+}
+
+/// Orthonormal columns of a formula.
+fn basis(misfit: &Misfit<'_>, known: &Solved) -> Vec<Column> {
+    let mut basis: Vec<Column> = Vec::new();
+    for column in known.terms.iter().flat_map(|term| misfit.columns(term)) {
+        if let Some(unit) = unit_of(column, &basis) {
+            basis.push(unit);
+        }
+    }
+    basis
+}
+
+/// What a column has apart from a basis, with a norm of one; `None` where that is rounding.
+fn unit_of(mut column: Column, basis: &[Column]) -> Option<Column> {
+    let whole = dot(&column.series, &column.series);
+    for unit in basis {
+        let share = column.dot(unit);
+        column.less(share, unit);
+    }
+    let norm = column.dot(&column);
+    (norm > INDEPENDENT.sqrt() * whole).then(|| column.scaled(1.0 / norm.sqrt()))
+}
+
+/// Products of a column with itself and with the residual, without its shares of a basis.
+struct Apart {
+    shares: Vec<f64>,
+    square: f64,
+    right: f64,
+}
+
+impl Apart {
+    /// `None` of a column that the model and the basis have already; `left` are the products of the residual with the basis.
+    fn of(column: &Column, residual: &[f64], basis: &[Column], left: &[f64]) -> Option<Self> {
+        let shares: Vec<f64> = basis.iter().map(|unit| column.dot(unit)).collect();
+        let square = column.dot(column) - dot(&shares, &shares);
+        let is_new = square > INDEPENDENT.sqrt() * dot(&column.series, &column.series);
+        is_new.then(|| Self {
+            right: dot(residual, &column.series) - dot(&shares, left),
+            square,
+            shares,
+        })
+    }
+}
+
+/// Sum of squares that a term takes beside a formula.
+fn gain(candidate: &Candidate, residual: &[f64], basis: &[Column], left: &[f64]) -> f64 {
+    let columns = &candidate.columns;
+    let apart = columns.iter().map(|c| Apart::of(c, residual, basis, left));
+    let Some(apart) = apart.collect::<Option<Vec<Apart>>>() else {
+        return 0.0;
+    };
+    match &apart[..] {
+        [one] => one.right * one.right / one.square,
+        [a, b] => {
+            let product = columns[0].dot(&columns[1]) - dot(&a.shares, &b.shares);
+            let determinant = a.square * b.square - product * product;
+            if determinant <= INDEPENDENT.sqrt() * a.square * b.square {
+                return 0.0;
+            }
+            let squares = b.square * a.right * a.right + a.square * b.right * b.right;
+            (squares - 2.0 * product * a.right * b.right) / determinant
+        }
+        _ => 0.0,
+    }
+}
+
+/// The best formulas of different factors, the best first.
+fn distinct(mut all: Vec<Solved>, most: usize) -> Vec<Solved> {
+    all.sort_by(|a, b| a.score.total_cmp(&b.score));
+    let mut kept: Vec<Solved> = Vec::new();
+    for one in all {
+        if kept.len() < most && kept.iter().all(|known| !known.is_like(&one)) {
+            kept.push(one);
+        }
+    }
+    kept
+}
+
+/// The formula with the parameters of its factors where it takes most.
+fn refined(misfit: &Misfit<'_>, mut best: Solved) -> Solved {
+    for _ in 0..SWEEPS {
+        for t in 0..best.terms.len() {
+            for f in 0..best.terms[t].factors.len() {
+                if best.terms[t].factors[f].shape.has_inner() {
+                    best = sectioned(misfit, best, [t, f]);
+                }
+            }
+        }
+    }
+    best
+}
+
+/// One parameter by golden section about where it is (Kiefer 1953).
+fn sectioned(misfit: &Misfit<'_>, best: Solved, [t, f]: [usize; 2]) -> Solved {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let factor = best.terms[t].factors[f];
+    let [mut low, mut high] = misfit.grammar.around(&factor);
+    let parts = Parts::of(misfit, &best);
+    let at = |inner: f64| {
+        let mut term = best.terms[t].clone();
+        term.factors[f] = factor.with_inner(inner);
+        parts.with(t, term)
+    };
+    let mut left = at(high - GOLDEN * (high - low));
+    let mut right = at(low + GOLDEN * (high - low));
+    for _ in 0..SECTIONS {
+        if left.score < right.score {
+            high = right.terms[t].factors[f].inner;
+            right = left;
+            left = at(high - GOLDEN * (high - low));
+        } else {
+            low = left.terms[t].factors[f].inner;
+            left = right;
+            right = at(low + GOLDEN * (high - low));
+        }
+    }
+    let found = if left.score < right.score {
+        left
+    } else {
+        right
+    };
+    match found.score < best.score {
+        true => found,
+        false => best,
+    }
+}
+
+/// The terms of a formula with their columns.
+struct Parts<'a> {
+    misfit: &'a Misfit<'a>,
+    terms: &'a [Term],
+    columns: Vec<Vec<Column>>,
+}
+
+impl<'a> Parts<'a> {
+    fn of(misfit: &'a Misfit<'_>, formula: &'a Solved) -> Self {
+        let columns = formula.terms.iter().map(|term| misfit.columns(term));
+        Self {
+            misfit,
+            terms: &formula.terms,
+            columns: columns.collect(),
+        }
+    }
+
+    /// The formula with another term in the place of the t-th.
+    fn with(&self, t: usize, term: Term) -> Solved {
+        let own = self.misfit.columns(&term);
+        let mut terms = self.terms.to_vec();
+        terms[t] = term;
+        let mut columns: Vec<&[Column]> = self.columns.iter().map(Vec::as_slice).collect();
+        columns[t] = &own;
+        self.misfit.solve_of(terms, &columns)
+    }
+
+    /// The formula without its t-th term.
+    fn without(&self, t: usize) -> Solved {
+        let mut terms = self.terms.to_vec();
+        terms.remove(t);
+        let mut columns: Vec<&[Column]> = self.columns.iter().map(Vec::as_slice).collect();
+        columns.remove(t);
+        self.misfit.solve_of(terms, &columns)
+    }
+}
+
+/// The formula after its parts were exchanged for as long as that lowers its score.
+fn exchanged(misfit: &Misfit<'_>, mut best: Solved) -> Solved {
+    for _ in 0..ROUNDS {
+        let tried = neighbours(misfit, &best).into_iter();
+        let next = tried.min_by(|a, b| a.score.total_cmp(&b.score));
+        match next.filter(|next| next.score < best.score) {
+            Some(next) => best = refined(misfit, next),
+            None => break,
+        }
+    }
+    best
+}
+
+/// Formulas with one part less, one part more or one part exchanged.
+fn neighbours(misfit: &Misfit<'_>, of: &Solved) -> Vec<Solved> {
+    let parts = Parts::of(misfit, of);
+    let mut all = Vec::new();
+    for (t, term) in of.terms.iter().enumerate() {
+        if of.terms.len() > 1 {
+            all.push(parts.without(t));
+        }
+        let others: Vec<&Term> = (0..of.terms.len())
+            .filter(|k| *k != t)
+            .map(|k| &of.terms[k])
+            .collect();
+        let changed = changed(misfit, term).into_iter();
+        let new = changed.filter(|term| others.iter().all(|other| !other.is_like(term)));
+        all.extend(new.map(|term| parts.with(t, term)));
+    }
+    all
+}
+
+/// A term with one factor less, one more, or one exchanged; waves with a phase of nothing or of a quarter.
+fn changed(misfit: &Misfit<'_>, term: &Term) -> Vec<Term> {
+    let waves = |factor: &Factor| factor.shape == Shape::Wave;
+    // Orders are many, and what repeats is found by its own scan.
+    let single: Vec<&Factor> = misfit
+        .grammar
+        .factors
+        .iter()
+        .filter(|f| !waves(f))
+        .collect();
+    let mut all = Vec::new();
+    for (f, factor) in term.factors.iter().enumerate() {
+        let mut with = |other: Factor| {
+            let mut factors = term.factors.clone();
+            factors[f] = other;
+            all.push(Term::of(factors));
+        };
+        if waves(factor) {
+            with(Factor::plain(factor.quantity, Shape::Sine).with_inner(factor.inner));
+            with(Factor::plain(factor.quantity, Shape::Cosine).with_inner(factor.inner));
+        } else {
+            let same = single
+                .iter()
+                .filter(|other| other.quantity == factor.quantity);
+            same.filter(|other| **other != factor)
+                .for_each(|other| with(**other));
+        }
+        let mut fewer = term.factors.clone();
+        fewer.remove(f);
+        all.push(Term::of(fewer));
+    }
+    for factor in single.into_iter().filter(|f| !f.shape.has_inner()) {
+        let mut factors = term.factors.clone();
+        factors.push(*factor);
+        all.push(Term::of(factors));
+    }
+    all.retain(Term::is_sound);
+    all
+}

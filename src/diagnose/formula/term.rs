@@ -1,0 +1,77 @@
+//! Terms of formulas: products of factors with one size.
+
+use crate::diagnose::formula::factor::{Factor, Shape};
+use crate::diagnose::formula::quantity::Quantity;
+use crate::diagnose::formula::rows::FittedRows;
+
+/// Factors that a term may have.
+pub const MOST_FACTORS: usize = 3;
+
+/// A product of factors.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Term {
+    pub factors: Vec<Factor>,
+}
+
+impl Term {
+    pub fn of(factors: impl Into<Vec<Factor>>) -> Self {
+        Self {
+            factors: factors.into(),
+        }
+    }
+
+    /// Its series over the fitted rows, in what the signal shows of a torque: one for each size that is to be found, two where
+    /// a wave has an unknown phase.
+    pub fn columns(&self, rows: &FittedRows) -> Vec<Vec<f64>> {
+        let mut columns = vec![rows.by_torque.clone()];
+        for factor in &self.factors {
+            factor.multiply(rows, &mut columns);
+        }
+        columns
+    }
+
+    pub fn has_wave(&self) -> bool {
+        self.factors.iter().any(|f| f.shape == Shape::Wave)
+    }
+
+    /// Sizes, phases and parameters of factors.
+    pub fn parameters(&self) -> usize {
+        let inner = self.factors.iter().filter(|f| f.shape.has_inner()).count();
+        1 + usize::from(self.has_wave()) + inner
+    }
+
+    /// The same factors, whatever their parameters.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let has = |factor: &Factor| other.factors.iter().any(|f| f.is_like(factor));
+        self.factors.len() == other.factors.len() && self.factors.iter().all(has)
+    }
+
+    /// Whether it turns over with the speed of its joint, and knows the speed of no other.
+    pub fn is_friction(&self) -> bool {
+        let of_speed = |f: &&Factor| f.quantity == Quantity::Velocity && f.shape.is_odd();
+        let odd = self.factors.iter().filter(of_speed).count();
+        let knows_others = |f: &Factor| matches!(f.quantity, Quantity::OtherVelocity(_));
+        odd % 2 == 1 && !self.factors.iter().any(knows_others)
+    }
+
+    /// Whether it has no two factors of which a product is another factor, and at most one that repeats.
+    pub fn is_sound(&self) -> bool {
+        let repeating = self.factors.iter().filter(|f| f.shape.is_periodic());
+        let alike = |k: usize| {
+            let of_same = |other: &Factor| self.factors[k].quantity == other.quantity;
+            let both = |other: &&Factor| of_same(other) && !is_decay(other);
+            !is_decay(&self.factors[k]) && self.factors[..k].iter().any(|other| both(&other))
+        };
+        let decays = self.factors.iter().filter(|f| is_decay(f)).count();
+        let count = self.factors.len();
+        (1..=MOST_FACTORS).contains(&count)
+            && repeating.count() <= 1
+            && decays <= 1
+            && !(0..count).any(alike)
+    }
+}
+
+/// A decay stands beside the direction that it belongs to.
+fn is_decay(factor: &Factor) -> bool {
+    factor.shape == Shape::Decay
+}

@@ -1,0 +1,105 @@
+//! Formulas in words: as the torque of a law, and with numbers as people read them.
+
+use crate::chain::words::short;
+use crate::diagnose::formula::factor::{Factor, Shape};
+use crate::diagnose::formula::named::{Named, NamedTerm};
+use crate::diagnose::formula::quantity::Quantity;
+
+/// The torque of a law, with the names of its parameters.
+pub fn torque(terms: &[NamedTerm], joints: &[String]) -> String {
+    let name = |named: &Named| named.name.clone();
+    let parts = terms.iter().map(|term| Part {
+        is_negative: term.is_negative,
+        factors: product(term, &name, joints),
+    });
+    sum(parts, "*")
+}
+
+/// With numbers: `0.41·tau·sin(8·q)`.
+pub fn expression(terms: &[NamedTerm], joints: &[String]) -> String {
+    let parts = terms.iter().map(|term| {
+        let mut factors = product(term, &|named| short(named.value), joints);
+        let size = term.size.value;
+        factors[0] = short(size.abs());
+        Part {
+            is_negative: term.is_negative != (size < 0.0),
+            factors,
+        }
+    });
+    sum(parts, "·")
+}
+
+/// A term as it is written.
+struct Part {
+    is_negative: bool,
+    factors: Vec<String>,
+}
+
+/// Terms with their signs; factors stand apart by `times`.
+fn sum(parts: impl Iterator<Item = Part>, times: &str) -> String {
+    let mut text = String::new();
+    for part in parts {
+        text.push_str(match (text.is_empty(), part.is_negative) {
+            (true, false) => "",
+            (true, true) => "-",
+            (false, false) => " + ",
+            (false, true) => " - ",
+        });
+        text.push_str(&part.factors.join(times).replace('*', times));
+    }
+    text
+}
+
+/// Size and factors; `of` is what stands for a parameter.
+fn product(term: &NamedTerm, of: &dyn Fn(&Named) -> String, joints: &[String]) -> Vec<String> {
+    let phase = term.phase.as_ref().map(of).unwrap_or_default();
+    let factors = term.term.factors.iter().zip(&term.inner);
+    let factors = factors.map(|(factor, inner)| {
+        let inner = inner.as_ref().map(of).unwrap_or_default();
+        written(factor, &inner, &phase, joints)
+    });
+    std::iter::once(of(&term.size)).chain(factors).collect()
+}
+
+fn written(factor: &Factor, inner: &str, phase: &str, joints: &[String]) -> String {
+    let x = match factor.quantity {
+        Quantity::Position => "q".to_string(),
+        Quantity::Velocity => "v".to_string(),
+        Quantity::Acceleration => "acc".to_string(),
+        Quantity::Load => "tau".to_string(),
+        Quantity::OtherPosition(k) => format!("q[{}]", joints[k]),
+        Quantity::OtherVelocity(k) => format!("v[{}]", joints[k]),
+    };
+    let raised = |base: String, power: u8| match power {
+        1 => base,
+        power => format!("{base}^{power}"),
+    };
+    match factor.shape {
+        Shape::Power(power) => raised(x, power),
+        Shape::Magnitude => format!("abs({x})"),
+        Shape::SignedSquare => format!("{x}*abs({x})"),
+        Shape::Direction => format!("sign({x})"),
+        Shape::Decay => format!("exp(-abs({x})/{inner})"),
+        Shape::Above(power) => raised(format!("max({}, 0)", less(&x, inner)), power),
+        Shape::Below(power) => raised(format!("min({}, 0)", less(&x, inner)), power),
+        Shape::Wave => format!("sin({inner}*{x}{})", more(phase)),
+        Shape::Sine => format!("sin({inner}*{x})"),
+        Shape::Cosine => format!("cos({inner}*{x})"),
+    }
+}
+
+/// `x - a`, or `x + 0.3` of a negative number.
+fn less(x: &str, a: &str) -> String {
+    match a.strip_prefix('-') {
+        Some(positive) => format!("{x} + {positive}"),
+        None => format!("{x} - {a}"),
+    }
+}
+
+/// ` + a`, or ` - 0.3` of a negative number.
+fn more(a: &str) -> String {
+    match a.strip_prefix('-') {
+        Some(positive) => format!(" - {positive}"),
+        None => format!(" + {a}"),
+    }
+}
