@@ -23,7 +23,7 @@ pub mod candidates;
 pub mod error;
 pub mod findings;
 pub mod fit;
-pub mod formula;
+pub(crate) mod formula;
 pub mod residuals;
 pub mod selection;
 pub mod simulator;

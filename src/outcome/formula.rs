@@ -19,6 +19,7 @@ pub struct ProposedFormula {
     pub complexity: usize,
     /// Fitted together with those of the model.
     pub parameters: Vec<Parameter>,
+    /// RMS error of the joint's signal on recordings that were not fitted, with the formula in the model.
     #[serde(with = "number::nullable")]
     pub rmse_validation: f64,
     /// Share of the joint's excess over the noise that it takes from the model without the finding.
@@ -42,9 +43,11 @@ pub struct ProposedFormula {
 /// A formula that was fitted and is not proposed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OtherFormula {
+    /// With numbers, as people read it.
     pub expression: String,
     /// Number of its parameters.
     pub complexity: usize,
+    /// Share of the joint's excess over the noise that it takes.
     #[serde(with = "number::nullable")]
     pub explains: f64,
 }

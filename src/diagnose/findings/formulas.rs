@@ -18,11 +18,15 @@ const SMOOTH: &str = "the smooth correction";
 
 /// What formulas are proposed from.
 pub struct Formulas<'a> {
+    /// The rows that fit, choose and test.
     pub contexts: &'a Contexts<'a>,
     /// The final model.
     pub full: &'a ModelFit,
+    /// The smooth corrections that a formula has to stand beside.
     pub corrections: &'a Corrections,
+    /// The noise that shares are taken of.
     pub noise_level: &'a NoiseLevel,
+    /// Probability of a formula where there is none.
     pub significance: f64,
 }
 

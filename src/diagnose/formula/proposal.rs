@@ -30,7 +30,7 @@ use crate::estimate::fit::outcome_with;
 use crate::outcome::parameter::Parameter;
 use crate::recording::split::Split;
 use crate::stats::deviation::rms;
-use crate::stats::encompassing::{Encompassing, ResidualPair};
+use crate::stats::encompassing::{Encompassing, Known, ResidualPair};
 use rayon::prelude::*;
 
 /// Rows along which formulas are sought: what takes 2 % of the squares of so many is told from chance among thousands of terms.
@@ -112,7 +112,7 @@ impl Proposing<'_> {
         }
         let formula = &test.fit.validation;
         let against = |poorer: &[Vec<f64>], richer: &[Vec<f64>]| {
-            ResidualPair { poorer, richer }.encompassing(None, rows.residual_rows())
+            ResidualPair { poorer, richer }.encompassing(Known::default(), rows.residual_rows())
         };
         let is_bettered = |left: &[Vec<f64>]| {
             let less = rms(&left[channel]) < (1.0 - MATTERS) * rms(&formula[channel]);

@@ -56,18 +56,11 @@ pub struct Solved {
     pub terms: Vec<Term>,
     /// Sizes of the columns of each term.
     pub sizes: Vec<Vec<f64>>,
-    /// Sum of squares that it takes, of `total`.
-    pub gain: f64,
     /// The less the better.
     pub score: f64,
 }
 
 impl Solved {
-    /// Sizes, phases and parameters of factors.
-    pub fn parameters(&self) -> usize {
-        self.terms.iter().map(Term::parameters).sum()
-    }
-
     /// The same terms, whatever their parameters.
     pub fn is_like(&self, other: &Self) -> bool {
         let has = |term: &Term| other.terms.iter().any(|t| t.is_like(term));
@@ -130,7 +123,6 @@ impl Misfit<'_> {
         Solved {
             sizes: sizes.collect(),
             score: self.score(&terms, solution.gain),
-            gain: solution.gain,
             terms,
         }
     }
