@@ -191,6 +191,11 @@ impl Prepared {
         (0..self.rows()).filter(|&row| self.counts(row))
     }
 
+    /// A series over the used rows at those that count.
+    pub fn counted(&self, series: &[f64]) -> Vec<f64> {
+        self.counting().map(|row| series[row]).collect()
+    }
+
     /// Whether forces of the surroundings on the links are measured.
     pub fn has_forces(&self) -> bool {
         !self.forces.is_empty()

@@ -326,11 +326,11 @@ impl Search<'_> {
             return Ok(None);
         }
         let model = found.started();
-        let machine = (&model, &found.prior);
         Ok(bandwidth::beside(
             self.problem,
             self.robot,
-            machine,
+            &model,
+            &found.prior,
             present,
             control,
         )?)

@@ -75,7 +75,8 @@ pub fn prepared(
 pub fn beside(
     problem: &ProblemFile,
     robot: &Robot,
-    (model, prior): (&Model, &Prior),
+    model: &Model,
+    prior: &Prior,
     present: &Dataset,
     control: &Control<'_>,
 ) -> Result<Option<Dataset>, SetupError> {

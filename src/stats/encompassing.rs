@@ -21,7 +21,7 @@
 use crate::stats::autoregression::{Autoregression, largest_order};
 use crate::stats::deviation::deviation;
 use crate::stats::distribution::Distribution;
-use nalgebra::{DMatrix, DVector};
+use crate::stats::estimation_error::EstimationError;
 
 /// The test of one model against another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,37 +66,6 @@ pub struct Known<'a> {
     pub noise: Option<&'a [f64]>,
     /// Errors of the poorer model's parameters.
     pub estimates: Option<&'a EstimationError>,
-}
-
-/// Errors δθ of the estimated parameters of the poorer model, which move its residuals by J δθ.
-#[derive(Debug, Clone)]
-pub struct EstimationError {
-    /// J, `[channel][parameter][row]`; `None` where a channel does not depend on a parameter.
-    pub derivatives: Vec<Vec<Option<Vec<f64>>>>,
-    /// Of the parameters; those of infinite variance are left out.
-    pub covariance: DMatrix<f64>,
-}
-
-impl EstimationError {
-    /// `gᵀ C g`, `g = Jᵀ w`: the variance of the sum of residuals times weights `[channel][row]`.
-    fn variance(&self, weights: &[Vec<f64>]) -> f64 {
-        let of = |k: usize| {
-            let channels = self.derivatives.iter().zip(weights);
-            let products = channels.filter_map(|(columns, weights)| {
-                let column = columns[k].as_ref()?;
-                Some(column.iter().zip(weights).map(|(j, w)| j * w).sum::<f64>())
-            });
-            match self.covariance[(k, k)].is_finite() {
-                true => products.sum(),
-                false => 0.0,
-            }
-        };
-        let product = DVector::from_fn(self.covariance.nrows(), |k, _| of(k));
-        let determined = self
-            .covariance
-            .map(|entry| if entry.is_finite() { entry } else { 0.0 });
-        product.dot(&(determined * &product)).max(0.0)
-    }
 }
 
 /// Residuals of a poorer and of a richer model over the same rows, `[channel][row]`.
@@ -421,6 +390,7 @@ fn correlation_time(series: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::DMatrix;
     use rand::SeedableRng;
     use rand_distr::{Distribution as _, StandardNormal};
 
@@ -546,15 +516,15 @@ mod tests {
         assert!((found.p_value - tail).abs() < 1e-9, "{found:?}, {tail}");
     }
     /// A poorer model y = θ x that was fitted to rows with x of size 1 and judged where x is three times as large, beside
-    /// one that also has a spurious regressor which resembles x: of 400 true null hypotheses 20 are rejected at 5 %, with a
-    /// standard deviation of 4.4, and many more where the error of θ is forgotten.
+    /// one that also has the regressor x³, of which there is nothing: of 400 true null hypotheses 20 are rejected at 5 %,
+    /// with a standard deviation of 4.4, and many more where the error of θ is forgotten. Over whole periods of a sine
+    /// that error adds 7.9 times the variance of the rest.
     #[test]
     fn errors_of_parameters_keep_the_level_beyond_the_fitted_range() {
         const ROWS: usize = 400;
         let regressor = |size: f64| -> [Vec<f64>; 2] {
-            let x = (0..ROWS).map(|k| size * (k as f64 * 0.05).sin()).collect();
-            let z = (0..ROWS).map(|k| (size * (k as f64 * 0.05).sin()).powi(3) / (size * size));
-            [x, z.collect()]
+            let x = (0..ROWS).map(|k| size * (k as f64 * 0.05).sin());
+            [x.clone().collect(), x.map(|x| x.powi(3)).collect()]
         };
         let (fitted, judged) = (regressor(1.0), regressor(3.0));
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();

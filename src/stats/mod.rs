@@ -6,6 +6,7 @@ pub mod change_point;
 pub mod deviation;
 pub mod distribution;
 pub mod encompassing;
+pub mod estimation_error;
 pub mod false_discovery;
 pub mod ljung_box;
 pub mod random_effects;

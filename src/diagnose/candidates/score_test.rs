@@ -163,7 +163,7 @@ impl<'a> Linearised<'a> {
     /// The same candidate with what it gains at its start over these rows.
     fn confirmed(&self, context: &Context<'_>, candidate: Candidate) -> Option<Candidate> {
         let enlarged = self.enlarged(context, &candidate.hypothesis)?;
-        let mut values = self.transfer(&enlarged.model);
+        let mut values = self.fit.values_of(&enlarged.model);
         for (name, value) in &candidate.start {
             values[enlarged.model.find(name).ok()?] = *value;
         }
@@ -249,7 +249,7 @@ impl<'a> Linearised<'a> {
     /// and those lowered to what the law came to at the speeds of the joint where its transition is wide.
     fn bases(&self, model: &Model, hypothesis: &Hypothesis) -> Vec<Base> {
         let fitted = Base {
-            values: self.transfer(model),
+            values: self.fit.values_of(model),
             changed: Start::new(),
         };
         let borrows = hypothesis.effect.needs.borrows;
@@ -291,25 +291,11 @@ impl<'a> Linearised<'a> {
 
     /// RMS of `v/(|v| + w)` of a joint: the share of its dry friction that it comes to.
     fn reached(&self, joint: usize) -> f64 {
-        let width = self.fit.model.joints()[joint].width;
-        let width = width.map_or(0.0, |index| self.fit.values[index]);
         let of = |r: &Prepared| {
             let speeds = r.segment().motors.dq[joint].iter();
-            let share = |v: &f64| v / (v.abs() + width).max(f64::MIN_POSITIVE);
-            speeds.map(share).collect::<Vec<f64>>()
+            speeds.map(self.fit.direction(joint)).collect::<Vec<f64>>()
         };
         rms(&self.recordings.iter().flat_map(of).collect::<Vec<f64>>())
-    }
-
-    /// The fitted values in a larger model.
-    fn transfer(&self, model: &Model) -> DVector<f64> {
-        let mut values = model.values();
-        for (k, parameter) in model.parameters().iter().enumerate() {
-            if let Ok(index) = self.fit.model.find(&parameter.name) {
-                values[k] = self.fit.values[index];
-            }
-        }
-        values
     }
 
     fn gain(&self, enlarged: &Enlarged<'_>, values: &DVector<f64>) -> f64 {
@@ -433,7 +419,8 @@ fn weighted_difference(a: &[Vec<f64>], b: &[Vec<f64>], scale: &[f64]) -> Vec<Vec
     a.iter().zip(b).zip(scale).map(of).collect()
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+/// Σ a b.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let of = |x| DVectorView::from_slice(x, x.len());
     of(a).dot(&of(b))
 }

@@ -10,7 +10,6 @@ use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::noise_level::{NoiseLevel, chance};
 use crate::diagnose::residuals::reversal_mask;
 use crate::diagnose::selection::explanation::Explanation;
-use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::hypothesis_test::HypothesisTest;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::diagnose::selection::stepwise::SelectionStep;
@@ -69,13 +68,6 @@ fn probabilities(
     noise_level: &NoiseLevel,
 ) -> Probabilities {
     let found = &test.fit.validation;
-    let against = |rival: &ModelFit| {
-        let pair = FitPair {
-            poorer: rival,
-            richer: &test.fit,
-        };
-        forecast(rows, pair)
-    };
     let rivals = comparison.alternatives.iter();
     let channels = channels_of(&test.fit.model, &test.hypothesis.named_joints());
     // At reversals every model leaves more than noise.
@@ -86,7 +78,7 @@ fn probabilities(
         .filter_map(|c| chance(&kept(c), noise_level.rms[c]))
         .fold(1.0, f64::min);
     Alternatives {
-        rivals: rivals.map(|a| against(&a.test.fit)).collect(),
+        rivals: rivals.map(|a| a.separation.evidence).collect(),
         nothing: test.evidence,
         left,
     }

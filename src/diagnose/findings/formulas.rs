@@ -111,7 +111,7 @@ impl Formulas<'_> {
 }
 
 fn formula(proposal: Proposal, against: Option<String>) -> ProposedFormula {
-    let odds = probability::of_formula(proposal.against.as_ref(), &proposal.test.evidence);
+    let probability = probability::of_formula(proposal.against.as_ref(), &proposal.test.evidence);
     let mut others: Vec<OtherFormula> = proposal
         .others
         .iter()
@@ -132,7 +132,7 @@ fn formula(proposal: Proposal, against: Option<String>) -> ProposedFormula {
         rmse_validation: proposal.rmse,
         explains: proposal.explains,
         p_value: proposal.test.p_value,
-        probability: odds.finding,
+        probability,
         against,
         tried: proposal.tried,
         others,

@@ -75,21 +75,11 @@ pub fn of_unnamed(evidence: &Encompassing) -> Probabilities {
     }
 }
 
-/// Of a formula: that it, and not what else takes the same misfit or nothing, is what is there. Before the rows that test
-/// them, the two are alike.
-pub fn of_formula(against: Option<&Encompassing>, nothing: &Encompassing) -> Probabilities {
-    let rivals: Vec<f64> = against
-        .iter()
-        .map(|evidence| (-log_ratio(evidence)).exp())
-        .collect();
-    let nothing = odds_of_nothing(nothing);
-    let sum = 1.0 + rivals.iter().sum::<f64>() + nothing;
-    Probabilities {
-        finding: 1.0 / sum,
-        rivals: rivals.into_iter().map(|w| w / sum).collect(),
-        unnamed: 0.0,
-        nothing: nothing / sum,
-    }
+/// That a formula, and not what else takes the same misfit or nothing, is what is there. Before the rows that test them,
+/// the two are alike.
+pub fn of_formula(against: Option<&Encompassing>, nothing: &Encompassing) -> f64 {
+    let rival = against.map_or(0.0, |evidence| (-log_ratio(evidence)).exp());
+    1.0 / (1.0 + rival + odds_of_nothing(nothing))
 }
 
 fn odds_of_nothing(evidence: &Encompassing) -> f64 {

@@ -44,6 +44,24 @@ impl ModelFit {
         names.zip(self.values.iter().copied()).collect()
     }
 
+    /// `v/(|v| + w)` of a joint's speed with its fitted transition speed w.
+    pub fn direction(&self, joint: usize) -> impl Fn(&f64) -> f64 + use<> {
+        let width = self.model.joints()[joint].width;
+        let width = width.map_or(0.0, |index| self.values[index]);
+        move |v: &f64| v / (v.abs() + width).max(f64::MIN_POSITIVE)
+    }
+
+    /// The fitted values in another model, which keeps its own where this one has no parameter of that name.
+    pub fn values_of(&self, model: &Model) -> DVector<f64> {
+        let mut values = model.values();
+        for (k, parameter) in model.parameters().iter().enumerate() {
+            if let Ok(index) = self.model.find(&parameter.name) {
+                values[k] = self.values[index];
+            }
+        }
+        values
+    }
+
     /// From where a fit of another model begins.
     pub fn warm_start(&self) -> WarmStart {
         WarmStart {

@@ -41,7 +41,6 @@ pub struct Grammar {
     /// Factors of terms, each once.
     pub factors: Vec<Factor>,
     sizes: HashMap<Class, usize>,
-    spacing: HashMap<Quantity, f64>,
     extents: HashMap<Quantity, Extent>,
 }
 
@@ -65,9 +64,7 @@ impl Grammar {
             .iter()
             .map(|&quantity| (quantity, rows.extent(quantity)))
             .collect();
-        let spacing = extents.iter().map(|(q, extent)| (*q, extent.range()));
         Self {
-            spacing: spacing.collect(),
             extents,
             terms,
             factors,
@@ -84,7 +81,8 @@ impl Grammar {
 
     /// Where the parameter of a factor may lie between its neighbours in the search.
     pub fn around(&self, factor: &Factor) -> [f64; 2] {
-        let range = self.spacing.get(&factor.quantity).copied().unwrap_or(1.0);
+        let extent = self.extents.get(&factor.quantity);
+        let range = extent.map_or(1.0, |extent| extent.range());
         let a = factor.inner;
         match factor.shape {
             Shape::Decay => [0.5 * a, 2.0 * a],

@@ -25,6 +25,7 @@ use crate::diagnose::residuals::noise_level::NoiseLevel;
 use crate::diagnose::selection::exact_fit::ExactFit;
 use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::hypothesis_test::{CONFIDENCE, HypothesisTest};
+use crate::diagnose::selection::stepwise::CHOICE;
 use crate::estimate::covariance::of_unknowns;
 use crate::estimate::fit::outcome_with;
 use crate::outcome::parameter::Parameter;
@@ -35,9 +36,6 @@ use rayon::prelude::*;
 
 /// Rows along which formulas are sought: what takes 2 % of the squares of so many is told from chance among thousands of terms.
 const ENOUGH: usize = 1200;
-
-/// Significance at which the rows that choose want a formula, as of every choice of a search.
-const CHOICE: f64 = 0.05;
 
 /// What formulas are sought for.
 pub struct Proposing<'a> {

@@ -64,22 +64,14 @@ impl FittedRows {
         let recordings: Vec<&Prepared> = place.recordings.iter().collect();
         let [by_torque, by_share] = probed(context, fit, joint, place.channel, &recordings)?;
         let motion = |pick: &dyn Fn(&Prepared) -> Vec<f64>| -> Vec<f64> {
-            let of = |r: &&Prepared| {
-                let all = pick(r);
-                let counting = r.counting();
-                counting.map(|row| all[row]).collect::<Vec<f64>>()
-            };
-            recordings.iter().flat_map(of).collect()
+            recordings.iter().flat_map(|r| pick(r)).collect()
         };
-        let position = |k: usize| motion(&|r| r.segment().motors.q[k].to_vec());
-        let velocity = |k: usize| motion(&|r| r.segment().motors.dq[k].to_vec());
+        let position = |k: usize| motion(&|r| r.counted(&r.segment().motors.q[k]));
+        let velocity = |k: usize| motion(&|r| r.counted(&r.segment().motors.dq[k]));
         let load = by_share.iter().zip(&by_torque);
         let load = load.map(|(share, torque)| share / torque).collect();
-        let width = fit.model.joints()[joint].width;
-        let width = width.map_or(0.0, |index| fit.values[index]);
         let speed = velocity(joint);
-        let over = |v: &f64| v / (v.abs() + width).max(f64::MIN_POSITIVE);
-        let direction = speed.iter().map(over).collect();
+        let direction = speed.iter().map(fit.direction(joint)).collect();
         let step = |r: &&Prepared| {
             let rate = r.experiment.rate_hz / r.stride as f64;
             Extent::of(&r.segment().motors.dq[joint]).largest() / rate
@@ -90,7 +82,7 @@ impl FittedRows {
             (Quantity::Velocity, speed),
             (
                 Quantity::Acceleration,
-                motion(&|r| r.segment().motors.ddq[joint].to_vec()),
+                motion(&|r| r.counted(&r.segment().motors.ddq[joint])),
             ),
             (Quantity::Load, load),
         ];
@@ -179,12 +171,7 @@ fn probed(
     for parameter in PROBED {
         columns.push(model.find(&format!("{name}.{PROBE}.{parameter}")).ok()?);
     }
-    let mut values = model.values();
-    for (k, parameter) in model.parameters().iter().enumerate() {
-        if let Ok(index) = fit.model.find(&parameter.name) {
-            values[k] = fit.values[index];
-        }
-    }
+    let mut values = fit.values_of(&model);
     columns.iter().for_each(|&k| values[k] = 0.0);
     let series = ChannelSeries::of(&model, &values, &columns, recordings);
     let [torque, share] = [0, 1].map(|k| series.columns[channel][k].clone());

@@ -1,7 +1,8 @@
 //! The search for formulas: terms one after the other, several formulas at a time, then their parts exchanged.
 
+use crate::diagnose::candidates::score_test::dot;
 use crate::diagnose::formula::factor::{Factor, Shape};
-use crate::diagnose::formula::solved::{Column, Misfit, Solved, dot};
+use crate::diagnose::formula::solved::{Column, Misfit, Solved};
 use crate::diagnose::formula::term::Term;
 use crate::linalg::normal_equations::INDEPENDENT;
 use rayon::prelude::*;

@@ -7,7 +7,7 @@
 //! with the residual r, the columns C⊥ of the terms without what the model's own parameters can take, N rows, p parameters, and
 //! the number M of terms that each was chosen from.
 
-use crate::diagnose::candidates::score_test::Linearised;
+use crate::diagnose::candidates::score_test::{Linearised, dot};
 use crate::diagnose::formula::grammar::Grammar;
 use crate::diagnose::formula::rows::FittedRows;
 use crate::diagnose::formula::term::Term;
@@ -44,10 +44,6 @@ impl Column {
         self.taken *= by;
         self
     }
-}
-
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// A sum of terms.

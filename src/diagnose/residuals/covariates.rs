@@ -67,11 +67,7 @@ struct Rows<'a> {
 
 impl Rows<'_> {
     fn series(&self, pick: &dyn Fn(&Prepared) -> Vec<f64>) -> Vec<f64> {
-        let of = |r: &&Prepared| {
-            let all = pick(r);
-            let counting = r.counting();
-            counting.map(|row| all[row]).collect::<Vec<f64>>()
-        };
+        let of = |r: &&Prepared| r.counted(&pick(r));
         self.recordings.iter().flat_map(of).collect()
     }
 

@@ -11,7 +11,8 @@ use crate::diagnose::residuals::noise_level;
 use crate::diagnose::residuals::reversal_mask;
 use crate::estimate::covariance::of_unknowns_in;
 use crate::recording::split::Split;
-use crate::stats::encompassing::{Encompassing, EstimationError, Known, ResidualPair};
+use crate::stats::encompassing::{Encompassing, Known, ResidualPair};
+use crate::stats::estimation_error::EstimationError;
 
 /// Fewer degrees of freedom do not tell a variance: at 3 the upper bound of a standard deviation, at 95 %, is three times
 /// its estimate.
@@ -22,7 +23,7 @@ const DECIDES: f64 = 0.05;
 
 /// Whether `richer` forecasts what `poorer` leaves.
 pub fn forecast(context: &Context<'_>, pair: FitPair<'_>) -> Encompassing {
-    let evidence = Rows::all(context, pair).encompassing(None);
+    let evidence = KeptRows::all(context, pair).encompassing(None);
     if evidence.freedom >= FEW {
         return evidence;
     }
@@ -34,18 +35,18 @@ pub fn forecast(context: &Context<'_>, pair: FitPair<'_>) -> Encompassing {
 
 /// The same on rows at which joints are under way.
 pub fn under_way(context: &Context<'_>, pair: FitPair<'_>, noise: Option<&[f64]>) -> Encompassing {
-    Rows::under_way(context, pair).encompassing(noise)
+    KeptRows::under_way(context, pair).encompassing(noise)
 }
 
 /// Two models over rows of the held-out recordings.
-struct Rows<'a> {
+struct KeptRows<'a> {
     context: &'a Context<'a>,
     pair: FitPair<'a>,
     /// Rows that are looked at, per channel; all where there is no list.
     kept: Vec<Option<Vec<bool>>>,
 }
 
-impl<'a> Rows<'a> {
+impl<'a> KeptRows<'a> {
     fn all(context: &'a Context<'_>, pair: FitPair<'a>) -> Self {
         Self {
             context,

@@ -14,7 +14,7 @@ use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::hypothesis_test::{CONFIDENCE, HypothesisTest, fits_better};
 use crate::diagnose::selection::stepwise::Stepwise;
 use crate::stats::distribution::Distribution;
-use crate::stats::encompassing::ResidualPair;
+use crate::stats::encompassing::{Encompassing, ResidualPair};
 
 /// A rival is told apart only if it leaves at least half as much again as the finding does, above the noise.
 const IN_DOUBT: f64 = 0.5;
@@ -37,6 +37,8 @@ pub struct Alternative {
 /// How far recordings tell a rival from a finding.
 #[derive(Debug, Clone, Copy)]
 pub struct Separation {
+    /// Whether the finding forecasts what the rival leaves.
+    pub evidence: Encompassing,
     /// The finding forecasts what the rival leaves, or the rival's error is larger by what matters, and the difference
     /// is not small beside what neither explains.
     pub separable: bool,
@@ -79,7 +81,8 @@ impl RivalComparison {
                 richer: &tested,
             };
             let mut separation = separation(whole, noise_level, pair, &joints);
-            separation.separable &= forecast(rows, unchosen).p_value < 1.0 - TOLD_APART;
+            separation.evidence = forecast(rows, unchosen);
+            separation.separable &= separation.evidence.p_value < 1.0 - TOLD_APART;
             Alternative {
                 separation,
                 better: alternative.better,
@@ -221,6 +224,7 @@ pub fn separation(
     // Taken as it is where the noise is not measured.
     let is_clear = !noise_level.measured || leaves_more(noise_level, held_out, &channels);
     Separation {
+        evidence,
         separable: differs && is_clear,
         times_longer: times.is_finite().then_some(times),
     }

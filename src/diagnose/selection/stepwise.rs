@@ -89,7 +89,7 @@ const SEARCHES_AGAIN: usize = 3;
 
 /// Significance at which a search accepts a hypothesis, corrected for the number of those that are open, where other rows
 /// test it afterwards: half of the rows and one test then find what all rows and hundreds of tests would.
-const CHOICE: f64 = 0.05;
+pub const CHOICE: f64 = 0.05;
 
 /// Stepwise selection over the rows of a context.
 pub struct Stepwise<'a> {
