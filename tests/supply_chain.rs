@@ -131,7 +131,6 @@ fn licences_of_all_dependencies_are_allowed() {
             "--format-version",
             "1",
             "--locked",
-            "--offline",
             "--filter-platform",
             host,
         ])
