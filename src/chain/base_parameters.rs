@@ -132,7 +132,7 @@ impl BaseParameters {
 }
 
 /// Seven significant digits without trailing zeros: enough to compute with, stable to read.
-fn significant(x: f64) -> String {
+pub(crate) fn significant(x: f64) -> String {
     let digits = (6 - x.log10().floor() as i32).clamp(0, 12) as usize;
     let text = format!("{x:.digits$}");
     if text.contains('.') {

@@ -24,7 +24,7 @@ use crate::estimate::noise::counting_rows;
 use crate::estimate::physical::{Estimated, report};
 use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::unknowns::Unknowns;
-use crate::estimate::{ratios, realization, torque_constants};
+use crate::estimate::{gain_intervals, ratios, realization, torque_constants};
 use crate::linalg::triangular::{ColumnScaling, Triangular};
 use crate::outcome::estimate::{Estimate, Solver};
 use crate::outcome::fit::{
@@ -120,6 +120,7 @@ pub fn outcome_with(
     };
     let open = ratios::find(problem, &solution.x, &total);
     let marked = ratios::without_scaled(total.clone(), &open);
+    let intervals = gain_intervals::find(problem, &solution.x, &marked);
     let from_prior = determined_by_prior(problem, data);
     let at_bound: Vec<usize> = (0..count)
         .filter(|&k| bounds::side_of(&problem.form().variables[k], solution.x[k]).is_some())
@@ -132,6 +133,7 @@ pub fn outcome_with(
         statistical: of_constants.as_ref().map(|_| &covariance),
         from_prior: &from_prior,
         at_bound: &at_bound,
+        intervals: &intervals,
     };
     let (parameters, reported_covariance) = report(&estimated);
     let predicted = predictions(model, &values, data);
@@ -144,9 +146,9 @@ pub fn outcome_with(
     };
     let fit = Fit {
         base_parameters: ratios::in_ratio(
-            base_parameters(problem, &solution.x, &total),
+            base_parameters(problem, &solution.x, (&total, &intervals)),
             problem,
-            (&solution.x, &total),
+            &total,
             &open,
         ),
         rank: count,
@@ -292,7 +294,7 @@ pub(crate) fn determined_by_prior(problem: &FitProblem<'_>, data: &Dataset) -> V
 pub(crate) fn base_parameters(
     problem: &FitProblem<'_>,
     x: &DVector<f64>,
-    covariance: &DMatrix<f64>,
+    (covariance, intervals): (&DMatrix<f64>, &[Option<[f64; 2]>]),
 ) -> Vec<BaseParameter> {
     let (model, base) = (problem.model, &problem.unknowns.base);
     let quantile = Distribution::Normal.two_sided(0.95);
@@ -300,12 +302,13 @@ pub(crate) fn base_parameters(
         .map(|k| {
             let std_dev = covariance[(k, k)].max(0.0).sqrt();
             let half = quantile * std_dev;
+            let own = intervals.get(k).copied().flatten();
             BaseParameter {
                 expression: base.expression(model, k),
                 unit: model.parameters()[base.base[k].parameter].unit.clone(),
                 value: Some(x[k]),
                 std_dev: Some(std_dev),
-                ci95: Some([x[k] - half, x[k] + half]),
+                ci95: Some(own.unwrap_or([x[k] - half, x[k] + half])),
             }
         })
         .collect()

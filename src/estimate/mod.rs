@@ -25,6 +25,7 @@ pub mod estimator;
 pub mod feasible;
 pub mod figures;
 pub mod fit;
+mod gain_intervals;
 mod gaps;
 mod least_squares;
 pub mod load;

@@ -33,6 +33,8 @@ pub struct Estimated<'a> {
     pub from_prior: &'a [usize],
     /// Unknowns that lie at a bound, as variables of the estimate.
     pub at_bound: &'a [usize],
+    /// Intervals of unknowns that are not those of normal errors.
+    pub intervals: &'a [Option<[f64; 2]>],
 }
 
 struct Quantity {
@@ -123,11 +125,15 @@ fn one(
     };
     let std_dev = deviation(estimated.covariance);
     let half = Distribution::Normal.two_sided(COVERAGE) * std_dev;
+    let own = match from[..] {
+        [k] if row[k] == 1.0 => estimated.intervals.get(k).copied().flatten(),
+        _ => None,
+    };
     let prior = from.iter().any(|k| estimated.from_prior.contains(k));
     let parameter = Reported {
         std_dev: Some(std_dev),
         std_dev_statistical: estimated.statistical.map(deviation),
-        ci95: Some([value - half, value + half]),
+        ci95: Some(own.unwrap_or([value - half, value + half])),
         source: if prior { Source::Prior } else { Source::Data },
         ..known
     };

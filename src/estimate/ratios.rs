@@ -1,15 +1,18 @@
 //! Gains of controllers that nothing tells the size of, and what is known in ratio to them.
 //!
-//! Of the signal `s = (τ_mot + kd (ṁ − v_c) − u) / kp` every part of τ_mot that is unknown may scale with kp: then
+//! Of the signal `s = (τ_mot + kd (ṁ − v_c) − u) / kp` every part of τ_mot that is unknown may scale with kp, and with it a
+//! known one of the same shape: kd beside viscous friction, the inertia of a known link beside that of a rotor. Then
 //!
 //! ```text
-//! s(λ kp, λ θ) = s(kp, θ)      only y = θ / kp is determined
+//! s(λ kp, λ (θ + c) − c) = s(kp, θ)      only y = (θ + c) / kp is determined
+//! y = dθ/dkp along that direction,  c = y kp − θ
 //! σ_y² = (σ_θ² − 2 y σ_θ,kp + y² σ_kp²) / kp²
 //! ```
 //!
 //! A gain is open where its column depends on those of the other unknowns, and where the interval of 1/kp, in which the
 //! signal is linear, holds zero: kp is then not bounded.
 
+use crate::chain::base_parameters::significant;
 use crate::chain::model::{Inertials, Model};
 use crate::chain::parameter::Role;
 use crate::estimate::problem::FitProblem;
@@ -26,12 +29,47 @@ pub(crate) struct OpenGain {
     value: f64,
     /// Its place among the unknowns, if it has one.
     unknown: Option<usize>,
-    /// Places among the unknowns of what scales with it.
-    scaled: Vec<usize>,
+    /// What scales with it.
+    scaled: Vec<Scaled>,
 }
 
-/// Share by which an unknown changes per share of the gain, from which on it scales with it: less is rounding.
-const SCALES: f64 = 1e-3;
+/// An unknown that scales with a gain, together with what is known beside it.
+#[derive(Debug, Clone, Copy)]
+struct Scaled {
+    /// Its place among the unknowns.
+    unknown: usize,
+    /// y, its change by that of the gain where the signal stays.
+    ratio: f64,
+    /// c.
+    known: f64,
+}
+
+impl Scaled {
+    /// `least` is the size of c below which it is an error and there is none.
+    fn of(unknown: usize, ratio: f64, (known, least): (f64, f64)) -> Self {
+        Self {
+            unknown,
+            ratio,
+            known: if known.abs() <= least { 0.0 } else { known },
+        }
+    }
+
+    /// θ + c by the name of θ.
+    fn sum(&self, name: &str) -> String {
+        let sum = match self.known {
+            0.0 => name.to_string(),
+            c if c < 0.0 => format!("{name} - {}", significant(-c)),
+            c => format!("{name} + {}", significant(c)),
+        };
+        match sum.contains(' ') {
+            true => format!("({sum})"),
+            false => sum,
+        }
+    }
+}
+
+/// Share of what a gain makes of the signal that is rounding.
+const ROUNDING: f64 = 1e-6;
 
 /// Share of the variance of an unknown that is the gain's, from which on it is its ratio to the gain that is known.
 const MOSTLY: f64 = 0.5;
@@ -68,21 +106,31 @@ fn dependent(
     problem: &FitProblem<'_>,
     x: &DVector<f64>,
     (gain, value): (usize, f64),
-) -> Vec<usize> {
+) -> Vec<Scaled> {
     let count = x.len();
     let whole = problem.factor_over(x, &[gain]).matrix();
     let own = whole.view((0, 0), (count, count)).into_owned();
     let column = whole.view((0, count), (count, 1)).into_owned();
     match own.solve_upper_triangular(&column) {
         Some(slopes) => (0..count)
-            .filter(|&k| (slopes[(k, 0)] * value).abs() > SCALES * x[k].abs())
+            .filter(|&k| {
+                let share = slopes[(k, 0)].abs() * own.column(k).norm();
+                share > ROUNDING * column.norm()
+            })
+            .map(|k| {
+                let ratio = -slopes[(k, 0)];
+                let whole = ratio * value;
+                Scaled::of(k, ratio, (whole - x[k], ROUNDING * whole.abs()))
+            })
             .collect(),
-        None => (0..count).collect(),
+        None => (0..count)
+            .map(|k| Scaled::of(k, x[k] / value, (0.0, 0.0)))
+            .collect(),
     }
 }
 
 /// Unknowns that vary with a gain whose inverse may be zero; `None` where it may not.
-fn correlated(x: &DVector<f64>, covariance: &DMatrix<f64>, gain: usize) -> Option<Vec<usize>> {
+fn correlated(x: &DVector<f64>, covariance: &DMatrix<f64>, gain: usize) -> Option<Vec<Scaled>> {
     let variance = covariance[(gain, gain)];
     let quantile = Distribution::Normal.two_sided(0.95);
     if x[gain] > quantile * variance.max(0.0).sqrt() {
@@ -92,6 +140,13 @@ fn correlated(x: &DVector<f64>, covariance: &DMatrix<f64>, gain: usize) -> Optio
     Some(
         (0..x.len())
             .filter(|&k| k != gain && share(k) > MOSTLY)
+            .map(|k| {
+                let ratio = covariance[(k, gain)] / variance;
+                // What is left of its variance where the gain is known.
+                let own = covariance[(k, k)] - ratio * covariance[(k, gain)];
+                let least = quantile * own.max(0.0).sqrt();
+                Scaled::of(k, ratio, (ratio * x[gain] - x[k], least))
+            })
             .collect(),
     )
 }
@@ -99,7 +154,8 @@ fn correlated(x: &DVector<f64>, covariance: &DMatrix<f64>, gain: usize) -> Optio
 /// The covariance with infinite variance of what is known in ratio to open gains alone.
 pub(crate) fn without_scaled(mut covariance: DMatrix<f64>, open: &[OpenGain]) -> DMatrix<f64> {
     for gain in open {
-        for &k in gain.scaled.iter().chain(&gain.unknown) {
+        let scaled = gain.scaled.iter().map(|scaled| scaled.unknown);
+        for k in scaled.chain(gain.unknown) {
             covariance[(k, k)] = f64::INFINITY;
         }
     }
@@ -111,7 +167,7 @@ pub(crate) fn without_scaled(mut covariance: DMatrix<f64>, open: &[OpenGain]) ->
 pub(crate) fn in_ratio(
     mut base: Vec<BaseParameter>,
     problem: &FitProblem<'_>,
-    (x, covariance): (&DVector<f64>, &DMatrix<f64>),
+    covariance: &DMatrix<f64>,
     open: &[OpenGain],
 ) -> Vec<BaseParameter> {
     let positions = problem.unknowns.positions();
@@ -120,24 +176,20 @@ pub(crate) fn in_ratio(
     let linear = base.len();
     let mut done: Vec<usize> = Vec::new();
     for gain in open {
-        for &k in &gain.scaled {
+        for scaled in &gain.scaled {
+            let (k, ratio) = (scaled.unknown, scaled.ratio);
             if done.contains(&k) {
                 continue;
             }
             done.push(k);
-            let ratio = x[k] / gain.value;
             let own = covariance[(k, k)];
             let variance = gain.unknown.map_or(own, |g| {
                 own - 2.0 * ratio * covariance[(k, g)] + ratio * ratio * covariance[(g, g)]
             });
             let std_dev = variance.max(0.0).sqrt() / gain.value;
             let parameter = &parameters[positions[k]];
-            let expression = base.get(k).map_or(parameter.name.clone(), |b| {
-                match b.expression.contains(' ') {
-                    true => format!("({})", b.expression),
-                    false => b.expression.clone(),
-                }
-            });
+            let own_name = base.get(k).map_or(&parameter.name, |b| &b.expression);
+            let expression = scaled.sum(own_name);
             let entry = BaseParameter {
                 expression: format!("{expression} / {}", parameters[gain.gain].name),
                 unit: unit(&parameter.unit, &parameters[gain.gain].unit),

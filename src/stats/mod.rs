@@ -1,5 +1,5 @@
 //! Statistics: distributions, robust scales and weights, models of coloured noise, the test of one model's residuals
-//! against another's, changes of a mean, groups of a population, false discoveries.
+//! against another's, changes of a mean, groups of a population, ratios, false discoveries.
 
 pub mod autoregression;
 pub mod change_point;
@@ -11,4 +11,5 @@ pub mod false_discovery;
 pub mod ljung_box;
 pub mod random_effects;
 pub mod range;
+pub mod ratio;
 pub mod robust;
