@@ -1,12 +1,14 @@
 //! Forward simulation of a seven-joint arm at 1 kHz: one minute in one go, and every window of a recording of a minute.
+//! `examples/simulator_proof/speed.py` times MuJoCo beside it, on the same model under the same torques.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use exid::chain::effect::find;
 use exid::chain::forward::{Accuracy, Driven, Forward};
 use exid::chain::model::{Inertials, Model, ModelSettings, Signal};
-use exid::robot::random::{generator, tree};
+use exid::robot::mjcf;
 use nalgebra::DVector;
 use std::hint::black_box;
+use std::path::Path;
 
 const JOINTS: usize = 7;
 const RATE: f64 = 1000.0;
@@ -15,7 +17,8 @@ const SECONDS: usize = 60;
 /// An arm with Coulomb and viscous friction.
 fn arm() -> (Model, DVector<f64>) {
     let effects = ["coulomb_friction", "viscous_friction"].map(|id| find(id).unwrap());
-    let robot = tree(&mut generator(3), JOINTS);
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/arm7.xml");
+    let robot = mjcf::read(&file).unwrap().tree;
     let model = Model::new(ModelSettings {
         inertials: Inertials::Known,
         rotor_inertia: Some(vec![0.3; JOINTS]),
