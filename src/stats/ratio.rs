@@ -10,10 +10,15 @@
 /// Two estimates with their variances and covariance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ratio {
+    /// n
     pub numerator: f64,
+    /// d
     pub denominator: f64,
+    /// V_nn
     pub numerator_variance: f64,
+    /// V_dd
     pub denominator_variance: f64,
+    /// V_nd
     pub covariance: f64,
 }
 
