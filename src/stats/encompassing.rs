@@ -17,6 +17,13 @@
 //!
 //! Where the noise of a row is known, the variance is at least `τ Σ σ² d²` with the correlation time τ of the residual,
 //! as of noise of that size, and only what blocks show beyond it has their few degrees of freedom.
+//!
+//! The slope is `b ~ 1 + s t_ν` if the richer model is right, `b ~ s t_ν` if the poorer is. With 1/s the distance and ν the
+//! degrees of freedom the ratio of their likelihoods is
+//!
+//! ```text
+//! ln Λ = ln f_ν((b − 1)/s) − ln f_ν(b/s),    ln f_ν(x) = −(ν + 1)/2 ln(1 + x²/ν) + const
+//! ```
 
 use crate::stats::autoregression::{Autoregression, largest_order};
 use crate::stats::deviation::deviation;
@@ -36,6 +43,14 @@ pub struct Encompassing {
     pub freedom: f64,
     /// Probability of such a ratio, or a larger one, where b = 0; of one test.
     pub p_value: f64,
+}
+
+impl Encompassing {
+    /// ln Λ, of the likelihoods of the richer model and of the poorer.
+    pub fn log_likelihood_ratio(&self) -> f64 {
+        let log_density = |x: f64| -0.5 * (self.freedom + 1.0) * (x * x / self.freedom).ln_1p();
+        log_density(self.ratio - self.distance) - log_density(self.ratio)
+    }
 }
 
 /// What the rows of residuals are.
@@ -418,6 +433,20 @@ mod tests {
 
     /// Of 400 true null hypotheses about 0.05 · 400 = 20 are rejected at 5 %; the standard deviation of
     /// the count is 4.4.
+    #[test]
+    fn recovers_the_ratio_of_normal_likelihoods() {
+        // b = 0.8 with s = 0.25: ((0.8)² − (0.2)²) / (2 · 0.0625).
+        let evidence = Encompassing {
+            slope: 0.8,
+            ratio: 3.2,
+            distance: 4.0,
+            freedom: 1e6,
+            p_value: 0.5,
+        };
+        let expected = (0.64 - 0.04) / 0.125;
+        assert!((evidence.log_likelihood_ratio() - expected).abs() < 1e-4);
+    }
+
     #[test]
     fn matches_the_stated_level_where_nothing_is_missing() {
         let rows = 1000;

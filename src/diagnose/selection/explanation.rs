@@ -1,11 +1,11 @@
 //! From a declared model to the findings that explain what it leaves: selection, pruning, rivals, exchanges, the
-//! withdrawal of names that only resemble what is missing, and confirmation.
+//! withdrawal of names that only resemble what is missing, confirmation, and more probable names.
 
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::contexts::Contexts;
 use crate::diagnose::fit::model_fit::ModelFit;
-use crate::diagnose::residuals::noise_level;
+use crate::diagnose::residuals::noise_level::{self, NoiseLevel};
 use crate::diagnose::selection::confirmation;
 use crate::diagnose::selection::confounding;
 use crate::diagnose::selection::exact_fit::fit_without;
@@ -17,7 +17,7 @@ use crate::diagnose::selection::weak_findings;
 use crate::diagnose::selection::zero_size;
 use crate::diagnose::stage::Stage;
 
-/// Rounds in which a finding may be exchanged for a better rival.
+/// Rounds in which a finding may be exchanged for a better rival, and in which it may be called by a more probable name.
 const EXCHANGES: usize = 3;
 
 /// The selected model with the evidence for each finding.
@@ -73,8 +73,8 @@ impl Explaining<'_> {
     }
 
     /// Prunes a selected model, compares each finding with its rivals, exchanges what is bettered, withdraws names that
-    /// explain less than they leave, only resemble what another joint does, or have a size that may be none, and strikes out what fails on rows that
-    /// chose nothing.
+    /// explain less than they leave, only resemble what another joint does, or have a size that may be none, strikes out what
+    /// fails on rows that chose nothing, and calls the rest by the names that those rows find more probable.
     pub fn conclude(&self, mut selection: Selection) -> Result<Explanation, DiagnoseError> {
         let context = &self.contexts.selection;
         let searching = |selection: &Selection| self.step(selection);
@@ -83,16 +83,14 @@ impl Explaining<'_> {
         (self.watch)(Stage::Comparing);
         let mut tried = selection.steps.clone();
         let mut round = 0;
+        let mut renamed = 0;
         let mut withdrawn = Vec::new();
         let mut tested = 0;
         loop {
             let full = stepwise.prune(selection.fit.clone(), examined)?;
-            let noise_level = noise_level::of_rows(context, &full, &[]);
-            let comparisons = (0..full.hypotheses.len())
-                .map(|k| stepwise.rivals(&full, k, &noise_level))
-                .collect::<Result<Vec<_>, _>>()?;
+            let compared = self.compared(&stepwise, full)?;
             let mut exchanged = None;
-            for (k, comparison) in comparisons.iter().enumerate() {
+            for (k, comparison) in compared.comparisons.iter().enumerate() {
                 if exchanged.is_none() && round < EXCHANGES {
                     exchanged = stepwise.exchanged(comparison, k)?;
                 }
@@ -103,38 +101,114 @@ impl Explaining<'_> {
                 round += 1;
                 continue;
             }
-            let confounded = || {
-                let significance = self.rules.significance;
-                confounding::first(context, &noise_level, &full, &comparisons, significance)
+            tested = tested.max(compared.full.hypotheses.len() + renamed);
+            let judged = self.judged(&compared, tested)?;
+            let judgement = match judged {
+                Judged::Objectionable(k) => {
+                    selection.fit = withdraw(context, &compared.full, k, &mut withdrawn)?;
+                    round = EXCHANGES;
+                    continue;
+                }
+                Judged::Confirmed(judgement) => judgement,
             };
-            let weakest = weak_findings::weakest(&noise_level, &full, &comparisons);
-            let uncertain = || zero_size::least_certain(context, &full);
-            if let Some(k) = weakest.or_else(confounded).or_else(uncertain) {
-                selection.fit = withdraw(context, &full, k, &mut withdrawn)?;
-                round = EXCHANGES;
-                continue;
-            }
-            tested = tested.max(full.hypotheses.len());
-            let prefixes = prefixes(context, &full)?;
-            let tests = confirmation::tests(self.contexts, &full, tested)?;
-            let significance = self.rules.significance;
-            let failing = confirmation::failing(self.contexts, &prefixes, &tests, significance);
-            if let Some(k) = failing {
-                selection.fit = withdraw(context, &full, k, &mut withdrawn)?;
-                round = EXCHANGES;
-                continue;
+            if renamed < EXCHANGES {
+                renamed += 1;
+                if let Some(fit) = self.renamed(&stepwise, &compared, tested + 1)? {
+                    selection.fit = fit;
+                    round = EXCHANGES;
+                    continue;
+                }
             }
             return Ok(Explanation {
-                prefixes,
-                full,
-                tests,
-                comparisons,
+                prefixes: judgement.prefixes,
+                tests: judgement.tests,
+                full: compared.full,
+                comparisons: compared.comparisons,
                 examined,
                 withdrawn,
                 tried,
             });
         }
     }
+
+    fn compared(&self, stepwise: &Stepwise<'_>, full: ModelFit) -> Result<Compared, DiagnoseError> {
+        let noise_level = noise_level::of_rows(&self.contexts.selection, &full, &[]);
+        let comparisons = (0..full.hypotheses.len())
+            .map(|k| stepwise.rivals(&full, k, &noise_level))
+            .collect::<Result<Vec<_>, _>>()?;
+        Ok(Compared {
+            full,
+            noise_level,
+            comparisons,
+        })
+    }
+
+    /// What rows and rivals say of the findings of a model, `tested` of which rows that chose nothing are asked about.
+    fn judged(&self, compared: &Compared, tested: usize) -> Result<Judged, DiagnoseError> {
+        let (context, significance) = (&self.contexts.selection, self.rules.significance);
+        let Compared {
+            full,
+            noise_level,
+            comparisons,
+        } = compared;
+        let objection = weak_findings::weakest(noise_level, full, comparisons)
+            .or_else(|| confounding::first(context, noise_level, full, comparisons, significance))
+            .or_else(|| zero_size::least_certain(context, full));
+        if let Some(k) = objection {
+            return Ok(Judged::Objectionable(k));
+        }
+        let prefixes = prefixes(context, full)?;
+        let tests = confirmation::tests(self.contexts, full, tested)?;
+        let failing = confirmation::failing(self.contexts, &prefixes, &tests, significance);
+        Ok(match failing {
+            Some(k) => Judged::Objectionable(k),
+            None => Judged::Confirmed(Judgement { prefixes, tests }),
+        })
+    }
+
+    /// The model with a rival in the place of a finding that rows which chose nothing find less probable than it, if nothing
+    /// speaks against that model.
+    fn renamed(
+        &self,
+        stepwise: &Stepwise<'_>,
+        compared: &Compared,
+        tested: usize,
+    ) -> Result<Option<ModelFit>, DiagnoseError> {
+        for (k, comparison) in compared.comparisons.iter().enumerate() {
+            let rows = self.contexts.testing(&compared.full.hypotheses[k]);
+            for rival in comparison.more_probable(rows, &compared.full) {
+                let fit = stepwise.in_place(rival, k)?;
+                let as_renamed = self.compared(stepwise, fit)?;
+                if let Judged::Confirmed(_) = self.judged(&as_renamed, tested)? {
+                    return Ok(Some(as_renamed.full));
+                }
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// A model with what could stand in the place of each of its findings.
+struct Compared {
+    full: ModelFit,
+    noise_level: NoiseLevel,
+    comparisons: Vec<RivalComparison>,
+}
+
+/// What rows and rivals say of the findings of a model.
+enum Judged {
+    /// Something speaks against the k-th.
+    Objectionable(usize),
+    /// Nothing speaks against any.
+    Confirmed(Judgement),
+}
+
+/// The evidence of a model to which there is no objection.
+struct Judgement {
+    /// Models with the first 0, 1, ... findings.
+    prefixes: Vec<ModelFit>,
+    /// Each finding on rows that no choice has seen.
+    tests: Vec<HypothesisTest>,
 }
 
 /// A model without its k-th finding, whose joints join those of the others that were withdrawn.

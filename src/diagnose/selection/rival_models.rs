@@ -97,6 +97,23 @@ impl RivalComparison {
             alternatives: self.alternatives.iter().map(seen).collect(),
         }
     }
+
+    /// Alternatives that rows find more probable than the finding, the most probable first; before, all are alike.
+    pub fn more_probable(&self, rows: &Context<'_>, full: &ModelFit) -> Vec<&Alternative> {
+        let found = full.on(rows);
+        let odds = |alternative: &Alternative| {
+            let rival = alternative.test.fit.on(rows);
+            let pair = FitPair {
+                poorer: &rival,
+                richer: &found,
+            };
+            -forecast(rows, pair).log_likelihood_ratio()
+        };
+        let all = self.alternatives.iter().map(|a| (a, odds(a)));
+        let mut likelier: Vec<_> = all.filter(|(_, odds)| *odds > 0.0).collect();
+        likelier.sort_by(|a, b| b.1.total_cmp(&a.1));
+        likelier.into_iter().map(|(a, _)| a).collect()
+    }
 }
 
 /// A finding in whose place there could stand what the recordings cannot set aside.
@@ -198,12 +215,17 @@ impl Stepwise<'_> {
         let Some(best) = better.min_by(|a, b| score(a).total_cmp(&score(b))) else {
             return Ok(None);
         };
-        let found = &best.test.fit;
+        self.in_place(best, k).map(Some)
+    }
+
+    /// The model with an alternative in the place of the k-th hypothesis.
+    pub fn in_place(&self, alternative: &Alternative, k: usize) -> Result<ModelFit, DiagnoseError> {
+        let found = &alternative.test.fit;
         let mut hypotheses = found.hypotheses.clone();
         if let Some(last) = hypotheses.pop() {
             hypotheses.insert(k.min(hypotheses.len()), last);
         }
-        fit_model(self.context, &hypotheses, &found.warm_start()).map(Some)
+        fit_model(self.context, &hypotheses, &found.warm_start())
     }
 }
 
