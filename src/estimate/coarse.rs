@@ -12,6 +12,7 @@ use crate::estimate::minimise::Search;
 use crate::estimate::noise::counting_rows;
 use crate::estimate::problem::FitProblem;
 use crate::estimate::rows::needs_all;
+use crate::estimate::sines;
 use crate::estimate::unknowns::Unknowns;
 use crate::problem::solution::{Control, Solution};
 
@@ -36,7 +37,8 @@ pub(crate) fn minimise<'a>(
         estimator,
         control,
     };
-    search.from(begun)
+    let (solution, problem) = search.from(begun)?;
+    Ok((sines::stated(&problem, solution), problem))
 }
 
 /// Where the search over fewer rows ends; `None` for few rows, for what one solution of linear equations settles,

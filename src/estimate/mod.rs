@@ -44,6 +44,7 @@ mod reweight;
 mod rounded;
 pub(crate) mod rows;
 mod shapes;
+pub(crate) mod sines;
 pub mod spectrum;
 pub mod standstill;
 mod start;

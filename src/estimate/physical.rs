@@ -196,6 +196,9 @@ fn body(estimated: &Estimated<'_>, name: &str, first: usize, out: &mut Vec<Quant
     let raw: [f64; PER_LINK] = std::array::from_fn(|k| estimated.values[first + k]);
     let has = |entries: &[usize]| entries.iter().all(|&k| determined(estimated, first + k));
     let m = raw[0];
+    let is_free = |k: usize| estimated.model.parameters()[first + k].is_free();
+    // First moments that are known to be zero make a centre zero and no part of a tensor, whatever the mass is.
+    let is_none = |k: usize| raw[k] == 0.0 && !is_free(k) && (m != 0.0 || is_free(0));
     let mut push = |index: usize, needs: &[usize], value: f64, gradient: Vec<(usize, f64)>| {
         let (quantity, unit) = REPORTED[index];
         out.push(Quantity {
@@ -209,12 +212,16 @@ fn body(estimated: &Estimated<'_>, name: &str, first: usize, out: &mut Vec<Quant
     push(0, &[0], m, vec![(0, 1.0)]);
     for axis in 0..3 {
         let h = raw[1 + axis];
+        if is_none(1 + axis) {
+            push(1 + axis, &[1 + axis], 0.0, Vec::new());
+            continue;
+        }
         let gradient = vec![(1 + axis, 1.0 / m), (0, -h / (m * m))];
         push(1 + axis, &[0, 1 + axis], h / m, gradient);
     }
     for (index, (a, b, entry)) in TENSOR.into_iter().enumerate() {
         let (value, mut gradient) = (raw[entry], vec![(entry, 1.0)]);
-        let mut needs = vec![entry, 0];
+        let mut needs = vec![entry];
         // Products h_i h_j / m that Steiner's theorem takes away, with their signs.
         let products: Vec<(usize, usize, f64)> = if a == b {
             (0..3).filter(|&k| k != a).map(|k| (k, k, -1.0)).collect()
@@ -223,12 +230,15 @@ fn body(estimated: &Estimated<'_>, name: &str, first: usize, out: &mut Vec<Quant
         };
         let mut central = value;
         for (i, j, sign) in products {
+            if is_none(1 + i) || is_none(1 + j) {
+                continue;
+            }
             let (hi, hj) = (raw[1 + i], raw[1 + j]);
             central += sign * hi * hj / m;
             gradient.push((1 + i, sign * hj / m));
             gradient.push((1 + j, sign * hi / m));
             gradient.push((0, -sign * hi * hj / (m * m)));
-            needs.extend([1 + i, 1 + j]);
+            needs.extend([0, 1 + i, 1 + j]);
         }
         push(4 + index, &needs, central, gradient);
     }

@@ -77,11 +77,23 @@ pub(super) fn tick(value: f64, range: (f64, f64)) -> String {
     }
 }
 
-/// A share as per cent, three significant digits at most: `6.25 %`, `0.04 %`, `140 %`.
+/// Per cent below which a share is next to nothing.
+const LEAST_PERCENT: f64 = 0.01;
+
+/// Per cent beyond which a share says no more than that it is beyond.
+const MOST_PERCENT: f64 = 1e4;
+
+/// A share as per cent, three significant digits at most: `6.25 %`, `0.04 %`, `140 %`, `under 0.01 %`, `over 10000 %`.
 pub(super) fn percent(share: f64) -> String {
     let value = 100.0 * share;
     if !value.is_finite() {
         return ABSENT.to_string();
+    }
+    if value > MOST_PERCENT {
+        return format!("over {MOST_PERCENT} %");
+    }
+    if value > 0.0 && value < LEAST_PERCENT {
+        return format!("under {LEAST_PERCENT} %");
     }
     let decimals = match value.abs() {
         size if size < 10.0 => 2,
@@ -144,7 +156,15 @@ mod tests {
 
     #[test]
     fn shares_are_per_cent() {
-        for (share, text) in [(0.0625, "6.25 %"), (0.4567, "45.7 %"), (1.4, "140 %")] {
+        for (share, text) in [
+            (0.0, "0.00 %"),
+            (6e-120, "under 0.01 %"),
+            (0.0001, "0.01 %"),
+            (0.0625, "6.25 %"),
+            (0.4567, "45.7 %"),
+            (1.4, "140 %"),
+            (1e12, "over 10000 %"),
+        ] {
             assert_eq!(percent(share), text);
         }
     }

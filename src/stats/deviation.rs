@@ -18,3 +18,16 @@ pub fn deviation(series: &[f64]) -> f64 {
 pub fn deviations(residuals: &[Vec<f64>]) -> Vec<f64> {
     residuals.iter().map(|e| deviation(e)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn matches_roots_of_means_of_squares() {
+        assert_eq!(rms(&[3.0, -4.0, 0.0, 5.0]), 12.5_f64.sqrt());
+        assert_eq!(rms(&[]), 0.0);
+        assert_eq!(deviation(&[0.0, 0.0]), 1.0);
+        assert_eq!(deviations(&[vec![2.0; 9], Vec::new()]), [2.0, 1.0]);
+    }
+}

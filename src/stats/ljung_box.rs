@@ -58,6 +58,21 @@ mod tests {
         assert!(found.p_value < 0.002);
     }
 
+    /// rho_2 = (n - 2) / n beside it: Q = 120 (0.81/9 + 0.64/8); with one of two degrees of freedom taken, that is the square of
+    /// a normal number of 4.5166, whose tails are 6.28e-6.
+    #[test]
+    fn matches_closed_form_of_two_lags_with_a_parameter_fitted() {
+        let series: Vec<f64> = (0..10)
+            .map(|i| if i % 2 == 0 { 3.0 } else { -3.0 })
+            .collect();
+        let found = ljung_box(&series, 2, 1).unwrap();
+        assert!((found.statistic - 20.4).abs() <= 1e-12);
+        assert_eq!(found.freedom, 1.0);
+        let tails = 2.0 * Distribution::Normal.upper_tail(20.4_f64.sqrt());
+        assert!((found.p_value / tails - 1.0).abs() < 1e-9, "{found:?}");
+        assert!((found.p_value / 6.28e-6 - 1.0).abs() < 1e-2, "{found:?}");
+    }
+
     #[test]
     fn refuses_what_cannot_be_tested() {
         assert_eq!(ljung_box(&[1.0, 2.0], 2, 0), None);

@@ -14,7 +14,10 @@ use crate::trials::run::run;
 use crate::trials::tally::tally;
 use crate::trials::{conceal, longer};
 
+mod bench;
 mod evidence;
+mod kept;
+mod unnamed;
 
 #[test]
 fn every_effect_that_is_not_declared_is_concealed_in_some_trial() {

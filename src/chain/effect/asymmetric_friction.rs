@@ -59,13 +59,13 @@ pub const EFFECT: Effect = Effect {
 };
 
 fn finding(found: &Found<'_>) -> String {
-    match found.quantity("dFc") {
-        Some(_) => found.with(
+    match found.is_told_from_zero("dFc") || !found.is_told_from_zero("dFv") {
+        true => found.with(
             "needs more torque in one direction than in the other, half the difference being",
             "dFc",
             "the model was the same in both (a constant offset of the signal is the same torque)",
         ),
-        None => found.with(
+        false => found.with(
             "has friction that depends on the direction of motion; with speed the difference grows by",
             "dFv",
             "the model had the same in both directions",

@@ -67,7 +67,9 @@ fn finding(found: &Found<'_>) -> String {
         let degrees = found.scaled(name, "°", f64::to_degrees)?;
         Some(format!("{name} {degrees}"))
     };
-    let angles: Vec<String> = ["roll", "pitch"].into_iter().filter_map(angle).collect();
+    let told = ["roll", "pitch"].into_iter();
+    let told = told.filter(|name| found.is_told_from_zero(name));
+    let angles: Vec<String> = told.filter_map(angle).collect();
     let by = match angles.is_empty() {
         true => String::new(),
         false => format!(", {}", list(&angles)),

@@ -54,6 +54,7 @@ pub const EFFECT: Effect = Effect {
             widest,
             stands_for: JointTerm::ViscousFriction,
         }),
+        sines: &[],
     },
 };
 

@@ -41,6 +41,20 @@ impl Found<'_> {
         self.of(name)?.value
     }
 
+    /// Its values at all joints that it is of.
+    pub fn values(&self, name: &str) -> Vec<f64> {
+        let own = self.parameters.iter().filter(|p| p.name == name);
+        own.filter_map(|p| p.value).collect()
+    }
+
+    /// Whether a parameter has a value that its interval tells from zero.
+    pub fn is_told_from_zero(&self, name: &str) -> bool {
+        let holds_zero =
+            |p: &Estimated<'_>| p.ci95.is_some_and(|[low, high]| low <= 0.0 && high >= 0.0);
+        let parameter = self.of(name).filter(|p| p.value.is_some());
+        parameter.is_some_and(|p| !holds_zero(p))
+    }
+
     /// `12.3 N·m (95 %: 11.9 to 12.7)`.
     pub fn quantity(&self, name: &str) -> Option<String> {
         self.scaled(name, self.of(name)?.unit, |x| x)

@@ -21,6 +21,18 @@ pub struct Knowledge {
     pub term: Option<JointTerm>,
     /// The parameter that is the transition speed w of the joint's `sign(v)`.
     pub transition: Option<Transition>,
+    /// Its sines, each of which can be written in two ways.
+    pub sines: &'static [Sine],
+}
+
+/// A term `amplitude·sin(… + phase)` of an effect, by the names of its parameters: the same as one of the other sign half a
+/// turn further, `−amplitude·sin(… + phase + π)`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sine {
+    /// The parameter that is its amplitude.
+    pub amplitude: &'static str,
+    /// The parameter that is its phase.
+    pub phase: &'static str,
 }
 
 /// A transition speed among the parameters of an effect.
@@ -43,6 +55,7 @@ impl Knowledge {
         trial: Trial::FromLaw,
         term: None,
         transition: None,
+        sines: &[],
     };
 }
 

@@ -1,5 +1,6 @@
 //! Every torque law of the table, whatever it is: derivatives, power, linearity, documentation.
 
+use crate::chain::effect::found::{Estimated, Found};
 use crate::chain::effect::knowledge::{JointTerm, Sizes, Trial};
 use crate::chain::effect::sign::sign;
 use crate::chain::effect::site::Site;
@@ -7,6 +8,7 @@ use crate::chain::effect::{
     Contribution, EFFECTS, Effect, Law, Linearity, ParameterInfo, Power, Samples, Surroundings,
     TorqueLaw, find, of_term,
 };
+use crate::chain::signal::Signal;
 use crate::robot::random::{generator, symmetric};
 use rand_chacha::ChaCha8Rng;
 
@@ -268,6 +270,120 @@ fn sizes_and_values_of_trials_are_parameters_of_their_effects() {
                 let bounds = info.lower..=info.upper;
                 assert!(bounds.contains(&drawn.value), "{}: {drawn:?}", effect.id);
             }
+        }
+    }
+}
+
+/// Of several sizes at least one is told from none, and a sentence speaks of that one.
+#[test]
+fn no_sentence_has_a_size_that_may_be_zero_where_another_is_told_from_it() {
+    let mut tried = 0;
+    for effect in EFFECTS {
+        let Some(sentence) = effect.knowledge.finding else {
+            continue;
+        };
+        let Sizes::Of { names, .. } = effect.knowledge.sizes else {
+            continue;
+        };
+        for certain in names.iter().filter(|_| names.len() > 1) {
+            let estimated = |name: &&'static str| Estimated {
+                name,
+                unit: "",
+                value: Some(0.5),
+                ci95: Some(match name == certain {
+                    true => [0.4, 0.6],
+                    false => [-7.0, 8.0],
+                }),
+            };
+            let said = sentence(&Found {
+                who: "j1".into(),
+                moved: String::new(),
+                by: Vec::new(),
+                signal: Signal::Torque,
+                parameters: names.iter().map(estimated).collect(),
+            });
+            assert!(said.contains("(95 %: "), "{said}");
+            assert_eq!(said.matches("(95 %: ").count(), 1, "{said}");
+            assert!(
+                !said.contains("to 8.00)") && !said.contains("to 458)"),
+                "{said}"
+            );
+            tried += 1;
+        }
+    }
+    assert_eq!(tried, 6);
+}
+
+fn said(id: &str, signal: Signal, parameters: Vec<Estimated<'_>>) -> String {
+    let found = Found {
+        who: "j1".into(),
+        moved: String::new(),
+        by: Vec::new(),
+        signal,
+        parameters,
+    };
+    find(id).unwrap().knowledge.finding.unwrap()(&found)
+}
+
+/// A sign is a word: late and early, heavier and lighter.
+#[test]
+fn sentences_have_no_negative_delays_and_loads() {
+    let estimated = |name: &'static str, value: f64| Estimated {
+        name,
+        unit: "",
+        value: Some(value),
+        ci95: Some([1.1 * value, 0.9 * value]),
+    };
+    let late = |delay: f64| {
+        said(
+            "time_delay",
+            Signal::Torque,
+            vec![estimated("delay", delay)],
+        )
+    };
+    assert!(late(0.02).contains("is late by 20.0 ms (95 %: 18.0 to 22.0)"));
+    assert!(late(-0.02).contains("is early by 20.0 ms (95 %: 18.0 to 22.0)"));
+    let of_all = |delays: [f64; 2]| {
+        let own = delays.map(|delay| estimated("delay", delay));
+        said("time_delay", Signal::Torque, own.to_vec())
+    };
+    assert!(of_all([0.004, 0.018]).contains("is late by 4.00 to 18.0 ms;"));
+    assert!(of_all([-0.004, -0.018]).contains("is early by 4.00 to 18.0 ms;"));
+    assert!(of_all([0.004, -0.018]).contains("is late here and early there by -18.0 to 4.00 ms;"));
+    let load = |mass: f64| {
+        said(
+            "unmodelled_payload",
+            Signal::Torque,
+            vec![estimated("mass", mass)],
+        )
+    };
+    assert!(load(2.0).starts_with("A load of 2.00 (95 %"));
+    assert!(load(-2.0).contains("lighter by 2.00 kg (95 %: 1.80 to 2.20)"));
+}
+
+#[test]
+fn a_torque_sensor_has_no_torque_constant() {
+    // The polynomial of a current is of currents alone.
+    for effect in EFFECTS.iter().filter(|e| !matches!(e.law, Law::Current)) {
+        let Some(sentence) = effect.knowledge.finding else {
+            continue;
+        };
+        let own = effect.parameters.iter().map(|p| Estimated {
+            name: p.name,
+            unit: "",
+            value: Some(p.typical),
+            ci95: None,
+        });
+        let found = |signal| Found {
+            who: "j1".into(),
+            moved: "j1".into(),
+            by: vec!["j2".into()],
+            signal,
+            parameters: own.clone().collect(),
+        };
+        for signal in [Signal::Torque, Signal::LinkTorque] {
+            let said = sentence(&found(signal));
+            assert!(!said.contains("torque constant"), "{}: {said}", effect.id);
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::chain::effect::{
     Confounder, Dependence, Effect, Law, Memory, Needs, ParameterInfo, Search, Span, Unit,
 };
 use crate::chain::signal::Signal;
+use crate::chain::words::short;
 use rand_chacha::ChaCha8Rng;
 
 /// The table's entry.
@@ -55,14 +56,32 @@ pub const EFFECT: Effect = Effect {
 };
 
 fn finding(found: &Found<'_>) -> String {
-    let who = &found.who;
-    let delay = found.scaled("delay", "ms", |s| 1e3 * s);
-    let delay = delay.map_or_else(String::new, |delay| format!(" by {delay}"));
+    let (who, delays) = (&found.who, found.values("delay"));
+    let least = delays.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = delays.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let (sign, when) = match (least < 0.0, most <= 0.0) {
+        (true, true) => (-1.0, "early"),
+        (true, false) => (1.0, "late here and early there"),
+        (false, _) => (1.0, "late"),
+    };
+    let by = match delays[..] {
+        [] => String::new(),
+        [_] => {
+            let delay = found.scaled("delay", "ms", |s| sign * 1e3 * s);
+            delay.map_or_else(String::new, |delay| format!(" by {delay}"))
+        }
+        // One clock may carry the channels of all joints, and each its own delay beside.
+        _ => {
+            let ends = [least, most].map(|s| sign * 1e3 * s);
+            let (from, to) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+            format!(" by {} to {} ms", short(from), short(to))
+        }
+    };
     if found.signal == Signal::PositionCommand {
-        return format!("The command acts on {who} late{delay}; the model took it to act at once");
+        return format!("The command acts on {who} {when}{by}; the model took it to act at once");
     }
     format!(
-        "The torque signal of {who} is late{delay}; the model took motion and signal for simultaneous (this may be a mistake of the recording)"
+        "The torque signal of {who} is {when}{by}; the model took motion and signal for simultaneous (this may be a mistake of the recording)"
     )
 }
 

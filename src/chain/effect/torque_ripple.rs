@@ -2,7 +2,7 @@
 
 use crate::chain::effect::expression::{Expression, Function, Variable};
 use crate::chain::effect::found::Found;
-use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
+use crate::chain::effect::knowledge::{Drawn, Knowledge, Sine, Sizes, Trial, drawn};
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Needs, ParameterInfo, Power, Samples,
@@ -83,19 +83,34 @@ pub const EFFECT: Effect = Effect {
             nothing: 0.0,
         },
         trial: Trial::Drawn(sized),
+        sines: &[
+            Sine {
+                amplitude: "amplitude",
+                phase: "phase",
+            },
+            Sine {
+                amplitude: "amplitude2",
+                phase: "phase2",
+            },
+        ],
         ..Knowledge::NONE
     },
 };
 
 fn finding(found: &Found<'_>) -> String {
+    let second = !found.is_told_from_zero("amplitude") && found.is_told_from_zero("amplitude2");
+    let (times, size) = match second {
+        true => (2.0, "amplitude2"),
+        false => (1.0, "amplitude"),
+    };
     let text = match found.value("order") {
         Some(order) => format!(
             "has a torque that repeats {} times along its turn, of amplitude",
-            short(order)
+            short(times * order)
         ),
         None => "has a torque that repeats along its turn, of amplitude".to_string(),
     };
-    found.with(&text, "amplitude", "the model had a smooth drive")
+    found.with(&text, size, "the model had a smooth drive")
 }
 
 fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {

@@ -64,6 +64,14 @@ pub const EFFECT: Effect = Effect {
 };
 
 fn finding(found: &Found<'_>) -> String {
+    let who = &found.who;
+    if found.value("mass").is_some_and(|mass| mass < 0.0) {
+        let less = found.scaled("mass", "kg", |mass| -mass);
+        let less = less.map_or_else(String::new, |less| format!(" by {less}"));
+        return format!(
+            "What the link that {who} moves carries is lighter{less} than the model has it"
+        );
+    }
     let what = match found.quantity("mass") {
         Some(mass) => format!("A load of {mass}"),
         None => "Something".to_string(),
@@ -80,10 +88,7 @@ fn finding(found: &Found<'_>) -> String {
         }
         _ => String::new(),
     };
-    format!(
-        "{what} hangs on the link that {} moves{place}; the model did not carry it",
-        found.who
-    )
+    format!("{what} hangs on the link that {who} moves{place}; the model did not carry it")
 }
 
 fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {

@@ -6,7 +6,6 @@ use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::contexts::Contexts;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::residuals::additive_model::{self, AdditiveModel};
-use crate::diagnose::residuals::effect_size::{MATTERS, OF_NOISE};
 use crate::diagnose::residuals::noise_level::NoiseLevel;
 use crate::diagnose::selection::stepwise::Rules;
 use crate::outcome::finding::{Finding, UNNAMED};
@@ -32,16 +31,14 @@ impl Corrections {
         };
         let tried = wanted.len();
         let choice = rules.of_choice().significance;
-        wanted.retain(|correction| is_needed(correction, choice, tried));
+        wanted.retain(|correction| correction.is_needed(choice, tried));
         let tested = wanted.len();
         let full = full.on(&contexts.test);
         let tests = wanted.iter().map(|s| s.on(&contexts.test, &full));
-        let is_confirmed = |test: &AdditiveModel| {
-            test.evidence.p_value * (tested as f64) < rules.significance
-                && test.error_reduction > 0.0
-        };
         Self {
-            confirmed: tests.filter(is_confirmed).collect(),
+            confirmed: tests
+                .filter(|test| test.is_confirmed(rules.significance, tested))
+                .collect(),
             tested,
             full,
         }
@@ -106,12 +103,4 @@ impl Corrections {
             formula: None,
         }
     }
-}
-
-/// Whether a smooth model says something that is significant and matters.
-fn is_needed(correction: &AdditiveModel, significance: f64, tried: usize) -> bool {
-    let tried = (tried * correction.tried) as f64;
-    correction.evidence.p_value * tried < significance
-        && correction.error_reduction >= MATTERS
-        && correction.taken >= OF_NOISE
 }

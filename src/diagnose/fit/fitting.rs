@@ -12,6 +12,7 @@ use crate::diagnose::fit::recording_parameters;
 use crate::diagnose::fit::start::{Start, WarmStart};
 use crate::estimate::error::EstimateError;
 use crate::estimate::problem::FitProblem;
+use crate::estimate::sines;
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::Weights;
 use crate::problem::Problem;
@@ -99,7 +100,7 @@ pub fn fit_model_holding(
             Some((solution, ..)) => solution.x.clone(),
             None => problem.start(),
         };
-        let solution = solve(&problem, &from, context.control)?;
+        let solution = sines::stated(&problem, solve(&problem, &from, context.control)?);
         let values = problem.parameters(&solution.x);
         let train = ChannelSeries::of(&model, &values, &[], &recordings).residuals();
         let next = deviations(&train);

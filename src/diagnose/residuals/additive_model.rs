@@ -13,6 +13,7 @@ use crate::diagnose::fit::channel_series::ChannelSeries;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::residuals::covariates::Covariates;
+use crate::diagnose::residuals::effect_size::{MATTERS, OF_NOISE};
 use crate::linalg::triangular::Triangular;
 use crate::recording::split::Split;
 use crate::stats::deviation::rms;
@@ -71,6 +72,19 @@ impl Curves {
 }
 
 impl AdditiveModel {
+    /// Whether it says something that is significant and matters, on the rows that chose it among so many channels' models.
+    pub fn is_needed(&self, significance: f64, channels: usize) -> bool {
+        let tried = (channels * self.tried) as f64;
+        self.evidence.p_value * tried < significance
+            && self.error_reduction >= MATTERS
+            && self.taken >= OF_NOISE
+    }
+
+    /// Whether rows that have not chosen it confirm it, as one of so many tests.
+    pub fn is_confirmed(&self, significance: f64, tests: usize) -> bool {
+        self.evidence.p_value * (tests as f64) < significance && self.error_reduction > 0.0
+    }
+
     /// The same correction over other rows than those by which it was chosen, with the evidence of these.
     pub fn on(&self, context: &Context<'_>, fit: &ModelFit) -> Self {
         let model = &fit.model;
@@ -277,4 +291,30 @@ fn ridge(design: &DMatrix<f64>, residual: &[f64]) -> Option<DVector<f64>> {
     factor.absorb(rows.as_slice());
     let system = factor.system()?;
     system.matrix.solve_upper_triangular(&system.right)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Hats over knots add up to one everywhere, and their combination with the knots is the identity between these.
+    #[test]
+    fn invariant_hats_interpolate_between_knots() {
+        let knots = knots(&[3.0, 0.0, 1.0, 7.0, 1.0, 0.5, 2.0, 4.0, 5.0, 6.0, 1.0, 1.0]);
+        assert_eq!(knots, [0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+        for x in [-3.0, 0.0, 0.2, 0.5, 1.7, 6.99, 7.0, 12.0] {
+            let hats: Vec<f64> = (0..knots.len()).map(|k| hat(&knots, k, x)).collect();
+            assert!((hats.iter().sum::<f64>() - 1.0).abs() < 1e-14, "{x}");
+            let value: f64 = hats.iter().zip(&knots).map(|(h, k)| h * k).sum();
+            assert!((value - within(x, [0.0, 7.0])).abs() < 1e-14, "{x}");
+            assert!(hats.iter().all(|h| (0.0..=1.0).contains(h)), "{x}");
+        }
+    }
+
+    /// √(before² − after²)/after.
+    #[test]
+    fn what_is_taken_is_the_root_of_the_difference_of_squares() {
+        assert!((taken(&[5.0, -5.0], &[3.0, 3.0]) - 4.0 / 3.0).abs() < 1e-15);
+        assert_eq!(taken(&[1.0], &[2.0]), 0.0);
+    }
 }

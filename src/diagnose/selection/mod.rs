@@ -8,7 +8,7 @@ pub mod exact_fit;
 pub mod explanation;
 pub mod forecast;
 pub mod hypothesis_test;
-mod law_range;
+pub mod law_range;
 pub mod reached;
 pub mod rival_models;
 pub mod search_bounds;

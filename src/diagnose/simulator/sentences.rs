@@ -123,3 +123,32 @@ pub(super) fn summary(simulator: &Simulator) -> String {
         count(simulator.only_simulator.len(), "effect", "effects"),
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_the_digits_that_they_are_worth() {
+        for (value, text) in [
+            (0.0, "0"),
+            (1.5, "1.5"),
+            (-18.914, "-18.91"),
+            (1234.56, "1235"),
+            (0.000123456, "0.0001235"),
+            (2.5e7, "2.500e7"),
+            (6e-12, "6.000e-12"),
+            (f64::NAN, "NaN"),
+        ] {
+            assert_eq!(short(value), text);
+        }
+        for (value, std_dev, text) in [
+            (5.0123, 0.0123, "5.012 ± 0.012"),
+            (310.4, 25.0, "310 ± 25"),
+            (3.0, 0.0, "3"),
+            (3.0, 2.0e5, "3"),
+        ] {
+            assert_eq!(with_deviation(value, std_dev), text);
+        }
+    }
+}

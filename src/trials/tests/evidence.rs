@@ -2,12 +2,10 @@
 //! have, names that are withdrawn, rows that judge; and controls, which stay silent.
 
 use crate::chain::dataset::{Dataset, Prepared};
-use crate::chain::effect::{find, ids};
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::contexts::HeldOutHalves;
 use crate::diagnose::fit::held_out::{self, Purpose};
-use crate::diagnose::fit::hypothesis::Hypothesis;
-use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
+use crate::diagnose::fit::model_fit::FitPair;
 use crate::diagnose::fit::recording_parameters;
 use crate::diagnose::residuals::effect_size::{MATTERS, OF_NOISE, OF_TORQUE, error_reduction};
 use crate::diagnose::residuals::noise_level::NoiseLevel;
@@ -18,97 +16,16 @@ use crate::diagnose::selection::reached::Reached;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::diagnose::selection::stepwise::{Rules, Stepwise};
 use crate::diagnose::selection::weak_findings;
+use crate::diagnose::selection::zero_size;
 use crate::problem::solution::Control;
-use crate::problem_file::ProblemFile;
 use crate::recording::split::Split;
-use crate::setup::robot::{Robot, open};
 use crate::stats::encompassing::Encompassing;
-use crate::trials::files::{PROBLEM, prepare};
-use crate::trials::plan::{Plan, Scope};
-use crate::trials::reference_fits::Opened;
 use crate::trials::run::run;
-use std::sync::Arc;
-
-const SIGNIFICANCE: f64 = 0.001;
-
-/// Robots of three joints in motions that repeat.
-fn scope(effects: &[&'static str]) -> Scope {
-    Scope {
-        effects: effects.to_vec(),
-        robots: vec!["arm3"],
-        ..Scope::periodic(2)
-    }
-}
-
-/// A trial of which every recording repeats, with its declared model fitted.
-struct Bench {
-    problem: ProblemFile,
-    robot: Robot,
-    opened: Opened,
-    control: Control<'static>,
-}
-
-impl Bench {
-    fn new(effects: &[&'static str]) -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        let control = Control::default();
-        prepare(
-            &Plan::draw(&scope(effects), (0, 0)),
-            folder.path(),
-            &control,
-        )
-        .unwrap();
-        let path = folder.path().join(PROBLEM);
-        let problem = ProblemFile::read(&path, &[], &ids()).unwrap();
-        Self {
-            robot: open(&problem).unwrap(),
-            opened: Opened::read(&path, &control).unwrap(),
-            problem,
-            control,
-        }
-    }
-
-    fn declared(&self, data: &Dataset) -> ModelFit {
-        let fit = self.opened.fit(data, &[], &Vec::new(), &self.control);
-        fit.unwrap()
-    }
-
-    /// The same recordings with other signals of some splits.
-    fn with_signals(&self, splits: &[Split], other: impl Fn(f64) -> f64) -> Dataset {
-        let of = |recording: &Prepared| {
-            let mut recording = recording.clone();
-            if splits.contains(&recording.split) {
-                let series = &mut Arc::make_mut(&mut recording.experiment).signal;
-                series.iter_mut().flatten().for_each(|s| *s = other(*s));
-            }
-            recording
-        };
-        Dataset {
-            recordings: self.opened.data.recordings.iter().map(of).collect(),
-        }
-    }
-}
-
-fn offset(joint: usize) -> Hypothesis {
-    Hypothesis {
-        effect: find("torque_offset").unwrap(),
-        joints: vec![joint],
-        other: None,
-    }
-}
-
-/// A fit that leaves as much in every held-out row of a channel.
-fn leaving(fit: &ModelFit, left: &[f64]) -> ModelFit {
-    let mut fit = fit.clone();
-    for (series, left) in fit.validation.iter_mut().zip(left) {
-        series.fill(*left);
-    }
-    fit
-}
+use crate::trials::tests::bench::{Bench, CONTROLS, SIGNIFICANCE, leaving, offset, scope};
 
 #[test]
 fn a_control_stays_silent() {
-    for number in [4, 9] {
+    for number in CONTROLS {
         let trial = run(&scope(&["torque_offset"]), number, &Control::default());
         assert!(trial.concealed.is_empty());
         assert!(trial.found.is_empty(), "{number}: {:?}", trial.found);
@@ -193,10 +110,8 @@ fn p_values_are_corrected_for_the_number_of_hypotheses() {
     );
     assert!(tests.iter().all(|test| is_corrected(test, 6.0)));
     let chosen = [0, 1, 2].map(offset);
-    let richer = bench
-        .opened
-        .fit(context.data, &chosen, &Vec::new(), &bench.control);
-    let confirmed = confirmation::tests(&contexts, &richer.unwrap(), 7).unwrap();
+    let richer = bench.fit(context.data, &chosen);
+    let confirmed = confirmation::tests(&contexts, &richer, 7).unwrap();
     assert_eq!(confirmed.len(), 3);
     assert!(confirmed.iter().all(|test| is_corrected(test, 7.0)));
     assert!(confirmed.iter().any(|test| test.evidence.p_value > 0.0));
@@ -235,7 +150,7 @@ fn a_hypothesis_is_needed_where_it_is_significant_matters_and_forecasts() {
 fn an_effect_matters_beside_the_noise_and_beside_the_signal() {
     let bench = Bench::new(&["torque_offset"]);
     let data = &bench.opened.data;
-    let mut context = bench.opened.context(data, &bench.control);
+    let mut context = bench.context(data);
     let fit = bench.declared(data);
     let channels = fit.validation.len();
     let signal = context.signal_rms(Split::Validation);
@@ -296,11 +211,37 @@ fn a_name_that_explains_less_than_it_leaves_is_withdrawn() {
     assert_eq!(withdrawn(10.0, 6.0, false), None);
 }
 
+/// Where nothing has an offset, the estimates of three are as far from zero as noise makes them, and the least certain of
+/// them is the first to be struck out; an offset of a hundredth of the signal stays.
+#[test]
+fn a_size_that_may_be_none_is_the_first_to_be_withdrawn() {
+    let bench = Bench::control();
+    let size = 0.01
+        * bench
+            .opened
+            .context(&bench.opened.data, &bench.control)
+            .signal_rms(Split::Train)[0];
+    let offsets = [0, 1, 2].map(offset);
+    for (added, remaining) in [(0.0, 0), (size, 3)] {
+        let data = bench.with_signals(&[Split::Train, Split::Validation], |s| s + added);
+        let context = bench.context(&data);
+        let mut left = offsets.to_vec();
+        loop {
+            let fit = bench.fit(&data, &left);
+            let Some(k) = zero_size::least_certain(&context, &fit) else {
+                break;
+            };
+            left.remove(k);
+        }
+        assert_eq!(left.len(), remaining, "{added}");
+    }
+}
+
 /// Offsets beside a misfit that no effect sought has, of twice their squares: the search finds them, and they are withdrawn.
 #[test]
 fn a_search_withdraws_what_it_found_beside_something_larger() {
     let bench = Bench::new(&["torque_offset"]);
-    let context = bench.opened.context(&bench.opened.data, &bench.control);
+    let context = bench.context(&bench.opened.data);
     let size = 0.05 * context.signal_rms(Split::Train)[0];
     let misfit = |s: f64| s + size * (1.0 + 2.0 * (3.0 * s / size).sin());
     let data = bench.with_signals(&[Split::Train, Split::Validation], misfit);

@@ -1,0 +1,62 @@
+//! Sines as they are stated: of two ways to write one, that whose amplitude is not negative.
+//!
+//! ```text
+//! a sin(x + φ) = −a sin(x + φ + π) = a sin(x + φ ± 2π):   a ≥ 0,  −π ≤ φ ≤ π
+//! ```
+
+use crate::chain::effect::knowledge::Sine;
+use crate::estimate::problem::FitProblem;
+use crate::problem::Problem;
+use crate::problem::solution::Solution;
+use std::f64::consts::{PI, TAU};
+
+/// The same optimum with amplitudes that are not negative and phases of half a turn at most, where both are unknowns by
+/// themselves, no prior speaks of them and their limits hold what they become.
+pub(crate) fn stated(problem: &FitProblem<'_>, mut solution: Solution) -> Solution {
+    for joint in problem.model.joints() {
+        for (effect, _) in &joint.effects {
+            for sine in effect.knowledge.sines {
+                let named = |name: &str| {
+                    let mut own = joint.parameters_of(effect.id);
+                    let (_, parameter) = own.find(|(info, _)| info.name == name)?;
+                    alone(problem, parameter)
+                };
+                let Sine { amplitude, phase } = sine;
+                if let (Some(amplitude), Some(phase)) = (named(amplitude), named(phase)) {
+                    turn(problem, &mut solution, (amplitude, phase));
+                }
+            }
+        }
+    }
+    solution
+}
+
+/// The place among the unknowns of a parameter that is one by itself, of which no prior speaks.
+fn alone(problem: &FitProblem<'_>, parameter: usize) -> Option<usize> {
+    let unknowns = problem.unknowns;
+    let place = unknowns.positions().iter().position(|&p| p == parameter)?;
+    let base = unknowns.base.base.get(place);
+    let is_alone = base.is_none_or(|b| b.others.is_empty());
+    let rows = problem.prior.rows();
+    (is_alone && rows.column(parameter).iter().all(|x| *x == 0.0)).then_some(place)
+}
+
+fn turn(problem: &FitProblem<'_>, solution: &mut Solution, (amplitude, phase): (usize, usize)) {
+    let (a, half) = match solution.x[amplitude] {
+        negative if negative < 0.0 => (-negative, PI),
+        a => (a, 0.0),
+    };
+    let turned = solution.x[phase] + half;
+    let turned = turned - TAU * (turned / TAU).round();
+    let variables = &problem.form().variables;
+    let fits = |k: usize, value: f64| (variables[k].lower..=variables[k].upper).contains(&value);
+    if !fits(amplitude, a) || !fits(phase, turned) || turned == solution.x[phase] {
+        return;
+    }
+    solution.x[amplitude] = a;
+    solution.x[phase] = turned;
+    let moved = [amplitude, phase].map(|k| &variables[k].name);
+    solution
+        .active_bounds
+        .retain(|bound| !moved.contains(&&bound.variable));
+}

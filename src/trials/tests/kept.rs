@@ -1,0 +1,133 @@
+//! What a hypothesis has to keep, once fitted: scales within what the joint does and inside the limits of their search, a better
+//! fit than parameters without a meaning would have, and no larger error on rows that chose nothing.
+
+use crate::diagnose::fit::contexts::HeldOutHalves;
+use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
+use crate::diagnose::residuals::effect_size::error_reduction;
+use crate::diagnose::selection::confirmation;
+use crate::diagnose::selection::hypothesis_test::{HypothesisTest, fits_better};
+use crate::diagnose::selection::law_range;
+use crate::diagnose::selection::search_bounds;
+use crate::recording::split::Split;
+use crate::stats::encompassing::Encompassing;
+use crate::trials::tests::bench::{Bench, SIGNIFICANCE, effect_of, leaving, offset};
+
+/// The place of a parameter of the first joint among those of a model.
+fn place(fit: &ModelFit, name: &str) -> usize {
+    let joint = &fit.model.joints()[0].name;
+    fit.model.find(&format!("{joint}.{name}")).unwrap()
+}
+
+/// The same fit with one of its values changed.
+fn at(fit: &ModelFit, name: &str, value: f64) -> ModelFit {
+    let mut fit = fit.clone();
+    let place = place(&fit, name);
+    fit.values[place] = value;
+    fit
+}
+
+/// A Stribeck curve that has not fallen at the joint's greatest speed is a line with some bend, and one at a limit of its search
+/// is another law.
+#[test]
+fn scales_lie_within_the_motion_and_inside_their_search() {
+    let bench = Bench::control();
+    let context = bench.context(&bench.opened.data);
+    let hypothesis = effect_of("stribeck_friction", 0);
+    let fit = bench.fit(context.data, std::slice::from_ref(&hypothesis));
+    let name = "stribeck_friction.vs";
+    let speeds = context.recordings(Split::Train);
+    let speeds = speeds
+        .iter()
+        .flat_map(|r| r.segment().motors.dq[0].to_vec());
+    let fastest = speeds.map(f64::abs).fold(0.0, f64::max);
+    let is_reached = |vs: f64| law_range::are_reached(&context, &at(&fit, name, vs), &hypothesis);
+    assert!(is_reached(0.99 * fastest));
+    assert!(!is_reached(1.01 * fastest));
+    let limits = &fit.model.parameters()[place(&fit, name)];
+    let is_inside = |vs: f64| search_bounds::are_inside(&at(&fit, name, vs), &hypothesis);
+    assert!(is_inside(0.3 * fastest));
+    assert!(!is_inside(limits.lower));
+    assert!(!is_inside(limits.upper));
+    assert!(is_inside(1.01 * limits.lower) && is_inside(0.99 * limits.upper));
+}
+
+/// Twice the logarithm of the ratio of likelihoods against its quantile, 6.635 for one parameter (Wilks 1938).
+#[test]
+fn a_richer_model_fits_better_by_more_than_chance() {
+    let bench = Bench::control();
+    let poorer = bench.declared(&bench.opened.data);
+    let better = |gain: f64| {
+        let mut richer = poorer.clone();
+        let rows = richer.train[0].len() as f64;
+        let factor = (-0.5 * gain / rows).exp();
+        richer.train[0].iter_mut().for_each(|e| *e *= factor);
+        fits_better(FitPair {
+            poorer: &poorer,
+            richer: &richer,
+        })
+    };
+    assert!(better(6.7) && !better(6.5) && !better(-20.0));
+}
+
+#[test]
+fn a_finding_that_fails_or_raises_the_error_is_struck_out() {
+    let bench = Bench::new(&["torque_offset"]);
+    let halves = HeldOutHalves::of(bench.opened.data.clone(), Vec::new());
+    let contexts = halves.contexts(&bench.problem, &bench.robot, &bench.control);
+    let joint = bench.plan.concealed[0].hypothesis.joints[0];
+    let prefixes = [
+        bench.declared(contexts.selection.data),
+        bench.fit(contexts.selection.data, &[offset(joint)]),
+    ];
+    let test = |p_value: f64| HypothesisTest {
+        hypothesis: offset(joint),
+        fit: prefixes[1].clone(),
+        evidence: Encompassing {
+            slope: 1.0,
+            ratio: 5.0,
+            distance: 5.0,
+            freedom: 50.0,
+            p_value,
+        },
+        p_value,
+        error_reduction: 0.1,
+    };
+    let failing = |prefixes: &[ModelFit], p_value: f64| {
+        confirmation::failing(&contexts, prefixes, &[test(p_value)], SIGNIFICANCE)
+    };
+    assert_eq!(failing(&prefixes, 0.9 * SIGNIFICANCE), None);
+    assert_eq!(failing(&prefixes, 1.1 * SIGNIFICANCE), Some(0));
+    let mut wrong = prefixes.clone();
+    let joint = &wrong[1].model.joints()[joint].name;
+    let place = wrong[1]
+        .model
+        .find(&format!("{joint}.torque_offset.offset"));
+    // Three times the offset that there is leaves twice of it.
+    wrong[1].values[place.unwrap()] *= 3.0;
+    assert_eq!(failing(&wrong, 0.9 * SIGNIFICANCE), Some(0));
+}
+
+/// Stamps of samples are no better than a twentieth of the interval between them.
+#[test]
+fn a_delay_shorter_than_stamps_are_good_is_none() {
+    let bench = Bench::control();
+    let mut context = bench.context(&bench.opened.data);
+    context.noise = Some(vec![1e-9; 3]);
+    let hypothesis = effect_of("time_delay", 0);
+    let fit = bench.fit(context.data, std::slice::from_ref(&hypothesis));
+    let held_out = context.recordings(Split::Validation);
+    let interval = 1.0 / held_out[0].experiment.rate_hz;
+    let signal = context.signal_rms(Split::Validation)[0];
+    let reduction = |delay: f64| {
+        let [poorer, richer] = [0.2, 0.1].map(|share| leaving(&fit, &[share * signal, 1.0, 1.0]));
+        let richer = at(&richer, "time_delay.delay", delay);
+        let pair = FitPair {
+            poorer: &poorer,
+            richer: &richer,
+        };
+        error_reduction(&context, &hypothesis, pair)
+    };
+    assert_eq!(reduction(0.049 * interval), 0.0);
+    assert!((reduction(0.051 * interval) - 0.5).abs() < 1e-12);
+    assert!((reduction(-0.051 * interval) - 0.5).abs() < 1e-12);
+}

@@ -1,0 +1,275 @@
+//! What has no name in a diagnosis: smooth corrections, residuals that are left, rivals, and names that other joints explain.
+
+use crate::diagnose::findings::compared::Compared;
+use crate::diagnose::findings::unexplained::SearchState;
+use crate::diagnose::fit::context::Context;
+use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
+use crate::diagnose::residuals::additive_model;
+use crate::diagnose::residuals::effect_size::{MATTERS, OF_NOISE, OF_TORQUE};
+use crate::diagnose::residuals::noise_level::{self, NoiseLevel, chance};
+use crate::diagnose::residuals::prediction_error::PredictionError;
+use crate::diagnose::residuals::reversal_mask;
+use crate::diagnose::selection::confounding;
+use crate::diagnose::selection::forecast::forecast;
+use crate::diagnose::selection::rival_models::RivalComparison;
+use crate::diagnose::selection::stepwise::{Rules, Stepwise};
+use crate::outcome::finding::Finding;
+use crate::recording::experiment::Experiment;
+use crate::recording::split::Split;
+use crate::robot::random::generator;
+use crate::stats::deviation::rms;
+use crate::trials::tests::bench::{Bench, SIGNIFICANCE, effect_of, offset};
+use nalgebra::DMatrix;
+use rand::RngExt;
+use rand_distr::StandardNormal;
+
+const BOTH: [Split; 2] = [Split::Train, Split::Validation];
+
+/// Whether a smooth correction is significant beside all that were tried, and large enough.
+#[test]
+fn a_correction_is_needed_where_it_is_significant_and_matters() {
+    let bench = Bench::control();
+    let context = bench.context(&bench.opened.data);
+    let declared = bench.declared(context.data);
+    let mut correction = additive_model::of_all(&context, &declared).remove(0);
+    correction.tried = 5;
+    let mut set = |p_value: f64, error_reduction: f64, taken: f64| {
+        correction.evidence.p_value = p_value;
+        correction.error_reduction = error_reduction;
+        correction.taken = taken;
+        let needed = correction.is_needed(0.05, 3);
+        (needed, correction.is_confirmed(0.05, 3))
+    };
+    let (just, over) = (0.99 * 0.05, 1.01 * 0.05);
+    // Of three channels with five models each, then of three tests.
+    assert_eq!(set(just / 15.0, 0.1, 1.0), (true, true));
+    assert_eq!(set(over / 15.0, 0.1, 1.0), (false, true));
+    assert_eq!(set(just / 3.0, 0.1, 1.0), (false, true));
+    assert_eq!(set(over / 3.0, 0.1, 1.0), (false, false));
+    assert_eq!(set(1e-9, 1.01 * MATTERS, 1.0), (true, true));
+    assert_eq!(set(1e-9, 0.99 * MATTERS, 1.0), (false, true));
+    assert_eq!(set(1e-9, 0.0, 1.0), (false, false));
+    assert_eq!(set(1e-9, 0.1, 1.01 * OF_NOISE), (true, true));
+    assert_eq!(set(1e-9, 0.1, 0.99 * OF_NOISE), (false, true));
+}
+
+/// White noise of so many RMS in the first channel, held out.
+fn with_noise(fit: &ModelFit, rms: f64) -> ModelFit {
+    let mut fit = fit.clone();
+    let mut rng = generator(3);
+    for e in &mut fit.validation[0] {
+        let fresh: f64 = rng.sample(StandardNormal);
+        *e = rms * fresh;
+    }
+    fit
+}
+
+/// Findings without a name where the first channel leaves white noise, held against noise of a size.
+fn unexplained(
+    context: &Context<'_>,
+    full: &ModelFit,
+    noise: f64,
+    state: SearchState<'_>,
+) -> Vec<Finding> {
+    let noise_level = NoiseLevel {
+        rms: full.validation.iter().map(|_| noise).collect(),
+        measured: true,
+    };
+    let mut quiet = full.clone();
+    for series in quiet.validation.iter_mut().skip(1) {
+        series.iter_mut().for_each(|e| *e *= 1e-9);
+    }
+    let compared = Compared {
+        context,
+        declared: &quiet,
+        full: &quiet,
+        noise_level: &noise_level,
+        predicted: &PredictionError::of(context, full, None),
+    };
+    compared.unexplained(&[], state)
+}
+
+/// A residual is looked at in two views of each of three joints.
+#[test]
+fn chances_of_residuals_are_corrected_for_joints_and_views() {
+    let bench = Bench::control();
+    let context = bench.context(&bench.opened.data);
+    let declared = bench.declared(context.data);
+    let signal = context.signal_rms(Split::Validation)[0];
+    let noise = 0.05 * signal;
+    let full = with_noise(&declared, 1.6 * noise);
+    let state = SearchState {
+        significance: 0.5,
+        withdrawn: &[],
+        is_cut_short: false,
+    };
+    let found = unexplained(&context, &full, noise, state);
+    assert_eq!(found.len(), 1);
+    let residual = &full.validation[0];
+    let under_way = reversal_mask::residual(&context, &full, 0, residual);
+    let chances = [&residual[..], &under_way].map(|rows| chance(rows, noise));
+    let least = chances.into_iter().flatten().reduce(f64::min).unwrap();
+    assert!(least > 1e-12 && least < 0.05, "{least}");
+    assert!((found[0].p_value / (6.0 * least) - 1.0).abs() < 1e-12);
+    let strict = SearchState {
+        significance: 5.9 * least,
+        ..state
+    };
+    assert!(unexplained(&context, &full, noise, strict).is_empty());
+}
+
+/// However far beyond the noise, a residual that is small beside the signal is none, except where a name was withdrawn.
+#[test]
+fn residuals_of_no_weight_are_left() {
+    let bench = Bench::control();
+    let context = bench.context(&bench.opened.data);
+    let declared = bench.declared(context.data);
+    let signal = context.signal_rms(Split::Validation)[0];
+    let found = |residual: f64, withdrawn: &[usize]| {
+        let full = with_noise(&declared, residual * signal);
+        let state = SearchState {
+            significance: SIGNIFICANCE,
+            withdrawn,
+            is_cut_short: false,
+        };
+        let noise = 0.2 * residual * signal;
+        unexplained(&context, &full, noise, state).len()
+    };
+    assert_eq!(found(0.9 * OF_TORQUE, &[]), 0);
+    assert_eq!(found(1.1 * OF_TORQUE, &[]), 1);
+    assert_eq!(found(0.9 * OF_TORQUE, &[0]), 1);
+}
+
+/// A rival takes the place of a finding where it forecasts what that leaves, as one of all that were tried.
+#[test]
+fn rivals_are_corrected_for_their_number() {
+    let bench = Bench::control();
+    let usual = bench.context(&bench.opened.data);
+    let size = 0.05 * usual.signal_rms(Split::Train)[0];
+    let data = bench.changed(&BOTH, |experiment| {
+        experiment.signal[0].iter_mut().for_each(|s| *s += size);
+    });
+    let context = bench.context(&data);
+    let sought = ["torque_offset", "stribeck_friction"].map(String::from);
+    let full = bench.fit(context.data, &[effect_of("stribeck_friction", 0)]);
+    let noise_level = noise_level::of_rows(&context, &full, &[]);
+    let rivals = |significance: f64| {
+        let stepwise = Stepwise {
+            context: &context,
+            rules: Rules {
+                sought: Some(&sought),
+                significance,
+            },
+            progress: &|_| (),
+        };
+        let comparison = stepwise.rivals(&full, 0, &noise_level).unwrap();
+        let mut open = stepwise.rules.open(&context, &comparison.without);
+        open.retain(|h| *h != full.hypotheses[0] && !h.overlaps(&full.hypotheses[0]));
+        (comparison, open.len() as f64)
+    };
+    let of_offset = |comparison: &RivalComparison| {
+        let mut all = comparison.alternatives.iter();
+        let found = all.find(|a| a.test.hypothesis == offset(0)).unwrap();
+        let pair = FitPair {
+            poorer: &full,
+            richer: &found.test.fit,
+        };
+        (found.better, forecast(&context, pair).p_value)
+    };
+    let (comparison, count) = rivals(0.05);
+    let (better, p_value) = of_offset(&comparison);
+    assert_eq!((better, count), (true, 5.0), "{p_value}");
+    assert!(p_value > 0.0);
+    assert!(!of_offset(&rivals(0.99 * count * p_value).0).0);
+    assert!(of_offset(&rivals(1.01 * count * p_value).0).0);
+}
+
+/// Whether an offset that was found in the first channel is withdrawn where that has something else beside it.
+fn is_confounded(bench: &Bench, of: impl Fn(&Experiment, usize) -> f64) -> bool {
+    let data = bench.changed(&BOTH, |experiment| {
+        let added: Vec<f64> = (0..experiment.rows()).map(|k| of(experiment, k)).collect();
+        let pairs = experiment.signal[0].iter_mut().zip(added);
+        pairs.for_each(|(s, by)| *s += by);
+    });
+    let context = bench.context(&data);
+    let full = bench.fit(&data, &[offset(0)]);
+    let noise_level = noise_level::of_rows(&context, &full, &[]);
+    assert!(noise_level.measured);
+    let comparison = RivalComparison {
+        without: bench.declared(&data),
+        alternatives: Vec::new(),
+    };
+    let first = confounding::first(&context, &noise_level, &full, &[comparison], SIGNIFICANCE);
+    first.is_some()
+}
+
+/// What another joint's speed does in a channel is not the offset that resembles it; an offset beside something that no
+/// joint's motion explains is one.
+#[test]
+fn a_name_is_withdrawn_where_another_joint_explains_more() {
+    let bench = Bench::control();
+    let context = bench.context(&bench.opened.data);
+    let size = 0.2 * context.signal_rms(Split::Train)[0];
+    let of_speed = |experiment: &Experiment, k: usize| size * experiment.motion.velocity[1][k];
+    assert!(is_confounded(&bench, of_speed));
+    let of_nothing = |_: &Experiment, k: usize| size * (1.0 + (40.3 * k as f64).sin());
+    assert!(!is_confounded(&bench, of_nothing));
+}
+
+/// Rows at less than half of the usual speed count if reversals, and rows at which the joint creeps, are further away than
+/// half a period of the bandwidth.
+#[test]
+fn rows_under_way_are_fast_or_away_from_reversals() {
+    let bench = Bench::control();
+    let context = bench.context(&bench.opened.data);
+    let declared = bench.declared(context.data);
+    let recordings = context.recordings(Split::Validation);
+    for joint in 0..3 {
+        let mut expected = Vec::new();
+        for recording in &recordings {
+            let speed = &recording.segment().motors.dq[joint];
+            let usual = rms(speed);
+            let turns = |k: usize| k > 0 && (speed[k] < 0.0) != (speed[k - 1] < 0.0);
+            let near = |k: &usize| turns(*k) || speed[*k].abs() <= 0.03 * usual;
+            let near: Vec<usize> = (0..speed.len()).filter(near).collect();
+            let rate = recording.experiment.rate_hz;
+            let reach = 0.5 * rate / recording.experiment.bandwidth[joint].cutoff_hz;
+            let is_away = |row: usize| {
+                near.iter().all(|&k| match row >= k {
+                    true => (row - k) as f64 >= reach,
+                    false => (k - row) as f64 > reach.ceil(),
+                })
+            };
+            let counts = |row: usize| speed[row].abs() > 0.5 * usual || is_away(row);
+            expected.extend(recording.counting().map(counts));
+        }
+        assert_eq!(reversal_mask::rows(&context, &declared, joint), expected);
+        let slow = expected.iter().filter(|counts| !**counts).count();
+        assert!(slow > 0 && slow < expected.len());
+    }
+}
+
+/// An offset that is known within σ adds σ/k to every prediction of a current.
+#[test]
+fn uncertain_parameters_add_their_share_to_predictions() {
+    let bench = Bench::control();
+    let context = bench.context(&bench.opened.data);
+    let fit = bench.fit(context.data, &[offset(0)]);
+    let positions = fit.unknowns.positions();
+    let name = format!("{}.torque_offset.offset", fit.model.joints()[0].name);
+    let parameter = fit.model.find(&name).unwrap();
+    let at = positions.iter().position(|p| *p == parameter).unwrap();
+    let noise = 0.7;
+    let deviation = rms(&fit.train[0]) * fit.model.joints()[0].torque_constant;
+    let beside = |sigma: f64| {
+        let mut covariance = DMatrix::zeros(positions.len(), positions.len());
+        covariance[(at, at)] = sigma * sigma;
+        let predicted = PredictionError::of(&context, &fit, Some(&covariance));
+        [0, 1].map(|channel| predicted.beside(channel, noise))
+    };
+    assert_eq!(beside(0.0), [noise, noise]);
+    let expected = noise * (1.0_f64 + 9.0 / 16.0).sqrt();
+    let [own, other] = beside(0.75 * deviation);
+    assert!((own / expected - 1.0).abs() < 1e-9, "{own}, {expected}");
+    assert_eq!(other, noise);
+}
