@@ -88,6 +88,7 @@ fn model(file: &Path, further: &[&str]) -> Option<Model> {
             frame: Isometry3::identity(),
         }),
         locked: vec![true, true, false, false, false, false],
+        shared: Vec::new(),
     })
     .ok()?;
     let widths: Vec<usize> = model.joints().iter().filter_map(|j| j.width).collect();

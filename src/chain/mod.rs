@@ -17,7 +17,7 @@
 //! | step | files |
 //! |---|---|
 //! | what a model is made of | `settings`, `effect/`, `platform`, `controller` |
-//! | the model with its parameters | `model` (by `assemble`), `joint_model`, `parameter`, `channel` |
+//! | the model with its parameters | `model` (by `assemble`), `joint_model`, `parameter`, `sharing`, `channel` |
 //! | what the signal depends on | `base_parameters` |
 //! | recordings, and what is known before them | `dataset`, `prior` |
 //! | from motion to signal, with derivatives | `evaluate/` |
@@ -41,6 +41,7 @@ pub mod parameter;
 pub mod platform;
 pub mod prior;
 mod settings;
+pub mod sharing;
 pub mod signal;
 pub mod words;
 

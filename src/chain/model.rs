@@ -9,6 +9,7 @@ pub use crate::chain::joint_model::JointModel;
 use crate::chain::parameter::{Parameter, Role, State};
 use crate::chain::platform::Platform;
 pub use crate::chain::settings::{Inertials, ModelSettings, Payload, Signal};
+use crate::chain::sharing::{self, Sharing};
 use crate::mechanism::loops::Mechanism;
 use crate::robot::description::Dependent;
 use crate::robot::inertia::{PER_LINK, QUANTITIES, UNITS};
@@ -24,6 +25,7 @@ pub struct Model {
     signal: Signal,
     channels: Vec<Channel>,
     joints: Vec<JointModel>,
+    shared: Vec<Sharing>,
     catalogue: Catalogue,
     period: Option<f64>,
     coupling: DMatrix<f64>,
@@ -58,6 +60,7 @@ impl Model {
         let joints = (0..n)
             .map(|j| assemble::joint_model(&settings, j, &mut parameters))
             .collect::<Result<Vec<_>, _>>()?;
+        sharing::tie(&settings.shared, &joints, &mut parameters);
         let joints = assemble::controlled(&settings, joints, &mut parameters);
         assemble::coupling_parameters(&settings, &coupling, &mut parameters);
         let tilt = assemble::tilt_parameters(&settings, &mut parameters);
@@ -74,6 +77,7 @@ impl Model {
             channels: assemble::channels(&settings),
             signal: settings.signal,
             joints,
+            shared: settings.shared,
             catalogue: settings.catalogue,
             period: settings.period,
             coupling,
@@ -115,6 +119,33 @@ impl Model {
     /// The joints with their drives, in the order of the tree.
     pub fn joints(&self) -> &[JointModel] {
         &self.joints
+    }
+
+    /// Effects whose parameters joints have in common.
+    pub fn shared(&self) -> &[Sharing] {
+        &self.shared
+    }
+
+    /// Position of the parameter that is estimated for one: itself, or the one whose value it shares.
+    pub fn estimated_as(&self, parameter: usize) -> usize {
+        match self.parameters[parameter].state {
+            State::Shared(with) => with,
+            State::Free | State::Known => parameter,
+        }
+    }
+
+    /// Positions of the parameters that are estimated as one, itself first.
+    pub fn sharing(&self, parameter: usize) -> Vec<usize> {
+        let others = self.parameters.iter().enumerate();
+        let others = others.filter(|(_, p)| p.state == State::Shared(parameter));
+        std::iter::once(parameter)
+            .chain(others.map(|(p, _)| p))
+            .collect()
+    }
+
+    /// Gives parameters the values of those that they are shared with.
+    pub fn spread(&self, values: &mut DVector<f64>) {
+        sharing::spread(&self.parameters, values);
     }
 
     /// The effects that the model may have.
@@ -281,10 +312,14 @@ impl Model {
 
     /// Values of all parameters: known ones, and those that estimates start from.
     pub fn values(&self) -> DVector<f64> {
-        DVector::from_iterator(
-            self.parameters.len(),
-            self.parameters.iter().map(|p| p.value),
-        )
+        self.values_of(|parameter| parameter.value)
+    }
+
+    fn values_of(&self, of: impl Fn(&Parameter) -> f64) -> DVector<f64> {
+        let all = self.parameters.iter().map(of);
+        let mut values = DVector::from_iterator(self.parameters.len(), all);
+        self.spread(&mut values);
+        values
     }
 
     /// Values at which no torque vanishes: known ones, and for linear unknowns that start from zero those of
@@ -309,7 +344,7 @@ impl Model {
                 _ => parameter.scale,
             }
         };
-        DVector::from_iterator(self.parameters.len(), self.parameters.iter().map(of))
+        self.values_of(of)
     }
 
     /// Position of a parameter by name.
@@ -329,8 +364,9 @@ impl Model {
             .map(|p| p.name.clone())
     }
 
-    /// Makes a parameter known.
+    /// Makes a parameter known, and those that are shared with it.
     pub fn fix(&mut self, index: usize, value: f64) -> Result<(), ModelError> {
+        let index = self.estimated_as(index);
         let parameter = &mut self.parameters[index];
         if !(parameter.lower..=parameter.upper).contains(&value) {
             return Err(ModelError::OutOfBounds {
@@ -347,12 +383,14 @@ impl Model {
 
     /// Sets the value from which an estimate of a free parameter starts.
     pub fn start(&mut self, index: usize, value: f64) {
+        let index = self.estimated_as(index);
         let parameter = &mut self.parameters[index];
         parameter.value = within(value, [parameter.lower, parameter.upper]);
     }
 
     /// Narrows the bounds of a parameter.
     pub fn bound(&mut self, index: usize, lower: f64, upper: f64) {
+        let index = self.estimated_as(index);
         let parameter = &mut self.parameters[index];
         (parameter.lower, parameter.upper) = (lower, upper);
         parameter.bounded = true;
@@ -366,7 +404,7 @@ impl Model {
         let widest = |(joint, fastest): (&JointModel, &f64)| {
             let (transition, index) = joint.transition()?;
             let told_apart = joint.has_term(transition.stands_for);
-            told_apart.then(|| (index, (transition.widest)(*fastest)))
+            told_apart.then(|| (self.estimated_as(index), (transition.widest)(*fastest)))
         };
         let widths: Vec<(usize, f64)> =
             self.joints.iter().zip(fastest).filter_map(widest).collect();

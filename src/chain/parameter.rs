@@ -75,6 +75,8 @@ pub enum State {
     Free,
     /// It keeps its value.
     Known,
+    /// It has the value of the parameter at this position, which is estimated for both.
+    Shared(usize),
 }
 
 /// One parameter of a model.
@@ -115,9 +117,14 @@ impl Parameter {
         self.bounded || self.linearity == Linearity::Nonlinear
     }
 
+    /// Whether the signal is affine in it.
+    pub fn is_linear(&self) -> bool {
+        self.linearity == Linearity::Linear
+    }
+
     /// Free, and the signal is affine in it.
     pub fn is_linear_unknown(&self) -> bool {
-        self.is_free() && self.linearity == Linearity::Linear
+        self.is_free() && self.is_linear()
     }
 
     /// Free, and the signal is not affine in it.

@@ -2,6 +2,7 @@
 
 use crate::chain::controller::Controller;
 use crate::chain::effect::{Catalogue, Effect, current_polynomial};
+use crate::chain::sharing::Sharing;
 pub use crate::chain::signal::Signal;
 use crate::robot::inertia::{Inertia, PER_LINK};
 use crate::robot::tree::Tree;
@@ -65,6 +66,8 @@ pub struct ModelSettings {
     pub offset: Option<Vec<f64>>,
     /// The physics of every joint beside rigid bodies.
     pub effects: Vec<Vec<&'static Effect>>,
+    /// Effects whose parameters joints have in common.
+    pub shared: Vec<Sharing>,
     /// The effects that it may have.
     pub catalogue: Catalogue,
     /// s, after which the motion is declared to repeat.
@@ -91,6 +94,7 @@ impl ModelSettings {
             coupling: None,
             offset: None,
             effects: vec![Vec::new(); n],
+            shared: Vec::new(),
             catalogue: Catalogue::known(),
             period: None,
             payload: None,

@@ -264,6 +264,7 @@ pub(super) fn with_tree(declared: &Model, tree: Tree) -> Model {
         coupling: Some(declared.coupling(&declared.values())),
         offset: Some(declared.offset().iter().copied().collect()),
         effects: vec![effects; n],
+        shared: Vec::new(),
         catalogue: declared.catalogue().clone(),
         period: declared.period(),
         payload: declared.payload().map(|(payload, _)| payload),

@@ -174,6 +174,7 @@ impl Columns {
             };
             let rows = rows_of(model, (joint, weight), &coupling);
             for (k, &parameter) in parameters.iter().enumerate() {
+                let parameter = of_joint(model, joint, parameter);
                 let recipe = match model.parameters()[parameter].role {
                     Role::Effect {
                         joint: of, effect, ..
@@ -212,6 +213,13 @@ impl Columns {
     pub fn is_empty(&self) -> bool {
         self.parameters.is_empty()
     }
+}
+
+/// The joint's own of the parameters that are estimated as one, where it has one.
+fn of_joint(model: &Model, joint: usize, parameter: usize) -> usize {
+    let is_own = |p: &usize| matches!(model.parameters()[*p].role, Role::Effect { joint: of, .. } if of == joint);
+    let own = model.sharing(parameter).into_iter().find(is_own);
+    own.unwrap_or(parameter)
 }
 
 /// A parameter of a load in terms of the link that carries it.

@@ -9,7 +9,7 @@ use crate::diagnose::fit::context::is_in_time;
 use crate::diagnose::fit::contexts::{Contexts, HeldOutHalves};
 use crate::diagnose::fit::fitting::fit_declared;
 use crate::diagnose::fit::held_out;
-use crate::diagnose::fit::hypothesis::Hypothesis;
+use crate::diagnose::fit::hypothesis::{Hypothesis, addition};
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::fit::recording_parameters;
 use crate::diagnose::residuals::standstill;
@@ -21,12 +21,16 @@ use crate::diagnose::selection::stepwise::{Rules, Selection};
 use crate::diagnose::simulator::{self, Side};
 use crate::diagnose::stage::Stage;
 use crate::estimate::bandwidth;
+use crate::estimate::estimator::Estimator;
 use crate::estimate::figures::{Predictions, noise_rms};
+use crate::estimate::fit::fit;
+use crate::estimate::sharing::Question;
 use crate::estimate::task::{machine, possible_machine};
 use crate::outcome::check::Finding as Mistake;
 use crate::outcome::diagnose::Diagnosis;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::fit::Fit;
+use crate::outcome::sharing::Sharing;
 use crate::problem::defect::{Defect, guarded};
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
@@ -104,6 +108,9 @@ fn of_robot(
 ) -> Result<DiagnoseRun, DiagnoseError> {
     watch(Stage::Reading);
     let robot = setup::robot::open(problem)?;
+    let (asked, separated) = (problem, setup::sharing::separated(problem));
+    // A motor that is taken for the like of another would look like missing physics: every joint is searched by itself.
+    let problem = &separated;
     let mut model = setup::model::build(problem, &robot)?;
     let prior = setup::prior::build(problem, &robot, &mut model)?;
     let data = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
@@ -135,6 +142,7 @@ fn of_robot(
     };
     let Recorded { halves, held_out } = recorded;
     let Found { mut reported, data } = found;
+    let data = data.unwrap_or(halves.whole);
     if let Some(defect) = &defect {
         let summary = &mut reported.diagnosis.summary;
         *summary = format!("{ENDED_BY_DEFECT} ({defect}). {summary}");
@@ -146,6 +154,13 @@ fn of_robot(
     let estimated = &reported.diagnosis.outcome.parameters;
     let differences = setup::declared::differences(problem, &robot, &model, estimated);
     reported.diagnosis.notes.extend(differences);
+    if !asked.drive.shared.is_empty() && defect.is_none() && !control.is_interrupted() {
+        let answers = shared((asked, &robot), (&reported, &data), control)?;
+        reported.fitted.fit.sharing.clone_from(&answers);
+        if let Some(fit) = &mut reported.diagnosis.fit {
+            fit.sharing = answers;
+        }
+    }
     if let Some(fit) = &mut reported.diagnosis.fit {
         fit.machine = Some(machine((problem, &robot), &reported.fitted));
         if robot.mechanism.is_none() {
@@ -162,8 +177,26 @@ fn of_robot(
         baseline: reported.declared,
         finally: reported.last,
         ambiguities: reported.ambiguities,
-        data: data.unwrap_or(halves.whole),
+        data,
         defect,
+    })
+}
+
+/// Asks whether joints with motors of one type have parameters of the declared model or of findings in common.
+fn shared(
+    (problem, robot): (&ProblemFile, &Robot),
+    (reported, data): (&Reported, &Dataset),
+    control: &Control<'_>,
+) -> Result<Vec<Sharing>, DiagnoseError> {
+    let question = Question {
+        problem,
+        robot,
+        addition: &addition(&reported.hypotheses),
+        data,
+    };
+    question.answers(&reported.fitted, &|model, prior| {
+        let by = (Estimator::MaximumLikelihood, prior);
+        Ok(fit(model, data, by, control)?)
     })
 }
 

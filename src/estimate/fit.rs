@@ -337,16 +337,28 @@ pub(crate) fn posterior(
         }]
     });
     let combinations = base.chain(single).zip(x.iter());
+    let mut combinations: Vec<Combination> = combinations
+        .map(|(terms, value)| Combination {
+            terms,
+            value: *value,
+        })
+        .collect();
+    // A later model may have for every joint what is shared here: it is known of each of them.
+    let mut places: Vec<usize> = (0..x.len()).collect();
+    for (k, &p) in problem.unknowns.positions().iter().enumerate() {
+        for &other in problem.model.sharing(p).iter().skip(1) {
+            let mut terms = combinations[k].terms.clone();
+            terms[0].parameter = name(other);
+            let value = x[k];
+            combinations.push(Combination { terms, value });
+            places.push(k);
+        }
+    }
     Posterior {
-        combinations: combinations
-            .map(|(terms, value)| Combination {
-                terms,
-                value: *value,
-            })
-            .collect(),
-        covariance: covariance
-            .row_iter()
-            .map(|row| row.iter().copied().collect())
+        combinations,
+        covariance: places
+            .iter()
+            .map(|&i| places.iter().map(|&j| covariance[(i, j)]).collect())
             .collect(),
     }
 }

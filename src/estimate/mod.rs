@@ -11,7 +11,8 @@
 //! | the optimum | `coarse`, `minimise`, `optimum`, `rounded`; a single search is `least_squares` |
 //! | weights from residuals | `reweight`, `noise`, `colour`, `gaps` |
 //! | covariance and intervals | `covariance`, with `torque_constants` |
-//! | what is reported | `physical`, `realization`, `load`, `reactions`, `figures`, `contest` |
+//! | what is reported | `physical`, `realization`, `load`, `reactions`, `figures`, `contest`, `remarks` |
+//! | parameters that joints have in common | `sharing` |
 
 pub mod bandwidth;
 mod coarse;
@@ -40,10 +41,12 @@ pub(crate) mod ratios;
 pub mod reach;
 pub mod reactions;
 pub mod realization;
+pub mod remarks;
 mod reweight;
 mod rounded;
 pub(crate) mod rows;
 mod shapes;
+pub mod sharing;
 pub(crate) mod sines;
 pub mod spectrum;
 pub mod standstill;

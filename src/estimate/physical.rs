@@ -5,7 +5,7 @@
 
 use crate::chain::effect;
 use crate::chain::model::Model;
-use crate::chain::parameter::{Parameter, Role};
+use crate::chain::parameter::{Parameter, Role, State};
 use crate::estimate::unknowns::Unknowns;
 use crate::outcome::estimate::Covariance;
 use crate::outcome::parameter::{Parameter as Reported, Source};
@@ -41,10 +41,19 @@ struct Quantity {
     name: String,
     unit: String,
     description: String,
+    shared_by: Vec<String>,
     /// `None`: the data do not determine it.
     value: Option<f64>,
     /// Derivatives with respect to raw parameters.
     gradient: Vec<(usize, f64)>,
+}
+
+impl Quantity {
+    fn undetermined(&self) -> Reported {
+        Reported::undetermined(&self.name, &self.unit)
+            .described(&self.description)
+            .shared_by(self.shared_by.clone())
+    }
 }
 
 /// Every quantity with value, standard deviation, interval and source, and their covariance.
@@ -96,11 +105,11 @@ fn one(
     (from, estimated): (&[usize], &Estimated<'_>),
 ) -> (Reported, bool) {
     let Some(value) = quantity.value else {
-        let none = Reported::undetermined(&quantity.name, &quantity.unit);
-        return (none.described(&quantity.description), false);
+        return (quantity.undetermined(), false);
     };
-    let known =
-        Reported::known(&quantity.name, &quantity.unit, value).described(&quantity.description);
+    let known = Reported::known(&quantity.name, &quantity.unit, value)
+        .described(&quantity.description)
+        .shared_by(quantity.shared_by.clone());
     if from.is_empty() {
         return (known, false);
     }
@@ -116,8 +125,7 @@ fn one(
         .iter()
         .any(|&k| !estimated.covariance[(k, k)].is_finite())
     {
-        let none = Reported::undetermined(&quantity.name, &quantity.unit);
-        return (none.described(&quantity.description), false);
+        return (quantity.undetermined(), false);
     }
     let deviation = |covariance: &DMatrix<f64>| {
         let variance = (row * finite(covariance) * row.transpose())[(0, 0)];
@@ -154,17 +162,33 @@ fn quantities(estimated: &Estimated<'_>) -> Vec<Quantity> {
         body(estimated, "payload", first, &mut out);
     }
     for (p, parameter) in model.parameters().iter().enumerate() {
-        if !matches!(parameter.role, Role::Inertial { .. } | Role::Payload { .. }) {
+        let is_shared = matches!(parameter.state, State::Shared(_));
+        let of_body = matches!(parameter.role, Role::Inertial { .. } | Role::Payload { .. });
+        if !of_body && !is_shared {
             out.push(Quantity {
                 name: parameter.name.clone(),
                 unit: parameter.unit.clone(),
                 description: meaning(model, parameter),
+                shared_by: sharing_joints(model, p),
                 value: determined(estimated, p).then_some(estimated.values[p]),
                 gradient: vec![(p, 1.0)],
             });
         }
     }
     out
+}
+
+/// Names of the joints that have a parameter in common; none of a parameter of one joint.
+fn sharing_joints(model: &Model, parameter: usize) -> Vec<String> {
+    let all = model.sharing(parameter);
+    if all.len() < 2 {
+        return Vec::new();
+    }
+    let joint = |p: &usize| match model.parameters()[*p].role {
+        Role::Effect { joint, .. } => Some(model.joints()[joint].name.clone()),
+        _ => None,
+    };
+    all.iter().filter_map(joint).collect()
 }
 
 fn meaning(model: &Model, parameter: &Parameter) -> String {
@@ -205,6 +229,7 @@ fn body(estimated: &Estimated<'_>, name: &str, first: usize, out: &mut Vec<Quant
             name: format!("{name}.{quantity}"),
             unit: unit.to_string(),
             description: String::new(),
+            shared_by: Vec::new(),
             value: (has(needs) && value.is_finite()).then_some(value),
             gradient: gradient.into_iter().map(|(k, d)| (first + k, d)).collect(),
         });

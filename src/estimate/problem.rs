@@ -191,6 +191,7 @@ impl<'a> FitProblem<'a> {
         for (k, &parameter) in self.columns.iter().enumerate() {
             values[parameter] = x[k];
         }
+        self.model.spread(&mut values);
         values
     }
 

@@ -18,11 +18,16 @@ pub(crate) fn stated(problem: &FitProblem<'_>, mut solution: Solution) -> Soluti
             for sine in effect.knowledge.sines {
                 let named = |name: &str| {
                     let mut own = joint.parameters_of(effect.id);
-                    let (_, parameter) = own.find(|(info, _)| info.name == name)?;
-                    alone(problem, parameter)
+                    own.find(|(info, _)| info.name == name).map(|(_, at)| at)
                 };
                 let Sine { amplitude, phase } = sine;
-                if let (Some(amplitude), Some(phase)) = (named(amplitude), named(phase)) {
+                let (Some(amplitude), Some(phase)) = (named(amplitude), named(phase)) else {
+                    continue;
+                };
+                // The sign of an amplitude that joints have in common is that of all of their phases.
+                let joints = [amplitude, phase].map(|p| problem.model.sharing(p).len());
+                let places = (alone(problem, amplitude), alone(problem, phase));
+                if let ((Some(amplitude), Some(phase)), true) = (places, joints[0] == joints[1]) {
                     turn(problem, &mut solution, (amplitude, phase));
                 }
             }

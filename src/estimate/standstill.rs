@@ -52,7 +52,7 @@ fn of_joint(model: &Model, recording: &Prepared, (joint, width): (usize, usize))
             (UNSEEN * error.velocity[joint], UNSEEN_S * rate_hz),
         );
     }
-    let width = &model.parameters()[width];
+    let width = &model.parameters()[model.estimated_as(width)];
     if !width.is_free() {
         leave_out(
             &mut factors,

@@ -152,8 +152,12 @@ struct Quantity {
 /// Parameters, then the combinations that are none of them.
 fn quantities(outcome: &Outcome) -> Vec<Quantity> {
     let parameters = &outcome.estimate.parameters;
-    let of_parameters = parameters.iter().map(|p| Quantity {
-        name: p.name.clone(),
+    // A result may have for every joint what joints of the other have in common.
+    let named = parameters
+        .iter()
+        .flat_map(|p| p.names().into_iter().map(move |name| (name, p)));
+    let of_parameters = named.map(|(name, p)| Quantity {
+        name,
         unit: p.unit.clone(),
         valued: Valued {
             value: p.value,

@@ -24,7 +24,7 @@ impl Estimate {
     pub fn find(&self, name: &str) -> Option<&Parameter> {
         self.parameters
             .iter()
-            .find(|parameter| parameter.name == name)
+            .find(|parameter| parameter.is_called(name))
     }
 }
 

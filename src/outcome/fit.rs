@@ -9,6 +9,7 @@ use crate::outcome::load::Load;
 use crate::outcome::machine::Machine;
 use crate::outcome::motors::Motors;
 use crate::outcome::number;
+use crate::outcome::sharing::Sharing;
 use crate::outcome::simulator::Simulator;
 
 /// The part of `fit`.
@@ -47,6 +48,10 @@ pub struct Fit {
     /// The stages of motor constants from motions at constant speed; absent for other estimators.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motors: Option<Motors>,
+    /// Parameters that joints with motors of one type have in common, and whether the recordings refuse that; empty where
+    /// the problem names no such joints.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sharing: Vec<Sharing>,
     /// What a later fit can start from.
     #[serde(default)]
     pub posterior: Posterior,

@@ -29,6 +29,7 @@ pub mod predictions;
 pub mod provenance;
 pub mod rollout;
 pub mod run;
+pub mod sharing;
 pub mod simulation;
 pub mod simulator;
 pub mod skeleton;

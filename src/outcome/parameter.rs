@@ -61,6 +61,9 @@ pub struct Parameter {
     /// What the parameter is, in plain words; may be empty.
     #[serde(default)]
     pub description: String,
+    /// The joints that have it in common, the one of its name first; empty of a parameter of one joint.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shared_by: Vec<String>,
 }
 
 impl Parameter {
@@ -75,6 +78,7 @@ impl Parameter {
             ci95: None,
             source: Source::Undetermined,
             description: String::new(),
+            shared_by: Vec::new(),
         }
     }
 
@@ -85,6 +89,26 @@ impl Parameter {
             source: Source::Known,
             ..Self::undetermined(name, unit)
         }
+    }
+
+    /// The same parameter, of several joints.
+    pub fn shared_by(mut self, joints: Vec<String>) -> Self {
+        self.shared_by = joints;
+        self
+    }
+
+    /// Its name, and those it would have on the other joints that share it.
+    pub fn names(&self) -> Vec<String> {
+        let rest = self.name.split_once('.').map_or("", |(_, rest)| rest);
+        let others = self.shared_by.iter().map(|joint| format!("{joint}.{rest}"));
+        let own = std::iter::once(self.name.clone());
+        own.chain(others.filter(|name| *name != self.name))
+            .collect()
+    }
+
+    /// Whether it goes by a name: its own, or that of a joint which shares it.
+    pub fn is_called(&self, name: &str) -> bool {
+        self.name == name || self.names().iter().any(|own| own == name)
     }
 
     /// The same parameter, with its meaning in plain words.

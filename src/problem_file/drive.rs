@@ -21,7 +21,16 @@ pub(crate) const KEYS: &[Key] = &[
     Key { name: "effects", form: Form::List(&Form::Effect, Length::Distinct), unit: "", default: "none", example: "[\"coulomb_friction\", \"viscous_friction\"]", meaning: "Physics in the model, for all joints; `exid effects` lists it" },
     Key { name: "effects_of", form: Form::Named(&Form::List(&Form::Effect, Length::Distinct)), unit: "", default: "none", example: "{ a5 = [\"coulomb_friction\"] }", meaning: "What replaces the list of effects on single joints" },
     Key { name: "values", form: Form::Named(&Form::Number(Range::Finite)), unit: "each parameter's own", default: "none", example: "{ \"a5.coulomb_friction.w\" = 0.004 }", meaning: "Parameters of the model with known values" },
+    Key { name: "shared", form: Form::List(&Form::Table(SHARED_KEYS), Length::Any), unit: "", default: "none", example: "", meaning: "Joints with motors of one type, and the effects whose parameters are the same on all of them" },
     Key { name: "rotors", form: Form::NamedTables(ROTOR_KEYS), unit: "", default: "none", example: "", meaning: "Spinning part of a joint's motor, which a base wrench feels" },
+];
+
+/// Keys of `[[drive.shared]]`.
+#[rustfmt::skip]
+pub(crate) const SHARED_KEYS: &[Key] = &[
+    Key { name: "joints", form: Form::List(&Form::Text, Length::SomeDistinct), unit: "", default: REQUIRED, example: "[\"a4\", \"a5\", \"a6\"]", meaning: "Two joints or more whose motors are of one type" },
+    Key { name: "effects", form: Form::List(&Form::Effect, Length::SomeDistinct), unit: "", default: "none: every joint has its own parameters, and what could be shared is proposed", example: "[\"coulomb_friction\", \"viscous_friction\"]", meaning: "Effects whose parameters are one unknown for all of the joints; the recordings are asked whether they refuse that" },
+    Key { name: "separate", form: Form::List(&Form::Text, Length::Distinct), unit: "", default: "none", example: "[\"torque_ripple.phase\"]", meaning: "Parameters of these effects that every joint has for itself" },
 ];
 
 /// Keys of an entry of `[drive.rotors]`.
@@ -61,8 +70,21 @@ pub struct DriveTable {
     pub effects_of: Vec<Named<Vec<Located<String>>>>,
     /// Parameters of the model with known values, in their own units. Default: none.
     pub values: Vec<Named<f64>>,
+    /// Joints with motors of one type. Default: none.
+    pub shared: Vec<SharedTable>,
     /// Spinning parts of motors, by joint, which a base wrench feels. Default: none.
     pub rotors: Vec<Named<RotorTable>>,
+}
+
+/// One table `[[drive.shared]]`.
+#[derive(Debug, Clone)]
+pub struct SharedTable {
+    /// Two joints or more whose motors are of one type.
+    pub joints: Located<Vec<Located<String>>>,
+    /// Effects whose parameters are the same on all of them. Default: none, what could be shared is proposed.
+    pub effects: Vec<Located<String>>,
+    /// `<effect>.<parameter>`: what every joint has for itself. Default: none.
+    pub separate: Vec<Located<String>>,
 }
 
 /// An entry of `[drive.rotors]`.
@@ -100,9 +122,33 @@ impl DriveTable {
             effects: reader.list("effects", effects)?,
             effects_of: reader.named("effects_of", effects)?,
             values: reader.named("values", values::finite)?,
+            shared: reader
+                .tables("shared")?
+                .iter()
+                .map(|table| shared(table, context))
+                .collect::<Result<_, _>>()?,
             rotors: reader.named("rotors", rotor)?,
         })
     }
+}
+
+fn shared(node: &Node, context: &Context) -> Result<SharedTable, ProblemFileError> {
+    let reader = Reader::open(node, SHARED_KEYS)?;
+    let joints = |n: &Node| {
+        let joints = values::names(n, "a list of joints")?;
+        match joints.len() {
+            0 | 1 => Err(values::wrong_type(n, "a list of at least two joints")),
+            _ => Ok(joints),
+        }
+    };
+    let effects = |n: &Node| values::not_empty(values::effects(n, context)?, n);
+    let separate =
+        |n: &Node| values::names(n, "a list of parameters such as [\"torque_ripple.phase\"]");
+    Ok(SharedTable {
+        joints: reader.required("joints", "name the joints with motors of one type", joints)?,
+        effects: reader.list("effects", effects)?,
+        separate: reader.list("separate", separate)?,
+    })
 }
 
 fn rotor(node: &Node) -> Result<RotorTable, ProblemFileError> {

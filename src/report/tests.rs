@@ -18,6 +18,7 @@ use crate::outcome::parameter::{Parameter, Source};
 use crate::outcome::predictions::{Block, PredictionsWriter, Quantity};
 use crate::outcome::provenance::{Provenance, VERSION};
 use crate::outcome::run::Run;
+use crate::outcome::sharing::{SeparateValue, SharedParameter, Sharing};
 use crate::outcome::simulation::{RealisedNoise, Simulation};
 use crate::outcome::{Outcome, PREDICTIONS_FILE, Part, RESULT_FILE};
 use crate::recording::split::Split;
@@ -195,6 +196,7 @@ fn arm() -> Outcome {
                 joints: (1..=JOINTS).map(|joint| figures(joint, 0.97)).collect(),
             }],
             contests: Vec::new(),
+            sharing: vec![sharing()],
             joint_torque_parameters: Vec::new(),
             realization: Vec::new(),
             model: None,
@@ -210,6 +212,33 @@ fn arm() -> Outcome {
             }],
             notes: vec!["6 periods averaged; the last 0.31 s left out.".to_string()],
         }),
+    }
+}
+
+/// Two joints with one viscous friction.
+fn sharing() -> Sharing {
+    let own = |joint: &str, value: f64| SeparateValue {
+        joint: joint.to_string(),
+        value: Some(value),
+        std_dev: Some(0.04),
+    };
+    Sharing {
+        effect: "viscous_friction".to_string(),
+        joints: vec!["joint1".to_string(), "joint2".to_string()],
+        in_model: true,
+        parameters: vec![SharedParameter {
+            name: "viscous_friction.Fv".to_string(),
+            unit: "N·m·s/rad".to_string(),
+            value: Some(1.21),
+            std_dev: Some(0.03),
+            ci95: Some([1.15, 1.27]),
+            separate: vec![own("joint1", 1.19), own("joint2", 1.24)],
+        }],
+        statistic: Some(0.8),
+        degrees_of_freedom: 1,
+        p_value: Some(0.37),
+        refused: false,
+        sentence: "joint1 and joint2 have it in common.".to_string(),
     }
 }
 
@@ -308,6 +337,7 @@ fn the_page_loads_nothing_and_shows_every_section() {
         "joints",
         "signals",
         "parameters",
+        "sharing",
         "base-parameters",
         "comparison",
         "preprocessing",

@@ -96,6 +96,7 @@ fn fit_lines(estimate: &Estimate, fit: &Fit, room: usize) -> Vec<String> {
     rest.extend(estimate.solver.as_ref().map(facts::solver_sentence));
     rest.extend(contest_lines(&fit.contests));
     rest.extend(fit.simulator.iter().flat_map(terminal_simulator::lines));
+    rest.extend(fit.sharing.iter().map(|sharing| sharing.sentence.clone()));
     rest.extend(fit.notes.iter().map(|note| format!("note: {note}")));
     let room = room.saturating_sub(lines.len() + rest.len());
     let base = terminal_parameters::base(&estimate.parameters, &fit.base_parameters, room);
@@ -210,6 +211,8 @@ fn diagnosis_lines(diagnosis: &Diagnosis, room: usize) -> Vec<String> {
     rest.extend(before_and_after(diagnosis));
     let simulator = diagnosis.simulator.iter();
     rest.extend(simulator.flat_map(terminal_simulator::lines));
+    let sharing = diagnosis.fit.iter().flat_map(|fit| &fit.sharing);
+    rest.extend(sharing.map(|sharing| sharing.sentence.clone()));
     rest.extend(diagnosis.notes.iter().map(|note| format!("note: {note}")));
     let room = room.saturating_sub(lines.len() + rest.len());
     let located = diagnosis.located.iter().take(room);

@@ -99,7 +99,10 @@ pub fn values(problem: &ProblemFile, robot: &Robot, model: &Model) -> Vec<Declar
 /// Gives a model the values of the robot file. Those outside of the bounds of their parameters start at the bound.
 pub(super) fn apply(problem: &ProblemFile, robot: &Robot, model: &mut Model) {
     for declared in values(problem, robot, model) {
-        let fixed = declared.known && model.fix(declared.parameter, declared.value).is_ok();
+        // What is shared is estimated: the file may have another value for every joint.
+        let shared = model.sharing(model.estimated_as(declared.parameter)).len() > 1;
+        let known = declared.known && !shared;
+        let fixed = known && model.fix(declared.parameter, declared.value).is_ok();
         if !fixed {
             model.start(declared.parameter, declared.value);
         }
@@ -115,7 +118,9 @@ pub fn differences(
 ) -> Option<String> {
     let differs = |declared: DeclaredValue| {
         let name = &model.parameters()[declared.parameter].name;
-        let found = estimated.iter().find(|parameter| parameter.name == *name)?;
+        let found = estimated
+            .iter()
+            .find(|parameter| parameter.is_called(name))?;
         let ([lower, upper], value) = (found.ci95?, found.value?);
         (declared.value < lower || declared.value > upper).then(|| {
             format!(

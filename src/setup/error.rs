@@ -161,6 +161,13 @@ pub enum Mismatch {
         /// What is wrong with the description, in words.
         what: String,
     },
+    /// Joints that cannot have parameters of an effect in common.
+    NotShared {
+        /// What stands against it, in words.
+        what: String,
+        /// What to do instead.
+        instead: String,
+    },
 }
 
 impl SetupError {
@@ -242,6 +249,7 @@ impl Mismatch {
             Self::NotAFit => "not-a-fit",
             Self::Impossible { .. } => "impossible-inertia",
             Self::Unreachable { .. } => "unreachable",
+            Self::NotShared { .. } => "not-shared",
             Self::Mechanism { .. } => "mechanism",
         }
     }
@@ -274,7 +282,9 @@ impl Mismatch {
                 "no body has the inertial parameters of link `{link}`: its pseudo-inertia has the \
                  eigenvalue {eigenvalue:.3e}"
             ),
-            Self::Unreachable { what } | Self::Mechanism { what } => what.clone(),
+            Self::Unreachable { what }
+            | Self::Mechanism { what }
+            | Self::NotShared { what, .. } => what.clone(),
             Self::Law(description) => description.message.clone(),
             drive => drive.message_of_drive(),
         }
@@ -341,6 +351,7 @@ impl Mismatch {
                 return format!("give {expected} rows of four coefficients, c0 to c3");
             }
             Self::Law(description) => return description.remedy.clone(),
+            Self::NotShared { instead, .. } => return instead.clone(),
             Self::NeedsJoint { .. } => {
                 "name a moving joint of the robot, or list the law for other joints under drive.effects_of"
             }

@@ -62,7 +62,10 @@ pub(crate) fn fix_all(model: &mut Model, given: &[Named<f64>]) -> Result<(), Set
     for entry in given {
         let (value, place) = (entry.value.value, &entry.value.place);
         match resolve(model, &entry.name, place)? {
-            Reference::Parameter(p) => model.fix(p, value).map_err(|e| at(place, e))?,
+            Reference::Parameter(p) => {
+                one_value(model, (p, value), place)?;
+                model.fix(p, value).map_err(|e| at(place, e))?;
+            }
             Reference::Body(first, quantity) => {
                 match bodies.iter_mut().find(|(f, _)| *f == first) {
                     Some((_, list)) => list.push((quantity, value)),
@@ -79,6 +82,34 @@ pub(crate) fn fix_all(model: &mut Model, given: &[Named<f64>]) -> Result<(), Set
         })?;
     }
     Ok(())
+}
+
+/// Joints that share a parameter have one value of it.
+fn one_value(
+    model: &Model,
+    (parameter, value): (usize, f64),
+    place: &Place,
+) -> Result<(), SetupError> {
+    let all = model.sharing(model.estimated_as(parameter));
+    let known = &model.parameters()[all[0]];
+    if all.len() == 1 || known.is_free() || known.value == value {
+        return Ok(());
+    }
+    let names: Vec<&str> = all
+        .iter()
+        .map(|p| model.parameters()[*p].name.as_str())
+        .collect();
+    Err(SetupError::mismatch(
+        place,
+        Mismatch::NotShared {
+            what: format!(
+                "{} are shared, and have two values: {} and {value}",
+                names.join(", "),
+                known.value
+            ),
+            instead: "give one value, or take the effect out of drive.shared".to_string(),
+        },
+    ))
 }
 
 /// Fixes the raw parameters that the given quantities determine; the error is the quantity that needs more.

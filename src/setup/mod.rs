@@ -20,6 +20,7 @@ pub mod recordings;
 pub mod robot;
 pub mod sensed;
 pub mod shared_rows;
+pub mod sharing;
 mod signal;
 pub mod skeleton;
 pub mod values;

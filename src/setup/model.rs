@@ -4,6 +4,7 @@ use crate::chain::effect::current_polynomial::COEFFICIENTS;
 use crate::chain::effect::{self, Catalogue, Effect, Law};
 use crate::chain::model::{self, Model, ModelSettings, Payload};
 use crate::chain::parameter::Role;
+use crate::chain::sharing::Sharing;
 use crate::fault::Place;
 use crate::problem_file::choices::{Inertials, PositionSide};
 use crate::problem_file::drive::CurrentLaw;
@@ -13,13 +14,13 @@ use crate::setup::error::{Mismatch, SetupError, at, unknown};
 use crate::setup::known::{bound_all, fix_all, zero_parameters};
 use crate::setup::robot::Robot;
 use crate::setup::signal::signal;
-use crate::setup::{controllers, declared, laws};
+use crate::setup::{controllers, declared, laws, sharing};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Builds the model of a problem file.
 pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Model, SetupError> {
     let effects = effects_of_joints(problem, robot, &problem.drive.effects)?;
-    build_with(problem, robot, (effects, &[]))
+    build_with(problem, robot, effects, &Addition::default())
 }
 
 /// Physics beside what a problem file declares.
@@ -29,6 +30,8 @@ pub struct Addition {
     pub effects: Vec<(usize, &'static Effect)>,
     /// Entries (row, column) of V that become free.
     pub coupling: Vec<(usize, usize)>,
+    /// Effects whose parameters joints have in common, beside those that the problem file declares.
+    pub shared: Vec<Sharing>,
 }
 
 /// Builds the model of a problem file with further physics.
@@ -37,19 +40,8 @@ pub fn build_with_addition(
     robot: &Robot,
     addition: &Addition,
 ) -> Result<Model, SetupError> {
-    let mut effects = effects_of_joints(problem, robot, &problem.drive.effects)?;
-    for &(joint, effect) in &addition.effects {
-        if effects[joint].iter().all(|e| e.id != effect.id) {
-            effects[joint].push(effect);
-        }
-    }
-    for &(row, _) in &addition.coupling {
-        let coupling = effect::COUPLING;
-        if effects[row].iter().all(|e| e.id != coupling.id) {
-            effects[row].push(coupling);
-        }
-    }
-    build_with(problem, robot, (effects, &addition.coupling))
+    let effects = effects_of_joints(problem, robot, &problem.drive.effects)?;
+    build_with(problem, robot, effects, addition)
 }
 
 /// Builds the model with other effects on all joints, as comparisons want it.
@@ -59,14 +51,25 @@ pub fn build_compared(
     listed: &[Located<String>],
 ) -> Result<Model, SetupError> {
     let effects = effects_of_motors(&laws::catalogue(problem)?, robot, listed);
-    build_with(problem, robot, (effects, &[]))
+    build_with(problem, robot, effects, &Addition::default())
 }
 
 fn build_with(
     problem: &ProblemFile,
     robot: &Robot,
-    (effects, freed): (Vec<Vec<&'static Effect>>, &[(usize, usize)]),
+    mut effects: Vec<Vec<&'static Effect>>,
+    addition: &Addition,
 ) -> Result<Model, SetupError> {
+    // What is added shares nothing unless that is asked for: a hypothesis about one joint has its own parameters.
+    let mut shared = sharing::declared(problem, robot, &effects)?;
+    shared.extend(addition.shared.iter().cloned());
+    let freed = addition.coupling.as_slice();
+    let of_coupling = freed.iter().map(|&(row, _)| (row, effect::COUPLING));
+    for (joint, effect) in addition.effects.iter().copied().chain(of_coupling) {
+        if effects[joint].iter().all(|e| e.id != effect.id) {
+            effects[joint].push(effect);
+        }
+    }
     let known = problem.robot.inertials.value == Inertials::Known;
     if known {
         possible_bodies(robot)?;
@@ -98,6 +101,7 @@ fn build_with(
             .as_ref()
             .and_then(|table| table.period.as_ref())
             .map(|period| period.value),
+        shared,
         effects,
     };
     let mut model = Model::new(settings).map_err(|e| at(&problem_place(problem), e))?;

@@ -69,9 +69,9 @@ fn from_posterior(model: &Model, posterior: &Posterior) -> Prior {
         let mut complete = true;
         let mut free = false;
         for term in &combination.terms {
-            match model.find(&term.parameter) {
+            match model.find(&term.parameter).map(|p| model.estimated_as(p)) {
                 Ok(p) if model.parameters()[p].is_free() => {
-                    row[p] = term.coefficient;
+                    row[p] += term.coefficient;
                     free = true;
                 }
                 Ok(p) => mean -= term.coefficient * model.parameters()[p].value,
@@ -104,7 +104,7 @@ fn single_values(problem: &ProblemFile, model: &Model) -> Result<Prior, SetupErr
         let instead = "give priors of masses and of parameters of effects; an earlier fit under \
                        `robot.parameters` carries all of a body";
         let parameter = single(model, (&entry.name, place), ("a prior", instead))?;
-        rows[(k, parameter)] = 1.0;
+        rows[(k, model.estimated_as(parameter))] = 1.0;
         mean[k] = entry.value.value.value;
         covariance[(k, k)] = entry.value.value.std_dev.powi(2);
     }

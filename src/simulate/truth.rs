@@ -5,7 +5,7 @@
 
 use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::{self, Linearity};
-use crate::chain::model::Model;
+use crate::chain::model::{JointModel, Model};
 use crate::chain::parameter::Role;
 use crate::fault::Place;
 use crate::outcome::parameter::Parameter;
@@ -18,7 +18,7 @@ use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::known::resolve;
 use crate::setup::names::{BodyQuantity, Reference, with_quantities};
 use crate::setup::robot::Robot;
-use crate::setup::{declared, model};
+use crate::setup::{declared, model, sharing};
 use crate::simulate::concealed;
 use crate::simulate::concealed::commanded;
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
@@ -65,6 +65,7 @@ pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateErro
         .chain(acting.values.iter().cloned())
         .collect();
     assign(&mut plant, &given, &mut assigned)?;
+    share(problem, &robot, &mut plant, &mut assigned)?;
     let place = Place::file(&problem.path).key("simulate.values");
     let mut notes = complete(&mut plant, &assigned, &place)?;
     if !acting.concealed.is_empty() {
@@ -114,6 +115,8 @@ fn all_known(problem: &ProblemFile) -> ProblemFile {
     known.robot.zero.clear();
     known.drive.values.clear();
     known.fit.bounds.clear();
+    // The truth may be a robot that refuses what the declared model takes for common.
+    known.drive.shared.clear();
     if let Some(controller) = &mut known.controller {
         let gains = [&mut controller.value.kp, &mut controller.value.kd];
         gains
@@ -157,7 +160,8 @@ impl Earlier {
         let parameters = &outcome.estimate.parameters;
         let estimated = parameters
             .iter()
-            .filter_map(|p| Some((p.name.clone(), p.value?)));
+            .filter_map(|p| Some((p.names(), p.value?)))
+            .flat_map(|(names, value)| names.into_iter().map(move |name| (name, value)));
         Ok(Self {
             bodies: realized.collect(),
             effects: estimated.collect(),
@@ -247,6 +251,35 @@ fn assign(
         for k in 0..PER_LINK {
             fix(model, (first + k, body.0[k]), place)?;
             assigned[first + k] = true;
+        }
+    }
+    Ok(())
+}
+
+/// What one of the joints that share a parameter has, the others have too where nothing else is given of them.
+fn share(
+    problem: &ProblemFile,
+    robot: &Robot,
+    plant: &mut Model,
+    assigned: &mut [bool],
+) -> Result<(), SimulateError> {
+    let effects = |joint: &JointModel| joint.effects.iter().map(|(effect, _)| *effect).collect();
+    let effects: Vec<_> = plant.joints().iter().map(effects).collect();
+    let place = Place::file(&problem.path).key("drive.shared");
+    for sharing in sharing::declared(problem, robot, &effects)? {
+        for row in sharing.positions(plant.joints()) {
+            let Some(given) = row.iter().copied().find(|p| assigned[*p]) else {
+                continue;
+            };
+            let value = plant.parameters()[given].value;
+            for other in row
+                .into_iter()
+                .filter(|p| !assigned[*p])
+                .collect::<Vec<_>>()
+            {
+                fix(plant, (other, value), &place)?;
+                assigned[other] = true;
+            }
         }
     }
     Ok(())

@@ -268,6 +268,7 @@ pub const RESULT_FILES: &[&str] = &[
     "feasibility.rs",
     "load.rs",
     "contest.rs",
+    "sharing.rs",
     "motors.rs",
     "machine.rs",
     "diagnose.rs",

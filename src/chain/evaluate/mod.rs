@@ -110,6 +110,13 @@ impl<'m> Evaluator<'m> {
         for (k, &parameter) in columns.iter().enumerate() {
             column[parameter] = Some(k);
         }
+        // The column of a shared parameter is the sum over all joints that have it.
+        for parameter in 0..column.len() {
+            column[parameter] = column[model.estimated_as(parameter)];
+        }
+        let mut values = values.clone();
+        model.spread(&mut values);
+        let values = &values;
         let tree = match model.tilt() {
             None => Cow::Borrowed(model.tree()),
             Some(at) => {

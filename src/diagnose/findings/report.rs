@@ -23,7 +23,7 @@ use crate::diagnose::selection::stepwise::Rules;
 use crate::estimate::covariance::of_unknowns;
 use crate::estimate::figures::{Predictions, predictions};
 use crate::estimate::fit::{Fitted, in_full, outcome, outcome_with};
-use crate::estimate::task::{notes, preprocessing};
+use crate::estimate::remarks::{notes, preprocessing};
 use crate::outcome::diagnose::{Baseline, Diagnosis, Final};
 use crate::outcome::finding::Finding;
 use crate::outcome::fit::{AddedEffect, Fit, FittedModel};
@@ -45,6 +45,8 @@ pub struct Reported {
     pub last: Predictions,
     /// Findings with rivals that the recordings cannot set aside.
     pub ambiguities: Vec<Ambiguity>,
+    /// What the final model has beside the declared one.
+    pub hypotheses: Vec<Hypothesis>,
 }
 
 /// What a report is made of.
@@ -151,6 +153,7 @@ impl Reporting<'_> {
             declared: predictions(&declared.model, &declared.values, context.data),
             last,
             ambiguities: ambiguities(full, &comparisons),
+            hypotheses: full.hypotheses.clone(),
         })
     }
 

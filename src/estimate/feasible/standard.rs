@@ -93,6 +93,7 @@ impl<'a> Standard<'a> {
         for (k, &p) in self.parameters.iter().enumerate() {
             values[p] = x[k];
         }
+        self.model.spread(&mut values);
         values
     }
 

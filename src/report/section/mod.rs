@@ -18,6 +18,7 @@ mod parameters;
 mod part;
 mod preprocessing;
 mod rollout;
+mod sharing;
 mod signals;
 mod simulation;
 mod simulator;
@@ -32,7 +33,7 @@ use crate::report::section::part::Source;
 use crate::report::series::Series;
 
 /// Every section in the order of the page; each is absent where it has nothing to say.
-const SECTIONS: [fn(&Source) -> Option<Section>; 28] = [
+const SECTIONS: [fn(&Source) -> Option<Section>; 29] = [
     summary::section,
     fleet::look_at,
     fleet::types,
@@ -47,6 +48,7 @@ const SECTIONS: [fn(&Source) -> Option<Section>; 28] = [
     simulation::section,
     load::section,
     parameters::section,
+    sharing::section,
     base_parameters::section,
     base_parameters::of_joint_torques,
     correlations::section,
