@@ -12,6 +12,7 @@ use crate::chain::dataset::Dataset;
 use crate::chain::model::Model;
 use crate::chain::prior::Prior;
 use crate::chain::sharing::Sharing;
+use crate::chain::words::{list, short};
 use crate::estimate::fit::Fitted;
 use crate::estimate::reach;
 use crate::outcome::estimate::Estimate;
@@ -192,15 +193,17 @@ impl Tested {
     }
 
     fn sentence(&self, parameters: &[SharedParameter]) -> String {
-        let (id, joints) = (self.effect, listed(&self.joints));
+        let (id, joints) = (self.effect, list(&self.joints));
         let Some(wald) = &self.wald else {
             return format!(
                 "The recordings do not determine `{id}` of {joints} one by one, so that they cannot say whether these have it in common."
             );
         };
         let chance = format!(
-            "χ² = {:.1} of {} differences, p = {:.1e}",
-            wald.statistic, wald.freedom, wald.p_value
+            "χ² = {:.1} of {} differences, p = {}",
+            wald.statistic,
+            wald.freedom,
+            short(wald.p_value)
         );
         if self.refused {
             let remedy = match self.in_model {
@@ -238,14 +241,6 @@ fn separate_value((joint, own): (&String, &Parameter)) -> SeparateValue {
 
 fn without_joint(name: &str) -> &str {
     name.split_once('.').map_or(name, |(_, rest)| rest)
-}
-
-/// `a4, a5 and a6`.
-fn listed(names: &[String]) -> String {
-    match names.split_last() {
-        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
-        _ => names.concat(),
-    }
 }
 
 fn quoted(names: &[String]) -> String {
