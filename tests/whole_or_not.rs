@@ -1,9 +1,12 @@
-//! A run that is killed at any moment leaves the earlier result or its own, whole, and nothing that the
-//! next run does not remove.
+//! A run that is killed or interrupted at any moment, or that lacks memory or space, leaves the earlier result or its own, whole,
+//! and nothing that the next run does not remove.
+//!
+//! `EXID_ENDINGS=200 cargo test --release --test whole_or_not -- --nocapture` kills and interrupts so many runs of each kind.
 
 mod common;
 
 use common::arm::{Arm, EVERY_SAMPLE, Noise};
+use common::interrupting;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -11,7 +14,19 @@ use std::process::{Child, Command};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+/// Kills without another word; interrupts are a quarter of them.
 const KILLS: usize = 50;
+
+/// s; a run that is interrupted ends within.
+const SOON: f64 = 2.0;
+
+/// The number of runs of a kind to be ended, a usual one unless the environment states another.
+fn endings(usual: usize) -> usize {
+    let stated = std::env::var("EXID_ENDINGS");
+    stated.map_or(usual, |count| {
+        count.parse().expect("EXID_ENDINGS is a number")
+    })
+}
 
 /// Periods of 200 samples: enough that writing the tables takes a noticeable part of the run.
 const PERIODS: usize = 40;
@@ -98,7 +113,8 @@ fn a_run_killed_at_any_moment_leaves_one_whole_result() {
 
     let mut random = Noise(20_26);
     let (mut before, mut while_writing) = (0, 0);
-    for version in 1..=KILLS {
+    let kills = endings(KILLS);
+    for version in 1..=kills {
         let mut child = run(&arm, version).spawn().unwrap();
         let aims_at_writing = version % 2 == 0;
         if aims_at_writing {
@@ -120,16 +136,130 @@ fn a_run_killed_at_any_moment_leaves_one_whole_result() {
         while_writing += usize::from(writing && !ended);
         current = left;
     }
-    eprintln!("{KILLS} kills: {while_writing} while writing, {before} left the earlier result");
+    eprintln!("{kills} kills: {while_writing} while writing, {before} left the earlier result");
     assert!(before > 0 && while_writing > 0, "kills come in time");
 
-    assert!(run(&arm, KILLS + 1).status().unwrap().success());
-    assert_eq!(version_of(&out), (KILLS + 1, rows));
+    assert!(run(&arm, kills + 1).status().unwrap().success());
+    assert_eq!(version_of(&out), (kills + 1, rows));
+    assert_nothing_is_left_behind(&arm);
+}
+
+fn assert_nothing_is_left_behind(arm: &Arm) {
     let hidden: Vec<String> = (fs::read_dir(arm.folder()).unwrap())
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .filter(|name| name.starts_with('.'))
         .collect();
     assert!(hidden.is_empty(), "left behind: {hidden:?}");
+}
+
+/// While a file is read, while the search runs, while results are written.
+#[test]
+fn a_run_interrupted_at_any_moment_ends_soon_and_leaves_one_whole_result() {
+    let arm = Arm::new(PERIODS);
+    let out = arm.path("out");
+    let started = Instant::now();
+    assert!(run(&arm, 0).status().unwrap().success());
+    let duration = started.elapsed();
+    let (mut current, rows) = version_of(&out);
+
+    let mut random = Noise(7_11);
+    let (mut before, mut latest) = (0, Duration::ZERO);
+    let interrupts = endings(KILLS / 4);
+    for version in 1..=interrupts {
+        let mut child = run(&arm, version).spawn().unwrap();
+        sleep(duration.mul_f64(1.1 * share(&mut random)));
+        let sent = Instant::now();
+        interrupting::send(&mut child);
+        let code = child.wait().unwrap().code();
+        latest = latest.max(sent.elapsed());
+        let (left, rows_left) = version_of(&out);
+        assert_eq!(rows_left, rows, "every version has the same samples");
+        assert!(left == current || left == version, "{left} after {version}");
+        // None is the signal's own end, before the program could listen to it.
+        assert!([Some(130), Some(0), None].contains(&code), "{code:?}");
+        assert!(code != Some(0) || left == version, "a finished run is lost");
+        before += usize::from(left == current);
+        current = left;
+    }
+    eprintln!(
+        "{interrupts} interrupts: {before} left the earlier result, the slowest ended after {latest:?}"
+    );
+    assert!(latest.as_secs_f64() < SOON, "{latest:?}");
+    assert!(run(&arm, interrupts + 1).status().unwrap().success());
+    assert_nothing_is_left_behind(&arm);
+}
+
+/// A run under limits of the shell, and what it said.
+fn limited(arm: &Arm, version: usize, limits: &str) -> (Option<i32>, String) {
+    let whole = run(arm, version);
+    let mut command = Command::new("sh");
+    command
+        .current_dir(arm.folder())
+        .args(["-c", &format!("{limits}; exec \"$0\" \"$@\"")])
+        .arg(whole.get_program())
+        .args(whole.get_args());
+    let output = command.output().unwrap();
+    let words = String::from_utf8_lossy(&output.stderr).into_owned();
+    (output.status.code(), words)
+}
+
+/// Under each limit the run ends with its result, or with words and the earlier one; gives how many of them failed.
+fn assert_failures_are_said(arm: &Arm, limits: &[String], words: &str) -> usize {
+    let out = arm.path("out");
+    let (mut current, _) = version_of(&out);
+    let mut failed = 0;
+    for (version, limit) in (current + 1..).zip(limits) {
+        let (code, said) = limited(arm, version, limit);
+        let (left, _) = version_of(&out);
+        match code {
+            Some(0) => assert_eq!(left, version, "{limit}: a finished run is lost"),
+            _ => {
+                assert_eq!(left, current, "{limit}: {said}");
+                assert!(said.contains(words), "{limit}: {code:?} {said}");
+                failed += 1;
+            }
+        }
+        current = left;
+    }
+    assert!(run(arm, current + 1).status().unwrap().success());
+    assert_nothing_is_left_behind(arm);
+    failed
+}
+
+/// Address space from less than the program needs to more than it needs, in KiB.
+#[test]
+fn a_run_without_memory_says_so_and_leaves_the_earlier_result() {
+    if !cfg!(target_os = "linux") {
+        common::skip("limits of address space are those of Linux");
+        return;
+    }
+    let arm = Arm::new(PERIODS);
+    assert!(run(&arm, 0).status().unwrap().success());
+    // A process that cannot map its own program ends before its first word.
+    let least = (60_000..4_000_000).step_by(20_000).find(|kib| {
+        let version = format!("ulimit -v {kib}; exec \"$0\" --version");
+        let program = env!("CARGO_BIN_EXE_exid");
+        let output = Command::new("sh").args(["-c", &version, program]).output();
+        output.unwrap().status.success()
+    });
+    let least = least.expect("the program starts");
+    let limits = (0..24).map(|k| format!("ulimit -v {}", least + 8_000 * k));
+    let limits: Vec<String> = limits.collect();
+    let failed = assert_failures_are_said(&arm, &limits, "memory");
+    eprintln!("{failed} of {} runs lacked memory", limits.len());
+    assert!(failed > 0, "limits are tight enough");
+}
+
+/// Files that may not become so long, in blocks of the shell's.
+#[test]
+fn a_result_for_which_there_is_no_space_is_said_and_the_earlier_one_stays() {
+    let arm = Arm::new(PERIODS);
+    assert!(run(&arm, 0).status().unwrap().success());
+    let blocks = [4, 16, 64, 128, 256, 512, 1024];
+    let limits = blocks.map(|count| format!("trap '' XFSZ; ulimit -f {count}"));
+    let failed = assert_failures_are_said(&arm, &limits, "could not write");
+    eprintln!("{failed} of {} runs lacked space", limits.len());
+    assert!(failed > 0, "limits are tight enough");
 }
 
 #[test]
