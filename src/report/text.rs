@@ -7,7 +7,7 @@ use crate::outcome::contest::Contest;
 use crate::outcome::design::Design;
 use crate::outcome::diagnose::{Diagnosis, Verdict};
 use crate::outcome::estimate::{Estimate, Solver};
-use crate::outcome::finding::Finding;
+use crate::outcome::finding::{Finding, UNNAMED};
 use crate::outcome::fit::Fit;
 use crate::outcome::formula::ProposedFormula;
 use crate::outcome::joint::JointFigures;
@@ -189,8 +189,12 @@ fn diagnosis_lines(diagnosis: &Diagnosis, room: usize) -> Vec<String> {
     }
     for (k, finding) in diagnosis.findings.iter().enumerate() {
         let probability = percent(finding.probability);
+        let of_what = match finding.effect.as_str() {
+            UNNAMED => "probable that the vocabulary lacks it",
+            _ => "probable",
+        };
         lines.push(format!(
-            "{}. {} ({probability} probable)",
+            "{}. {} ({probability} {of_what})",
             k + 1,
             finding.sentence
         ));

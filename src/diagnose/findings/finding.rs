@@ -78,7 +78,9 @@ fn probabilities(
         .filter_map(|c| chance(&kept(c), noise_level.rms[c]))
         .fold(1.0, f64::min);
     Alternatives {
-        rivals: rivals.map(|a| a.separation.evidence).collect(),
+        rivals: rivals
+            .map(|a| a.separation.log_likelihood_ratio())
+            .collect(),
         nothing: test.evidence,
         left,
     }

@@ -20,8 +20,8 @@ const UNRECOGNISED: f64 = 13.0 / 21.0;
 /// What a finding may be instead, on the rows that test it.
 #[derive(Debug, Clone)]
 pub struct Alternatives {
-    /// Of the model with the finding against the model with each rival in its place.
-    pub rivals: Vec<Encompassing>,
+    /// ln Λ, of the likelihoods of the model with the finding and of the model with each rival in its place.
+    pub rivals: Vec<f64>,
     /// Of the model with the finding against the model without it.
     pub nothing: Encompassing,
     /// Probability that noise alone leaves as much as the model with the finding does; 1 where noise is not measured.
@@ -44,11 +44,7 @@ pub struct Probabilities {
 impl Alternatives {
     /// By the theorem of Bayes, from the likelihoods on rows that took no part in the choice.
     pub fn probabilities(&self) -> Probabilities {
-        let rivals: Vec<f64> = self
-            .rivals
-            .iter()
-            .map(|e| (-e.log_likelihood_ratio()).exp())
-            .collect();
+        let rivals: Vec<f64> = self.rivals.iter().map(|ratio| (-ratio).exp()).collect();
         let nothing = odds_of_nothing(&self.nothing);
         let unnamed = OUTSIDE / bayes_factor_bound(self.left);
         let sum = 1.0 + rivals.iter().sum::<f64>() + nothing + unnamed;
@@ -64,7 +60,15 @@ impl Alternatives {
 /// Of a correction without a name: that it stands for something that the vocabulary lacks, or for nothing; the rest is that it
 /// stands for something of the vocabulary that was not recognised.
 pub fn of_unnamed(evidence: &Encompassing) -> Probabilities {
-    let nothing = odds_of_nothing(evidence);
+    without_name(odds_of_nothing(evidence))
+}
+
+/// The same of a residual that noise alone leaves with this probability.
+pub fn of_unexplained(p_value: f64) -> Probabilities {
+    without_name(NOTHING * bayes_factor_bound(p_value))
+}
+
+fn without_name(nothing: f64) -> Probabilities {
     let sum = 1.0 + UNRECOGNISED + nothing;
     Probabilities {
         finding: 1.0 / sum,
@@ -113,7 +117,7 @@ mod tests {
     #[test]
     fn invariant_a_rival_that_forecasts_as_well_is_as_probable() {
         let alike = Alternatives {
-            rivals: vec![evidence(0.5, 3.0)],
+            rivals: vec![evidence(0.5, 3.0).log_likelihood_ratio()],
             nothing: evidence(1.0, 100.0),
             left: 1.0,
         };
@@ -121,6 +125,15 @@ mod tests {
         assert!((found.finding - found.rivals[0]).abs() < 1e-12);
         let sum = found.finding + found.rivals[0] + found.unnamed + found.nothing;
         assert!((sum - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_has_no_name_may_still_be_of_the_vocabulary() {
+        let sure = of_unexplained(1e-12);
+        assert!((sure.finding - 21.0 / 34.0).abs() < 1e-6, "{sure:?}");
+        assert!((of_unnamed(&evidence(1.0, 100.0)).finding - 21.0 / 34.0).abs() < 1e-6);
+        let doubtful = of_unexplained(0.01);
+        assert!(doubtful.nothing > 1e-3 && doubtful.finding < sure.finding);
     }
 
     #[test]

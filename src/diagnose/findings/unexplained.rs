@@ -2,6 +2,7 @@
 //! attests to be noise.
 
 use crate::diagnose::findings::compared::Compared;
+use crate::diagnose::findings::probability;
 use crate::diagnose::findings::sentences;
 use crate::diagnose::residuals::additive_model::{self, AdditiveModel};
 use crate::diagnose::residuals::effect_size::OF_TORQUE;
@@ -74,6 +75,7 @@ impl Compared<'_> {
                     .filter(|(rows, least)| rms(rows) > least * signal[c]);
                 let chances = of_weight.filter_map(|(rows, _)| chance(rows, attested));
                 let p_value = (chances.reduce(f64::min)? * tried).min(1.0);
+                let odds = probability::of_unexplained(p_value);
                 (p_value < state.significance).then(|| Finding {
                     effect: UNNAMED.to_string(),
                     joints: vec![name.clone()],
@@ -89,9 +91,9 @@ impl Compared<'_> {
                         rms(residual) / noise
                     ),
                     rivals: Vec::new(),
-                    probability: 1.0 - p_value,
-                    probability_unnamed: 1.0 - p_value,
-                    probability_nothing: p_value,
+                    probability: odds.finding,
+                    probability_unnamed: odds.finding,
+                    probability_nothing: odds.nothing,
                     formula: None,
                 })
             })

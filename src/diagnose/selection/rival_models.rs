@@ -39,12 +39,24 @@ pub struct Alternative {
 pub struct Separation {
     /// Whether the finding forecasts what the rival leaves.
     pub evidence: Encompassing,
-    /// The finding forecasts what the rival leaves, or the rival's error is larger by what matters, and the difference
-    /// is not small beside what neither explains.
+    /// The difference of the two is not small beside what neither explains.
+    pub is_clear: bool,
+    /// The finding forecasts what the rival leaves, or the rival's error is larger by what matters, and the difference is
+    /// clear.
     pub separable: bool,
     /// Recordings of fewer than so many times the length tell the two apart in one case of twenty at most, by
     /// chance: the ratio of the test grows with the root of the length. `None` where the two are the same torque.
     pub times_longer: Option<f64>,
+}
+
+impl Separation {
+    /// ln Λ, of the likelihoods of the finding and of the rival: alike where what neither explains decides between them.
+    pub fn log_likelihood_ratio(&self) -> f64 {
+        match self.is_clear {
+            true => self.evidence.log_likelihood_ratio(),
+            false => 0.0,
+        }
+    }
 }
 
 /// A finding with the model that lacks it and what could stand in its place.
@@ -98,7 +110,7 @@ impl RivalComparison {
         }
     }
 
-    /// Alternatives that rows find more probable than the finding, the most probable first; before, all are alike.
+    /// Alternatives that rows clearly find more probable than the finding, the most probable first; before, all are alike.
     pub fn more_probable(&self, rows: &Context<'_>, full: &ModelFit) -> Vec<&Alternative> {
         let found = full.on(rows);
         let odds = |alternative: &Alternative| {
@@ -109,7 +121,8 @@ impl RivalComparison {
             };
             -forecast(rows, pair).log_likelihood_ratio()
         };
-        let all = self.alternatives.iter().map(|a| (a, odds(a)));
+        let clear = self.alternatives.iter().filter(|a| a.separation.is_clear);
+        let all = clear.map(|a| (a, odds(a)));
         let mut likelier: Vec<_> = all.filter(|(_, odds)| *odds > 0.0).collect();
         likelier.sort_by(|a, b| b.1.total_cmp(&a.1));
         likelier.into_iter().map(|(a, _)| a).collect()
@@ -247,6 +260,7 @@ pub fn separation(
     let is_clear = !noise_level.measured || leaves_more(noise_level, held_out, &channels);
     Separation {
         evidence,
+        is_clear,
         separable: differs && is_clear,
         times_longer: times.is_finite().then_some(times),
     }

@@ -1,7 +1,7 @@
 //! What is missing in the declared model: findings with their rivals, and the errors before and after.
 
 use crate::outcome::diagnose::{Diagnosis, NextExperiment};
-use crate::outcome::finding::{Finding, Rival};
+use crate::outcome::finding::{Finding, Rival, UNNAMED};
 use crate::outcome::formula::ProposedFormula;
 use crate::outcome::parameter::Parameter;
 use crate::report::escape::{breakable, escape};
@@ -85,15 +85,24 @@ fn card(number: usize, finding: &Finding, diagnosis: &Diagnosis) -> String {
         .map(|(term, text)| format!("<dt>{term}</dt><dd>{text}</dd>\n"))
         .collect();
     format!(
-        "<article class=\"card\"><div class=\"head\"><h3>{number}. {} on {}</h3><span class=\"badge {}\">{} probable</span></div>\n\
+        "<article class=\"card\"><div class=\"head\"><h3>{number}. {} on {}</h3><span class=\"badge {}\">{} {}</span></div>\n\
          <p>{}</p>\n<dl>{terms}</dl>\n<p class=\"do\"><b>What to do:</b> {}</p></article>\n",
         escape(&finding.effect.replace('_', " ")),
         escape(&finding.joints.join(", ")),
         sureness(finding.probability),
         percent(finding.probability),
+        of_what(finding),
         escape(&finding.sentence),
         to_do(finding, diagnosis.next_experiment.as_ref()),
     )
+}
+
+/// What the probability of a finding is one of.
+fn of_what(finding: &Finding) -> &'static str {
+    match finding.effect.as_str() {
+        UNNAMED => "outside of the vocabulary",
+        _ => "probable",
+    }
 }
 
 /// Class of a probability: from [`SURE`] on green, below [`OPEN`] red.
@@ -159,11 +168,18 @@ fn instead(finding: &Finding) -> String {
             told_apart(rival)
         )
     });
+    let nothing = percent(finding.probability_nothing);
+    if finding.effect == UNNAMED {
+        let known = 1.0 - finding.probability - finding.probability_nothing;
+        return format!(
+            "physics of the vocabulary that was not recognised ({}); nothing ({nothing})",
+            percent(known.max(0.0))
+        );
+    }
     format!(
-        "{}something without a name ({}); nothing ({})",
+        "{}something without a name ({}); nothing ({nothing})",
         rivals.collect::<String>(),
         percent(finding.probability_unnamed),
-        percent(finding.probability_nothing)
     )
 }
 
