@@ -77,6 +77,17 @@ class RobotTable(TypedDict, total=False):
     """A joint that closes a loop of the robot file's tree. Default: none."""
 
 
+class DriveSharedTable(TypedDict, total=False):
+    """Keys of the table."""
+
+    joints: list[str]
+    """Two joints or more whose motors are of one type. Required."""
+    effects: list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "encoder_offset", "time_delay", "thermal_drift", "external_contact"], str]]
+    """Effects whose parameters are one unknown for all of the joints; the recordings are asked whether they refuse that. Default: none: every joint has its own parameters, and what could be shared is proposed."""
+    separate: list[str]
+    """Parameters of these effects that every joint has for itself. Default: none."""
+
+
 class DriveRotorsTable(TypedDict, total=False):
     """Keys of the table."""
 
@@ -111,6 +122,8 @@ class DriveTable(TypedDict, total=False):
     """What replaces the list of effects on single joints. Default: none."""
     values: dict[str, float]
     """Parameters of the model with known values. Unit: each parameter's own. Default: none."""
+    shared: list[DriveSharedTable]
+    """Joints with motors of one type, and the effects whose parameters are the same on all of them. Default: none."""
     rotors: dict[str, DriveRotorsTable]
     """Spinning part of a joint's motor, which a base wrench feels. Default: none."""
 

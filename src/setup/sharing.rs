@@ -148,7 +148,7 @@ fn separate<'a>(
             refused(
                 name,
                 format!("there is no parameter `{}` of an effect", name.value),
-                "write <effect>.<parameter>, such as \"torque_ripple.phase\"; `exid effects` lists them",
+                "write <effect>.<parameter>; `exid effects` lists them",
             )
         })
     };
