@@ -72,9 +72,6 @@ impl<R: Read> Utf16<R> {
             self.left = bytes[bytes.len() - odd.len() - 2..].to_vec();
         }
         self.text = Cursor::new(String::from_utf16_lossy(&units).into_bytes());
-        if at_end {
-            self.left.clear();
-        }
         Ok(!at_end || !units.is_empty())
     }
 }

@@ -146,7 +146,7 @@ pub(super) fn active(
 /// The physical member of the class of base unknowns that is closest to the reference.
 pub fn member(setting: Setting<'_>, base: &DVector<f64>) -> Option<DVector<f64>> {
     let standard = setting.standard;
-    // A member: what base parameters stand for is zero, the kept parameters carry them.
+    // A member: each base parameter is carried by one parameter that gives it alone, and the others are zero.
     let mut x = DVector::zeros(standard.len());
     for (row, value) in base.iter().enumerate() {
         let leading = |k: &usize| {
@@ -158,7 +158,6 @@ pub fn member(setting: Setting<'_>, base: &DVector<f64>) -> Option<DVector<f64>>
                     .filter(|c| **c != 0.0)
                     .count()
                     == 1
-                && standard.null.row(*k).iter().all(|n| *n != 1.0)
         };
         let kept = (0..standard.len()).find(leading)?;
         x[kept] = *value;
