@@ -313,6 +313,12 @@ mod tests {
     }
 
     #[test]
+    fn twenty_samples_determine_a_coefficient() {
+        let orders = [19, 20, 39, 40, 639, 640, 100_000].map(largest_order);
+        assert_eq!(orders, [0, 1, 1, 2, 31, 32, 32]);
+    }
+
+    #[test]
     fn white_noise_has_order_zero() {
         let series = noise(5000, 2);
         let found = Autoregression::fit(&[&series], 10, OrderCriterion::Bic).unwrap();
@@ -346,6 +352,12 @@ mod tests {
                 .all(|(f, e)| (f - e).abs() <= 1e-15)
         );
         assert!(Autoregression::from_autocovariance(&[1.0, 2.0]).is_none());
+        assert!(Autoregression::from_autocovariance(&[0.0, 0.0]).is_none());
+        // In whatever unit.
+        let small: Vec<f64> = covariance.iter().map(|r| 1e-9 * r).collect();
+        let found = Autoregression::from_autocovariance(&small).unwrap();
+        assert!((found.coefficients[0] - a).abs() <= 1e-15);
+        assert!((1e9 * found.innovation_variance - 1.0).abs() <= 1e-14);
     }
 
     #[test]

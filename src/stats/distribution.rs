@@ -231,6 +231,10 @@ mod tests {
                 .is_nan()
         );
         assert!(Distribution::Normal.quantile(1.0).is_nan());
+        for level in [-0.1, 0.0, 1.0, 1.1] {
+            let d = Distribution::ChiSquared { freedom: 3.0 };
+            assert!(d.quantile(level).is_nan() && d.upper_quantile(level).is_nan());
+        }
         assert!(Distribution::Normal.upper_tail(f64::NAN).is_nan());
     }
 }

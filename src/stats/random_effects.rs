@@ -260,5 +260,35 @@ mod tests {
         });
         let expected = 0.5 * (4.0 / MEDIAN_OF_SQUARE - 1.0);
         assert!((excess_variance(&squares) / expected - 1.0).abs() < 1e-6);
+        // In whatever unit.
+        let small = squares.map(|square| Square {
+            square: 1e-8 * square.square,
+            variance: 1e-8 * square.variance,
+            ..square
+        });
+        assert!((excess_variance(&small) / (1e-8 * expected) - 1.0).abs() < 1e-6);
+    }
+
+    /// Groups that all lie within the threshold and scatter less than their errors have the mean of their values, weighted by
+    /// 1/variance; groups without errors that agree have their value.
+    #[test]
+    fn matches_the_weighted_mean_of_groups_that_agree() {
+        let groups = [(1.0, 1.0), (1.5, 0.25), (0.5, 1.0), (1.2, 0.5), (0.9, 2.0)];
+        let groups = groups.map(|(value, variance)| Mean { value, variance });
+        let population = Population::of(&groups).unwrap();
+        let weights: f64 = groups.iter().map(|g| 1.0 / g.variance).sum();
+        let sum: f64 = groups.iter().map(|g| g.value / g.variance).sum();
+        assert_eq!(population.spread, 0.0);
+        assert!((population.mean.value - sum / weights).abs() < 1e-12);
+        assert!((population.mean.variance - 1.0 / weights).abs() < 1e-12);
+        let certain = [3.0; 5].map(|value| Mean {
+            value,
+            variance: 0.0,
+        });
+        let expected = Mean {
+            value: 3.0,
+            variance: 0.0,
+        };
+        assert_eq!(Population::of(&certain).unwrap().mean, expected);
     }
 }
