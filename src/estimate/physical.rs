@@ -268,3 +268,85 @@ fn body(estimated: &Estimated<'_>, name: &str, first: usize, out: &mut Vec<Quant
         push(4 + index, &needs, central, gradient);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::base_parameters::BaseParameters;
+    use crate::chain::model::{ModelSettings, Signal};
+    use crate::robot::urdf;
+    use std::path::Path;
+
+    const ARM: &str = r#"<robot name="arm"><link name="base"/><link name="a"/><link name="b"/>
+<joint name="j1" type="continuous"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/></joint>
+<joint name="j2" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 1 0"/></joint>
+</robot>"#;
+
+    fn arm() -> Model {
+        let tree = urdf::parse(ARM, Path::new("arm.urdf")).unwrap();
+        Model::new(ModelSettings::bodies(tree, Signal::Torque)).unwrap()
+    }
+
+    /// Two bodies without any symmetry.
+    fn values() -> DVector<f64> {
+        let body = [2.0, 0.3, -0.2, 0.5, 0.4, 0.03, -0.02, 0.35, 0.05, 0.3];
+        let other = body.map(|x| 1.7 * x - 0.1);
+        DVector::from_iterator(2 * PER_LINK, body.into_iter().chain(other))
+    }
+
+    /// Where all raw parameters are determined.
+    fn quantities_of(model: &Model, values: &DVector<f64>) -> Vec<Quantity> {
+        let none = DMatrix::zeros(0, values.len());
+        let unknowns = Unknowns {
+            base: BaseParameters::structural(model, &[false], &none),
+            nonlinear: (0..values.len()).collect(),
+        };
+        let found = quantities(&Estimated {
+            model,
+            unknowns: &unknowns,
+            values,
+            covariance: &DMatrix::zeros(0, 0),
+            statistical: None,
+            from_prior: &[],
+            at_bound: &[],
+        });
+        assert_eq!(found.len(), 2 * PER_LINK);
+        found
+    }
+
+    /// A first moment that is known, other than zero, gives a centre; one that is estimated as zero is not known.
+    #[test]
+    fn only_what_is_known_to_be_zero_is_left_out() {
+        let (mut model, mut values) = (arm(), values());
+        let moment = model.find("a.mcx").unwrap();
+        model.fix(moment, values[moment]).unwrap();
+        let first = model.find("a.m").unwrap();
+        values[first + 2] = 0.0;
+        let found = quantities_of(&model, &values);
+        let [x, y] = [1, 2].map(|k| &found[k]);
+        assert_eq!((x.name.as_str(), x.value), ("a.com_x", Some(0.15)));
+        assert_eq!((y.name.as_str(), y.value), ("a.com_y", Some(0.0)));
+        assert_eq!(y.gradient[0], (first + 2, 0.5));
+    }
+
+    /// What standard deviations are propagated by, against central differences.
+    #[test]
+    fn matches_differences_of_every_quantity() {
+        let (model, values) = (arm(), values());
+        let of = |values: &DVector<f64>| quantities_of(&model, values);
+        let step = 1e-6;
+        for (index, quantity) in of(&values).into_iter().enumerate() {
+            for p in 0..values.len() {
+                let at = |by: f64| {
+                    let mut values = values.clone();
+                    values[p] += by;
+                    of(&values)[index].value.unwrap()
+                };
+                let expected = (at(step) - at(-step)) / (2.0 * step);
+                let own = quantity.gradient.iter().filter(|(of, _)| *of == p);
+                let found: f64 = own.map(|(_, slope)| slope).sum();
+                assert!((found - expected).abs() < 1e-8, "{} {p}", quantity.name);
+            }
+        }
+    }
+}

@@ -154,4 +154,33 @@ mod tests {
         );
         assert!(motion.shows(Search::Typical, 1e9));
     }
+
+    #[test]
+    fn values_to_try_are_shares_of_what_the_joint_did() {
+        let motion = Motion {
+            least: -1.0,
+            greatest: 3.0,
+            fastest: 2.0,
+            duration: 10.0,
+            longest_step: 0.0101,
+        };
+        let open = (7.0, f64::NEG_INFINITY, f64::INFINITY);
+        let of = |search: Search| motion.values(search, open);
+        assert_eq!(of(Search::Position(&[0.25, 1.0])), [0.0, 3.0]);
+        assert_eq!(of(Search::Range(&[0.25, 1.0])), [1.0, 4.0]);
+        assert_eq!(of(Search::Speed(&[0.25, 1.0])), [0.5, 2.0]);
+        assert_eq!(of(Search::OverSpeed(&[0.5, 2.0])), [0.25, 1.0]);
+        assert_eq!(of(Search::Duration(&[0.25, 1.0])), [2.5, 10.0]);
+        assert_eq!(of(Search::Instant(&[0.25, 1.0])), [2.5, 10.0]);
+        assert_eq!(of(Search::Values(&[-3.0, 4.0])), [-3.0, 4.0]);
+        assert_eq!(of(Search::Typical), [7.0]);
+        // Orders are half a cycle over the range apart, from one cycle to half of the rate of rows.
+        let orders = of(Search::Cycles);
+        assert_eq!(orders.len(), 395);
+        assert!((orders[0] - TAU / 4.0).abs() < 1e-12);
+        assert!((orders[394] - 396.0 * TAU / 8.0).abs() < 1e-9);
+        let within = |search: Search| motion.values(search, (0.7, 0.5, 1.0));
+        assert_eq!(within(Search::Range(&[0.125, 0.2, 0.5])), [0.5, 0.8]);
+        assert_eq!(within(Search::Range(&[0.5])), [0.7]);
+    }
 }

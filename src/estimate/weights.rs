@@ -64,3 +64,27 @@ impl Weights {
 
 /// Factors of the residuals of single rows: `[recording][channel][row]`, empty where all are 1.
 pub type RowFactors = Vec<Vec<Vec<f64>>>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Weighted residuals have unit variance, which is what they are held against the rows of a prior by.
+    #[test]
+    fn invariant_weighted_rows_have_unit_variance() {
+        let weights = Weights::by_deviation(&[0.5, 0.0, 4.0]);
+        assert_eq!(weights.matrix().diagonal().as_slice(), [2.0, 1.0, 0.25]);
+        let covariance = DMatrix::from_row_slice(2, 2, &[4.0, 1.0, 1.0, 2.0]);
+        let weights = Weights::by_covariance(&covariance).unwrap().matrix();
+        let white = &weights * covariance * weights.transpose();
+        assert!((white - DMatrix::identity(2, 2)).amax() < 1e-14);
+        assert_eq!(weights[(1, 0)], 0.0);
+    }
+
+    #[test]
+    fn weights_are_near_within_a_thousandth() {
+        let weights = Weights::by_deviation(&[0.5, 4.0]);
+        assert!(weights.is_near(&weights.scaled(1.0009)));
+        assert!(!weights.is_near(&weights.scaled(1.0011)));
+    }
+}
