@@ -56,3 +56,41 @@ fn beside_best(points: &[Point]) -> Vec<Vec<f64>> {
     let halfway = |point: &Point| best.at.iter().map(|x| x + 0.5 * of(point)).collect();
     nearest.into_iter().flatten().map(halfway).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(at: f64) -> Point {
+        Point {
+            gain: -(at - 3.1).powi(2),
+            base: 0,
+            at: vec![at],
+        }
+    }
+
+    #[test]
+    fn steps_are_halved_about_the_best_point() {
+        let tried = |points: Vec<Vec<f64>>| -> Vec<Point> {
+            points.into_iter().map(|at| point(at[0])).collect()
+        };
+        let rising = [1.0, 2.0, 4.0, 8.0, 16.0].map(|at| vec![at]).to_vec();
+        let points = best_first(rising, None, &|at| point(at[0]));
+        assert_eq!(points[0].at, [4.0]);
+        assert_eq!(beside_best(&points), [vec![3.0], vec![6.0]]);
+        // Then about 3, between 2 and 4.
+        let halved = halved(points, &tried);
+        let at: Vec<f64> = halved.iter().map(|point| point.at[0]).collect();
+        assert_eq!(at, [3.0, 3.5, 2.5, 4.0, 2.0, 1.0, 6.0, 8.0, 16.0]);
+        assert!(beside_best(&[]).is_empty());
+    }
+
+    /// Rising values end before the first that is hopeless.
+    #[test]
+    fn values_beyond_one_that_is_far_too_large_are_not_listed() {
+        let rising = [2.0, 5.0, 9.0, 3.0].map(|at| vec![at]).to_vec();
+        let points = best_first(rising, Some(-10.0), &|at| point(at[0]));
+        let at: Vec<f64> = points.iter().map(|point| point.at[0]).collect();
+        assert_eq!(at, [2.0, 5.0]);
+    }
+}

@@ -146,4 +146,26 @@ mod tests {
         assert!(left(0.5).probabilities().finding > 0.9);
         assert!(left(1e-6).probabilities().finding < 0.01);
     }
+
+    /// Where the evidence is halfway between two, they have their prior odds.
+    #[test]
+    fn without_evidence_probabilities_are_prior_odds() {
+        let halfway = evidence(0.5, 3.0);
+        let open = Alternatives {
+            rivals: Vec::new(),
+            nothing: halfway,
+            left: 1.0,
+        };
+        let found = open.probabilities();
+        let sum = 1.0 + 0.05 + 0.08 / 3.0;
+        assert!((found.finding - 1.0 / sum).abs() < 1e-12);
+        assert!((found.nothing - 0.05 / sum).abs() < 1e-12);
+        assert!((found.unnamed - 0.08 / 3.0 / sum).abs() < 1e-12);
+        let found = of_unnamed(&halfway);
+        let sum = 1.0 + 13.0 / 21.0 + 0.05;
+        assert!((found.finding - 1.0 / sum).abs() < 1e-12);
+        assert!((found.nothing - 0.05 / sum).abs() < 1e-12);
+        assert!((of_formula(None, &halfway) - 1.0 / 1.05).abs() < 1e-12);
+        assert!((of_formula(Some(&halfway), &halfway) - 1.0 / 2.05).abs() < 1e-12);
+    }
 }

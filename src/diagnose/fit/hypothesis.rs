@@ -225,4 +225,28 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn the_same_physics_is_told_by_effect_and_joints() {
+        let of = |id: &str, joints: &[usize], other: Option<usize>| Hypothesis {
+            effect: find(id).unwrap(),
+            joints: joints.to_vec(),
+            other,
+        };
+        let delay = of("time_delay", &[0, 1], None);
+        assert_eq!(delay, of("time_delay", &[0, 1], None));
+        for other in [
+            of("torque_offset", &[0, 1], None),
+            of("time_delay", &[0], None),
+            of("time_delay", &[0, 1], Some(2)),
+        ] {
+            assert_ne!(delay, other);
+        }
+        let [part, apart] = [[1], [2]].map(|joints| of("time_delay", &joints, None));
+        assert!(part.overlaps(&delay) && delay.overlaps(&part) && !apart.overlaps(&delay));
+        assert!(part.is_part_of(&delay) && !delay.is_part_of(&part) && !delay.is_part_of(&delay));
+        let offset = of("torque_offset", &[1], None);
+        assert!(!apart.is_part_of(&delay) && !offset.is_part_of(&delay));
+        assert!(!offset.overlaps(&delay));
+    }
 }

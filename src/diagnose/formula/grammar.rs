@@ -282,3 +282,26 @@ fn waves(quantity: Quantity, rows: &FittedRows, most: usize) -> Vec<Factor> {
     let of = |k: usize| Factor::plain(quantity, Shape::Wave).with_inner(k as f64 * step);
     (2..=count).map(of).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::formula::factor::Shape;
+
+    /// A term is one of those of its class, and its class one of all; one of no class is charged as the most common are.
+    #[test]
+    fn a_term_is_charged_for_those_that_it_was_chosen_from() {
+        let of = |quantity: Quantity| Term::of(vec![Factor::plain(quantity, Shape::Power(1))]);
+        let [position, speed, load] =
+            [Quantity::Position, Quantity::Velocity, Quantity::Load].map(of);
+        let grammar = Grammar {
+            terms: Vec::new(),
+            factors: Vec::new(),
+            sizes: HashMap::from([(class(&position), 10), (class(&speed), 30)]),
+            extents: HashMap::new(),
+        };
+        assert_eq!(grammar.charge(&position), 2.0 * 20.0_f64.ln());
+        assert_eq!(grammar.charge(&speed), 2.0 * 60.0_f64.ln());
+        assert_eq!(grammar.charge(&load), 2.0 * 60.0_f64.ln());
+    }
+}

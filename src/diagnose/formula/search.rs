@@ -325,3 +325,78 @@ fn changed(misfit: &Misfit<'_>, term: &Term) -> Vec<Term> {
     all.retain(Term::is_sound);
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::formula::quantity::Quantity;
+    use nalgebra::{DMatrix, DVector};
+
+    /// What two columns take of a residual beside a column that is there, and beside what the model takes of either, against
+    /// least squares over all of them at once.
+    #[test]
+    fn gains_are_those_of_least_squares() {
+        const ROWS: usize = 12;
+        let series = |k: usize| -> Vec<f64> {
+            let of = |row: usize| (0.7 * (k + 1) as f64 * row as f64 + k as f64).sin();
+            (0..ROWS).map(of).collect()
+        };
+        // The model has one column of norm one, and takes all of it.
+        let own = DVector::from_vec(series(0)).normalize();
+        let column = |k: usize| Column {
+            taken: DVector::from_element(1, own.dot(&DVector::from_vec(series(k)))),
+            series: series(k),
+        };
+        let candidate = |columns: &[usize]| Candidate {
+            term: Term::of(vec![Factor::plain(Quantity::Position, Shape::Wave)]),
+            columns: columns.iter().map(|&k| column(k)).collect(),
+        };
+        let left_by = |columns: &[usize]| -> DVector<f64> {
+            let mut all = vec![own.clone()];
+            all.extend(columns.iter().map(|&k| DVector::from_vec(series(k))));
+            let matrix = DMatrix::from_columns(&all);
+            let whole = DVector::from_vec(series(5));
+            let solved = matrix.clone().svd(true, true).solve(&whole, 1e-12).unwrap();
+            whole - matrix * solved
+        };
+        let residual = left_by(&[]);
+        let basis = vec![unit_of(column(1), &[]).unwrap()];
+        let shares: Vec<f64> = basis
+            .iter()
+            .map(|unit| dot(residual.as_slice(), &unit.series))
+            .collect();
+        let taken =
+            |columns: &[usize]| left_by(&[1]).norm_squared() - left_by(columns).norm_squared();
+        for (columns, expected) in [(&[2][..], taken(&[1, 2])), (&[2, 3], taken(&[1, 2, 3]))] {
+            let found = gain(&candidate(columns), residual.as_slice(), &basis, &shares);
+            assert!((found - expected).abs() < 1e-10, "{found} {expected}");
+        }
+        assert_eq!(
+            gain(&candidate(&[1]), residual.as_slice(), &basis, &shares),
+            0.0
+        );
+        let twice = candidate(&[2, 2]);
+        assert_eq!(gain(&twice, residual.as_slice(), &basis, &shares), 0.0);
+    }
+
+    #[test]
+    fn the_best_formulas_differ_in_their_factors() {
+        let solved = |shape: Shape, score: f64| Solved {
+            terms: vec![Term::of(vec![Factor::plain(Quantity::Velocity, shape)])],
+            sizes: vec![vec![1.0]],
+            score,
+        };
+        let all = vec![
+            solved(Shape::Power(1), -3.0),
+            solved(Shape::Power(2), -5.0),
+            solved(Shape::Power(2), -4.0),
+            solved(Shape::Magnitude, -1.0),
+        ];
+        let scores = |most: usize| -> Vec<f64> {
+            let kept = distinct(all.clone(), most).into_iter();
+            kept.map(|one| one.score).collect()
+        };
+        assert_eq!(scores(9), [-5.0, -3.0, -1.0]);
+        assert_eq!(scores(2), [-5.0, -3.0]);
+    }
+}

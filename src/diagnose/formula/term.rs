@@ -75,3 +75,44 @@ impl Term {
 fn is_decay(factor: &Factor) -> bool {
     factor.shape == Shape::Decay
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::formula::quantity::Quantity::{OtherVelocity, Position, Velocity};
+
+    fn term(factors: &[(Quantity, Shape)]) -> Term {
+        let factors = factors.iter().map(|&(q, shape)| Factor::plain(q, shape));
+        Term::of(factors.collect::<Vec<Factor>>())
+    }
+
+    #[test]
+    fn friction_turns_over_with_its_own_speed_alone() {
+        let direction = (Velocity, Shape::Direction);
+        assert!(term(&[direction]).is_friction());
+        assert!(term(&[direction, (Velocity, Shape::Decay)]).is_friction());
+        assert!(term(&[direction, (Position, Shape::Magnitude)]).is_friction());
+        assert!(!term(&[direction, (Velocity, Shape::Power(1))]).is_friction());
+        assert!(!term(&[(Position, Shape::Power(1))]).is_friction());
+        let other = (OtherVelocity(1), Shape::Direction);
+        assert!(!term(&[other]).is_friction() && !term(&[direction, other]).is_friction());
+    }
+
+    #[test]
+    fn sound_terms_have_no_factor_twice() {
+        let (direction, decay) = ((Velocity, Shape::Direction), (Velocity, Shape::Decay));
+        assert!(term(&[direction, decay]).is_sound());
+        assert!(!term(&[direction, (Velocity, Shape::Power(2))]).is_sound());
+        assert!(!term(&[decay, decay]).is_sound());
+        let waves = [(Position, Shape::Wave), (OtherVelocity(1), Shape::Sine)];
+        assert!(term(&waves[..1]).is_sound() && !term(&waves).is_sound());
+        let four = [
+            (Position, Shape::Power(1)),
+            direction,
+            decay,
+            (Quantity::Acceleration, Shape::Power(1)),
+        ];
+        assert!(term(&four[..3]).is_sound() && !term(&four).is_sound());
+        assert!(!term(&[]).is_sound());
+    }
+}

@@ -218,3 +218,26 @@ fn side(seen: &Seen<'_>, k: usize) -> usize {
         _ => 1,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Predicted minus recorded is 2 on the average of four rows forth, and −1.5 of two back.
+    #[test]
+    fn points_are_means_along_the_motion() {
+        let mut sums = [[BinSums::default(); BINS]; 2];
+        let of = |sum: f64, squares: f64, rows: f64| BinSums { sum, squares, rows };
+        sums[1][0] = of(8.0, 20.0, 4.0);
+        sums[0][0] = of(-3.0, 5.0, 2.0);
+        sums[1][1] = of(8.0, 20.0, 4.0);
+        let edges: Vec<f64> = (0..=BINS).map(|b| b as f64).collect();
+        let points = Curve { sums }.points(&edges);
+        assert_eq!((points[0].at, points[1].at), (0.5, 1.5));
+        assert!((points[0].mean + 11.0 / 6.0).abs() < 1e-15);
+        assert!((points[0].std_error - 5.0 / 6.0).abs() < 1e-15);
+        assert!((points[1].mean + 2.0).abs() < 1e-15);
+        assert!((points[1].std_error - 5.0_f64.sqrt() / 2.0).abs() < 1e-15);
+        assert_eq!((points[2].mean, points[2].std_error), (0.0, 0.0));
+    }
+}

@@ -112,3 +112,22 @@ fn own_parameters(full: &ModelFit, hypothesis: &Hypothesis) -> Vec<usize> {
     let own = parameters.filter(|(_, p)| prefixes.iter().any(|prefix| p.name.starts_with(prefix)));
     own.map(|(k, _)| k).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::effect::find;
+
+    #[test]
+    fn sizes_are_what_makes_an_effect_nothing() {
+        let of = |id: &str| -> Vec<(&str, f64)> {
+            let sizes = sizes_alone(find(id).unwrap()).into_iter();
+            sizes.map(|size| (size.parameter, size.nothing)).collect()
+        };
+        assert_eq!(of("stribeck_friction"), [("Fs", 0.0)]);
+        assert_eq!(of("external_contact"), [("torque", 0.0)]);
+        let ripple = [("amplitude", 0.0), ("amplitude2", 0.0)];
+        assert_eq!(of("torque_ripple"), ripple);
+        assert_eq!(of("transmission_efficiency"), [("R", 1.0)]);
+    }
+}

@@ -200,3 +200,65 @@ impl<'a> SignalSize<'a> {
             .fold(f64::NAN, f64::max)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    fn determined(value: f64, variance: f64) -> Determined {
+        Determined {
+            expression: "a".to_string(),
+            unit: "kg".to_string(),
+            terms: BTreeMap::from([("a".to_string(), 1.0)]),
+            leading: "a".to_string(),
+            value,
+            variance,
+        }
+    }
+
+    /// A difference of 1.96 of its standard deviations has p = 0.05, and one without a deviation says nothing.
+    #[test]
+    fn matches_the_normal_test_of_a_difference() {
+        let p_value = |difference: f64, [own, alike]: [f64; 2]| {
+            let alike = Alike {
+                value: 2.0,
+                variance: alike,
+            };
+            contrast(determined(2.0 + difference, own), alike)
+                .contrast
+                .p_value
+        };
+        let deviation = f64::sqrt(0.09 + 0.16);
+        let of_normal = 1.959_963_984_540_054 * deviation;
+        assert!((p_value(of_normal, [0.09, 0.16]) - 0.05).abs() < 1e-9);
+        assert!((p_value(-of_normal, [0.09, 0.16]) - 0.05).abs() < 1e-9);
+        assert_eq!(p_value(1.0, [0.0, 0.0]), 1.0);
+    }
+
+    /// Holm 1979: the smallest p-value times their number, the next times one less, none smaller than one before it.
+    #[test]
+    fn matches_holm_s_correction() {
+        let alike = || Alike {
+            value: 0.0,
+            variance: 0.5,
+        };
+        let mut tested: Vec<Tested> = [0.01, 0.04, 0.03]
+            .into_iter()
+            .map(|p_value| {
+                let mut tested = contrast(determined(1.0, 0.5), alike());
+                tested.contrast.p_value = p_value;
+                tested
+            })
+            .collect();
+        correct(&mut tested);
+        let found: Vec<f64> = tested.iter().map(|t| t.contrast.p_value).collect();
+        for (found, expected) in found.iter().zip([0.03, 0.06, 0.06]) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+        // 1 − 0.05/6 of the normal distribution.
+        let [low, high] = tested[0].contrast.ci95.unwrap();
+        assert!((0.5 * (low + high) - 1.0).abs() < 1e-12);
+        assert!((0.5 * (high - low) - 2.393_979_8).abs() < 1e-6);
+    }
+}

@@ -1,13 +1,18 @@
 //! What a hypothesis has to keep, once fitted: scales within what the joint does and inside the limits of their search, a better
 //! fit than parameters without a meaning would have, and no larger error on rows that chose nothing.
 
+use crate::chain::dataset::Prepared;
 use crate::diagnose::fit::contexts::HeldOutHalves;
+use crate::diagnose::fit::fit_cache::FitCache;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::effect_size::error_reduction;
+use crate::diagnose::residuals::noise_level;
 use crate::diagnose::selection::confirmation;
 use crate::diagnose::selection::hypothesis_test::{HypothesisTest, fits_better};
 use crate::diagnose::selection::law_range;
+use crate::diagnose::selection::rival_models::separation;
 use crate::diagnose::selection::search_bounds;
+use crate::diagnose::selection::time_window::is_shorter;
 use crate::recording::split::Split;
 use crate::stats::encompassing::Encompassing;
 use crate::trials::tests::bench::{Bench, SIGNIFICANCE, effect_of, leaving, offset};
@@ -130,4 +135,66 @@ fn a_delay_shorter_than_stamps_are_good_is_none() {
     assert_eq!(reduction(0.049 * interval), 0.0);
     assert!((reduction(0.051 * interval) - 0.5).abs() < 1e-12);
     assert!((reduction(-0.051 * interval) - 0.5).abs() < 1e-12);
+}
+
+/// What is there for more than 95 % of a recording is an offset of all of it.
+#[test]
+fn what_begins_and_ends_does_so_within_the_recordings() {
+    let bench = Bench::control();
+    let context = bench.context(&bench.opened.data);
+    let hypothesis = effect_of("external_contact", 0);
+    let fit = bench.fit(context.data, std::slice::from_ref(&hypothesis));
+    let recordings = &context.data.recordings;
+    let ends = |r: &Prepared| r.time(r.rows() - 1) - r.time(0);
+    let duration = recordings.iter().map(ends).fold(f64::INFINITY, f64::min);
+    let lasts = |share: f64| {
+        let fit = at(&fit, "external_contact.from", recordings[0].time(0));
+        let end = recordings[0].time(0) + share * duration;
+        is_shorter(&context, &at(&fit, "external_contact.to", end), &hypothesis)
+    };
+    assert!(lasts(0.5) && lasts(0.94));
+    assert!(!lasts(0.96) && !lasts(3.0));
+    assert!(is_shorter(&context, &fit, &offset(0)));
+}
+
+/// A law of friction may have ended in a shallow optimum when it was tried alone: of two fits of one model the better is kept.
+#[test]
+fn of_two_fits_of_a_model_the_better_is_kept() {
+    let bench = Bench::control();
+    let declared = bench.declared(&bench.opened.data);
+    let leaving_train = |times: f64| {
+        let mut fit = declared.clone();
+        let series = fit.train.iter_mut().flatten();
+        series.for_each(|e| *e *= times);
+        fit
+    };
+    let (shallow, deep) = (leaving_train(1.1), leaving_train(0.9));
+    for [known, made] in [[&shallow, &deep], [&deep, &shallow]] {
+        let cache = FitCache::default();
+        cache.fit_model(&[], || Ok(known.clone())).unwrap();
+        let richer = [offset(0)];
+        let found = cache.fit_from(&[], &richer, 0.0, || Ok(made.clone()));
+        assert_eq!(found.unwrap().train, deep.train);
+        let kept = cache.fit_model(&[], || unreachable!("it is known"));
+        assert_eq!(kept.unwrap().train, deep.train);
+    }
+}
+
+/// A ratio beyond z = 2.326 tells two apart, and has a chance of one in twenty where its mean, which grows by the root of the
+/// length, is 1.645 less.
+#[test]
+fn rivals_are_inseparable_in_recordings_that_leave_a_chance_of_one_in_twenty() {
+    let bench = Bench::control();
+    let context = bench.context(&bench.opened.data);
+    let poorer = bench.declared(context.data);
+    let richer = bench.fit(context.data, &[offset(0)]);
+    let noise_level = noise_level::of_rows(&context, &richer, &[]);
+    let pair = FitPair {
+        poorer: &poorer,
+        richer: &richer,
+    };
+    let found = separation(&context, &noise_level, pair, &[0]);
+    let times = (2.326_347_874 - 1.644_853_627) / found.evidence.distance;
+    let expected = times.powi(2);
+    assert!((found.times_longer.unwrap() / expected - 1.0).abs() < 1e-6);
 }

@@ -145,7 +145,7 @@ fn residuals_of_no_weight_are_left() {
 fn rivals_are_corrected_for_their_number() {
     let bench = Bench::control();
     let usual = bench.context(&bench.opened.data);
-    let size = 0.05 * usual.signal_rms(Split::Train)[0];
+    let size = 0.01 * usual.signal_rms(Split::Train)[0];
     let data = bench.changed(&BOTH, |experiment| {
         experiment.signal[0].iter_mut().for_each(|s| *s += size);
     });
