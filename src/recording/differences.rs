@@ -72,4 +72,21 @@ mod tests {
             assert!((dd[k] - (30.0 * x(k).powi(4) - 6.0 * x(k))).abs() < 1e-9);
         }
     }
+
+    /// Of t⁴ it is 24 h⁴, of a cubic nothing; of a single sample its binomial coefficients, whose squares add up to 70.
+    #[test]
+    fn matches_the_fourth_difference_of_powers() {
+        let of = |power: i32| {
+            let x: Vec<f64> = (0..9).map(|k| f64::from(k).powi(power)).collect();
+            fourth(&x, 2)
+        };
+        assert_eq!(of(4), 24.0 * 16.0);
+        assert_eq!((of(3), of(2), of(1), of(0)), (0.0, 0.0, 0.0, 0.0));
+        let single = |at: usize| {
+            let mut x = [0.0; 5];
+            x[at] = 1.0;
+            fourth(&x, 1)
+        };
+        assert_eq!([0, 1, 2, 3, 4].map(single), [1.0, -4.0, 6.0, -4.0, 1.0]);
+    }
 }

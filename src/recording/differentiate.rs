@@ -344,3 +344,55 @@ fn bandwidths(spectra: &[MotionSpectrum], preparation: &Preparation) -> Vec<Band
     };
     cutoffs.into_iter().zip(spectra).map(of).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The known rows of joints with these speeds, whose errors are small.
+    fn known(velocity: &[Vec<f64>]) -> Vec<bool> {
+        let joints = velocity.len();
+        let mut differentiated = Differentiated {
+            motion: Motion {
+                velocity: velocity.to_vec(),
+                ..Motion::default()
+            },
+            error: MotionError {
+                position: vec![1e-6; joints],
+                velocity: vec![1e-3; joints],
+                acceleration: vec![1e-3; joints],
+            },
+            bandwidth: Vec::new(),
+            method: Method::Smoother,
+            known: vec![true; velocity[0].len()],
+        };
+        differentiated.leave_out_ends_at_rest();
+        differentiated.known
+    }
+
+    #[test]
+    fn ends_at_rest_are_left_out_whichever_way_the_robot_moves() {
+        let speed = vec![0.0, -0.01, -1.0, -2.0, 0.0, 2.0, 1.0, 0.01, 0.0];
+        let expected = [false, false, true, true, true, true, true, false, false];
+        assert_eq!(known(std::slice::from_ref(&speed)), expected);
+        let turned: Vec<f64> = speed.iter().map(|v| -v).collect();
+        assert_eq!(known(&[turned]), expected);
+        // As long as one joint moves the robot does; one that is held has noise alone.
+        let other = vec![-1.0, -1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let both = known(&[speed.clone(), other]);
+        assert_eq!(both[..2], [true, true]);
+        assert_eq!(both[7..], [false, false]);
+        let held = vec![0.002; 9];
+        assert_eq!(known(&[speed, held.clone()]), expected);
+        assert_eq!(known(&[held]), [true; 9]);
+    }
+
+    #[test]
+    fn long_runs_that_a_mask_leaves_out_are_gaps() {
+        let mask = [false, true, false, false, true, true, false, false, false];
+        assert_eq!(gaps(Some(&mask), 0), [0..1, 2..4, 6..9]);
+        assert_eq!(gaps(Some(&mask), 1), [2..4, 6..9]);
+        assert!(gaps(Some(&mask), 3).is_empty());
+        assert!(gaps(None, 0).is_empty());
+    }
+}

@@ -269,4 +269,25 @@ mod tests {
             }
         }
     }
+
+    /// Sums of h⁴ (|c|² − 2 ν) with ν = 1: 1 up to the first harmonic, −15 up to the second, 0.39 up to the third, which is
+    /// less than the first alone.
+    #[test]
+    fn harmonics_are_those_of_the_least_error_of_the_acceleration() {
+        let chosen = |third: f64| {
+            let mut powers = vec![0.0; 51];
+            powers[1..4].copy_from_slice(&[3.0, 1.0, third]);
+            let mean: Vec<Complex<f64>> = powers
+                .iter()
+                .map(|p| Complex::new(f64::sqrt(*p), 0.0))
+                .collect();
+            choose_harmonics(&mean, &[1.0; 51], 100)
+        };
+        assert_eq!(chosen(2.19), 1);
+        assert_eq!(chosen(2.21), 3);
+        assert_eq!(
+            choose_harmonics(&[Complex::new(0.0, 0.0); 51], &[1.0; 51], 100),
+            1
+        );
+    }
 }

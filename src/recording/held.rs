@@ -10,7 +10,6 @@ use std::collections::HashSet;
 use crate::fault::Place;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::samples::{Held, Manner, Recording};
-use crate::recording::table::LEAST_ROWS;
 
 /// Most rows of one sample: 10 Hz written at 1 kHz.
 const MOST_ROWS: usize = 100;
@@ -80,9 +79,6 @@ pub fn thinned(mut recording: Recording, rate: Option<f64>) -> Result<Recording,
     let Some(slowest) = found().max_by(|a, b| a.factor.total_cmp(&b.factor)) else {
         return Ok(recording);
     };
-    if slowest.rows.len() < LEAST_ROWS {
-        return Ok(recording);
-    }
     if let Some(other) = found().find(|other| !slowest.is_within(other)) {
         let kind = RecordingErrorKind::HeldApart {
             factors: [slowest.factor, other.factor],
@@ -258,8 +254,13 @@ mod tests {
     fn recovers_the_samples_that_were_repeated() {
         let taken = taken(65536.0);
         for factor in [2.0, 5.0, 10.0] {
-            let found = thinned(written(&taken, factor, repeat), None).unwrap();
-            assert_eq!(found.held.as_ref().unwrap().factor, factor);
+            let file = written(&taken, factor, repeat);
+            let found = thinned(file.clone(), None).unwrap();
+            let held = found.held.as_ref().unwrap();
+            assert_eq!(held.factor, factor);
+            for sample in [0, 1, 777] {
+                assert_eq!(found.line(sample), file.line(held.rows[sample]));
+            }
             let count = found.signal[0].len();
             assert!(count >= 1998);
             let skipped = (found.time.as_ref().unwrap()[0] * RATE).round() as usize;

@@ -158,4 +158,17 @@ mod tests {
         let layout = Layout::new(&recording, 3, 1.0).unwrap();
         assert_eq!((layout.first, layout.count), (3, 2));
     }
+
+    #[test]
+    fn less_than_a_period_is_an_error() {
+        let of = |samples: usize, first: usize| {
+            let mask = (0..10).map(|k| k >= first).collect();
+            let recording = recording((0..10).map(f64::from).collect(), Some(mask));
+            Layout::new(&recording, samples, 1.0)
+        };
+        assert_eq!(of(10, 0).unwrap().count, 1);
+        assert!(of(11, 0).is_err());
+        assert!(of(10, 1).is_err());
+        assert!(of(3, 10).is_err());
+    }
 }

@@ -242,3 +242,27 @@ fn element(code: &str) -> Option<(NumberType, ByteOrder)> {
     };
     Some((number, order))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The length of the header has two bytes in version 1 and four in later ones.
+    #[test]
+    fn headers_of_every_version_are_read() {
+        let text = "{'descr': '<f8', 'fortran_order': False, 'shape': (5027, 7), }\n";
+        let of = |version: u8, length: &[u8]| {
+            let bytes = [MAGIC, &[version, 0], length, text.as_bytes()].concat();
+            read_header(&mut bytes.as_slice())
+        };
+        let length = text.len() as u32;
+        for found in [
+            of(1, &(length as u16).to_le_bytes()),
+            of(2, &length.to_le_bytes()),
+            of(3, &length.to_le_bytes()),
+        ] {
+            assert_eq!(found.unwrap().unwrap().shape, [5027, 7]);
+        }
+        assert!(of(4, &length.to_le_bytes()).is_err());
+    }
+}

@@ -388,4 +388,14 @@ mod tests {
         assert!((found.changed / expected - 1.0).abs() < 0.05, "{found:?}");
         assert!(!found.is_exact());
     }
+
+    /// A cubic of this kind follows parabolas.
+    #[test]
+    fn matches_parabolas_between_samples() {
+        let parabola = |t: f64| 2.0 - 3.0 * t + 0.7 * t * t;
+        let x = [-1.0, 0.0, 1.0, 2.0].map(parabola);
+        for part in [0.0, 0.3, 0.9] {
+            assert!((between(&x, part) - parabola(part)).abs() < 1e-12);
+        }
+    }
 }

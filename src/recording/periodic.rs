@@ -291,3 +291,21 @@ fn autocovariance(differences: &[f64], lags: usize, degrees: f64) -> Vec<f64> {
         .map(|l| sums[l] * padded as f64 / degrees * n as f64 / (n - l) as f64)
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_roots_of_the_variances_of_their_own_order() {
+        let joints = Joints {
+            motion: Motion::default(),
+            bandwidth: Vec::new(),
+            variances: vec![[1.0, 4.0, 9.0], [16.0, 25.0, 36.0]],
+        };
+        let error = joints.error();
+        assert_eq!(error.position, [1.0, 4.0]);
+        assert_eq!(error.velocity, [2.0, 5.0]);
+        assert_eq!(error.acceleration, [3.0, 6.0]);
+    }
+}

@@ -130,4 +130,23 @@ mod tests {
         let ratio = noise_power(&mut powers, 1.0) * n as f64 / 0.09;
         assert!((ratio - 1.0).abs() < bound, "{ratio}");
     }
+
+    /// Bands from the lowest coefficient on; the last that is clear counts, whatever lies below it.
+    #[test]
+    fn motion_is_clear_until_the_last_band_above_its_noise() {
+        let count = 60;
+        let noise = vec![1.0; count];
+        let first = band_end(0, count);
+        let second = band_end(first, count);
+        assert!(first > 0 && first < second && second <= count);
+        let clear_in = |range: std::ops::Range<usize>, power: f64| {
+            let of = |k: usize| if range.contains(&k) { power } else { 1.0 };
+            clear_until(&(0..count).map(of).collect::<Vec<f64>>(), &noise)
+        };
+        assert_eq!(clear_in(0..0, 11.1), 0);
+        assert_eq!(clear_in(0..first, 10.9), 0);
+        assert_eq!(clear_in(0..first, 11.1), first);
+        assert_eq!(clear_in(first..second, 11.1), second);
+        assert_eq!(clear_in(0..1, 11.1), 0);
+    }
 }

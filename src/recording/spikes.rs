@@ -335,4 +335,21 @@ mod tests {
         assert_eq!(unrepeated(&found, 400.0, 1200), at(vec![700]));
         assert_eq!(unrepeated(&found, 400.0, 2400), found);
     }
+
+    #[test]
+    fn what_most_periods_have_is_the_machine_s() {
+        let kept = |at: &[usize], samples: usize| -> Vec<usize> {
+            let found: Vec<Spike> = at.iter().map(|&at| Spike { at, size: 1.0 }).collect();
+            let left = unrepeated(&found, 100.0, samples).into_iter();
+            left.map(|spike| spike.at).collect()
+        };
+        // At the phase 10 in three of four periods, within two samples; at 40 in two of them; at 70 in one.
+        let found = [10, 40, 70, 111, 210, 240];
+        assert_eq!(kept(&found, 400), [40, 70, 240]);
+        // Twice in one period is once.
+        assert_eq!(kept(&[10, 11], 400), [10, 11]);
+        // Of less than two periods a single spike is most.
+        assert_eq!(kept(&[10], 150), [10]);
+        assert!(kept(&[10, 110], 150).is_empty());
+    }
 }

@@ -84,4 +84,28 @@ mod tests {
             assert!(worst(rate) < bound(rate), "{} at {rate} Hz", worst(rate));
         }
     }
+
+    /// s' is continuous at every knot between the ends, where s'' is zero.
+    #[test]
+    fn matches_its_defining_equations() {
+        let knots = [0.0, 0.4, 1.0, 1.1, 2.0, 2.3];
+        let values = [1.0, -2.0, 0.5, 0.7, 3.0, -1.0];
+        let spline = Spline::new(&knots, &values);
+        assert_eq!((spline.bend[0], spline.bend[5]), (0.0, 0.0));
+        for k in 1..5 {
+            let (before, after) = (knots[k] - knots[k - 1], knots[k + 1] - knots[k]);
+            let slopes = [
+                (values[k] - values[k - 1]) / before,
+                (values[k + 1] - values[k]) / after,
+            ];
+            let left = before * spline.bend[k - 1]
+                + 2.0 * (before + after) * spline.bend[k]
+                + after * spline.bend[k + 1];
+            let right = 6.0 * (slopes[1] - slopes[0]);
+            assert!((left - right).abs() < 1e-10, "{k}: {left} {right}");
+        }
+        for (found, value) in spline.at(&knots).iter().zip(values) {
+            assert!((found - value).abs() < 1e-14);
+        }
+    }
 }

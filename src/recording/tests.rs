@@ -9,13 +9,14 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::fault::Fault;
-use crate::recording::column_map::ColumnMap;
+use crate::recording::column_map::{Column, ColumnMap, Factors};
 use crate::recording::columns::{RecordedJoint, read};
 use crate::recording::error::RecordingError;
 use crate::recording::experiment::Experiment;
 use crate::recording::preprocess::prepare;
 use crate::recording::samples::{Recording, SignalKind};
 use crate::recording::settings::{Method, Preparation};
+use crate::recording::unrolled::unrolled;
 
 mod bounds;
 mod containers;
@@ -96,6 +97,32 @@ fn separators_quotes_line_ends_and_compression_do_not_matter() {
         assert_eq!(found.signal, expected.signal, "{name}");
         assert_eq!(found.first_line, 2, "{name}");
     }
+}
+
+#[test]
+fn every_kind_of_column_has_its_factor() {
+    let header = "t,q1,q2,dq1,dq2,ddq1,ddq2,tau1,tau2";
+    let (_folder, path) = write("a.csv", rows(header, ',').as_bytes());
+    let scaled = |name: &str, factor: f64| {
+        let mut column = Column::from(name);
+        column.factors = Factors::Same(factor);
+        Some(column)
+    };
+    let map = ColumnMap {
+        time: scaled("t", 0.5),
+        position: scaled("q{n}", 2.0),
+        velocity: scaled("dq{n}", 3.0),
+        acceleration: scaled("ddq{n}", 4.0),
+        torque: scaled("tau{n}", 5.0),
+        ..ColumnMap::default()
+    };
+    let joints = RecordedJoint::all(&joints());
+    let found = read(&path, &map, &joints, SignalKind::Torque).unwrap();
+    assert_eq!(found.time.unwrap()[1], 0.5);
+    assert_eq!(found.position[1][1], 2.0 * 201.0);
+    assert_eq!(found.velocity.unwrap()[1][1], 3.0 * 401.0);
+    assert_eq!(found.acceleration.unwrap()[1][1], 4.0 * 601.0);
+    assert_eq!(found.signal[1][1], 5.0 * 801.0);
 }
 
 #[test]
@@ -223,13 +250,18 @@ fn recovers_known_noise_and_motion_of_a_periodic_recording() {
 fn every_recorded_sample_finds_its_row() {
     let even: Vec<f64> = (0..2500).map(|k| f64::from(k) / 200.0).collect();
     let uneven: Vec<f64> = even.iter().map(|t| t + 0.001 * (300.0 * t).sin()).collect();
-    for (time, preparation) in [
-        (even.clone(), with_period()),
-        (uneven.clone(), with_period()),
-        (even, Preparation::default()),
-        (uneven, Preparation::default()),
+    for (time, preparation, first) in [
+        (even.clone(), with_period(), 0),
+        (even.clone(), with_period(), 137),
+        (uneven.clone(), with_period(), 0),
+        (even, Preparation::default(), 0),
+        (uneven, Preparation::default(), 0),
     ] {
-        let experiment = prepare(periodic_recording(time, [0.0, 0.0]), &preparation).unwrap();
+        let recording = Recording {
+            mask: (first > 0).then(|| (0..time.len()).map(|k| k >= first).collect()),
+            ..periodic_recording(time, [0.0, 0.0])
+        };
+        let experiment = prepare(recording, &preparation).unwrap();
         let raw = &experiment.raw;
         for (k, t) in raw.t.iter().enumerate() {
             let place = raw.locate(k);
@@ -276,14 +308,42 @@ fn low_pass_and_fourier_agree_on_a_period() {
             .map(|k| f64::from(k) / 200.0)
             .collect::<Vec<f64>>()
     };
-    for method in [Method::Fourier, Method::Lowpass] {
+    let prepared = |method: Method, sd: f64| {
         let mut preparation = with_period();
         preparation.differentiation.method = Some(method);
         preparation.differentiation.cutoff_hz = Some(20.0);
-        let experiment = prepare(periodic_recording(time(), [0.0, 0.0]), &preparation).unwrap();
+        prepare(periodic_recording(time(), [sd, 0.0]), &preparation).unwrap()
+    };
+    for method in [Method::Fourier, Method::Lowpass] {
+        let experiment = prepared(method, 0.0);
         // The low-pass of 20 Hz takes (1.75 / 20)⁸ of the 7th harmonic.
         assert!(acceleration_error(&experiment) < 1e-7, "{method:?}");
     }
+    // A low-pass leaves about as much of white noise as a sharp end of the band at its cut-off.
+    let [sharp, soft] = [Method::Fourier, Method::Lowpass].map(|method| {
+        let error = prepared(method, 1e-4).motion_error.unwrap();
+        error.position[0]
+    });
+    // 20 Hz of 100 Hz in five periods.
+    let expected = 1e-4 * f64::sqrt(0.2 / 5.0);
+    assert!((sharp / expected - 1.0).abs() < 0.2, "{sharp}");
+    assert!((soft / expected - 1.0).abs() < 0.2, "{soft}");
+}
+
+/// Two periods are an average already; one is none.
+#[test]
+fn periods_one_after_another_are_what_was_recorded() {
+    let of = |rows: i32| {
+        let time = (0..rows).map(|k| f64::from(k) / 200.0).collect();
+        prepare(periodic_recording(time, [0.0, 0.1]), &with_period()).unwrap()
+    };
+    let two = of(1600);
+    let all = unrolled(&two).unwrap();
+    assert_eq!((two.rows(), all.rows(), all.periods), (800, 1600, None));
+    assert_eq!(all.signal[0][..800], two.period_signal(0, 0));
+    assert_eq!(all.signal[0][800..], two.period_signal(0, 1));
+    assert_eq!(all.motion.velocity[0][800..], two.motion.velocity[0]);
+    assert!(unrolled(&of(801)).is_none());
 }
 
 #[test]

@@ -322,4 +322,16 @@ mod tests {
             assert!((value - exact).abs() <= 2.0 * 1e-4 + 1e-12);
         }
     }
+
+    #[test]
+    fn points_within_a_gap_were_not_measured() {
+        let time = [0.0, 1.0, 2.0, 5.0, 6.0];
+        let grid = Grid::spanning(&time, 1.0);
+        let measured = [true, true, true, false, false, true, true];
+        assert_eq!(mask_on(&time, grid, None), Some(measured.to_vec()));
+        let mask = [true, false, true, true, true];
+        let measured = [true, false, true, false, false, true, true];
+        assert_eq!(mask_on(&time, grid, Some(&mask)), Some(measured.to_vec()));
+        assert_eq!(mask_on(&time[..3], Grid { samples: 3, ..grid }, None), None);
+    }
 }
