@@ -398,3 +398,23 @@ fn noise_is_that_of_periods_where_residuals_agree_with_it() {
     assert_eq!(source(&DECLARED), NoiseSource::Periods);
     assert_eq!(source(&["torque_offset"]), NoiseSource::Residuals);
 }
+
+/// Among robots of the same torque one is possible, unless the torque is that of a negative moment of inertia.
+#[test]
+fn a_torque_is_that_of_a_possible_robot_or_of_none() {
+    let model = pendulum(&DECLARED);
+    let inertia = model.find("bob.Iyy").unwrap();
+    let right = valued(&model, &TRUE_FRICTION);
+    let mut wrong = right.clone();
+    wrong[inertia] = -0.5;
+    for (values, possible) in [(right, true), (wrong, false)] {
+        let torque = torque(&model, &values);
+        for way in WAYS {
+            let recordings = vec![USUAL.record(&torque, (1, Split::Train))];
+            let found = way.fit(&model, &Dataset { recordings }).fit.feasible;
+            // A feasible fit has a possible robot whatever the torque.
+            let expected = possible || matches!(way, Way::Feasible(_));
+            assert_eq!(found, Some(expected), "{way:?}");
+        }
+    }
+}

@@ -380,4 +380,22 @@ mod tests {
             assert!((1.25_f64.powi(-4)..1.25_f64.powi(4)).contains(&ratio));
         }
     }
+
+    /// Of two channels that show one motion the one with less noise counts.
+    #[test]
+    fn the_quieter_channel_is_looked_at() {
+        let noise = |by: usize, size: f64| -> Vec<f64> {
+            (0..600)
+                .map(|k| size * ((k * k * by % 101) as f64 / 50.0 - 1.0))
+                .collect()
+        };
+        let (position, velocity) = (noise(7919, 1.0), noise(6037, 1e-6));
+        let channels =
+            [(0, &position), (1, &velocity)].map(|(order, series)| Samples { series, order });
+        let power = |channels: &[Samples<'_>]| {
+            MotionSpectrum::of(channels, 100.0, Sampling::Recorded).power
+        };
+        assert_eq!(power(&channels), power(&channels[1..]));
+        assert_ne!(power(&channels), power(&channels[..1]));
+    }
 }

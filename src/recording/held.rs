@@ -254,13 +254,8 @@ mod tests {
     fn recovers_the_samples_that_were_repeated() {
         let taken = taken(65536.0);
         for factor in [2.0, 5.0, 10.0] {
-            let file = written(&taken, factor, repeat);
-            let found = thinned(file.clone(), None).unwrap();
-            let held = found.held.as_ref().unwrap();
-            assert_eq!(held.factor, factor);
-            for sample in [0, 1, 777] {
-                assert_eq!(found.line(sample), file.line(held.rows[sample]));
-            }
+            let found = thinned(written(&taken, factor, repeat), None).unwrap();
+            assert_eq!(found.held.as_ref().unwrap().factor, factor);
             let count = found.signal[0].len();
             assert!(count >= 1998);
             let skipped = (found.time.as_ref().unwrap()[0] * RATE).round() as usize;
@@ -329,5 +324,21 @@ mod tests {
             ..taken(200.0)
         };
         assert_eq!(thinned(steady, None).unwrap().held, None);
+    }
+
+    /// The first sample of its own lies behind rows that were begun before the file.
+    #[test]
+    fn samples_know_their_lines() {
+        let mut file = written(&taken(65536.0), 5.0, repeat);
+        let series = file.position.iter_mut().chain(&mut file.signal);
+        series.chain(&mut file.time).for_each(|s| {
+            s.drain(..2);
+        });
+        let found = thinned(file.clone(), None).unwrap();
+        let rows = &found.held.as_ref().unwrap().rows;
+        assert!(rows[0] > 0);
+        for sample in [0, 1, 777] {
+            assert_eq!(found.line(sample), file.line(rows[sample]));
+        }
     }
 }

@@ -9,7 +9,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::fault::Fault;
-use crate::recording::column_map::{Column, ColumnMap, Factors};
+use crate::recording::column_map::ColumnMap;
 use crate::recording::columns::{RecordedJoint, read};
 use crate::recording::error::RecordingError;
 use crate::recording::experiment::Experiment;
@@ -19,6 +19,7 @@ use crate::recording::settings::{Method, Preparation};
 use crate::recording::unrolled::unrolled;
 
 mod bounds;
+mod columns;
 mod containers;
 mod damaged;
 mod faults;
@@ -97,32 +98,6 @@ fn separators_quotes_line_ends_and_compression_do_not_matter() {
         assert_eq!(found.signal, expected.signal, "{name}");
         assert_eq!(found.first_line, 2, "{name}");
     }
-}
-
-#[test]
-fn every_kind_of_column_has_its_factor() {
-    let header = "t,q1,q2,dq1,dq2,ddq1,ddq2,tau1,tau2";
-    let (_folder, path) = write("a.csv", rows(header, ',').as_bytes());
-    let scaled = |name: &str, factor: f64| {
-        let mut column = Column::from(name);
-        column.factors = Factors::Same(factor);
-        Some(column)
-    };
-    let map = ColumnMap {
-        time: scaled("t", 0.5),
-        position: scaled("q{n}", 2.0),
-        velocity: scaled("dq{n}", 3.0),
-        acceleration: scaled("ddq{n}", 4.0),
-        torque: scaled("tau{n}", 5.0),
-        ..ColumnMap::default()
-    };
-    let joints = RecordedJoint::all(&joints());
-    let found = read(&path, &map, &joints, SignalKind::Torque).unwrap();
-    assert_eq!(found.time.unwrap()[1], 0.5);
-    assert_eq!(found.position[1][1], 2.0 * 201.0);
-    assert_eq!(found.velocity.unwrap()[1][1], 3.0 * 401.0);
-    assert_eq!(found.acceleration.unwrap()[1][1], 4.0 * 601.0);
-    assert_eq!(found.signal[1][1], 5.0 * 801.0);
 }
 
 #[test]

@@ -117,6 +117,7 @@ fn own_parameters(full: &ModelFit, hypothesis: &Hypothesis) -> Vec<usize> {
 mod tests {
     use super::*;
     use crate::chain::effect::find;
+    use crate::chain::effect::knowledge::Knowledge;
 
     #[test]
     fn sizes_are_what_makes_an_effect_nothing() {
@@ -129,5 +130,20 @@ mod tests {
         let ripple = [("amplitude", 0.0), ("amplitude2", 0.0)];
         assert_eq!(of("torque_ripple"), ripple);
         assert_eq!(of("transmission_efficiency"), [("R", 1.0)]);
+    }
+
+    /// An effect that says no more has the sizes that enter its torque linearly, or else its first parameter.
+    #[test]
+    fn sizes_that_are_not_stated_are_linear() {
+        let of = |id: &str| -> Vec<&str> {
+            let effect = Effect {
+                knowledge: Knowledge::NONE,
+                ..find(id).unwrap().clone()
+            };
+            let sizes = sizes_alone(&effect).into_iter();
+            sizes.map(|size| size.parameter).collect()
+        };
+        assert_eq!(of("torque_ripple"), ["amplitude", "amplitude2"]);
+        assert_eq!(of("external_contact"), ["torque"]);
     }
 }
