@@ -339,6 +339,8 @@ fn add_differences(series: &[f64], sum: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
     use std::f64::consts::TAU;
 
     fn motion(period: f64, harmonics: &[usize]) -> Vec<f64> {
@@ -397,5 +399,20 @@ mod tests {
         for part in [0.0, 0.3, 0.9] {
             assert!((between(&x, part) - parabola(part)).abs() < 1e-12);
         }
+    }
+
+    /// White noise is all noise, half of it half of the power, and a smooth motion none.
+    #[test]
+    fn noise_is_a_share_of_the_power() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(2);
+        let noise: Vec<f64> = (0..5000).map(|_| StandardNormal.sample(&mut rng)).collect();
+        let smooth = motion(1000.0, &[1, 2]);
+        assert!((noise_share(&[noise.clone()]) - 1.0).abs() < 0.1);
+        assert!(noise_share(&[smooth.clone()]) < 1e-6);
+        let power = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
+        let factor = (power(&smooth) / power(&noise)).sqrt();
+        let pairs = smooth.iter().zip(&noise);
+        let both = pairs.map(|(s, n)| s + factor * n).collect::<Vec<f64>>();
+        assert!((noise_share(&[both]) - 0.5).abs() < 0.05);
     }
 }

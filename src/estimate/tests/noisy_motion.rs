@@ -47,7 +47,8 @@ fn matches_the_cost_and_its_differences() {
         };
         let expected = (at(STEP) - at(-STEP)) / (2.0 * STEP);
         let off = (linear.gradient[k] - expected).abs();
-        // Rounding of the cost, over the step, and of the differences by which the signal follows the motion.
-        assert!(off < 1e-6 * linear.gradient.norm(), "{k}: {off}");
+        // Rounding of the cost of 1e7 at most, over the step, and of the differences by which the signal follows the motion.
+        let most = 1e-4 + 1e-5 * expected.abs();
+        assert!(off < most && cost(&x) < 1e7, "{k}: {off} of {expected}");
     }
 }
