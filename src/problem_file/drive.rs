@@ -28,7 +28,7 @@ pub(crate) const KEYS: &[Key] = &[
 /// Keys of `[[drive.shared]]`.
 #[rustfmt::skip]
 pub(crate) const SHARED_KEYS: &[Key] = &[
-    Key { name: "joints", form: Form::List(&Form::Text, Length::SomeDistinct), unit: "", default: REQUIRED, example: "[\"a4\", \"a5\", \"a6\"]", meaning: "Two joints or more whose motors are of one type" },
+    Key { name: "joints", form: Form::List(&Form::Text, Length::SeveralDistinct), unit: "", default: REQUIRED, example: "[\"a4\", \"a5\", \"a6\"]", meaning: "Two joints or more whose motors are of one type" },
     Key { name: "effects", form: Form::List(&Form::Effect, Length::SomeDistinct), unit: "", default: "none: every joint has its own parameters, and what could be shared is proposed", example: "[\"coulomb_friction\", \"viscous_friction\"]", meaning: "Effects whose parameters are one unknown for all of the joints; the recordings are asked whether they refuse that" },
     Key { name: "separate", form: Form::List(&Form::Text, Length::Distinct), unit: "", default: "none", example: "[\"torque_ripple.phase\"]", meaning: "Parameters of these effects that every joint has for itself" },
 ];

@@ -84,6 +84,8 @@ pub enum Length {
     Distinct,
     /// No entry twice, and at least one.
     SomeDistinct,
+    /// No entry twice, and at least two.
+    SeveralDistinct,
     /// At least one.
     Some,
     /// So many.

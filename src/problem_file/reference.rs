@@ -111,6 +111,7 @@ impl Length {
             Self::Any | Self::Distinct => "list".to_owned(),
             Self::Some | Self::SomeDistinct => "list, not empty,".to_owned(),
             Self::Exactly(count) => format!("list with {count}"),
+            Self::SeveralDistinct => "list with at least 2".to_owned(),
             Self::TwoDistinct => "list with 2".to_owned(),
             Self::OneOrTwo => "list with 1 or 2".to_owned(),
         }

@@ -79,6 +79,7 @@ fn of_form(form: &Form, effect_ids: &[&str]) -> Value {
                 Length::Any => (0, None, false),
                 Length::Distinct => (0, None, true),
                 Length::SomeDistinct => (1, None, true),
+                Length::SeveralDistinct => (2, None, true),
                 Length::Some => (1, None, false),
                 Length::Exactly(count) => (*count, Some(*count), false),
                 Length::OneOrTwo => (1, Some(2), false),

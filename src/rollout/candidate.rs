@@ -12,6 +12,7 @@ use crate::setup::error::SetupError;
 use crate::setup::laws;
 use crate::setup::model::{Addition, build_with_addition};
 use crate::setup::robot::Robot;
+use crate::setup::sharing::separated;
 use crate::simulate::truth;
 use nalgebra::DVector;
 
@@ -98,7 +99,8 @@ fn rebuilt(
             }
         }
     }
-    let model = build_with_addition(problem, robot, &addition)?;
+    // Every joint has its value: a diagnosis may have found other ones on joints that the problem takes for alike.
+    let model = build_with_addition(&separated(problem), robot, &addition)?;
     let mut values = model.values();
     for value in &fitted.values {
         if let Ok(position) = model.find(&value.name) {
