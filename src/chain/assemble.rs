@@ -87,7 +87,24 @@ pub(super) fn joint_model(
         model.others.push(others(settings, j, effect)?);
     }
     lend(&mut model, parameters)?;
+    let behind = model
+        .effects
+        .iter()
+        .filter(|(effect, _)| lies_behind(&model, effect));
+    for &(effect, first) in behind {
+        for parameter in &mut parameters[first..first + effect.parameters.len()] {
+            parameter.linearity = Linearity::Nonlinear;
+        }
+    }
     Ok(model)
+}
+
+/// Whether an effect is friction of a link that lags its motor: its size decides where the link sticks, and where motor and
+/// link move as one it is the same torque as friction of the motor.
+fn lies_behind(joint: &JointModel, effect: &Effect) -> bool {
+    let moves = [Dependence::Speed, Dependence::Direction];
+    let of_speed = effect.depends_on.iter().any(|on| moves.contains(on));
+    joint.has_lag() && of_speed && matches!(effect.law, Law::Joint(_))
 }
 
 /// Gives joints that move their controllers.

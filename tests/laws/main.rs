@@ -179,6 +179,11 @@ const TRUTHS: &[(&str, Option<&str>, Values)] = &[
         None,
         &[("k", 30.0), ("left", -0.1), ("right", 0.15)],
     ),
+    (
+        "slider_behind_spring",
+        None,
+        &[("k", 20.0), ("k3", 5000.0), ("up", 0.04), ("down", 0.05)],
+    ),
     ("magnetic_saturation", None, &[("b", 0.3), ("c", 0.02)]),
     (
         "hose_windup",

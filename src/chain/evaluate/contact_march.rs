@@ -1,17 +1,26 @@
 //! Second-order equations along a course with a resistance that is far from linear.
 //!
 //! ```text
-//! M(t) δ̈ + V(t) δ̇ + Q(t) δ + c(δ, δ̇) = s(t)
+//! M(t) δ̈ + V(t) δ̇ + Q(t) δ + c(t, δ, δ̇) = s(t)
 //! ```
 //!
 //! with the differences of [`march`](super::march), sample after sample, each by Newton's method, because a flank
-//! that is reached at one sample decides what the next one meets.
+//! that is reached at one sample, or a link that comes to rest, decides what the next one meets.
 
 use crate::chain::evaluate::march::{Coefficients, Course, History, end, largest, past};
 use nalgebra::{DMatrix, DVector};
 
+/// A place on the course: a member at a sample, with δ and δ̇.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Twist {
+    pub member: usize,
+    pub sample: usize,
+    pub lag: f64,
+    pub rate: f64,
+}
+
 /// A torque that resists δ of a member: itself and its derivatives by δ and δ̇.
-pub(super) type Resistance<'a> = &'a dyn Fn(usize, f64, f64) -> [f64; 3];
+pub(super) type Resistance<'a> = &'a dyn Fn(Twist) -> [f64; 3];
 
 /// Passes over a period until it repeats.
 const PERIODS: usize = 40;
@@ -223,7 +232,12 @@ impl Newton<'_> {
                     c.mass[at] * a * a + c.damping[at] * a + c.stiffness[at];
             }
             let rate = a * self.moved[f] + first[f];
-            let [torque, by_value, by_rate] = (self.resistance)(f, self.moved[f], rate);
+            let [torque, by_value, by_rate] = (self.resistance)(Twist {
+                member: f,
+                sample: k,
+                lag: self.moved[f],
+                rate,
+            });
             let turned = (by_value * self.moved[f]).abs() + (by_rate * rate).abs();
             self.tried.terms += self.source[f][k].abs() + turned;
             self.tried.value[f] = miss + torque;

@@ -1,9 +1,12 @@
-//! Links that lag their motors: elastic gears and gears with play.
+//! Links that lag their motors: elastic gears and gears with play, friction behind them.
 //!
 //! ```text
 //! q = V m + offset − δ,   c(δ, δ̇) = τ(q, q̇, q̈)     at the joints that lag
 //! c = K (δ ∓ gap/2) + D δ̇  where |δ| > gap/2, else 0
 //! ```
+//!
+//! Friction at a joint is friction of the link, on the far side of spring and play: `f sign(q̇)` with q̇ = V ṁ − δ̇ switches with the
+//! lag itself, so that it is part of what every sample is solved for, beside c.
 //!
 //! The equation holds at every sample, with δ̇ and δ̈ from δ by backward differences ([`march`]); before
 //! the first sample of a motion that does not repeat, δ is at rest. Torque and contact are linearised
@@ -15,7 +18,7 @@
 use crate::chain::effect::law::signum;
 use crate::chain::effect::sign::{sign, sign_by_velocity};
 use crate::chain::effect::{Contribution, Law};
-use crate::chain::evaluate::contact_march::solve_with;
+use crate::chain::evaluate::contact_march::{Twist, solve_with};
 use crate::chain::evaluate::known_bodies::{KnownBodies, Slopes};
 use crate::chain::evaluate::march::{Coefficients, Course, March, largest};
 use crate::chain::evaluate::rigid::{at_joint, of_others};
@@ -44,10 +47,37 @@ struct Lagging {
     columns: [Option<usize>; 3],
 }
 
+/// Friction of a link that changes sides with its speed: `f sign(V ṁ − δ̇)`.
+#[derive(Debug, Clone, Default)]
+struct Switch {
+    /// f at every sample, N·m (N); empty where there is none.
+    level: Vec<f64>,
+    /// Speed of the joint without lag.
+    speed: Vec<f64>,
+    width: f64,
+}
+
+impl Switch {
+    fn is_there(&self) -> bool {
+        self.level.iter().any(|level| *level != 0.0)
+    }
+
+    /// Torque at a sample where the link lags at a rate, and its derivative by that rate.
+    fn torque(&self, k: usize, rate: f64) -> [f64; 2] {
+        let velocity = self.speed[k] - rate;
+        let slope = sign_by_velocity(velocity, self.width);
+        [
+            self.level[k] * sign(velocity, self.width),
+            -self.level[k] * slope,
+        ]
+    }
+}
+
 /// The lag along a course, and what carries derivatives through it.
 #[derive(Debug)]
 pub(super) struct Lag {
     members: Vec<Lagging>,
+    switches: Vec<Switch>,
     motion: Course,
     slopes: Slopes,
     march: Option<March>,
@@ -95,17 +125,27 @@ impl Lag {
 
     /// δ where the bodies stay linearised about the present one; `None` where there is no solution.
     fn next(&self, torque: &[Vec<f64>], (step, cyclic): (f64, bool)) -> Option<Course> {
-        if self
-            .members
-            .iter()
-            .all(|member| member.flank.half_gap == 0.0)
-        {
+        let is_linear = |(member, switch): (&Lagging, &Switch)| {
+            member.flank.half_gap == 0.0 && !switch.is_there()
+        };
+        if self.members.iter().zip(&self.switches).all(is_linear) {
             let march = self.equation(step, cyclic)?;
             return Some(march.solve(&self.drive(torque, true)));
         }
-        let resistance = |f: usize, lag: f64, rate: f64| {
-            let contact = self.members[f].flank.contact(lag, rate);
-            [contact.torque, contact.by_lag, contact.by_rate]
+        let resistance = |twist: Twist| {
+            let contact = self.members[twist.member]
+                .flank
+                .contact(twist.lag, twist.rate);
+            let switch = &self.switches[twist.member];
+            let [friction, by_rate] = match switch.is_there() {
+                true => switch.torque(twist.sample, twist.rate),
+                false => [0.0; 2],
+            };
+            [
+                contact.torque - friction,
+                contact.by_lag,
+                contact.by_rate - by_rate,
+            ]
         };
         let source = self.drive(torque, false);
         Some(solve_with(
@@ -140,6 +180,28 @@ impl Lag {
         self.members.iter().enumerate().map(of).collect()
     }
 
+    /// Friction that changes sides, as it is along the present motion.
+    fn take_levels(&mut self, springs: Vec<AtJoint>) {
+        for (switch, spring) in self.switches.iter_mut().zip(springs) {
+            (switch.level, switch.width) = (spring.level, spring.width);
+        }
+    }
+
+    /// Adds what friction that changes sides makes of the derivatives by speed, where the links are now.
+    fn add_switches(&mut self) {
+        let rows = self.rows();
+        for (f, switch) in self.switches.iter().enumerate() {
+            if !switch.is_there() {
+                continue;
+            }
+            for k in 0..switch.level.len() {
+                let [_, by_rate] = switch.torque(k, self.motion[1][f][k]);
+                let own = self.slopes.at(k, (rows[f], f));
+                self.slopes.by[1][own] -= by_rate;
+            }
+        }
+    }
+
     /// With play, the flank on which the torque of the motion without lag rests.
     fn rest_on_flanks(&mut self, torque: &[Vec<f64>]) {
         for (f, member) in self.members.iter().enumerate() {
@@ -153,9 +215,12 @@ impl Lag {
     }
 }
 
-/// What laws at a joint do along a motion.
+/// What laws at a joint do along a motion, without what changes sides with the speed.
 struct AtJoint {
     torque: Vec<f64>,
+    /// ∂torque/∂sign(q̇).
+    level: Vec<f64>,
+    width: f64,
     /// ∂torque/∂position and ∂torque/∂velocity.
     stiffness: Vec<f64>,
     damping: Vec<f64>,
@@ -175,9 +240,13 @@ impl Evaluator<'_> {
             motion: [series(), series(), series()],
             slopes: Slopes::default(),
             march: None,
+            switches: vec![Switch::default(); members.len()],
             members,
         };
         let without = self.joint_motion.clone();
+        for (switch, member) in lag.switches.iter_mut().zip(&lag.members) {
+            switch.speed = without[1][member.joint][..samples].to_vec();
+        }
         let known = segment.bodies.filter(|known| !known.slopes.is_empty());
         let mut torque = match known {
             Some(known) => self.recall((segment, samples), known, &mut lag),
@@ -198,7 +267,7 @@ impl Evaluator<'_> {
                 break;
             }
             torque = match change <= FAST * before {
-                true => self.torque_of_members(segment, samples, &lag),
+                true => self.torque_of_members(segment, samples, &mut lag),
                 false => self.linearise(segment, samples, &mut lag),
             };
             before = change;
@@ -207,6 +276,7 @@ impl Evaluator<'_> {
             if known.is_none() {
                 self.linearise(segment, samples, &mut lag);
             }
+            lag.add_switches();
             lag.march = lag.equation(step, cyclic);
         }
         Some(lag)
@@ -226,7 +296,12 @@ impl Evaluator<'_> {
     }
 
     /// Torques at the joints that lag where the joints are now.
-    fn torque_of_members(&self, segment: Segment<'_>, samples: usize, lag: &Lag) -> Vec<Vec<f64>> {
+    fn torque_of_members(
+        &self,
+        segment: Segment<'_>,
+        samples: usize,
+        lag: &mut Lag,
+    ) -> Vec<Vec<f64>> {
         let bodies = &self.bodies[usize::from(segment.loaded)];
         let all = torques(&self.tree, bodies, self.trajectory());
         let members = lag.rows();
@@ -235,7 +310,9 @@ impl Evaluator<'_> {
             let pairs = all[*joint].iter().zip(&spring.torque);
             pairs.map(|(body, spring)| body + spring).collect()
         };
-        members.iter().zip(&springs).map(of).collect()
+        let torque = members.iter().zip(&springs).map(of).collect();
+        lag.take_levels(springs);
+        torque
     }
 
     fn lagging(&self) -> Vec<Lagging> {
@@ -287,7 +364,8 @@ impl Evaluator<'_> {
         torque: &mut [Vec<f64>],
     ) {
         let members = lag.rows();
-        for (f, spring) in self.springs(segment, samples, &members).iter().enumerate() {
+        let springs = self.springs(segment, samples, &members);
+        for (f, spring) in springs.iter().enumerate() {
             for k in 0..samples {
                 torque[f][k] += spring.torque[k];
                 let own = lag.slopes.at(k, (members[f], f));
@@ -295,19 +373,22 @@ impl Evaluator<'_> {
                 lag.slopes.by[1][own] += spring.damping[k];
             }
         }
+        lag.take_levels(springs);
     }
 
-    /// Torque, stiffness and damping of laws at the given joints.
+    /// Torque, stiffness and damping of laws at the given joints, with what changes sides with the speed apart.
     fn springs(&self, segment: Segment<'_>, samples: usize, joints: &[usize]) -> Vec<AtJoint> {
         let of = |&j: &usize| {
             let zeros = || vec![0.0; samples];
+            let joint = &self.model.joints()[j];
+            let width = joint.width.map_or(0.0, |at| self.values[at]);
             let mut at = AtJoint {
                 torque: zeros(),
+                level: zeros(),
+                width,
                 stiffness: zeros(),
                 damping: zeros(),
             };
-            let joint = &self.model.joints()[j];
-            let width = joint.width.map_or(0.0, |at| self.values[at]);
             let velocity = &self.joint_motion[1][j][..samples];
             let signs: Vec<f64> = velocity.iter().map(|v| sign(*v, width)).collect();
             for (index, &(effect, first)) in joint.effects.iter().enumerate() {
@@ -333,7 +414,8 @@ impl Evaluator<'_> {
                     &mut out,
                 );
                 for (k, by_sign) in by_sign.iter().enumerate() {
-                    at.damping[k] += by_sign * sign_by_velocity(velocity[k], width);
+                    at.torque[k] -= by_sign * signs[k];
+                    at.level[k] += by_sign;
                 }
             }
             at
