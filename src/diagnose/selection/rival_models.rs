@@ -30,7 +30,7 @@ pub struct Alternative {
     /// Whether held-out rows tell it from the finding.
     pub separation: Separation,
     /// The alternative forecasts what the finding leaves, and where it has more parameters that matters and it fits
-    /// better too.
+    /// better too; where it has fewer, it loses no more of what was fitted than it gains.
     pub better: bool,
 }
 
@@ -205,7 +205,7 @@ impl Stepwise<'_> {
                 separation: separation(self.context, noise_level, from_finding, &joints),
                 better: forecasts.p_value * (open.len() as f64) < self.rules.significance
                     && test.fit.held_out_score() < full.held_out_score()
-                    && (is_no_richer
+                    && (is_no_richer && !is_likelier(from_finding)
                         || error_excess(to_finding, &its_joints) > MATTERS
                             && fits_better(to_finding)),
                 test,
@@ -240,6 +240,13 @@ impl Stepwise<'_> {
         }
         fit_model(self.context, &hypotheses, &found.warm_start())
     }
+}
+
+/// Whether a richer model fits better than by chance and makes all rows, fitted and held out, likelier: held-out rows of small
+/// motions say little of what large ones show.
+fn is_likelier(pair: FitPair<'_>) -> bool {
+    let score = |fit: &ModelFit| fit.fitted_score() + fit.held_out_score();
+    fits_better(pair) && score(pair.richer) < score(pair.poorer)
 }
 
 /// How far held-out rows tell a rival, which stands as the poorer model, from one whose finding acts on some joints.
