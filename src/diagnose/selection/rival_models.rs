@@ -111,6 +111,7 @@ impl RivalComparison {
     }
 
     /// Alternatives that rows clearly find more probable than the finding, the most probable first; before, all are alike.
+    /// Simpler ones that lose more of what was fitted than they gain are not among them.
     pub fn more_probable(&self, rows: &Context<'_>, full: &ModelFit) -> Vec<&Alternative> {
         let found = full.on(rows);
         let odds = |alternative: &Alternative| {
@@ -121,8 +122,16 @@ impl RivalComparison {
             };
             -forecast(rows, pair).log_likelihood_ratio()
         };
-        let clear = self.alternatives.iter().filter(|a| a.separation.is_clear);
-        let all = clear.map(|a| (a, odds(a)));
+        let open = |alternative: &&Alternative| {
+            let rival = &alternative.test.fit;
+            let pair = FitPair {
+                poorer: rival,
+                richer: full,
+            };
+            let is_simpler = rival.freedom() < full.freedom();
+            alternative.separation.is_clear && !(is_simpler && is_likelier(pair))
+        };
+        let all = self.alternatives.iter().filter(open).map(|a| (a, odds(a)));
         let mut likelier: Vec<_> = all.filter(|(_, odds)| *odds > 0.0).collect();
         likelier.sort_by(|a, b| b.1.total_cmp(&a.1));
         likelier.into_iter().map(|(a, _)| a).collect()
