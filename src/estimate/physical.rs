@@ -309,6 +309,7 @@ mod tests {
             statistical: None,
             from_prior: &[],
             at_bound: &[],
+            intervals: &[],
         });
         assert_eq!(found.len(), 2 * PER_LINK);
         found
