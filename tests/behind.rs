@@ -84,7 +84,7 @@ fn recovers_known_friction_behind_a_spring_and_behind_play() {
     let all = [GEAR, LINK].concat();
     let behind_play = [frictions, LINK].concat();
     let gear = [sizes, PLAY].concat();
-    let cases: [(&[&str], Values<'_>, &[(&str, f64)]); 2] = [
+    let cases: [(&[&str], Values<'_>, Values<'_>); 2] = [
         (&["joint_elasticity", "link_friction"], &[], &all),
         (
             &["joint_elasticity", "link_friction", "backlash"],

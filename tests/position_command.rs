@@ -156,8 +156,11 @@ fn times() -> Vec<f64> {
     (0..samples).map(|k| k as f64 / RATE_HZ).collect()
 }
 
+/// Speed and feed-forward torque that a controller is told at a time.
+type Told = fn(f64) -> [f64; 2];
+
 /// A recording, with commands of speed and torque where `told` is.
-fn recorded(seed: u64, told: Option<fn(f64) -> [f64; 2]>, setting: Setting) -> Dataset {
+fn recorded(seed: u64, told: Option<Told>, setting: Setting) -> Dataset {
     let mut rng = generator(seed);
     let times = times();
     let beside: Vec<[f64; 2]> = times
@@ -208,7 +211,8 @@ fn interval(fitted: &Fitted, name: &str) -> [f64; 2] {
 /// Share of the intervals that hold the truth, over all seeds, of each of some parameters.
 fn coverage(
     model: &Model,
-    (told, setting): (Option<fn(f64) -> [f64; 2]>, Setting),
+    told: Option<Told>,
+    setting: Setting,
     truth: &[(&str, f64)],
 ) -> Vec<f64> {
     let covers = |seed: u64| -> Vec<bool> {
@@ -252,7 +256,7 @@ fn intervals_of_unknown_gains_and_friction_cover_the_truth() {
         ("hinge.coulomb_friction.Fc", COULOMB),
         ("hinge.viscous_friction.Fv", VISCOUS),
     ];
-    assert_honest(&coverage(&model, (Some(commanded), USUAL), &truth), &truth);
+    assert_honest(&coverage(&model, Some(commanded), USUAL, &truth), &truth);
 }
 
 /// Almost no gravity on the axis, and a rotor whose inertia is not known: the gain is known to a sixth, and its interval is not
@@ -288,7 +292,7 @@ fn intervals_of_a_gain_that_is_hardly_told_cover_the_truth() {
         high - kp.value.unwrap() > 1.2 * (kp.value.unwrap() - low),
         "{kp:?}"
     );
-    assert_honest(&coverage(&model, (None, setting), &truth), &truth);
+    assert_honest(&coverage(&model, None, setting, &truth), &truth);
 }
 
 /// A known gain tells masses.
@@ -305,7 +309,7 @@ fn intervals_of_masses_cover_the_truth_where_the_gains_are_known() {
         ("arm.Iyy", INERTIA + MASS * LEVER * LEVER),
         ("hinge.coulomb_friction.Fc", COULOMB),
     ];
-    assert_honest(&coverage(&model, (None, USUAL), &truth), &truth);
+    assert_honest(&coverage(&model, None, USUAL, &truth), &truth);
 }
 
 /// With neither masses nor gains known, there are ratios to kp, and no solution of zeros.
@@ -327,7 +331,7 @@ fn intervals_of_ratios_cover_the_truth_where_nothing_is_known() {
             (VISCOUS + KD) / KP,
         ),
     ];
-    assert_honest(&coverage(&model, (None, USUAL), &truth), &truth);
+    assert_honest(&coverage(&model, None, USUAL, &truth), &truth);
     let one = fitted(&model, &recorded(0, None, USUAL));
     let kp = one
         .estimate

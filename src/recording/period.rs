@@ -407,8 +407,8 @@ mod tests {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(2);
         let noise: Vec<f64> = (0..5000).map(|_| StandardNormal.sample(&mut rng)).collect();
         let smooth = motion(1000.0, &[1, 2]);
-        assert!((noise_share(&[noise.clone()]) - 1.0).abs() < 0.1);
-        assert!(noise_share(&[smooth.clone()]) < 1e-6);
+        assert!((noise_share(std::slice::from_ref(&noise)) - 1.0).abs() < 0.1);
+        assert!(noise_share(std::slice::from_ref(&smooth)) < 1e-6);
         let power = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
         let factor = (power(&smooth) / power(&noise)).sqrt();
         let pairs = smooth.iter().zip(&noise);

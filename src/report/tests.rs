@@ -461,6 +461,7 @@ parameters: 32 from data, 1 from the prior, 1 on a bound, 6 known, 8 undetermine
   link1.inertia_xx + 0.1000*link2.i…  0.278 ± 0.020 kg·m²  link1.inertia_xx + 0.1000*link2.i…  0.132 ± 0.020 kg·m²
   link1.inertia_xx + 0.1000*link2.i…  0.250 ± 0.020 kg·m²  link1.inertia_xx + 0.1000*link2.i…  0.125 ± 0.020 kg·m²
 maximum_likelihood converged (cost tolerance) after 7 iterations
+joint1 and joint2 have it in common.
 note: 6 periods averaged; the last 0.31 s left out.
 report: results/arm/fit/report.html
 "

@@ -138,7 +138,7 @@ mod tests {
         let of = |id: &str| -> Vec<&str> {
             let effect = Effect {
                 knowledge: Knowledge::NONE,
-                ..find(id).unwrap().clone()
+                ..*find(id).unwrap()
             };
             let sizes = sizes_alone(&effect).into_iter();
             sizes.map(|size| size.parameter).collect()
