@@ -56,15 +56,15 @@ pub fn bound(problem: &mut ProblemFile, max_rows: Option<u64>) {
     }
 }
 
-/// Sets the number of threads of everything that runs in parallel.
+/// Starts the threads of everything that runs in parallel: so many, or one for each processor.
 pub fn set_threads(threads: Option<u16>) -> Result<(), CliError> {
-    let Some(threads) = threads else {
-        return Ok(());
-    };
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(usize::from(threads))
-        .build_global()
-        .map_err(|e| CliError::WrongUse(format!("--threads {threads}: {e}")))
+    let most = usize::from(threads.unwrap_or_default());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(most);
+    pool.build_global().map_err(|reason| {
+        CliError::WrongUse(format!(
+            "the threads could not be started: {reason}; free memory and processes, or give fewer with --threads"
+        ))
+    })
 }
 
 /// The results folder of a run.
