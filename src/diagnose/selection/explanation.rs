@@ -83,14 +83,13 @@ impl Explaining<'_> {
         (self.watch)(Stage::Comparing);
         let mut tried = selection.steps.clone();
         let mut round = 0;
-        let mut renamed = 0;
         let mut withdrawn = Vec::new();
         let mut tested = 0;
         loop {
             let full = stepwise.prune(selection.fit.clone(), examined)?;
-            let compared = self.compared(&stepwise, full)?;
+            let beside = self.beside_rivals(&stepwise, full)?;
             let mut exchanged = None;
-            for (k, comparison) in compared.comparisons.iter().enumerate() {
+            for (k, comparison) in beside.comparisons.iter().enumerate() {
                 if exchanged.is_none() && round < EXCHANGES {
                     exchanged = stepwise.exchanged(comparison, k)?;
                 }
@@ -101,29 +100,25 @@ impl Explaining<'_> {
                 round += 1;
                 continue;
             }
-            tested = tested.max(compared.full.hypotheses.len() + renamed);
-            let judged = self.judged(&compared, tested)?;
-            let judgement = match judged {
-                Judged::Objectionable(k) => {
-                    selection.fit = withdraw(context, &compared.full, k, &mut withdrawn)?;
+            tested = tested.max(beside.full.hypotheses.len());
+            let confirmed = match self.judged(beside, tested)? {
+                Judged::Objectionable(full, k) => {
+                    selection.fit = withdraw(context, &full, k, &mut withdrawn)?;
                     round = EXCHANGES;
                     continue;
                 }
-                Judged::Confirmed(judgement) => judgement,
+                Judged::Confirmed(confirmed) => {
+                    self.named(&stepwise, confirmed, examined, tested)?
+                }
             };
-            if renamed < EXCHANGES {
-                renamed += 1;
-                if let Some(fit) = self.renamed(&stepwise, &compared, tested + 1)? {
-                    selection.fit = fit;
-                    round = EXCHANGES;
-                    continue;
-                }
-            }
+            let BesideRivals {
+                full, comparisons, ..
+            } = confirmed.beside;
             return Ok(Explanation {
-                prefixes: judgement.prefixes,
-                tests: judgement.tests,
-                full: compared.full,
-                comparisons: compared.comparisons,
+                prefixes: confirmed.prefixes,
+                tests: confirmed.tests,
+                full,
+                comparisons,
                 examined,
                 withdrawn,
                 tried,
@@ -131,12 +126,16 @@ impl Explaining<'_> {
         }
     }
 
-    fn compared(&self, stepwise: &Stepwise<'_>, full: ModelFit) -> Result<Compared, DiagnoseError> {
+    fn beside_rivals(
+        &self,
+        stepwise: &Stepwise<'_>,
+        full: ModelFit,
+    ) -> Result<BesideRivals, DiagnoseError> {
         let noise_level = noise_level::of_rows(&self.contexts.selection, &full, &[]);
         let comparisons = (0..full.hypotheses.len())
             .map(|k| stepwise.rivals(&full, k, &noise_level))
             .collect::<Result<Vec<_>, _>>()?;
-        Ok(Compared {
+        Ok(BesideRivals {
             full,
             noise_level,
             comparisons,
@@ -144,26 +143,48 @@ impl Explaining<'_> {
     }
 
     /// What rows and rivals say of the findings of a model, `tested` of which rows that chose nothing are asked about.
-    fn judged(&self, compared: &Compared, tested: usize) -> Result<Judged, DiagnoseError> {
+    fn judged(&self, beside: BesideRivals, tested: usize) -> Result<Judged, DiagnoseError> {
         let (context, significance) = (&self.contexts.selection, self.rules.significance);
-        let Compared {
+        let BesideRivals {
             full,
             noise_level,
             comparisons,
-        } = compared;
+        } = &beside;
         let objection = weak_findings::weakest(noise_level, full, comparisons)
             .or_else(|| confounding::first(context, noise_level, full, comparisons, significance))
             .or_else(|| zero_size::least_certain(context, full));
         if let Some(k) = objection {
-            return Ok(Judged::Objectionable(k));
+            return Ok(Judged::Objectionable(beside.full, k));
         }
         let prefixes = prefixes(context, full)?;
         let tests = confirmation::tests(self.contexts, full, tested)?;
         let failing = confirmation::failing(self.contexts, &prefixes, &tests, significance);
         Ok(match failing {
-            Some(k) => Judged::Objectionable(k),
-            None => Judged::Confirmed(Judgement { prefixes, tests }),
+            Some(k) => Judged::Objectionable(beside.full, k),
+            None => Judged::Confirmed(Confirmed {
+                beside,
+                prefixes,
+                tests,
+            }),
         })
+    }
+
+    /// The model with the names that rows which chose nothing find most probable, as far as nothing speaks against them. Each
+    /// of these is one test more.
+    fn named(
+        &self,
+        stepwise: &Stepwise<'_>,
+        mut confirmed: Confirmed,
+        examined: usize,
+        tested: usize,
+    ) -> Result<Confirmed, DiagnoseError> {
+        for round in 1..=EXCHANGES {
+            match self.renamed(stepwise, &confirmed.beside, examined, tested + round)? {
+                Some(better) => confirmed = better,
+                None => break,
+            }
+        }
+        Ok(confirmed)
     }
 
     /// The model with a rival in the place of a finding that rows which chose nothing find less probable than it, if nothing
@@ -171,16 +192,17 @@ impl Explaining<'_> {
     fn renamed(
         &self,
         stepwise: &Stepwise<'_>,
-        compared: &Compared,
+        beside: &BesideRivals,
+        examined: usize,
         tested: usize,
-    ) -> Result<Option<ModelFit>, DiagnoseError> {
-        for (k, comparison) in compared.comparisons.iter().enumerate() {
-            let rows = self.contexts.testing(&compared.full.hypotheses[k]);
-            for rival in comparison.more_probable(rows, &compared.full) {
-                let fit = stepwise.in_place(rival, k)?;
-                let as_renamed = self.compared(stepwise, fit)?;
-                if let Judged::Confirmed(_) = self.judged(&as_renamed, tested)? {
-                    return Ok(Some(as_renamed.full));
+    ) -> Result<Option<Confirmed>, DiagnoseError> {
+        for (k, comparison) in beside.comparisons.iter().enumerate() {
+            let rows = self.contexts.testing(&beside.full.hypotheses[k]);
+            for rival in comparison.more_probable(rows, &beside.full) {
+                let fit = stepwise.prune(stepwise.in_place(rival, k)?, examined)?;
+                let as_renamed = self.beside_rivals(stepwise, fit)?;
+                if let Judged::Confirmed(confirmed) = self.judged(as_renamed, tested)? {
+                    return Ok(Some(confirmed));
                 }
             }
         }
@@ -189,7 +211,7 @@ impl Explaining<'_> {
 }
 
 /// A model with what could stand in the place of each of its findings.
-struct Compared {
+struct BesideRivals {
     full: ModelFit,
     noise_level: NoiseLevel,
     comparisons: Vec<RivalComparison>,
@@ -197,14 +219,15 @@ struct Compared {
 
 /// What rows and rivals say of the findings of a model.
 enum Judged {
-    /// Something speaks against the k-th.
-    Objectionable(usize),
+    /// Something speaks against the k-th of the model.
+    Objectionable(ModelFit, usize),
     /// Nothing speaks against any.
-    Confirmed(Judgement),
+    Confirmed(Confirmed),
 }
 
-/// The evidence of a model to which there is no objection.
-struct Judgement {
+/// A model to which there is no objection, with its evidence.
+struct Confirmed {
+    beside: BesideRivals,
     /// Models with the first 0, 1, ... findings.
     prefixes: Vec<ModelFit>,
     /// Each finding on rows that no choice has seen.
