@@ -69,6 +69,12 @@ impl Prior {
         &self.rows
     }
 
+    /// Whether something is known of a parameter.
+    pub fn speaks_of(&self, parameter: usize) -> bool {
+        let column = self.rows.column(parameter);
+        column.iter().any(|entry| *entry != 0.0)
+    }
+
     /// Whitened deviation at parameter values.
     pub fn residual(&self, values: &DVector<f64>) -> DVector<f64> {
         &self.rows * values - &self.mean

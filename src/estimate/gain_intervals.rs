@@ -61,16 +61,8 @@ fn gain_beside(problem: &FitProblem<'_>, positions: &[usize], unknown: usize) ->
     };
     let gain = model.joints()[joint].controller?;
     let is_divided = positions[unknown] == gain || parameter.linearity == Linearity::Linear;
-    let is_single = match problem.unknowns.base.base.get(unknown) {
-        Some(base) => base.others.is_empty(),
-        None => true,
-    };
-    let is_new = problem
-        .prior
-        .rows()
-        .column(gain)
-        .iter()
-        .all(|row| *row == 0.0);
+    let is_single = problem.unknowns.is_single(unknown);
+    let is_new = !problem.prior.speaks_of(gain);
     let place = positions.iter().position(|&p| p == gain)?;
     (is_divided && is_single && is_new).then_some(place)
 }

@@ -65,13 +65,11 @@ impl<'a> FitProblem<'a> {
         let moving = standstill::factors(model, recordings);
         let active = model.channels().iter().filter(|c| c.active).count();
         let rows: usize = recordings.iter().map(|r| r.rows() * active).sum();
-        let linear = unknowns.base.base.len();
         let variables = columns.iter().enumerate().map(|(k, &p)| {
             let parameter = &model.parameters()[p];
             let variable = Variable::free(&parameter.name, &parameter.unit).scale(parameter.scale);
             // A bound on one parameter says nothing about a combination that it leads.
-            let alone = k >= linear || unknowns.base.base[k].others.is_empty();
-            if alone && parameter.keeps_limits() {
+            if unknowns.is_single(k) && parameter.keeps_limits() {
                 variable.within(parameter.lower, parameter.upper)
             } else {
                 variable

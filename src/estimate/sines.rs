@@ -28,7 +28,7 @@ pub(crate) fn stated(problem: &FitProblem<'_>, mut solution: Solution) -> Soluti
                 let joints = [amplitude, phase].map(|p| problem.model.sharing(p).len());
                 let places = (alone(problem, amplitude), alone(problem, phase));
                 if let ((Some(amplitude), Some(phase)), true) = (places, joints[0] == joints[1]) {
-                    turn(problem, &mut solution, (amplitude, phase));
+                    turn(problem, &mut solution, amplitude, phase);
                 }
             }
         }
@@ -40,13 +40,11 @@ pub(crate) fn stated(problem: &FitProblem<'_>, mut solution: Solution) -> Soluti
 fn alone(problem: &FitProblem<'_>, parameter: usize) -> Option<usize> {
     let unknowns = problem.unknowns;
     let place = unknowns.positions().iter().position(|&p| p == parameter)?;
-    let base = unknowns.base.base.get(place);
-    let is_alone = base.is_none_or(|b| b.others.is_empty());
-    let rows = problem.prior.rows();
-    (is_alone && rows.column(parameter).iter().all(|x| *x == 0.0)).then_some(place)
+    let is_new = !problem.prior.speaks_of(parameter);
+    (unknowns.is_single(place) && is_new).then_some(place)
 }
 
-fn turn(problem: &FitProblem<'_>, solution: &mut Solution, (amplitude, phase): (usize, usize)) {
+fn turn(problem: &FitProblem<'_>, solution: &mut Solution, amplitude: usize, phase: usize) {
     let (a, half) = match solution.x[amplitude] {
         negative if negative < 0.0 => (-negative, PI),
         a => (a, 0.0),

@@ -54,6 +54,12 @@ impl Unknowns {
         positions
     }
 
+    /// Whether an unknown is a parameter by itself, and not a combination that it leads.
+    pub fn is_single(&self, unknown: usize) -> bool {
+        let base = self.base.base.get(unknown);
+        base.is_none_or(|base| base.others.is_empty())
+    }
+
     /// The base expression that holds a parameter which is not determined by itself.
     pub fn expression_with(&self, model: &Model, parameter: usize) -> Option<String> {
         let holds = |b: &BaseParameter| {
