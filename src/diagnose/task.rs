@@ -155,7 +155,7 @@ fn of_robot(
     let differences = setup::declared::differences(problem, &robot, &model, estimated);
     reported.diagnosis.notes.extend(differences);
     if !asked.drive.shared.is_empty() && defect.is_none() && !control.is_interrupted() {
-        let answers = shared((asked, &robot), (&reported, &data), control)?;
+        let answers = shared(asked, &robot, &reported, &data, control)?;
         reported.fitted.fit.sharing.clone_from(&answers);
         if let Some(fit) = &mut reported.diagnosis.fit {
             fit.sharing = answers;
@@ -184,8 +184,10 @@ fn of_robot(
 
 /// Asks whether joints with motors of one type have parameters of the declared model or of findings in common.
 fn shared(
-    (problem, robot): (&ProblemFile, &Robot),
-    (reported, data): (&Reported, &Dataset),
+    problem: &ProblemFile,
+    robot: &Robot,
+    reported: &Reported,
+    data: &Dataset,
     control: &Control<'_>,
 ) -> Result<Vec<Sharing>, DiagnoseError> {
     let question = Question {

@@ -146,7 +146,7 @@ pub fn outcome_with(
     };
     let fit = Fit {
         base_parameters: ratios::in_ratio(
-            base_parameters(problem, &solution.x, (&total, &intervals)),
+            base_parameters(problem, &solution.x, &total, &intervals),
             problem,
             &total,
             &open,
@@ -294,7 +294,8 @@ pub(crate) fn determined_by_prior(problem: &FitProblem<'_>, data: &Dataset) -> V
 pub(crate) fn base_parameters(
     problem: &FitProblem<'_>,
     x: &DVector<f64>,
-    (covariance, intervals): (&DMatrix<f64>, &[Option<[f64; 2]>]),
+    covariance: &DMatrix<f64>,
+    intervals: &[Option<[f64; 2]>],
 ) -> Vec<BaseParameter> {
     let (model, base) = (problem.model, &problem.unknowns.base);
     let quantile = Distribution::Normal.two_sided(0.95);

@@ -46,7 +46,7 @@ struct Scaled {
 
 impl Scaled {
     /// `least` is the size of c below which it is an error and there is none.
-    fn of(unknown: usize, ratio: f64, (known, least): (f64, f64)) -> Self {
+    fn of(unknown: usize, ratio: f64, known: f64, least: f64) -> Self {
         Self {
             unknown,
             ratio,
@@ -120,11 +120,11 @@ fn dependent(
             .map(|k| {
                 let ratio = -slopes[(k, 0)];
                 let whole = ratio * value;
-                Scaled::of(k, ratio, (whole - x[k], ROUNDING * whole.abs()))
+                Scaled::of(k, ratio, whole - x[k], ROUNDING * whole.abs())
             })
             .collect(),
         None => (0..count)
-            .map(|k| Scaled::of(k, x[k] / value, (0.0, 0.0)))
+            .map(|k| Scaled::of(k, x[k] / value, 0.0, 0.0))
             .collect(),
     }
 }
@@ -145,7 +145,7 @@ fn correlated(x: &DVector<f64>, covariance: &DMatrix<f64>, gain: usize) -> Optio
                 // What is left of its variance where the gain is known.
                 let own = covariance[(k, k)] - ratio * covariance[(k, gain)];
                 let least = quantile * own.max(0.0).sqrt();
-                Scaled::of(k, ratio, (ratio * x[gain] - x[k], least))
+                Scaled::of(k, ratio, ratio * x[gain] - x[k], least)
             })
             .collect(),
     )

@@ -65,7 +65,7 @@ impl Question<'_> {
             true => None,
             false => {
                 let separated = setup::sharing::separated(self.problem);
-                Some(fit_beside(self, &separated, (fitted, Vec::new()), fit)?)
+                Some(fit_beside(self, &separated, fitted, Vec::new(), fit)?)
             }
         };
         let separate = of_joints.as_ref().unwrap_or(fitted);
@@ -85,7 +85,7 @@ impl Question<'_> {
         let kept: Vec<Sharing> = kept.map(|(sharing, _)| sharing.clone()).collect();
         let common = match kept.is_empty() {
             true => None,
-            false => Some(fit_beside(self, self.problem, (fitted, kept), fit)?),
+            false => Some(fit_beside(self, self.problem, fitted, kept, fit)?),
         };
         let in_model = declared.iter().map(|t| t.answer(Some(&fitted.estimate)));
         let common = common.as_ref().map(|fitted| &fitted.estimate);
@@ -98,7 +98,8 @@ impl Question<'_> {
 fn fit_beside<E: From<SetupError>>(
     question: &Question<'_>,
     problem: &ProblemFile,
-    (fitted, shared): (&Fitted, Vec<Sharing>),
+    fitted: &Fitted,
+    shared: Vec<Sharing>,
     fit: &dyn Fn(&Model, &Prior) -> Result<Fitted, E>,
 ) -> Result<Fitted, E> {
     let addition = Addition {

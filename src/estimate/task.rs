@@ -125,7 +125,7 @@ pub fn run(
     }
     if !problem.drive.shared.is_empty() && defect.is_none() && !control.is_interrupted() {
         watch(Step::Sharing);
-        match guarded(|| shared((problem, &robot), (&fitted, &data), control)) {
+        match guarded(|| shared(problem, &robot, &fitted, &data, control)) {
             Ok(answers) => fitted.fit.sharing = answers?,
             Err(found) => defect = Some(found),
         }
@@ -211,8 +211,10 @@ fn compare(
 
 /// Asks whether joints with motors of one type have parameters in common.
 fn shared(
-    (problem, robot): (&ProblemFile, &Robot),
-    (fitted, data): (&Fitted, &Dataset),
+    problem: &ProblemFile,
+    robot: &Robot,
+    fitted: &Fitted,
+    data: &Dataset,
     control: &Control<'_>,
 ) -> Result<Vec<Sharing>, FitError> {
     let question = Question {

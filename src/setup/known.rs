@@ -63,7 +63,7 @@ pub(crate) fn fix_all(model: &mut Model, given: &[Named<f64>]) -> Result<(), Set
         let (value, place) = (entry.value.value, &entry.value.place);
         match resolve(model, &entry.name, place)? {
             Reference::Parameter(p) => {
-                one_value(model, (p, value), place)?;
+                one_value(model, p, value, place)?;
                 model.fix(p, value).map_err(|e| at(place, e))?;
             }
             Reference::Body(first, quantity) => {
@@ -85,11 +85,7 @@ pub(crate) fn fix_all(model: &mut Model, given: &[Named<f64>]) -> Result<(), Set
 }
 
 /// Joints that share a parameter have one value of it.
-fn one_value(
-    model: &Model,
-    (parameter, value): (usize, f64),
-    place: &Place,
-) -> Result<(), SetupError> {
+fn one_value(model: &Model, parameter: usize, value: f64, place: &Place) -> Result<(), SetupError> {
     let all = model.sharing(model.estimated_as(parameter));
     let known = &model.parameters()[all[0]];
     if all.len() == 1 || known.is_free() || known.value == value {

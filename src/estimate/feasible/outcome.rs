@@ -58,7 +58,7 @@ pub(super) fn report(found: &Found<'_>, data: &Dataset, control: &Control<'_>) -
     let smallest = smallest_eigenvalue(&standard.bodies, &values);
     let feasibility = feasibility(found, (&edge, &values), data, control);
     let fit = Fit {
-        base_parameters: fit::base_parameters(problem, &base, (&of_base, &[])),
+        base_parameters: fit::base_parameters(problem, &base, &of_base, &[]),
         rank: count,
         unknowns: fit::unknown_count(model),
         condition_number: factor.condition_number(ColumnScaling::UnitNorm),
