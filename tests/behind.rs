@@ -3,14 +3,13 @@
 
 mod common;
 
+use common::derivatives::{Columns, Sines};
 use exid::chain::effect::ids;
-use exid::chain::evaluate::{Evaluator, Segment};
 use exid::diagnose::task as diagnose;
 use exid::estimate::task as fit;
 use exid::outcome::finding::Finding;
 use exid::problem::solution::Control;
 use exid::problem_file::ProblemFile;
-use exid::robot::batch::Trajectory;
 use exid::setup;
 use exid::simulate::{self, write_csv};
 use std::fs::{self, File};
@@ -132,8 +131,6 @@ fn a_diagnosis_names_friction_behind_the_spring() {
 
 #[test]
 fn invariant_columns_through_a_link_that_sticks_are_derivatives() {
-    const SAMPLES: usize = 400;
-    const RATE: f64 = 400.0;
     let arm = Arm::new();
     for play in [&[][..], &["backlash"][..]] {
         let effects = with(&[&["joint_elasticity", "link_friction"], play].concat());
@@ -150,64 +147,21 @@ fn invariant_columns_through_a_link_that_sticks_are_derivatives() {
         let columns: Vec<usize> = (0..model.parameters().len())
             .filter(|&p| model.parameters()[p].name.starts_with("elbow."))
             .collect();
-        let time: Vec<f64> = (0..SAMPLES).map(|k| k as f64 / RATE).collect();
-        let series = |order: i32| -> Vec<Vec<f64>> {
-            [5.0, 7.0_f64]
-                .map(|rate| {
-                    let at = |t: &f64| match order {
-                        0 => 0.5 * (rate * t).sin(),
-                        1 => 0.5 * rate * (rate * t).cos(),
-                        _ => -0.5 * rate * rate * (rate * t).sin(),
-                    };
-                    time.iter().map(at).collect()
-                })
-                .to_vec()
+        let motion = Sines {
+            amplitude: 0.5,
+            rates: &[5.0, 7.0],
+            samples: 400,
+            rate_hz: 400.0,
         };
-        let (q, dq, ddq) = (series(0), series(1), series(2));
-        let motors = Trajectory {
-            q: &q,
-            dq: &dq,
-            ddq: &ddq,
+        let own = Columns {
+            model: &model,
+            values: &values,
+            parameters: &columns,
+            step: 1e-6,
+            least: 1e-3,
+            tolerance: 1e-3,
         };
-        let segment = Segment {
-            time: &time,
-            ..Segment::states(motors, false)
-        };
-        let predicted = |values: &_| -> Vec<Vec<f64>> {
-            let mut evaluator = Evaluator::along(&model, values, &[], SAMPLES);
-            let block = evaluator.evaluate_course(segment);
-            (0..2).map(|c| block.value(c).to_vec()).collect()
-        };
-        let mut evaluator = Evaluator::along(&model, &values, &columns, SAMPLES);
-        let block = evaluator.evaluate_course(segment);
-        for (k, &p) in columns.iter().enumerate() {
-            let step = 1e-6 * values[p].abs().max(1e-3);
-            let [mut less, mut more] = [values.clone(), values.clone()];
-            (less[p], more[p]) = (values[p] - step, values[p] + step);
-            let (less, more) = (predicted(&less), predicted(&more));
-            for c in 0..2 {
-                let differences: Vec<f64> = less[c]
-                    .iter()
-                    .zip(&more[c])
-                    .map(|(a, b)| (b - a) / (2.0 * step))
-                    .collect();
-                let size = differences
-                    .iter()
-                    .fold(0.0, |most: f64, d| most.max(d.abs()));
-                let zeros = vec![0.0; SAMPLES];
-                let own = block.derivative(c, k).unwrap_or(&zeros);
-                let worst = own
-                    .iter()
-                    .zip(&differences)
-                    .map(|(a, b)| (a - b).abs())
-                    .fold(0.0, f64::max);
-                let name = &model.parameters()[p].name;
-                assert!(
-                    worst <= 1e-3 * size.max(1e-6),
-                    "{name} on channel {c}: {worst} of {size}"
-                );
-            }
-        }
+        own.assert_derivatives_along(&motion);
     }
 }
 

@@ -2,8 +2,10 @@
 //! to have them in common, and every verb takes `[[drive.shared]]` for what it is. Robots, motions and noise are drawn anew
 //! for every seed.
 
+mod common;
+
+use common::derivatives::{Columns, Sines};
 use exid::chain::effect::{find, ids};
-use exid::chain::evaluate::{Evaluator, Segment};
 use exid::chain::model::{Model, ModelSettings, Signal};
 use exid::chain::sharing::Sharing as Common;
 use exid::diagnose::task as diagnose;
@@ -12,7 +14,6 @@ use exid::estimate::task as fit;
 use exid::outcome::sharing::Sharing;
 use exid::problem::solution::Control;
 use exid::problem_file::ProblemFile;
-use exid::robot::batch::Trajectory;
 use exid::robot::random::{generator, symmetric, tree};
 use exid::simulate::{self, write_csv};
 use rayon::prelude::*;
@@ -394,65 +395,21 @@ fn invariant_columns_of_common_parameters_are_derivatives() {
             x => x,
         };
     }
-    let samples = 200;
-    let time: Vec<f64> = (0..samples).map(|k| 0.01 * k as f64).collect();
-    let series = |order: i32| -> Vec<Vec<f64>> {
-        (0..COUNT)
-            .map(|j| {
-                let rate = 3.0 + 0.7 * j as f64;
-                let at = |t: &f64| match order {
-                    0 => (rate * t).sin(),
-                    1 => rate * (rate * t).cos(),
-                    _ => -rate * rate * (rate * t).sin(),
-                };
-                time.iter().map(at).collect()
-            })
-            .collect()
+    let rates: [f64; COUNT] = std::array::from_fn(|j| 3.0 + 0.7 * j as f64);
+    let motion = Sines {
+        amplitude: 1.0,
+        rates: &rates,
+        samples: 200,
+        rate_hz: 100.0,
     };
-    let (q, dq, ddq) = (series(0), series(1), series(2));
-    let motors = Trajectory {
-        q: &q,
-        dq: &dq,
-        ddq: &ddq,
+    let own = Columns {
+        model: &model,
+        values: &values,
+        parameters: &columns,
+        step: 1e-5,
+        least: 0.0,
+        // Central differences of a function that is computed to eleven digits.
+        tolerance: 1e-4,
     };
-    let segment = Segment {
-        time: &time,
-        ..Segment::states(motors, false)
-    };
-    let predicted = |values: &_| -> Vec<Vec<f64>> {
-        let mut evaluator = Evaluator::along(&model, values, &[], samples);
-        let block = evaluator.evaluate_course(segment);
-        (0..COUNT).map(|c| block.value(c).to_vec()).collect()
-    };
-    let mut evaluator = Evaluator::along(&model, &values, &columns, samples);
-    let block = evaluator.evaluate_course(segment);
-    for (k, &p) in columns.iter().enumerate() {
-        let step = 1e-5 * values[p].abs();
-        let [mut less, mut more] = [values.clone(), values.clone()];
-        (less[p], more[p]) = (values[p] - step, values[p] + step);
-        let (less, more) = (predicted(&less), predicted(&more));
-        for c in 0..COUNT {
-            let differences: Vec<f64> = less[c]
-                .iter()
-                .zip(&more[c])
-                .map(|(a, b)| (b - a) / (2.0 * step))
-                .collect();
-            let size = differences
-                .iter()
-                .fold(0.0, |most: f64, d| most.max(d.abs()));
-            let zeros = vec![0.0; samples];
-            let own = block.derivative(c, k).unwrap_or(&zeros);
-            let worst = own
-                .iter()
-                .zip(&differences)
-                .map(|(a, b)| (a - b).abs())
-                .fold(0.0, f64::max);
-            // Central differences of a function that is computed to eleven digits.
-            assert!(
-                worst <= 1e-4 * size.max(1e-6),
-                "{} on channel {c}: {worst} of {size}",
-                model.parameters()[p].name
-            );
-        }
-    }
+    own.assert_derivatives_along(&motion);
 }

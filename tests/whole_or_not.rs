@@ -100,48 +100,82 @@ fn wait_for_writing(child: &mut Child, folder: &Path) {
     }
 }
 
+/// A folder in which runs are ended before their time.
+struct Endings {
+    arm: Arm,
+    /// Of a run that is left to itself.
+    duration: Duration,
+    /// The version whose result is there.
+    current: usize,
+    rows: usize,
+    /// Runs that left the earlier result.
+    before: usize,
+}
+
+impl Endings {
+    fn new() -> Self {
+        let arm = Arm::new(PERIODS);
+        let started = Instant::now();
+        assert!(run(&arm, 0).status().unwrap().success());
+        let duration = started.elapsed();
+        let (current, rows) = version_of(&arm.path("out"));
+        assert_eq!(current, 0);
+        assert!(rows > 0);
+        Self {
+            arm,
+            duration,
+            current,
+            rows,
+            before: 0,
+        }
+    }
+
+    /// After the run of a version there is its result or the earlier one, whole; its own if it has finished.
+    fn assert_whole(&mut self, version: usize, finished: bool) {
+        let (left, rows) = version_of(&self.arm.path("out"));
+        assert_eq!(rows, self.rows, "every version has the same samples");
+        let is_one = left == self.current || left == version;
+        assert!(is_one, "{left} after {version}");
+        assert!(!finished || left == version, "a finished run is lost");
+        self.before += usize::from(left == self.current);
+        self.current = left;
+    }
+
+    /// The next run is like any other.
+    fn assert_goes_on(&self, version: usize) {
+        assert!(run(&self.arm, version).status().unwrap().success());
+        assert_eq!(version_of(&self.arm.path("out")), (version, self.rows));
+        assert_nothing_is_left_behind(&self.arm);
+    }
+}
+
 #[test]
 fn a_run_killed_at_any_moment_leaves_one_whole_result() {
-    let arm = Arm::new(PERIODS);
-    let out = arm.path("out");
-    let started = Instant::now();
-    assert!(run(&arm, 0).status().unwrap().success());
-    let duration = started.elapsed();
-    let (mut current, rows) = version_of(&out);
-    assert_eq!(current, 0);
-    assert!(rows > 0);
-
+    let mut all = Endings::new();
     let mut random = Noise(20_26);
-    let (mut before, mut while_writing) = (0, 0);
+    let mut while_writing = 0;
     let kills = endings(KILLS);
     for version in 1..=kills {
-        let mut child = run(&arm, version).spawn().unwrap();
+        let mut child = run(&all.arm, version).spawn().unwrap();
         let aims_at_writing = version % 2 == 0;
         if aims_at_writing {
-            wait_for_writing(&mut child, arm.folder());
-            sleep(duration.mul_f64(0.3 * share(&mut random)));
+            wait_for_writing(&mut child, all.arm.folder());
+            sleep(all.duration.mul_f64(0.3 * share(&mut random)));
         } else {
-            sleep(duration.mul_f64(1.1 * share(&mut random)));
+            sleep(all.duration.mul_f64(1.1 * share(&mut random)));
         }
-        let writing = is_writing(arm.folder());
+        let writing = is_writing(all.arm.folder());
         let ended = child.try_wait().unwrap().is_some();
         // The process may have ended by now: then there is nothing to kill.
         let _ = child.kill();
         child.wait().unwrap();
-        let (left, rows_left) = version_of(&out);
-        assert_eq!(rows_left, rows, "every version has the same samples");
-        assert!(left == current || left == version, "{left} after {version}");
-        assert!(!ended || left == version, "a finished run is lost");
-        before += usize::from(left == current);
+        all.assert_whole(version, ended);
         while_writing += usize::from(writing && !ended);
-        current = left;
     }
+    let before = all.before;
     eprintln!("{kills} kills: {while_writing} while writing, {before} left the earlier result");
     assert!(before > 0 && while_writing > 0, "kills come in time");
-
-    assert!(run(&arm, kills + 1).status().unwrap().success());
-    assert_eq!(version_of(&out), (kills + 1, rows));
-    assert_nothing_is_left_behind(&arm);
+    all.assert_goes_on(kills + 1);
 }
 
 fn assert_nothing_is_left_behind(arm: &Arm) {
@@ -155,38 +189,27 @@ fn assert_nothing_is_left_behind(arm: &Arm) {
 /// While a file is read, while the search runs, while results are written.
 #[test]
 fn a_run_interrupted_at_any_moment_ends_soon_and_leaves_one_whole_result() {
-    let arm = Arm::new(PERIODS);
-    let out = arm.path("out");
-    let started = Instant::now();
-    assert!(run(&arm, 0).status().unwrap().success());
-    let duration = started.elapsed();
-    let (mut current, rows) = version_of(&out);
-
+    let mut all = Endings::new();
     let mut random = Noise(7_11);
-    let (mut before, mut latest) = (0, Duration::ZERO);
+    let mut latest = Duration::ZERO;
     let interrupts = endings(KILLS / 4);
     for version in 1..=interrupts {
-        let mut child = run(&arm, version).spawn().unwrap();
-        sleep(duration.mul_f64(1.1 * share(&mut random)));
+        let mut child = run(&all.arm, version).spawn().unwrap();
+        sleep(all.duration.mul_f64(1.1 * share(&mut random)));
         let sent = Instant::now();
         interrupting::send(&mut child);
         let code = child.wait().unwrap().code();
         latest = latest.max(sent.elapsed());
-        let (left, rows_left) = version_of(&out);
-        assert_eq!(rows_left, rows, "every version has the same samples");
-        assert!(left == current || left == version, "{left} after {version}");
         // None is the signal's own end, before the program could listen to it.
         assert!([Some(130), Some(0), None].contains(&code), "{code:?}");
-        assert!(code != Some(0) || left == version, "a finished run is lost");
-        before += usize::from(left == current);
-        current = left;
+        all.assert_whole(version, code == Some(0));
     }
+    let before = all.before;
     eprintln!(
         "{interrupts} interrupts: {before} left the earlier result, the slowest ended after {latest:?}"
     );
     assert!(latest.as_secs_f64() < SOON, "{latest:?}");
-    assert!(run(&arm, interrupts + 1).status().unwrap().success());
-    assert_nothing_is_left_behind(&arm);
+    all.assert_goes_on(interrupts + 1);
 }
 
 /// A run under limits of the shell, and what it said.

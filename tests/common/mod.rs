@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each file of tests takes what it needs")]
 
 pub mod arm;
+pub mod derivatives;
 pub mod interrupting;
 
 use std::fs::OpenOptions;
