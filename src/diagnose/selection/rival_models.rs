@@ -292,3 +292,28 @@ pub fn leaves_more(noise_level: &NoiseLevel, pair: ResidualPair<'_>, channels: &
     };
     channels.iter().any(of)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// However strong it is.
+    #[test]
+    fn evidence_that_hangs_on_what_neither_explains_says_nothing() {
+        let of = |is_clear| Separation {
+            evidence: Encompassing {
+                slope: 1.0,
+                ratio: 20.0,
+                distance: 20.0,
+                freedom: 1e6,
+                p_value: 1e-80,
+            },
+            is_clear,
+            separable: is_clear,
+            times_longer: None,
+        };
+        assert_eq!(of(false).log_likelihood_ratio(), 0.0);
+        // 20² / 2, of normal likelihoods.
+        assert!((of(true).log_likelihood_ratio() - 200.0).abs() < 0.1);
+    }
+}
