@@ -59,7 +59,7 @@ struct Switch {
 
 impl Switch {
     fn is_there(&self) -> bool {
-        self.level.iter().any(|level| *level != 0.0)
+        !self.level.is_empty()
     }
 
     /// Torque at a sample where the link lags at a rate, and its derivative by that rate.
@@ -183,7 +183,9 @@ impl Lag {
     /// Friction that changes sides, as it is along the present motion.
     fn take_levels(&mut self, springs: Vec<AtJoint>) {
         for (switch, spring) in self.switches.iter_mut().zip(springs) {
-            (switch.level, switch.width) = (spring.level, spring.width);
+            let switches = spring.level.iter().any(|level| *level != 0.0);
+            switch.level = if switches { spring.level } else { Vec::new() };
+            switch.width = spring.width;
         }
     }
 
