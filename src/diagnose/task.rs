@@ -24,7 +24,7 @@ use crate::estimate::bandwidth;
 use crate::estimate::estimator::Estimator;
 use crate::estimate::figures::{Predictions, noise_rms};
 use crate::estimate::fit::fit;
-use crate::estimate::sharing::Question;
+use crate::estimate::sharing::{self, Question};
 use crate::estimate::task::{machine, possible_machine};
 use crate::outcome::check::Finding as Mistake;
 use crate::outcome::diagnose::Diagnosis;
@@ -155,10 +155,14 @@ fn of_robot(
     let differences = setup::declared::differences(problem, &robot, &model, estimated);
     reported.diagnosis.notes.extend(differences);
     if !asked.drive.shared.is_empty() && defect.is_none() && !control.is_interrupted() {
-        let answers = shared(asked, &robot, &reported, &data, control)?;
-        reported.fitted.fit.sharing.clone_from(&answers);
-        if let Some(fit) = &mut reported.diagnosis.fit {
-            fit.sharing = answers;
+        match shared(asked, &robot, &reported, &data, control) {
+            Ok(answers) => {
+                reported.fitted.fit.sharing.clone_from(&answers);
+                if let Some(fit) = &mut reported.diagnosis.fit {
+                    fit.sharing = answers;
+                }
+            }
+            Err(error) => reported.diagnosis.notes.push(sharing::unanswered(&error)),
         }
     }
     if let Some(fit) = &mut reported.diagnosis.fit {

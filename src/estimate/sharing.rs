@@ -32,6 +32,11 @@ pub const SIGNIFICANCE: f64 = 0.01;
 /// Share of the largest eigenvalue of the correlation of differences below which one of them follows from the others.
 const RANK: f64 = 1e-10;
 
+/// What a result says where the models to compare with cannot be built or fitted; what was found before stays.
+pub fn unanswered(error: &dyn std::error::Error) -> String {
+    format!("Whether joints have parameters in common ([[drive.shared]]) could not be asked: {error}")
+}
+
 /// Questions about the parameters that joints with motors of one type have in common.
 #[derive(Debug, Clone, Copy)]
 pub struct Question<'a> {

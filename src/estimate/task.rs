@@ -9,7 +9,7 @@ use crate::estimate::estimator::Estimator;
 use crate::estimate::feasible::{self, Form};
 use crate::estimate::fit::{Fitted, fit, in_full};
 use crate::estimate::remarks::{misfit, notes, preprocessing, undetermined_load};
-use crate::estimate::sharing::Question;
+use crate::estimate::sharing::{self, Question};
 use crate::estimate::{bandwidth, difference, load, noisy_fit, reach, reactions};
 use crate::fault::Place;
 use crate::outcome::estimate::Estimate;
@@ -126,7 +126,8 @@ pub fn run(
     if !problem.drive.shared.is_empty() && defect.is_none() && !control.is_interrupted() {
         watch(Step::Sharing);
         match guarded(|| shared(problem, &robot, &fitted, &data, control)) {
-            Ok(answers) => fitted.fit.sharing = answers?,
+            Ok(Ok(answers)) => fitted.fit.sharing = answers,
+            Ok(Err(error)) => fitted.fit.notes.push(sharing::unanswered(&error)),
             Err(found) => defect = Some(found),
         }
     }
