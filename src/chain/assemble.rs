@@ -199,7 +199,7 @@ fn has_own_parameters(effect: &Effect, signal: Signal) -> bool {
 /// Positions of the parameters that the chain looks up.
 fn remember(model: &mut JointModel, effect: &Effect, first: usize) {
     if let Some(transition) = effect.knowledge.transition {
-        model.width = Some(first + transition.parameter);
+        model.width = Some(first + transition.speed);
     }
     let slot = match effect.law {
         Law::Gain => &mut model.gain,

@@ -1,6 +1,6 @@
 //! A joint with its drive: its effects, and where their parameters stand among those of the model.
 
-use crate::chain::effect::knowledge::{JointTerm, Transition};
+use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::{Effect, ParameterInfo};
 use crate::robot::tree::JointKind;
 
@@ -55,15 +55,6 @@ impl JointModel {
     pub fn has_term(&self, term: JointTerm) -> bool {
         let mut effects = self.effects.iter();
         effects.any(|(effect, _)| effect.knowledge.term == Some(term))
-    }
-
-    /// Its transition speed, with the position of that in the model's list; `None` where it has none.
-    pub fn transition(&self) -> Option<(Transition, usize)> {
-        let mut effects = self.effects.iter();
-        effects.find_map(|(effect, first)| {
-            let transition = effect.knowledge.transition?;
-            Some((transition, first + transition.parameter))
-        })
     }
 
     /// What is known of the parameters of one of its effects, with their positions in the model's list; none of an effect

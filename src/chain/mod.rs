@@ -17,7 +17,7 @@
 //! | step | files |
 //! |---|---|
 //! | what a model is made of | `settings`, `effect/`, `platform`, `controller` |
-//! | the model with its parameters | `model` (by `assemble`), `joint_model`, `parameter`, `sharing`, `channel` |
+//! | the model with its parameters | `model` (by `assemble`), `joint_model`, `parameter`, `sharing`, `channel`, `transition_limits` |
 //! | what the signal depends on | `base_parameters` |
 //! | recordings, and what is known before them | `dataset`, `prior` |
 //! | from motion to signal, with derivatives | `evaluate/` |
@@ -43,6 +43,7 @@ pub mod prior;
 mod settings;
 pub mod sharing;
 pub mod signal;
+pub mod transition_limits;
 pub mod words;
 
 #[cfg(test)]

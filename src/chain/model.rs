@@ -397,23 +397,19 @@ impl Model {
         parameter.value = within(parameter.value, [lower, upper]);
     }
 
-    /// Narrows the transition speeds of `sign(v)` to what motions show whose joints move at most so fast, rad/s or m/s at
-    /// joint scale: a friction that never comes near its full size is none of constant size, and would be extrapolated. A
-    /// joint without the term that a wide transition stands for keeps its limits. Limits and values that were stated stay.
-    pub fn limit_transitions(&mut self, fastest: &[f64]) {
-        let widest = |(joint, fastest): (&JointModel, &f64)| {
-            let (transition, index) = joint.transition()?;
-            let told_apart = joint.has_term(transition.stands_for);
-            told_apart.then(|| (self.estimated_as(index), (transition.widest)(*fastest)))
-        };
-        let widths: Vec<(usize, f64)> =
-            self.joints.iter().zip(fastest).filter_map(widest).collect();
-        for (index, widest) in widths {
+    /// Whether a parameter is free within limits that nobody stated.
+    pub fn has_usual_limits(&self, index: usize) -> bool {
+        let parameter = &self.parameters[self.estimated_as(index)];
+        parameter.is_free() && !parameter.bounded
+    }
+
+    /// Lowers the upper limit of a parameter with [usual limits](Self::has_usual_limits).
+    pub fn lower_limit(&mut self, index: usize, upper: f64) {
+        if self.has_usual_limits(index) {
+            let index = self.estimated_as(index);
             let parameter = &mut self.parameters[index];
-            if parameter.is_free() && !parameter.bounded {
-                parameter.upper = parameter.upper.min(widest);
-                parameter.value = within(parameter.value, [parameter.lower, parameter.upper]);
-            }
+            parameter.upper = parameter.upper.min(upper);
+            parameter.value = within(parameter.value, [parameter.lower, parameter.upper]);
         }
     }
 

@@ -2,6 +2,7 @@
 
 use crate::chain::dataset::Dataset;
 use crate::chain::model::Model;
+use crate::chain::transition_limits::TransitionLimits;
 use crate::check;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::findings::report::{Reported, Reporting};
@@ -35,9 +36,11 @@ use crate::problem::defect::{Defect, guarded};
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::problem_file::diagnose::SoughtEffects;
+use crate::recording::split::Split;
 use crate::setup;
 use crate::setup::robot::Robot;
 use nalgebra::DVector;
+use std::cell::LazyCell;
 
 /// A diagnosis with the recordings that it was made from.
 #[derive(Debug)]
@@ -123,7 +126,7 @@ fn of_robot(
     };
     let mut recorded = Recorded::of(&model, data);
     let mut motions = 1;
-    let (found, defect) = loop {
+    let (found, defect, limits) = loop {
         watch(Stage::Fitting);
         let search = Search {
             problem,
@@ -136,7 +139,7 @@ fn of_robot(
         let declared = search.declared(&recorded.halves, control)?;
         match search.guarded(&recorded.halves, &declared, control)? {
             (Searched::Moved(data), _) => recorded = Recorded::of(&model, data),
-            (Searched::Found(found), defect) => break (*found, defect),
+            (Searched::Found(found), defect) => break (*found, defect, declared.limits),
         }
         motions += 1;
     };
@@ -155,7 +158,7 @@ fn of_robot(
     let differences = setup::declared::differences(problem, &robot, &model, estimated);
     reported.diagnosis.notes.extend(differences);
     if !asked.drive.shared.is_empty() && defect.is_none() && !control.is_interrupted() {
-        match shared(asked, &robot, &reported, &data, control) {
+        match shared(asked, &robot, &reported, &data, &limits, control) {
             Ok(answers) => {
                 reported.fitted.fit.sharing.clone_from(&answers);
                 if let Some(fit) = &mut reported.diagnosis.fit {
@@ -192,6 +195,7 @@ fn shared(
     robot: &Robot,
     reported: &Reported,
     data: &Dataset,
+    limits: &TransitionLimits,
     control: &Control<'_>,
 ) -> Result<Vec<Sharing>, DiagnoseError> {
     let question = Question {
@@ -199,6 +203,7 @@ fn shared(
         robot,
         addition: &addition(&reported.hypotheses),
         data,
+        limits,
     };
     question.answers(&reported.fitted, &|model, prior| {
         let by = (Estimator::MaximumLikelihood, prior);
@@ -267,9 +272,10 @@ enum Searched {
     Moved(Dataset),
 }
 
-/// The declared model with the noise of the recordings.
+/// The declared model with what the recordings tell of transitions and noise.
 struct Declared {
     fit: ModelFit,
+    limits: TransitionLimits,
     noise: Option<Vec<f64>>,
 }
 
@@ -286,10 +292,20 @@ impl Search<'_> {
         halves: &HeldOutHalves,
         control: &Control<'_>,
     ) -> Result<Declared, DiagnoseError> {
-        let contexts = halves.contexts(self.problem, self.robot, control);
-        let fit = fit_declared(&contexts.selection)?;
-        let noise = noise_rms(&fit.model, &fit.values, &halves.whole);
-        Ok(Declared { fit, noise })
+        let mut limits = TransitionLimits::of(&halves.whole);
+        loop {
+            let mut contexts = halves.contexts(self.problem, self.robot, control);
+            contexts.set(&limits, None);
+            let fit = fit_declared(&contexts.selection)?;
+            let deviations = LazyCell::new(|| {
+                fit.parameter_deviations(&contexts.selection.recordings(Split::Train))
+            });
+            if control.is_interrupted() || !limits.hold(&fit.model, &fit.values, |p| deviations[p])
+            {
+                let noise = noise_rms(&fit.model, &fit.values, &halves.whole);
+                return Ok(Declared { fit, limits, noise });
+            }
+        }
     }
 
     /// What a search finds, or had found when a defect ended it.
@@ -337,7 +353,7 @@ impl Search<'_> {
             let unrolled = between_periods::unrolled(&halves.whole);
             let unrolled = self::halves(unrolled, self.held_out);
             let mut over_time = unrolled.contexts(self.problem, self.robot, control);
-            over_time.set_noise(declared.noise.clone());
+            over_time.set(&declared.limits, declared.noise.as_deref());
             // What is selected there is of other rows than those that a defect leaves.
             let apart = Reached::default();
             let explaining = self.explaining(&over_time, &apart);
@@ -401,7 +417,7 @@ impl Search<'_> {
         control: &'c Control<'c>,
     ) -> Result<Contexts<'c>, DiagnoseError> {
         let mut contexts = halves.contexts(self.problem, self.robot, control);
-        contexts.set_noise(declared.noise.clone());
+        contexts.set(&declared.limits, declared.noise.as_deref());
         let known = || Ok(declared.fit.clone());
         contexts.selection.cache.fit_model(&[], known)?;
         Ok(contexts)

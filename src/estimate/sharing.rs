@@ -12,6 +12,7 @@ use crate::chain::dataset::Dataset;
 use crate::chain::model::Model;
 use crate::chain::prior::Prior;
 use crate::chain::sharing::Sharing;
+use crate::chain::transition_limits::TransitionLimits;
 use crate::chain::words::{list, short};
 use crate::estimate::fit::Fitted;
 use crate::estimate::reach;
@@ -34,7 +35,9 @@ const RANK: f64 = 1e-10;
 
 /// What a result says where the models to compare with cannot be built or fitted; what was found before stays.
 pub fn unanswered(error: &dyn std::error::Error) -> String {
-    format!("Whether joints have parameters in common ([[drive.shared]]) could not be asked: {error}")
+    format!(
+        "Whether joints have parameters in common ([[drive.shared]]) could not be asked: {error}"
+    )
 }
 
 /// Questions about the parameters that joints with motors of one type have in common.
@@ -48,6 +51,8 @@ pub struct Question<'a> {
     pub addition: &'a Addition,
     /// What is fitted.
     pub data: &'a Dataset,
+    /// Of the transition speeds of the fitted model.
+    pub limits: &'a TransitionLimits,
 }
 
 impl Question<'_> {
@@ -114,7 +119,7 @@ fn fit_beside<E: From<SetupError>>(
     let robot = question.robot;
     let mut model = setup::model::build_with_addition(problem, robot, &addition)?;
     let prior = setup::prior::build(problem, robot, &mut model)?;
-    model.limit_transitions(&question.data.fastest());
+    model.limit_transitions(question.limits);
     reach::start_within(&mut model, question.data);
     for p in 0..model.parameters().len() {
         let parameter = &model.parameters()[p];

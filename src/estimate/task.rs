@@ -3,6 +3,7 @@
 use crate::chain::dataset::Dataset;
 use crate::chain::model::{Model, Signal};
 use crate::chain::prior::Prior;
+use crate::chain::transition_limits::TransitionLimits;
 use crate::estimate::contest::{self, Entrant};
 use crate::estimate::error::EstimateError;
 use crate::estimate::estimator::Estimator;
@@ -92,12 +93,23 @@ pub fn run(
     let prior = setup::prior::build(problem, &robot, &mut model)?;
     watch(Step::Reading);
     let data = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
-    model.limit_transitions(&data.fastest());
-    reach::start_within(&mut model, &data);
+    let mut limits = TransitionLimits::of(&data);
     watch(Step::Fitting);
-    let (mut fitted, mut defect) = or_before_defect(control, |control| {
-        fitted_by(problem, &model, (&data, &prior), control)
-    })?;
+    let (mut fitted, mut defect) = loop {
+        model.limit_transitions(&limits);
+        reach::start_within(&mut model, &data);
+        let (fitted, defect) = or_before_defect(control, |control| {
+            fitted_by(problem, &model, (&data, &prior), control)
+        })?;
+        let deviation = |p: usize| {
+            let name = &fitted.model.parameters()[p].name;
+            fitted.estimate.find(name)?.std_dev
+        };
+        let ended = defect.is_some() || control.is_interrupted();
+        if ended || !limits.hold(&fitted.model, &fitted.values, deviation) {
+            break (fitted, defect);
+        }
+    };
     fitted.fit.preprocessing = preprocessing(&model, &data);
     fitted.fit.payload = load::describe(&fitted.estimate);
     fitted.fit.notes.extend(undetermined_load(&fitted.fit));
@@ -115,9 +127,16 @@ pub fn run(
         fitted.fit.possible_machine = possible_machine((problem, &robot), &fitted);
     }
     fitted.fit.model = Some(in_full(&fitted.model, &fitted.values));
+    let others = OtherModels {
+        problem,
+        robot: &robot,
+        data: &data,
+        limits: &limits,
+        control,
+    };
     if !problem.fit.compare.is_empty() {
         watch(Step::Comparing);
-        let compared = guarded(|| compare(problem, &robot, (&mut fitted, &data), control));
+        let compared = guarded(|| others.compare(&mut fitted));
         match compared {
             Ok(compared) => compared?,
             Err(found) => defect = defect.or(Some(found)),
@@ -125,7 +144,7 @@ pub fn run(
     }
     if !problem.drive.shared.is_empty() && defect.is_none() && !control.is_interrupted() {
         watch(Step::Sharing);
-        match guarded(|| shared(problem, &robot, &fitted, &data, control)) {
+        match guarded(|| others.shared(&fitted)) {
             Ok(Ok(answers)) => fitted.fit.sharing = answers,
             Ok(Err(error)) => fitted.fit.notes.push(sharing::unanswered(&error)),
             Err(found) => defect = Some(found),
@@ -165,68 +184,70 @@ fn or_before_defect<T>(
 /// Name of the fit that others are compared with.
 const THIS_FIT: &str = "this fit";
 
-/// Fits the models to compare with and sets them side by side.
-fn compare(
-    problem: &ProblemFile,
-    robot: &Robot,
-    (fitted, data): (&mut Fitted, &Dataset),
-    control: &Control<'_>,
-) -> Result<(), FitError> {
-    let mut others = Vec::new();
-    for compared in &problem.fit.compare {
-        if control.is_interrupted() {
-            break;
-        }
-        let mut other = setup::model::build_compared(problem, robot, &compared.effects.value)?;
-        let prior = setup::prior::build(problem, robot, &mut other)?;
-        other.limit_transitions(&data.fastest());
-        reach::start_within(&mut other, data);
-        let result = estimate(problem, &other, (data, &prior), control)?
-            .map_err(|error| failed(problem, error))?;
-        let effects = compared.effects.value.iter().map(|e| e.value.clone());
-        fitted.fit.comparison.push(Comparison {
-            name: compared.name.value.clone(),
-            effects: effects.collect(),
-            joints: result.estimate.joints,
-        });
-        others.push(result.predictions);
-    }
-    if control.is_interrupted() {
-        let note = "The comparison was interrupted: no model is called better than another.";
-        fitted.fit.notes.push(note.to_string());
-        return Ok(());
-    }
-    let this = Entrant {
-        name: THIS_FIT,
-        predictions: &fitted.predictions,
-    };
-    let compared = fitted.fit.comparison.iter().zip(&others);
-    let compared = compared.map(|(c, predictions)| Entrant {
-        name: &c.name,
-        predictions,
-    });
-    let entrants: Vec<Entrant<'_>> = std::iter::once(this).chain(compared).collect();
-    fitted.fit.contests = contest::contests(&fitted.model, data, &entrants);
-    Ok(())
+/// Models that are fitted beside that of the problem.
+struct OtherModels<'a> {
+    problem: &'a ProblemFile,
+    robot: &'a Robot,
+    data: &'a Dataset,
+    limits: &'a TransitionLimits,
+    control: &'a Control<'a>,
 }
 
-/// Asks whether joints with motors of one type have parameters in common.
-fn shared(
-    problem: &ProblemFile,
-    robot: &Robot,
-    fitted: &Fitted,
-    data: &Dataset,
-    control: &Control<'_>,
-) -> Result<Vec<Sharing>, FitError> {
-    let question = Question {
-        problem,
-        robot,
-        addition: &Addition::default(),
-        data,
-    };
-    question.answers(fitted, &|model, prior| {
-        fitted_by(problem, model, (data, prior), control)
-    })
+impl OtherModels<'_> {
+    /// Fits the models to compare with and sets them side by side.
+    fn compare(&self, fitted: &mut Fitted) -> Result<(), FitError> {
+        let (problem, data) = (self.problem, self.data);
+        let mut others = Vec::new();
+        for compared in &problem.fit.compare {
+            if self.control.is_interrupted() {
+                break;
+            }
+            let effects = &compared.effects.value;
+            let mut other = setup::model::build_compared(problem, self.robot, effects)?;
+            let prior = setup::prior::build(problem, self.robot, &mut other)?;
+            other.limit_transitions(self.limits);
+            reach::start_within(&mut other, data);
+            let result = estimate(problem, &other, (data, &prior), self.control)?
+                .map_err(|error| failed(problem, error))?;
+            fitted.fit.comparison.push(Comparison {
+                name: compared.name.value.clone(),
+                effects: effects.iter().map(|e| e.value.clone()).collect(),
+                joints: result.estimate.joints,
+            });
+            others.push(result.predictions);
+        }
+        if self.control.is_interrupted() {
+            let note = "The comparison was interrupted: no model is called better than another.";
+            fitted.fit.notes.push(note.to_string());
+            return Ok(());
+        }
+        let this = Entrant {
+            name: THIS_FIT,
+            predictions: &fitted.predictions,
+        };
+        let compared = fitted.fit.comparison.iter().zip(&others);
+        let compared = compared.map(|(c, predictions)| Entrant {
+            name: &c.name,
+            predictions,
+        });
+        let entrants: Vec<Entrant<'_>> = std::iter::once(this).chain(compared).collect();
+        fitted.fit.contests = contest::contests(&fitted.model, data, &entrants);
+        Ok(())
+    }
+
+    /// Asks whether joints with motors of one type have parameters in common.
+    fn shared(&self, fitted: &Fitted) -> Result<Vec<Sharing>, FitError> {
+        let question = Question {
+            problem: self.problem,
+            robot: self.robot,
+            addition: &Addition::default(),
+            data: self.data,
+            limits: self.limits,
+        };
+        question.answers(fitted, &|model, prior| {
+            fitted_by(self.problem, model, (self.data, prior), self.control)
+        })
+    }
 }
 
 /// Fits by the estimator of the problem file, a load as it says.

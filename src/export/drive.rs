@@ -137,7 +137,7 @@ fn drive(machine: &Machine, j: usize, catalogue: &Catalogue) -> Result<Drive, Ex
             })
         };
         if let Some(transition) = effect.knowledge.transition {
-            drive.width = values[transition.parameter];
+            drive.width = values[transition.speed];
         }
         match effect.law {
             Law::Motor(_) if is_replaced(effect.id) => {}

@@ -31,7 +31,7 @@ pub const EFFECT: Effect = Effect {
             meaning: "speed at which half of Fc is reached",
             lower: 0.0,
             upper: 1.0,
-            typical: 0.005,
+            typical: TYPICAL_WIDTH,
             linearity: Linearity::Nonlinear,
             search: Search::Typical,
         },
@@ -50,8 +50,9 @@ pub const EFFECT: Effect = Effect {
         trial: Trial::Declared,
         term: Some(JointTerm::DryFriction),
         transition: Some(Transition {
-            parameter: WIDTH,
-            widest,
+            speed: WIDTH,
+            size: FC,
+            least: TYPICAL_WIDTH,
             stands_for: JointTerm::ViscousFriction,
         }),
         sines: &[],
@@ -67,15 +68,8 @@ pub const FC: usize = 0;
 /// Position of the transition speed w among the parameters.
 pub const WIDTH: usize = 1;
 
-/// Share of Fc that a joint has to come to at its fastest, for Fc to be seen rather than extrapolated: the usual band within which
-/// a value counts as settled, 5 %.
-pub const SEEN: f64 = 0.95;
-
-/// The widest transition with which a joint that is so fast at most comes to that share, `v/(v + w) = 0.95`; never below the
-/// typical one, for what creeps tells nothing of it.
-pub fn widest(fastest: f64) -> f64 {
-    (fastest * (1.0 - SEEN) / SEEN).max(EFFECT.parameters[WIDTH].typical)
-}
+/// Transition speed of most gears, rad/s or m/s at joint scale.
+const TYPICAL_WIDTH: f64 = 0.005;
 
 #[derive(Debug)]
 struct CoulombFriction;

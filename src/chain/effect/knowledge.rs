@@ -39,11 +39,20 @@ pub struct Sine {
 #[derive(Debug, Clone, Copy)]
 pub struct Transition {
     /// Its position among them.
-    pub parameter: usize,
-    /// The widest one that motions show whose joints move at most so fast, rad/s or m/s at joint scale.
-    pub widest: fn(f64) -> f64,
+    pub speed: usize,
+    /// Position of the size F that the friction comes to, `F v/(|v| + w)`.
+    pub size: usize,
+    /// The narrowest limit that makes sense, rad/s or m/s at joint scale: what creeps tells nothing of it.
+    pub least: f64,
     /// The term without which a wide transition stands for that term, and is not limited.
     pub stands_for: JointTerm,
+}
+
+impl Transition {
+    /// The widest transition with which a friction lacks no more than a share of its size at a speed, `w/(v + w) = unseen`.
+    pub fn shown(&self, fastest: f64, unseen: f64) -> f64 {
+        (fastest * unseen / (1.0 - unseen)).max(self.least)
+    }
 }
 
 impl Knowledge {

@@ -3,6 +3,7 @@
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
 use crate::chain::prior::Prior;
+use crate::chain::transition_limits::TransitionLimits;
 use crate::diagnose::fit::fit_cache::FitCache;
 use crate::diagnose::fit::hypothesis::{Hypothesis, addition};
 use crate::problem::solution::Control;
@@ -28,6 +29,8 @@ pub struct Context<'a> {
     pub in_time: bool,
     /// RMS noise of one row per channel, averages over periods where there are any; `None` where nothing repeats.
     pub noise: Option<Vec<f64>>,
+    /// Of the transition speeds of all models.
+    pub limits: TransitionLimits,
     /// Rows of the recordings that are held out to which parameters of one recording are fitted; none where rows are
     /// averages over periods.
     pub between: Vec<Prepared>,
@@ -56,6 +59,7 @@ impl<'a> Context<'a> {
             control,
             in_time: is_in_time(data),
             noise: None,
+            limits: TransitionLimits::of(data),
             between: Vec::new(),
             cache: FitCache::default(),
         }
@@ -80,7 +84,7 @@ impl<'a> Context<'a> {
         let mut model =
             model::build_with_addition(self.problem, self.robot, &addition(hypotheses))?;
         let prior = prior::build(self.problem, self.robot, &mut model)?;
-        model.limit_transitions(&self.data.fastest());
+        model.limit_transitions(&self.limits);
         Ok((model, prior))
     }
 

@@ -2,6 +2,7 @@
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::effect::Lasts;
+use crate::chain::transition_limits::TransitionLimits;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::held_out::{Purpose, half};
 use crate::diagnose::fit::hypothesis::Hypothesis;
@@ -70,10 +71,11 @@ impl<'a> Contexts<'a> {
         }
     }
 
-    /// The RMS noise of one row per channel.
-    pub fn set_noise(&mut self, noise: Option<Vec<f64>>) {
+    /// Gives all contexts the limits of transition speeds and the RMS noise of one row per channel.
+    pub fn set(&mut self, limits: &TransitionLimits, noise: Option<&[f64]>) {
         for context in [&mut self.selection, &mut self.test, &mut self.whole] {
-            context.noise.clone_from(&noise);
+            context.limits.clone_from(limits);
+            context.noise = noise.map(<[f64]>::to_vec);
         }
     }
 }

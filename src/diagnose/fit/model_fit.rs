@@ -5,6 +5,7 @@ use crate::chain::model::Model;
 use crate::chain::prior::Prior;
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::start::{Start, WarmStart};
+use crate::estimate::covariance::of_unknowns;
 use crate::estimate::problem::FitProblem;
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::Weights;
@@ -111,6 +112,19 @@ impl ModelFit {
             (recordings, &self.prior),
             Weights::by_deviation(&self.deviations()),
         )
+    }
+
+    /// Standard deviation of the estimate of each parameter of the model, as the given recordings tell it; `None` where a
+    /// parameter is none of the unknowns, or the covariance is none.
+    pub fn parameter_deviations(&self, recordings: &[&Prepared]) -> Vec<Option<f64>> {
+        let problem = self.problem(recordings);
+        let mut deviations = vec![None; self.model.parameters().len()];
+        if let Some(covariance) = of_unknowns(&problem, &self.solution.x) {
+            for (k, &p) in problem.unknowns.positions().iter().enumerate() {
+                deviations[p] = Some(covariance[(k, k)].max(0.0).sqrt());
+            }
+        }
+        deviations
     }
 }
 
