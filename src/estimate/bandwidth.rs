@@ -192,3 +192,76 @@ impl Search<'_> {
         left.is_finite().then_some(left)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::experiment::Bandwidth;
+    use crate::recording::preprocess::prepare;
+    use crate::recording::samples::Recording;
+    use crate::recording::settings::Preparation;
+
+    /// A recording of two joints whose motion is made ready by a method, with the bandwidths chosen and their cut-offs, Hz.
+    fn recording(split: Split, method: Method, bandwidths: [(Chosen, f64); 2]) -> Prepared {
+        let series = |k: usize| -> Vec<f64> {
+            let at = |row: usize| (0.05 * (k + 1) as f64 * row as f64).sin();
+            (0..400).map(at).collect()
+        };
+        let motion = vec![series(0), series(1)];
+        let recording = Recording::of_samples("made", motion.clone(), motion);
+        let preparation = Preparation {
+            rate: Some(100.0),
+            ..Preparation::default()
+        };
+        let mut experiment = prepare(recording, &preparation).unwrap();
+        experiment.method = method;
+        let of = |(chosen, cutoff_hz)| Bandwidth {
+            harmonics: None,
+            cutoff_hz,
+            clear_hz: cutoff_hz,
+            chosen,
+        };
+        experiment.bandwidth = bandwidths.map(of).to_vec();
+        Prepared::new("made".to_string(), split, false, experiment)
+    }
+
+    fn begin(recordings: Vec<Prepared>) -> Option<f64> {
+        in_common(&Dataset { recordings })
+    }
+
+    const FREE: [(Chosen, f64); 2] = [(Chosen::Data, 4.0), (Chosen::Data, 6.0)];
+
+    /// Those of smoothers that nobody asked for, of what is fitted.
+    #[test]
+    fn only_bandwidths_of_smoothed_motions_are_open_unless_they_are_given() {
+        let given = FREE.map(|(_, hz)| (Chosen::Given, hz));
+        let one = [(Chosen::Given, 4.0), (Chosen::Data, 6.0)];
+        for (method, bandwidths, open) in [
+            (Method::Smoother, FREE, true),
+            (Method::Smoother, one, true),
+            (Method::Smoother, given, false),
+            (Method::Fourier, FREE, false),
+            (Method::Lowpass, FREE, false),
+        ] {
+            let found = begin(vec![recording(Split::Train, method, bandwidths)]);
+            assert_eq!(found.is_some(), open, "{method:?}, {bandwidths:?}");
+        }
+        let held_out = recording(Split::Validation, Method::Smoother, FREE);
+        assert_eq!(begin(vec![held_out]), None);
+        assert_eq!(begin(Vec::new()), None);
+    }
+
+    /// The geometric mean over training recordings of the median over joints, 5 Hz and 20 Hz.
+    #[test]
+    fn a_search_begins_in_the_middle_of_what_the_recordings_show() {
+        let wide = [(Chosen::Data, 16.0), (Chosen::Data, 24.0)];
+        let closed = [(Chosen::Given, 1.0), (Chosen::Given, 1.0)];
+        let found = begin(vec![
+            recording(Split::Train, Method::Smoother, FREE),
+            recording(Split::Train, Method::Smoother, wide),
+            recording(Split::Train, Method::Smoother, closed),
+            recording(Split::Validation, Method::Smoother, closed),
+        ]);
+        assert!((found.unwrap() - 10.0).abs() < 1e-12, "{found:?}");
+    }
+}

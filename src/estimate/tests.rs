@@ -30,8 +30,12 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 mod calibration;
+mod channels;
+mod cyclic;
 mod held_out;
 mod noisy_motion;
+mod undetermined;
+mod unfinished;
 
 const PENDULUM: &str = r#"<robot name="pendulum"><link name="base"/>
 <link name="bob"><inertial><origin xyz="0.2 0.0 -0.1"/><mass value="3.0"/>

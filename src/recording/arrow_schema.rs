@@ -106,3 +106,33 @@ fn base64(text: &str) -> Option<Vec<u8>> {
     }
     Some(bytes)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Columns t (duration in µs), q (a number) and w (duration in ms, the unit that is not written): by pyarrow, in the
+    /// format of its days before 0.15 and in that since, which begins with a mark.
+    const OLDER: &str = "zAAAABAAAAAAAAoADAAGAAUACAAKAAAAAAEEAAwAAAAIAAgAAAAEAAgAAAAEAAAAAwAAAGwAAAAwAAAABAAAALD///8AAAASEAAA\
+        ABgAAAAEAAAAAAAAAAEAAAB3AAAABAAEAAQAAADY////AAAAAxAAAAAUAAAABAAAAAAAAAABAAAAcQAAAMr///8AAAIAEAAUAAgA\
+        AAAHAAwAAAAQABAAAAAAAAASEAAAABgAAAAEAAAAAAAAAAEAAAB0AAYACAAGAAYAAAAAAAIAAAAAAAAAAAA=";
+    const NEWER: &str = "/////8gAAAAQAAAAAAAKAAwABgAFAAgACgAAAAABBAAMAAAACAAIAAAABAAIAAAABAAAAAMAAABsAAAAMAAAAAQAAACw////AAAA\
+        EhAAAAAYAAAABAAAAAAAAAABAAAAdwAAAAQABAAEAAAA2P///wAAAAMQAAAAFAAAAAQAAAAAAAAAAQAAAHEAAADK////AAACABAA\
+        FAAIAAAABwAMAAAAEAAQAAAAAAAAEhAAAAAYAAAABAAAAAAAAAABAAAAdAAGAAgABgAGAAAAAAACAA==";
+
+    #[test]
+    fn durations_are_read_from_older_schemas_as_from_newer_ones() {
+        let expected = [("t", 1_000_000), ("w", 1000)];
+        let expected = expected.map(|(name, ticks)| (name.to_string(), ticks));
+        for schema in [OLDER, NEWER] {
+            assert_eq!(durations(schema), HashMap::from(expected.clone()));
+        }
+    }
+
+    #[test]
+    fn a_schema_that_is_cut_has_no_durations() {
+        for length in 0..OLDER.len() / 2 {
+            assert_eq!(durations(&OLDER[..length]), HashMap::new(), "{length}");
+        }
+    }
+}

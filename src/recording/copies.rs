@@ -361,4 +361,56 @@ mod tests {
         };
         assert_eq!(find(&[&still(1), &still(2)]), []);
     }
+
+    /// The rows of one series made of another.
+    fn with_signals(of: Recording, signal: impl Fn(usize) -> f64) -> Recording {
+        let mut made = of;
+        let rows = made.position[0].len();
+        made.signal = vec![(0..rows).map(signal).collect()];
+        made
+    }
+
+    /// Where signals go up and down by turns, rises are the same everywhere.
+    #[test]
+    fn copies_whose_rises_are_all_alike_are_found_by_their_values() {
+        let noise = &run(1, 5000, 1e-9).signal[0];
+        let turns = |k: usize| if k.is_multiple_of(2) { 10.0 } else { -10.0 };
+        let whole = with_signals(run(2, 5000, 1e-9), |k| turns(k) + noise[k]);
+        let found = find(&[&whole, &piece(&whole, 1000..4000)]);
+        let expected = Shared {
+            first: 0,
+            second: 1,
+            first_row: 1000,
+            second_row: 0,
+            rows: 3000,
+            total: 3000,
+        };
+        assert_eq!(found, [expected]);
+    }
+
+    /// Nothing but signals rises, and a zero of either sign is zero.
+    #[test]
+    fn a_copy_whose_zeros_have_another_sign_is_a_copy() {
+        let noise = &run(1, 5000, 1e-9).signal[0];
+        let of = |zero: f64| {
+            let turns = [10.0, zero, -10.0, zero];
+            with_signals(run(2, 5000, 1e-9), |k| match k % 4 {
+                0 | 2 => turns[k % 4] + noise[k],
+                _ => zero,
+            })
+        };
+        assert_eq!(find(&[&of(0.0), &of(-0.0)]).len(), 1);
+    }
+
+    /// Recordings with more windows than get keys.
+    #[test]
+    fn copies_among_very_many_rows_are_found() {
+        let rows = 2 * MOST_KEYS;
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
+        let noise: Vec<f64> = (0..rows).map(|_| StandardNormal.sample(&mut rng)).collect();
+        let whole = Recording::of_samples("made.csv", vec![noise.clone()], vec![noise]);
+        let found = find(&[&whole, &piece(&whole, 100..5100)]);
+        assert_eq!(found.len(), 1);
+        assert_eq!((found[0].first_row, found[0].rows), (100, 5000));
+    }
 }

@@ -296,6 +296,8 @@ fn ridge(design: &DMatrix<f64>, residual: &[f64]) -> Option<DVector<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::residuals::covariates::Covariate;
+    use crate::robot::random::{generator, symmetric};
 
     /// Hats over knots add up to one everywhere, and their combination with the knots is the identity between these.
     #[test]
@@ -316,5 +318,75 @@ mod tests {
     fn what_is_taken_is_the_root_of_the_difference_of_squares() {
         assert!((taken(&[5.0, -5.0], &[3.0, 3.0]) - 4.0 / 3.0).abs() < 1e-15);
         assert_eq!(taken(&[1.0], &[2.0]), 0.0);
+    }
+
+    /// Bonferroni: as many channels as there are, and as many models of each as it was chosen from.
+    #[test]
+    fn a_correction_that_was_chosen_among_several_needs_more_evidence() {
+        let chosen_among = |tried: usize| AdditiveModel {
+            channel: 0,
+            over: Vec::new(),
+            tried,
+            evidence: Encompassing {
+                slope: 1.0,
+                ratio: 3.0,
+                distance: 3.0,
+                freedom: 1e3,
+                p_value: 1e-4,
+            },
+            error_reduction: 2.0 * MATTERS,
+            taken: 2.0 * OF_NOISE,
+            train: Vec::new(),
+            validation: Vec::new(),
+            curves: Curves {
+                variables: Vec::new(),
+                knots: Vec::new(),
+                factors: DVector::zeros(0),
+            },
+        };
+        assert!(chosen_among(1).is_needed(1.01e-4, 1));
+        assert!(!chosen_among(1).is_needed(1.99e-4, 2));
+        assert!(chosen_among(3).is_needed(6.01e-4, 2));
+        assert!(!chosen_among(3).is_needed(5.99e-4, 2));
+        // What has been chosen is one test more, however it was chosen.
+        assert!(chosen_among(3).is_confirmed(2.01e-4, 2));
+        assert!(!chosen_among(3).is_confirmed(1.99e-4, 2));
+    }
+
+    /// Of covariates of which a further one alone has the residual, that one is taken, and all are counted.
+    #[test]
+    fn every_variable_that_was_tried_is_counted() {
+        let rows = 400;
+        let series = |k: usize| -> Vec<f64> {
+            let mut rng = generator(k as u64);
+            (0..rows).map(|_| symmetric(&mut rng, 1.0)).collect()
+        };
+        let variables = (0..5).map(|k| Covariate {
+            name: format!("x{k}"),
+            unit: "",
+            values: series(k),
+            by_direction: false,
+            of_another: k >= VARIABLES,
+        });
+        let covariates = Covariates {
+            direction: vec![1.0; rows],
+            variables: variables.collect(),
+        };
+        let residual = covariates.variables[4].values.clone();
+        let observed = || Observed {
+            covariates: &covariates,
+            residual: &residual,
+        };
+        let channel = Channel {
+            number: 0,
+            train: observed(),
+            held_out: observed(),
+            noise: 0.0,
+            rows: ResidualRows::Recorded,
+        };
+        let best = channel.best().unwrap();
+        assert_eq!(best.over.last().map(String::as_str), Some("x4"));
+        // The three of every model, and either of two more.
+        assert_eq!(best.tried, 3);
     }
 }

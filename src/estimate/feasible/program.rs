@@ -9,7 +9,7 @@ use crate::estimate::feasible::standard::{ROWS, Standard, svec4};
 use crate::linalg::svec::smat;
 use crate::linalg::triangular::Triangular;
 use crate::problem::form::{Constraint, Form, Objective, Set, Structure, Variable};
-use crate::problem::solution::{Control, Stop};
+use crate::problem::solution::Control;
 use crate::problem::view::ConeProgram;
 use crate::problem::{Linearization, OutsideDomain, Problem, SquareRoot, Values};
 use crate::setup::combined_limits::Limit;
@@ -255,8 +255,7 @@ impl Class<'_> {
         let found = program
             .solve(&start, (&Terms::default(), 0.0), &Control::default())
             .ok()?;
-        let usable = found.solution.stop == Stop::Optimal || found.gap.is_finite();
-        if !usable {
+        if !found.gap.is_finite() {
             return None;
         }
         let x = found.solution.x;
@@ -446,5 +445,77 @@ impl Problem for Program {
             constraints,
             jacobian: self.slopes.clone(),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// kg.
+    const MARGIN: f64 = 0.01;
+
+    /// Bodies whose scaled pseudo-inertias are x_k times the identity, with a limit x_0 >= least.
+    fn constraints(bodies: usize, least: f64) -> Constraints {
+        let rows = ROWS * bodies + 1;
+        let identity = DVector::from_vec(svec4(&Matrix4::identity()));
+        let mut slopes = DMatrix::zeros(rows, bodies);
+        for body in 0..bodies {
+            let mut own = slopes.view_mut((ROWS * body, body), (ROWS, 1));
+            own.copy_from(&identity);
+        }
+        slopes[(rows - 1, 0)] = 1.0;
+        let mut constant = DVector::zeros(rows);
+        constant[rows - 1] = -least;
+        let block = |rows: usize, set: Set| Constraint {
+            name: String::new(),
+            unit: String::new(),
+            rows,
+            set,
+        };
+        let mut blocks = vec![block(ROWS, Set::Psd { order: 4 }); bodies];
+        blocks.push(block(1, Set::Nonnegative));
+        Constraints {
+            variables: free(bodies),
+            blocks,
+            constant,
+            slopes,
+            bodies,
+        }
+    }
+
+    /// What is closest to a reference among (2, z).
+    fn closest(least: f64, reference: f64) -> Option<DVector<f64>> {
+        let class = Class {
+            constraints: &constraints(2, least),
+            null: &DMatrix::from_row_slice(2, 1, &[0.0, 1.0]),
+            member: &DVector::from_vec(vec![2.0, -1.0]),
+        };
+        class.closest(MARGIN, &DVector::from_vec(vec![7.0, reference]))
+    }
+
+    #[test]
+    fn every_body_has_its_margin() {
+        let shifted = constraints(3, 1.0).shifted(MARGIN);
+        for body in 0..3 {
+            let own = smat(shifted.rows(ROWS * body, ROWS).clone_owned().as_slice());
+            let off = own + DMatrix::identity(4, 4) * MARGIN;
+            assert!(off.amax() < 1e-15, "body {body}: {off}");
+        }
+        assert_eq!(shifted[3 * ROWS], -1.0);
+        // A reference that is no body: the closest one is at the margin, to the tolerance of the solver.
+        let at_margin = closest(1.0, -4.0).unwrap()[1];
+        assert!((MARGIN..MARGIN + 1e-4).contains(&at_margin), "{at_margin}");
+        let inside = closest(1.0, 3.0).unwrap();
+        assert!((inside - DVector::from_vec(vec![2.0, 3.0])).amax() < 1e-12);
+    }
+
+    /// x_0 is the same for all members.
+    #[test]
+    fn a_class_that_breaks_a_limit_which_nothing_moves_has_no_member() {
+        for reference in [3.0, -4.0] {
+            assert!(closest(2.0, reference).is_some());
+            assert_eq!(closest(2.1, reference), None);
+        }
     }
 }

@@ -4,7 +4,7 @@ use crate::recording::apart::read_apart;
 use crate::recording::column_map::{Column, ColumnMap, Factors};
 use crate::recording::columns::{RecordedJoint, read};
 use crate::recording::reading::Reading;
-use crate::recording::samples::SignalKind;
+use crate::recording::samples::{Commanded, SignalKind};
 use crate::recording::tests::{joints, rows, write};
 
 #[test]
@@ -54,4 +54,54 @@ fn samples_that_a_sensor_left_out_are_none_of_its_spline() {
     let found = read_apart((&signal, &sensor), &ColumnMap::default(), &joints, read).unwrap();
     assert!((found.position[0][100] - 10_000.0).abs() < 1e-3);
     assert!((found.position[1][100] - 200.0).abs() < 1e-3);
+}
+
+/// Commanded speeds and torques are behind the commanded positions where a file has them under their usual names, or where
+/// they are named; they are no signal of their own.
+#[test]
+fn commands_beside_the_position_are_read_where_there_are_any() {
+    let header = "t,q1,q2,q_cmd_1,q_cmd_2,dq_cmd_1,dq_cmd_2,tau_ff_1,tau_ff_2,x1,x2";
+    let (_folder, path) = write("a.csv", rows(header, ',').as_bytes());
+    let joints = RecordedJoint::all(&joints());
+    let signal = |map: &ColumnMap| {
+        let found = read(&path, map, &joints, SignalKind::PositionCommand).unwrap();
+        let first: Vec<f64> = found.signal.iter().map(|series| series[0]).collect();
+        (found.commanded, first)
+    };
+    let all = Commanded {
+        velocity: true,
+        feed_forward: true,
+    };
+    let usual = [300.0, 400.0, 500.0, 600.0, 700.0, 800.0];
+    assert_eq!(signal(&ColumnMap::default()), (all, usual.to_vec()));
+    let mut other = Column::from("x{n}");
+    other.factors = Factors::Same(2.0);
+    let named = ColumnMap {
+        command: Some(Column::from("q_cmd_{n}")),
+        velocity_command: Some(other),
+        ..ColumnMap::default()
+    };
+    let speeds = Commanded {
+        velocity: true,
+        feed_forward: false,
+    };
+    let expected = vec![300.0, 400.0, 1800.0, 2000.0];
+    assert_eq!(signal(&named), (speeds, expected));
+    let position_alone = ColumnMap {
+        command: Some(Column::from("q_cmd_{n}")),
+        ..ColumnMap::default()
+    };
+    let expected = (Commanded::default(), vec![300.0, 400.0]);
+    assert_eq!(signal(&position_alone), expected);
+}
+
+#[test]
+fn a_file_without_commands_beside_the_position_has_none() {
+    let header = "t,q1,q2,q_cmd_1,q_cmd_2,dq_cmd_1";
+    let (_folder, path) = write("a.csv", rows(header, ',').as_bytes());
+    let joints = RecordedJoint::all(&joints());
+    let map = ColumnMap::default();
+    let found = read(&path, &map, &joints, SignalKind::PositionCommand).unwrap();
+    assert_eq!(found.commanded, Commanded::default());
+    assert_eq!(found.signal.len(), 2);
 }

@@ -5,12 +5,14 @@ use crate::chain::dataset::{Dataset, Prepared};
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::contexts::HeldOutHalves;
 use crate::diagnose::fit::held_out::{self, Purpose};
-use crate::diagnose::fit::model_fit::FitPair;
+use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::fit::recording_parameters;
 use crate::diagnose::residuals::effect_size::{MATTERS, OF_NOISE, OF_TORQUE, error_reduction};
 use crate::diagnose::residuals::noise_level::NoiseLevel;
+use crate::diagnose::residuals::reversal_mask;
 use crate::diagnose::selection::confirmation;
 use crate::diagnose::selection::explanation::Explaining;
+use crate::diagnose::selection::forecast::under_way;
 use crate::diagnose::selection::hypothesis_test::HypothesisTest;
 use crate::diagnose::selection::reached::Reached;
 use crate::diagnose::selection::rival_models::RivalComparison;
@@ -263,4 +265,36 @@ fn a_search_withdraws_what_it_found_beside_something_larger() {
     assert!(explanation.tried.iter().any(|step| step.accepted));
     assert!(explanation.full.hypotheses.is_empty());
     assert!(!explanation.withdrawn.is_empty());
+}
+
+/// What is left at the reversals of a joint is not looked at on its own channel, and is on that of any other.
+#[test]
+fn rows_under_way_are_those_of_the_joint_that_moves() {
+    let bench = Bench::new(&["torque_offset"]);
+    let context = bench.context(&bench.opened.data);
+    let poorer = bench.declared(context.data);
+    let richer = bench.fit(context.data, &[offset(0)]);
+    let p_value = |poorer: &ModelFit| {
+        let pair = FitPair {
+            poorer,
+            richer: &richer,
+        };
+        under_way(&context, pair, None).p_value
+    };
+    let joints = poorer.model.joints().len();
+    let under_way: Vec<Vec<bool>> = (0..joints)
+        .map(|joint| reversal_mask::rows(&context, &poorer, joint))
+        .collect();
+    let usual = p_value(&poorer);
+    for channel in 0..joints {
+        for (joint, rows) in under_way.iter().enumerate() {
+            let mut off = poorer.clone();
+            let series = off.validation[channel].iter_mut();
+            for (e, moves) in series.zip(rows) {
+                *e += if *moves { 0.0 } else { 1e3 };
+            }
+            let same = p_value(&off) == usual;
+            assert_eq!(same, joint == channel, "joint {joint}, channel {channel}");
+        }
+    }
 }
