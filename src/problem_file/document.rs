@@ -1,6 +1,7 @@
 //! The text of a problem file as a tree of values that each know their place: file, line, column
 //! and key.
 
+use std::cell::Cell;
 use std::fs;
 use std::io::{self, Read};
 use std::path::Path;
@@ -206,6 +207,15 @@ pub(super) struct Positions<'a> {
     text: &'a str,
     /// Offset of the first byte of each line.
     starts: Vec<usize>,
+    /// The place that was asked for last: the next one is mostly on the same line, which can be as long as the file.
+    last: Cell<Reached>,
+}
+
+/// An offset in bytes, and how many characters are before it on its line.
+#[derive(Clone, Copy, Default)]
+struct Reached {
+    offset: usize,
+    characters: usize,
 }
 
 impl<'a> Positions<'a> {
@@ -215,20 +225,35 @@ impl<'a> Positions<'a> {
             path,
             text,
             starts: std::iter::once(0).chain(ends).collect(),
+            last: Cell::default(),
         }
     }
 
     fn place(&self, offset: usize, key: Option<&str>) -> Place {
         let line = self.starts.partition_point(|start| *start <= offset);
-        let start = self.starts[line - 1];
-        let before = self.text.get(start..offset).unwrap_or_default();
         let place = Place::file(self.path)
             .line(line)
-            .column(before.chars().count() + 1);
+            .column(self.characters_before(offset, self.starts[line - 1]) + 1);
         match key {
             Some(key) => place.key(key),
             None => place,
         }
+    }
+
+    /// Characters between the start of a line and an offset.
+    fn characters_before(&self, offset: usize, start: usize) -> usize {
+        let last = self.last.get();
+        let known = match (start..=offset).contains(&last.offset) {
+            true => last,
+            false => Reached {
+                offset: start,
+                characters: 0,
+            },
+        };
+        let further = self.text.get(known.offset..offset).unwrap_or_default();
+        let characters = known.characters + further.chars().count();
+        self.last.set(Reached { offset, characters });
+        characters
     }
 }
 

@@ -222,3 +222,16 @@ fn invariant_every_key_of_the_complete_file_is_checked_for_spelling() {
         assert!(remedy.contains(&format!("mean \"{key}\"?")), "{remedy}");
     }
 }
+
+/// Places are counted from one to the next: from the start of the line, a million of them take minutes.
+#[test]
+fn a_list_on_one_line_is_as_long_as_a_file_may_be() {
+    let numbers = "1,".repeat(1_000_000);
+    let begun = std::time::Instant::now();
+    let text = format!("{ROBOT}[drive]\ntorque_constant = [{numbers} true]\n");
+    let error = parse(&text, &[]).unwrap_err();
+    assert_eq!(error.describe().code, "wrong-type");
+    let before = "torque_constant = [".len() + numbers.len() + 1;
+    assert_eq!(error.place().column, Some(before + 1));
+    assert!(begun.elapsed().as_secs() < 20, "{:?}", begun.elapsed());
+}
