@@ -22,6 +22,8 @@ pub enum RecordingErrorKind {
     NotFound,
     /// The path is a folder's.
     IsDirectory,
+    /// The path is that of a pipe or a device, of which every byte is read once.
+    IsPipe,
     /// The operating system refuses to read the file.
     NoPermission,
     /// Reading fails in the middle.
@@ -336,6 +338,11 @@ fn describe_file(kind: &RecordingErrorKind) -> Option<Description> {
             "recording-is-directory",
             "this is a directory",
             "name a recording inside it",
+        ),
+        Kind::IsPipe => Description::new(
+            "recording-is-pipe",
+            "this is a pipe or a device, which gives every byte once, and recordings are read more than once",
+            "write what it gives to a file and name that",
         ),
         Kind::NoPermission => Description::new(
             "recording-no-permission",

@@ -101,12 +101,15 @@ static KNOWN_EXTENSIONS: LazyLock<String> = LazyLock::new(|| {
 
 /// The format of a file by the end of its name, after a look whether the file is there at all.
 ///
-/// Errors: not found, a directory, no permission, unknown extension.
+/// Errors: not found, a directory, a pipe, no permission, unknown extension.
 pub fn format_of(path: &Path) -> Result<&'static Format, RecordingError> {
     let at = || Place::file(path);
     let metadata = fs::metadata(path).map_err(|error| from_io(at(), &error))?;
     if metadata.is_dir() {
         return Err(RecordingError::new(at(), RecordingErrorKind::IsDirectory));
+    }
+    if !metadata.is_file() {
+        return Err(RecordingError::new(at(), RecordingErrorKind::IsPipe));
     }
     let name = path
         .file_name()

@@ -101,7 +101,7 @@ fn separators_quotes_line_ends_and_compression_do_not_matter() {
 }
 
 #[test]
-fn a_path_without_a_file_is_told_from_a_directory() {
+fn a_path_without_a_file_is_told_from_a_directory_and_from_a_pipe() {
     let code = |path: &Path| {
         let result = read(
             path,
@@ -114,6 +114,14 @@ fn a_path_without_a_file_is_told_from_a_directory() {
     let folder = tempfile::tempdir().unwrap();
     assert_eq!(code(folder.path()), "recording-is-directory");
     assert_eq!(code(&folder.path().join("a.csv")), "recording-not-found");
+    #[cfg(target_os = "linux")]
+    {
+        use rustix::fs::{CWD, FileType, Mode, mknodat};
+        let pipe = folder.path().join("pipe.csv");
+        mknodat(CWD, &pipe, FileType::Fifo, Mode::RUSR | Mode::WUSR, 0).unwrap();
+        // It would be waited for until somebody writes.
+        assert_eq!(code(&pipe), "recording-is-pipe");
+    }
 }
 
 #[test]
