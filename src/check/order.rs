@@ -24,6 +24,10 @@ const LEAST_GAIN: f64 = 1.1;
 const CHANNEL_GAIN: f64 = 0.4;
 const CHANNELS: usize = 2;
 
+/// Base parameters up to which all readings are tried, about those of 16 joints: each of some n² readings costs n³ and more, and
+/// 40 joints take minutes.
+const MOST_UNKNOWNS: usize = 200;
+
 /// Another reading of the motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Hypothesis {
@@ -80,6 +84,13 @@ pub(super) fn find(ready: &Ready<'_>) -> Vec<Finding> {
         channels,
         base: base(comparison),
     };
+    let (_, named) = judged.named(Hypothesis::Declared);
+    if !judged.may_gain(&named) {
+        return Vec::new();
+    }
+    if judged.base.len() > MOST_UNKNOWNS {
+        return vec![not_tried(ready, judged.channels.len())];
+    }
     let readings: Vec<(Reading, Reading)> = judged
         .hypotheses()
         .into_par_iter()
@@ -129,8 +140,24 @@ impl Judged<'_> {
         list
     }
 
-    /// The signals as they are named, and the best reading of the hypothesis.
-    fn read(&self, hypothesis: Hypothesis) -> (Reading, Reading) {
+    /// Whether another reading can be a finding: none leaves less of a signal than its white noise.
+    fn may_gain(&self, named: &Reading) -> bool {
+        let of = |((channel, _), deviation): (&(usize, usize), &f64)| {
+            let noise = self.comparison.noise[*channel];
+            noise.map_or(f64::INFINITY, |noise| (deviation - noise.ln()).max(0.0))
+        };
+        let most: Vec<f64> = self
+            .channels
+            .iter()
+            .zip(&named.deviations)
+            .map(of)
+            .collect();
+        let gaining = most.iter().filter(|gain| **gain > CHANNEL_GAIN).count();
+        gaining >= most.len().min(CHANNELS) && most.iter().sum::<f64>() > LEAST_GAIN
+    }
+
+    /// The rows of a hypothesis, and the signals as they are named.
+    fn named(&self, hypothesis: Hypothesis) -> (Rows, Reading) {
         let sampled = moved(&self.comparison.sampled, hypothesis);
         let turned = match hypothesis {
             Hypothesis::Gravity(axis, sign) => Some(with_gravity(self.comparison, axis, sign)),
@@ -140,11 +167,17 @@ impl Judged<'_> {
         let channels: Vec<usize> = self.channels.iter().map(|(c, _)| *c).collect();
         let rows = Rows::new(self.comparison, (model, &sampled), &channels, &self.base);
         let assignment: Vec<usize> = (0..channels.len()).collect();
-        let plain = Reading {
+        let reading = Reading {
             hypothesis,
             deviations: rows.deviations(&assignment),
             assignment,
         };
+        (rows, reading)
+    }
+
+    /// The signals as they are named, and the best reading of the hypothesis.
+    fn read(&self, hypothesis: Hypothesis) -> (Reading, Reading) {
+        let (rows, plain) = self.named(hypothesis);
         let named = plain.clone();
         let best = match hypothesis {
             Hypothesis::Declared => reassigned(&rows, plain),
@@ -187,10 +220,10 @@ fn reassigned(rows: &Rows, mut reading: Reading) -> Reading {
             }
         }
         // An exchange that is right gains more than a tenth of what makes a finding.
-        if reading.cost() - best.cost() < 0.1 * LEAST_GAIN {
-            return reading;
+        match reading.cost() - best.cost() > 0.1 * LEAST_GAIN {
+            true => reading = best,
+            false => return reading,
         }
-        reading = best;
     }
 }
 
@@ -222,6 +255,21 @@ fn moved(sampled: &Sampled, hypothesis: Hypothesis) -> Sampled {
         Hypothesis::Declared | Hypothesis::Gravity(..) => {}
     }
     moved
+}
+
+/// Nothing is known of the order of so many joints.
+fn not_tried(ready: &Ready<'_>, joints: usize) -> Finding {
+    finding(
+        Severity::Note,
+        ready.place(),
+        (
+            "order-not-tried",
+            format!(
+                "whether the columns are those of other joints is not looked at: {joints} joints have too many orders"
+            ),
+            "to have it looked at, lock all but some of the joints".to_string(),
+        ),
+    )
 }
 
 fn describe(

@@ -10,6 +10,7 @@ use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
 use crate::chain::model::{Channel, Inertials, Model, ModelSettings, Signal};
 use crate::check::extent::extent;
 use crate::linalg::triangular::Triangular;
+use crate::recording::noise_level::white_deviation;
 use crate::robot::batch::Trajectory;
 use crate::robot::tree::{JointKind, Tree};
 use nalgebra::{DMatrix, DVector};
@@ -170,6 +171,8 @@ pub(super) struct Comparison {
     pub sampled: Sampled,
     /// Torque of each channel at the sampled rows.
     pub torque: Vec<Vec<f64>>,
+    /// Deviation of the noise of each of them, where it is seen to be white.
+    pub noise: Vec<Option<f64>>,
     pub columns: Vec<Columns>,
 }
 
@@ -183,6 +186,7 @@ impl Comparison {
         let torque = torques(declared, prepared, &sampled);
         Self {
             columns: columns(&model, &sampled, &parameters),
+            noise: noise(declared, prepared),
             model,
             parameters,
             sampled,
@@ -221,16 +225,28 @@ impl Comparison {
 
 /// Torques of all channels at sampled rows: currents times torque constants.
 fn torques(declared: &Model, prepared: &Prepared, sampled: &Sampled) -> Vec<Vec<f64>> {
-    let channels = declared.channels().iter().enumerate();
-    channels
-        .map(|(c, channel)| {
-            let constant = channel
-                .joint
-                .map_or(1.0, |j| torque_per_signal(declared, j));
-            let signal = &prepared.experiment.signal[c];
-            sampled.rows.iter().map(|&k| constant * signal[k]).collect()
-        })
-        .collect()
+    let of = |(channel, signal): (&Channel, &Vec<f64>)| {
+        let constant = torque_per_unit(declared, channel);
+        sampled.rows.iter().map(|&k| constant * signal[k]).collect()
+    };
+    let channels = declared.channels().iter();
+    channels.zip(&prepared.experiment.signal).map(of).collect()
+}
+
+/// Deviations of the white noise of one row of all torques.
+fn noise(declared: &Model, prepared: &Prepared) -> Vec<Option<f64>> {
+    let of = |(channel, signal): (&Channel, &Vec<f64>)| {
+        let constant = torque_per_unit(declared, channel);
+        white_deviation(signal).map(|deviation| constant.abs() * deviation)
+    };
+    let channels = declared.channels().iter();
+    channels.zip(&prepared.experiment.signal).map(of).collect()
+}
+
+/// Torque of a channel's joint per unit of its signal; 1 where it has none.
+fn torque_per_unit(declared: &Model, channel: &Channel) -> f64 {
+    let joint = channel.joint;
+    joint.map_or(1.0, |joint| torque_per_signal(declared, joint))
 }
 
 /// Torque of a joint per unit of its signal; of a controller, the part that its error makes.

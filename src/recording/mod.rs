@@ -42,7 +42,7 @@ pub mod mat;
 mod mat4;
 pub mod memory;
 pub mod missing;
-mod noise_level;
+pub mod noise_level;
 pub mod npz;
 mod number_type;
 pub mod parquet;

@@ -23,7 +23,7 @@ const LEAST: usize = 500;
 const WHOLE: f64 = 1e-3;
 
 /// Standard deviation of the noise of one sample; `None` where it is not seen to be white.
-pub(super) fn white_deviation(series: &[f64]) -> Option<f64> {
+pub fn white_deviation(series: &[f64]) -> Option<f64> {
     if hiding_step(series).is_some() {
         return None;
     }

@@ -1,6 +1,7 @@
 //! Recordings of a simulated arm, broken in one way each: exactly the right finding must come.
 
 mod arm;
+mod many_joints;
 
 use crate::check::run;
 use crate::check::tests::arm::{Arm, Problem, RATE_HZ};
