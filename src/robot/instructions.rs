@@ -1,5 +1,10 @@
 //! Instruction sets of the processor, and running a kernel compiled for each.
 
+#![allow(
+    unsafe_code,
+    reason = "vector instructions, which run where the processor has them"
+)]
+
 use crate::robot::lanes::{Lanes, Portable};
 use std::sync::OnceLock;
 

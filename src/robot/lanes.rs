@@ -3,6 +3,11 @@
 //! The methods compile to single instructions only inside functions that enable the set, which is why
 //! all of them are always inlined; [`crate::robot::instructions`] holds those functions.
 
+#![allow(
+    unsafe_code,
+    reason = "vector instructions, which run where the processor has them"
+)]
+
 use crate::robot::scalar::Scalar;
 use std::array;
 use std::ops::{Add, AddAssign, Mul, Neg, Sub};

@@ -1,5 +1,7 @@
 //! Matrices and flags in the memory of a Fortran caller.
 
+#![allow(unsafe_code, reason = "Clarabel calls LAPACK by raw pointers")]
+
 use core::ffi::{c_char, c_int};
 
 use nalgebra::{DMatrix, RealField};

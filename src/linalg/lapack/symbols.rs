@@ -4,6 +4,8 @@
 //!
 //! As for any BLAS and LAPACK: pointers are valid for the sizes that the other arguments state.
 
+#![allow(unsafe_code, reason = "Clarabel calls LAPACK by raw pointers")]
+
 use core::ffi::{c_char, c_int};
 
 use nalgebra::RealField;

@@ -1,5 +1,7 @@
 //! Every symbol against known factorisations, round trips and plain loops.
 
+#![allow(unsafe_code, reason = "Clarabel calls LAPACK by raw pointers")]
+
 use nalgebra::{DMatrix, DVector};
 
 use super::dense;

@@ -4,6 +4,11 @@
 //! beta = -sign(alpha) sqrt(alpha² + bᵀb), gamma = 1 / (beta (beta - alpha)), takes (alpha, b) to (beta, 0).
 //! Source: Golub and Van Loan (2013), section 5.1.
 
+#![allow(
+    unsafe_code,
+    reason = "vector instructions, which run where the processor has them"
+)]
+
 use std::array;
 
 /// Doubles handled together: one AVX-512 register, two of AVX2.
