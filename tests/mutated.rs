@@ -7,14 +7,19 @@
 mod description;
 #[path = "../fuzz/src/recording.rs"]
 mod recording;
+#[path = "../fuzz/src/robot.rs"]
+mod robot;
 
 use description::describes_itself;
+use exid::chain::effect::ids;
+use exid::problem_file::ProblemFile;
+use exid::robot::{mdh, mjcf, urdf};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Files for each reader without another word.
@@ -26,9 +31,29 @@ const SOON: Duration = Duration::from_secs(5);
 /// Bytes of the largest seed.
 const LARGEST: usize = 60_000;
 
-/// The shipped recordings by their extension.
-fn seeds() -> BTreeMap<String, Vec<Vec<u8>>> {
-    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/recordings")];
+/// What files are read as, with sound ones of the kind.
+struct Reader {
+    name: String,
+    seeds: Vec<Vec<u8>>,
+    /// Fails where what is accepted cannot be worked with, or an error does not say what is wrong.
+    answer: Box<dyn Fn(&[u8])>,
+}
+
+impl Reader {
+    /// Of texts.
+    fn of_text(name: &str, seeds: Vec<Vec<u8>>, answer: impl Fn(&str) + 'static) -> Self {
+        Self {
+            name: name.to_string(),
+            seeds,
+            answer: Box::new(move |bytes| answer(&String::from_utf8_lossy(bytes))),
+        }
+    }
+}
+
+/// The shipped files of some folders by what their names have from the first dot on.
+fn shipped(folders: &[&str]) -> BTreeMap<String, Vec<Vec<u8>>> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut folders: Vec<PathBuf> = folders.iter().map(|folder| root.join(folder)).collect();
     let mut seeds: BTreeMap<String, Vec<Vec<u8>>> = BTreeMap::new();
     while let Some(folder) = folders.pop() {
         let mut entries: Vec<_> = fs::read_dir(folder)
@@ -44,12 +69,46 @@ fn seeds() -> BTreeMap<String, Vec<Vec<u8>>> {
             let name = path.file_name().unwrap().to_string_lossy();
             let extension = name[name.find('.').unwrap()..].to_string();
             let bytes = fs::read(&path).unwrap();
-            if extension != ".py" && bytes.len() <= LARGEST {
+            if bytes.len() <= LARGEST {
                 seeds.entry(extension).or_default().push(bytes);
             }
         }
     }
     seeds
+}
+
+/// Readers of recordings, of robots and of problems.
+fn readers() -> Vec<Reader> {
+    let recordings = shipped(&["tests/data/recordings"]).into_iter();
+    let recordings = recordings.filter(|(extension, _)| extension != ".py");
+    let mut readers: Vec<Reader> = recordings
+        .map(|(extension, seeds)| Reader {
+            name: extension.clone(),
+            seeds,
+            answer: Box::new(move |bytes| recording::is_sound(&extension, bytes)),
+        })
+        .collect();
+    let mut others = shipped(&["problems", "tests/mjcf/models"]);
+    let mut of = |extension: &str| others.remove(extension).unwrap();
+    readers.push(Reader::of_text("URDF", of(".urdf"), |text| {
+        robot::is_sound(urdf::parse(text, Path::new("robot")));
+    }));
+    readers.push(Reader::of_text("MDH", of(".mdh.toml"), |text| {
+        robot::is_sound(mdh::parse(text, Path::new("robot")));
+    }));
+    readers.push(Reader::of_text("problem", of(".toml"), |text| {
+        let path = Path::new("folder/problem.toml");
+        if let Err(fault) = ProblemFile::parse(path, text, &[], &ids()) {
+            describes_itself(&fault);
+        }
+    }));
+    let folder = tempfile::tempdir().unwrap();
+    readers.push(Reader::of_text("MJCF", of(".xml"), move |text| {
+        let path = folder.path().join("model.xml");
+        fs::write(&path, text).unwrap();
+        robot::is_sound(mjcf::read(&path).map(|description| description.tree));
+    }));
+    readers
 }
 
 /// One to four changes of a file: bits, bytes, lengths, pieces that are lost, doubled or come from another file.
@@ -93,23 +152,28 @@ fn readers_answer_to_every_broken_file_and_soon() {
     let stated = std::env::var("EXID_MUTATIONS").ok();
     let files = stated.map_or(FILES, |text| text.parse().unwrap());
     let mut faults = Vec::new();
-    for (extension, seeds) in seeds() {
+    for Reader {
+        name,
+        seeds,
+        answer,
+    } in readers()
+    {
         let mut random = ChaCha8Rng::seed_from_u64(files as u64);
         let mut slowest = Duration::ZERO;
         for number in 0..files {
             let bytes = mutated(&mut random, &seeds);
             let started = Instant::now();
-            let answer = catch_unwind(AssertUnwindSafe(|| recording::is_sound(&extension, &bytes)));
+            let answered = catch_unwind(AssertUnwindSafe(|| answer(&bytes)));
             slowest = slowest.max(started.elapsed());
-            if answer.is_err() || started.elapsed() > SOON {
+            if answered.is_err() || started.elapsed() > SOON {
                 faults.push(format!(
-                    "{extension}, file {number} of {files}: {:?}",
+                    "{name}, file {number} of {files}: {:?}",
                     started.elapsed()
                 ));
             }
         }
         eprintln!(
-            "{extension}: {files} files of {} seeds, the slowest in {slowest:?}",
+            "{name}: {files} files of {} seeds, the slowest in {slowest:?}",
             seeds.len()
         );
     }
