@@ -123,7 +123,7 @@ pub enum RecordingErrorKind {
         /// What stands there, cut to a few characters.
         found: String,
     },
-    /// A number is infinite.
+    /// A number is infinite, or so large that its products are.
     NotFinite {
         /// As written.
         found: String,

@@ -160,21 +160,24 @@ fn require_most_rows(path: &Path, missing: &MissingValues) -> Result<(), Recordi
     Err(RecordingError::new(place, kind))
 }
 
-/// Fails at the first number that is infinite: it overflowed, and nothing tells what it was.
+/// Numbers of sensors are far below it, and the products of those beyond overflow.
+const LARGEST: f64 = 1e100;
+
+/// Fails at the first number that is infinite or that nothing can be computed with: it overflowed, or was never measured.
 fn require_no_infinity(path: &Path, table: &Table) -> Result<(), RecordingError> {
-    refuse(path, table, |x| x.is_infinite())
+    refuse(path, table, |x| x.abs() > LARGEST)
 }
 
 /// Fails at the first cell without a finite number, where a row cannot be left out.
 pub fn require_complete(path: &Path, table: &Table) -> Result<(), RecordingError> {
-    refuse(path, table, |x| !x.is_finite())
+    refuse(path, table, |x| x.is_nan() || x.abs() > LARGEST)
 }
 
 fn refuse(path: &Path, table: &Table, wrong: fn(&f64) -> bool) -> Result<(), RecordingError> {
     for (name, column) in table.columns.iter().zip(&table.data) {
         if let Some(row) = column.iter().position(wrong) {
             let place = Place::file(path).line(table.line(row)).key(name.as_str());
-            let found = column[row].to_string();
+            let found = format!("{:e}", column[row]);
             let kind = RecordingErrorKind::NotFinite { found };
             return Err(RecordingError::new(place, kind));
         }

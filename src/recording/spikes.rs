@@ -31,6 +31,9 @@ const OWN_STEPS: f64 = 0.9;
 /// Quanta of a coarse channel that a spike has to exceed.
 const SPIKE_QUANTA: f64 = 8.0;
 
+/// One sample in so many may be anything: spikes must not raise what they are held against.
+const RARE: usize = 200;
+
 /// Half the width of the median's window: follows every monotone change of three samples or more.
 const HALF: usize = 2;
 
@@ -87,11 +90,11 @@ pub fn spikes(series: &[f64], channel: Channel) -> Vec<Spike> {
     standing_out.map(spike).collect()
 }
 
-/// The range of a series without its ends: spikes must not raise their own threshold.
+/// The range of a series without its ends.
 fn range(series: &[f64]) -> f64 {
     let mut sorted = series.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let (cut, last) = (series.len() / 200, series.len() - 1);
+    let (cut, last) = (series.len() / RARE, series.len() - 1);
     sorted[last - cut] - sorted[cut]
 }
 
@@ -231,10 +234,14 @@ fn around(series: &[f64], k: usize) -> f64 {
     window[HALF]
 }
 
-/// Least change of a series between two samples: the quantum of an encoder or a converter.
+/// Least change of a series between two samples: the quantum of an encoder or a converter. What is rounding follows from the
+/// sizes of the samples, rare ones left out.
 pub fn quantum(series: &[f64]) -> f64 {
     let steps = series.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let scale = series.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let mut sizes: Vec<f64> = series.iter().map(|x| x.abs()).collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    let rare = sizes.len() / RARE;
+    let scale = sizes.iter().rev().nth(rare).copied().unwrap_or(0.0);
     // Differences of decimal numbers that should be zero are rounding.
     let least = steps
         .filter(|step| *step > 1e-12 * scale)
@@ -351,5 +358,26 @@ mod tests {
         // Of less than two periods a single spike is most.
         assert_eq!(kept(&[10], 150), [10]);
         assert!(kept(&[10, 110], 150).is_empty());
+    }
+
+    /// However large it is: what would hide it are its own rounding and its own step.
+    #[test]
+    fn the_size_of_a_spike_does_not_hide_it() {
+        let motion: Vec<f64> = (0..600).map(|k| (k as f64 / 40.0).sin()).collect();
+        for size in [1e3, 1e9, 1e15, 1e30, 1e99] {
+            for (series, channel) in [
+                (signal(), Channel::Jumping),
+                (motion.clone(), Channel::Smooth),
+            ] {
+                let mut series = series;
+                series[100] = size;
+                let found = spikes(&series, channel);
+                assert_eq!(
+                    (found.len(), found[0].at),
+                    (1, 100),
+                    "{size:e}, {channel:?}"
+                );
+            }
+        }
     }
 }

@@ -176,7 +176,9 @@ fn coordinates(scaled: &Matrix4<f64>, margin: f64) -> [f64; PER_LINK] {
                 let lower = factor.l();
                 break Matrix4::from_fn(|i, j| lower[(3 - i, 3 - j)]);
             }
-            None => room *= 2.0,
+            None if room.is_finite() => room *= 2.0,
+            // No room makes a body of what is not a number.
+            None => break shifted,
         }
     };
     let size = upper[(3, 3)];
