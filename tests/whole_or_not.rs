@@ -287,16 +287,18 @@ fn a_result_for_which_there_is_no_space_is_said_and_the_earlier_one_stays() {
 
 #[test]
 fn an_output_that_cannot_be_written_is_said_and_a_reader_that_went_away_is_not() {
-    let print = |to: fs::File| {
+    let print = |word: &str, to: fs::File| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_exid"));
-        command.arg("effects").stdout(to).output().unwrap()
+        command.arg(word).stdout(to).output().unwrap()
     };
     if Path::new("/dev/full").exists() {
-        let full = fs::File::options().write(true).open("/dev/full").unwrap();
-        let output = print(full);
-        let words = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{words}");
-        assert!(words.contains("standard output"), "{words}");
+        for word in ["effects", "--help", "--version"] {
+            let full = fs::File::options().write(true).open("/dev/full").unwrap();
+            let output = print(word, full);
+            let words = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(1), "{word}: {words}");
+            assert!(words.contains("standard output"), "{word}: {words}");
+        }
     }
     let mut command = Command::new(env!("CARGO_BIN_EXE_exid"));
     let pipe = std::process::Stdio::piped();

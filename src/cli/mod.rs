@@ -29,6 +29,7 @@ use crate::problem::defect::guarded;
 use crate::verb::Verb as Task;
 use clap::Parser;
 use std::ffi::OsString;
+use std::io::Write;
 use std::process::ExitCode;
 
 /// Parses the command line, runs the verb, prints the error; gives the exit code.
@@ -40,10 +41,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     std::panic::set_hook(Box::new(|_| {}));
     match guarded(|| dispatch(&parsed.verb)) {
         Ok(Ok(code)) => ExitCode::from(code),
-        Ok(Err(error)) => {
-            complain(&format!("error: {error}"));
-            ExitCode::from(error.exit_code())
-        }
+        Ok(Err(error)) => failed(&error),
         Err(defect) => {
             complain(&format!("error: {defect}"));
             ExitCode::from(CliError::DEFECT)
@@ -74,13 +72,21 @@ fn dispatch(verb: &Verb) -> Result<u8, CliError> {
     }
 }
 
+fn failed(error: &CliError) -> ExitCode {
+    complain(&format!("error: {error}"));
+    ExitCode::from(error.exit_code())
+}
+
 /// Help and version go to standard output and are no error; the rest is a wrong command line.
 fn answer_without_run(error: &clap::Error) -> ExitCode {
-    // A closed pipe is no reason to fail.
-    let _ = error.print();
     if error.use_stderr() {
-        ExitCode::from(CliError::WRONG_USE)
-    } else {
-        ExitCode::SUCCESS
+        // There is nowhere else to say it.
+        let _ = error.print();
+        return ExitCode::from(CliError::WRONG_USE);
+    }
+    let printed = error.print().and_then(|()| std::io::stdout().flush());
+    match output::unless_gone(printed) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(fault) => failed(&fault),
     }
 }

@@ -168,7 +168,12 @@ pub fn print(text: &str) -> Result<(), CliError> {
         }
         out.flush()
     };
-    match write() {
+    unless_gone(write())
+}
+
+/// What became of printing; a reader that went away is no error.
+pub fn unless_gone(printed: std::io::Result<()>) -> Result<(), CliError> {
+    match printed {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(CliError::Output(error)),
         _ => Ok(()),
     }
