@@ -12,7 +12,7 @@ use std::fs;
 use std::io::Read;
 use std::ops::Range;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Output};
 
 const TORQUE_CONSTANTS: &str = "[13.1, 13.0, 12.8, 9.2, 9.1, 9.3]";
 
@@ -274,8 +274,8 @@ impl Inputs {
         });
     }
 
-    /// What `exid fit` says that is not in every answer.
-    fn said(&self) -> String {
+    /// What a verb makes of them.
+    fn run(&self, verb: &str) -> Output {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
         write("arm6.urdf", &self.urdf);
@@ -291,11 +291,15 @@ impl Inputs {
             }
             write(name, &text);
         }
-        let output = Command::new(env!("CARGO_BIN_EXE_exid"))
-            .current_dir(folder.path())
-            .args(["fit", "problem.toml", "--json", "--out", "out"])
-            .output()
-            .unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_exid"));
+        command.current_dir(folder.path());
+        command.args([verb, "problem.toml", "--json", "--out", "out"]);
+        command.output().unwrap()
+    }
+
+    /// What `exid fit` says that is not in every answer.
+    fn said(&self) -> String {
+        let output = self.run("fit");
         let mut said = String::from_utf8(output.stderr).unwrap();
         assert_eq!(said.is_empty(), output.status.success(), "{said}");
         let Ok(result) = serde_json::from_slice::<Value>(&output.stdout) else {
@@ -419,6 +423,10 @@ const MISTAKES: &[Case] = &[
     case("positions that are late by 80 ms", "delay", |x| x.shift(POSITIONS, 10)),
     case("one current that is late by 80 ms", "delay", |x| x.shift(8..9, 10)),
     case("currents with spikes", "spikes", |x| x.strike(SIGNALS, |i| 50.0 * i)),
+    case("one current of 1e308", "the value is", |x| x.train[100][8] = 1e308),
+    case("one position of 1e300", "the value is", |x| x.train[100][3] = 1e300),
+    case("one current of 1e30", "stand out", |x| x.train[100][8] = 1e30),
+    case("one position of 1e30", "stand out", |x| x.train[100][3] = 1e30),
     case("positions that drop out to zero", "spikes", |x| x.strike(POSITIONS, |_| 0.0)),
     case("samples that are held", "samples-held", |x| x.hold(1..13, 5)),
     case("currents that are held", "samples-held", |x| x.hold(SIGNALS, 5)),
@@ -506,4 +514,18 @@ fn what_is_good_is_answered_without_a_warning() {
         let said = inputs.said();
         assert!(said.is_empty(), "{name}: {said}");
     }
+}
+
+/// Physics that is found in a signal with the wrong sign would be none.
+#[test]
+fn a_diagnosis_of_meaningless_figures_is_refused() {
+    let mut inputs = Inputs::good();
+    inputs.each(8..9, |i| -i);
+    let output = inputs.run("diagnose");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{said}");
+    assert!(
+        said.contains("signal-sign") && said.contains("--force"),
+        "{said}"
+    );
 }

@@ -1,5 +1,6 @@
 //! `diagnose`: where model and recordings differ, what physics is missing, the model with it.
 
+use crate::check::Extent;
 use crate::diagnose::task::{self, DiagnoseRun};
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::predictions::Quantity;
@@ -19,6 +20,8 @@ use std::io::Write;
 /// # Errors
 /// As [`crate::verb::Verb::run`].
 pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, VerbError> {
+    // A diagnosis names them too, beside what it finds; where figures are meaningless there is none.
+    settings.mistakes(problem, Extent::Recordings)?;
     let control = settings.control();
     let mut result = task::run(problem, &control, &|stage| settings.say(&stage.words()))?;
     let interrupted = control.is_interrupted();
