@@ -47,6 +47,27 @@ impl Place {
     }
 }
 
+/// Similarities at which a suggestion helps more than it puzzles: by Jaro and Winkler, which favours a common beginning, as
+/// that of names that are cut short, and by the share of letters that stay, where a short word has letters exchanged.
+const SIMILAR: f64 = 0.75;
+const STAYS: f64 = 0.65;
+
+/// The known name that a word is most like, whatever its case, the first of equals; `None` where it is like none of them.
+pub fn nearest<'n>(word: &str, known: impl Iterator<Item = &'n str>) -> Option<String> {
+    let word = word.to_lowercase();
+    let mut best = None;
+    let mut most = 0.0;
+    for name in known {
+        let other = name.to_lowercase();
+        let stays = strsim::normalized_damerau_levenshtein(&word, &other) - STAYS;
+        let beyond = stays.max(strsim::jaro_winkler(&word, &other) - SIMILAR);
+        if beyond > most {
+            (best, most) = (Some(name.to_string()), beyond);
+        }
+    }
+    best
+}
+
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.file.display())?;
@@ -99,4 +120,29 @@ pub fn write_fault(f: &mut fmt::Formatter<'_>, fault: &impl Fault) -> fmt::Resul
         message, remedy, ..
     } = fault.describe();
     write!(f, "{}: {message}; {remedy}", fault.place())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_is_near_is_suggested() {
+        let known = [
+            "estimator",
+            "feasible_by",
+            "bounds",
+            "compare",
+            "Link3",
+            "wls",
+        ];
+        let of = |word: &str| nearest(word, known.into_iter());
+        assert_eq!(of("estmator").as_deref(), Some("estimator"));
+        assert_eq!(of("bound").as_deref(), Some("bounds"));
+        assert_eq!(of("link_3").as_deref(), Some("Link3"));
+        assert_eq!(of("wsl").as_deref(), Some("wls"));
+        for word in ["wibble", "gravitation", "weights", "x", ""] {
+            assert_eq!(of(word), None, "{word}");
+        }
+    }
 }

@@ -10,6 +10,7 @@ use crate::chain::parameter::{Parameter, Role, State};
 use crate::chain::platform::Platform;
 pub use crate::chain::settings::{Inertials, ModelSettings, Payload, Signal};
 use crate::chain::sharing::{self, Sharing};
+use crate::fault::nearest;
 use crate::mechanism::loops::Mechanism;
 use crate::robot::description::Dependent;
 use crate::robot::inertia::{PER_LINK, QUANTITIES, UNITS};
@@ -352,16 +353,8 @@ impl Model {
         let found = self.parameters.iter().position(|p| p.name == name);
         found.ok_or_else(|| ModelError::UnknownParameter {
             name: name.to_string(),
-            nearest: self.nearest(name),
+            nearest: nearest(name, self.parameters.iter().map(|p| p.name.as_str())),
         })
-    }
-
-    fn nearest(&self, name: &str) -> Option<String> {
-        let similarity = |p: &&Parameter| (1e6 * strsim::jaro_winkler(&p.name, name)) as u64;
-        self.parameters
-            .iter()
-            .max_by_key(similarity)
-            .map(|p| p.name.clone())
     }
 
     /// Makes a parameter known, and those that are shared with it.

@@ -4,6 +4,7 @@ use crate::chain::effect::{Catalogue, Effect};
 use crate::cli::args::Query;
 use crate::cli::error::CliError;
 use crate::cli::output::print;
+use crate::fault::nearest;
 use crate::report::catalogue;
 use crate::robot::tree::JointKind;
 use crate::setup::laws;
@@ -62,10 +63,10 @@ fn draw(effects: &[&'static Effect], folder: &Path) -> Result<String, CliError> 
 
 fn unknown(catalogue: &Catalogue, id: &str) -> CliError {
     let ids = catalogue.ids();
-    let nearest = ids
-        .iter()
-        .max_by_key(|known| (1e6 * strsim::jaro_winkler(known, id)) as u64);
-    let hint = nearest.map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+    let hint = match nearest(id, ids.iter().copied()) {
+        Some(near) => format!("; did you mean `{near}`?"),
+        None => ".".to_string(),
+    };
     CliError::WrongUse(format!(
         "there is no effect `{id}`{hint} The effects are {}",
         ids.join(", ")

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::fault::{Description, Fault, Place, write_fault};
+use crate::fault::{Description, Fault, Place, nearest, write_fault};
 use crate::problem_file::key::{Key, sections};
 
 /// A fault in a problem file or in an override of one of its keys.
@@ -369,9 +369,9 @@ impl KeyFault {
                     "unknown-key",
                     format!("unknown key \"{found}\""),
                     format!(
-                        "{}did you mean \"{}\"? known keys: {}",
+                        "{}{}known keys: {}",
                         elsewhere.unwrap_or_default(),
-                        nearest(found, known.iter().copied()),
+                        suggestion(found, known.iter().copied()),
                         known.join(", ")
                     ),
                 )
@@ -411,8 +411,8 @@ impl ValueFault {
                 *code,
                 format!("unknown {noun} \"{found}\""),
                 format!(
-                    "did you mean \"{}\"? known: {}",
-                    nearest(found, known.iter().map(String::as_str)),
+                    "{}known: {}",
+                    suggestion(found, known.iter().map(String::as_str)),
                     known.join(", ")
                 ),
             ),
@@ -528,18 +528,8 @@ impl OverrideFault {
     }
 }
 
-/// The candidate most like the word; the first of equals.
-fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> &'a str {
-    let mut best = ("", -1.0);
-    for candidate in candidates {
-        // Jaro-Winkler favours a common beginning, which is how names are cut short; edits count
-        // where a short word has letters exchanged.
-        let word = word.to_lowercase();
-        let likeness = strsim::jaro_winkler(&word, candidate)
-            .max(strsim::normalized_damerau_levenshtein(&word, candidate));
-        if likeness > best.1 {
-            best = (candidate, likeness);
-        }
-    }
-    best.0
+/// `did you mean "estimator"? ` where a known word is near, nothing where none is.
+fn suggestion<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> String {
+    let near = nearest(word, known);
+    near.map_or(String::new(), |near| format!("did you mean \"{near}\"? "))
 }

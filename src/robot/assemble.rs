@@ -1,6 +1,6 @@
 //! From the links and joints of a file to a tree: names, parents, circles, fixed joints merged.
 
-use crate::fault::Place;
+use crate::fault::{Place, nearest};
 use crate::robot::error::{RobotError, RobotErrorKind};
 use crate::robot::inertia::Inertia;
 use crate::robot::tree::{Frame, Joint, JointKind, Limits, Tree};
@@ -41,17 +41,6 @@ pub(crate) struct RawRobot<'a> {
     pub name: String,
     pub links: Vec<RawLink>,
     pub joints: Vec<RawJoint>,
-}
-
-/// The most similar of the known names, if any is similar at all.
-pub(crate) fn nearest<'a>(found: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
-    /// Jaro-Winkler similarity below which a suggestion would puzzle rather than help.
-    const SIMILAR: f64 = 0.75;
-    known
-        .map(|name| (strsim::jaro_winkler(found, name), name))
-        .filter(|(similarity, _)| *similarity >= SIMILAR)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, name)| name.to_string())
 }
 
 /// Builds the tree, joints in the order in which a walk from the base meets them. `locate` gives the

@@ -2,8 +2,7 @@
 //!
 //! `q_a = m₁ q_b + o₁` and `q_b = m₂ q_c + o₂` give `q_a = m₁ m₂ q_c + m₁ o₂ + o₁`.
 
-use crate::fault::Place;
-use crate::robot::assemble::nearest;
+use crate::fault::{Place, nearest};
 use crate::robot::description::{Dependent, Held};
 use crate::robot::error::{RobotError, RobotErrorKind};
 use crate::robot::tree::Tree;

@@ -16,8 +16,8 @@
 //! inertia = [0.1, 0.0, 0.0, 0.1, 0.0, 0.1]
 //! ```
 
-use crate::fault::Place;
-use crate::robot::assemble::{MOST_JOINTS, nearest};
+use crate::fault::{Place, nearest};
+use crate::robot::assemble::MOST_JOINTS;
 use crate::robot::error::{LARGEST_NUMBER, RobotError, RobotErrorKind};
 use crate::robot::file;
 use crate::robot::inertia::{CentralInertia, Inertia};

@@ -362,7 +362,7 @@ impl Reader<'_> {
             node,
             RobotErrorKind::UnknownJointType {
                 found: found.to_string(),
-                nearest: crate::robot::assemble::nearest(found, known.into_iter()),
+                nearest: crate::fault::nearest(found, known.into_iter()),
             },
         )
     }

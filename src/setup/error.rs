@@ -358,7 +358,9 @@ impl Mismatch {
             Self::NeedsEffect { needs, .. } => {
                 return format!("list `{needs}` for this joint as well");
             }
-            Self::UnknownParameter { nearest: None, .. } => "see `exid effects` for the names",
+            Self::UnknownParameter { nearest: None, .. } => {
+                "give joint.effect.parameter, as `exid effects` has them, or link.mass, link.com_x and so on, of this robot"
+            }
             Self::JointTwice { .. } => "list every joint once",
             Self::JointMissing { .. } => {
                 "list every moving joint of the robot; hold those that stand still under `robot.locked`"

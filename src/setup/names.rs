@@ -5,6 +5,7 @@ use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::term_name;
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
+use crate::fault;
 use crate::robot::inertia::{CentralInertia, Inertia, PER_LINK};
 use nalgebra::{Matrix3, Vector3};
 
@@ -96,9 +97,8 @@ pub fn nearest(model: &Model, name: &str) -> Option<String> {
         ]
         .map(|quantity| format!("{body}.{quantity}"))
     });
-    effects
-        .chain(quantities)
-        .max_by_key(|known| (1e6 * strsim::jaro_winkler(known, name)) as u64)
+    let known: Vec<String> = effects.chain(quantities).collect();
+    fault::nearest(name, known.iter().map(String::as_str))
 }
 
 fn body_start(model: &Model, body: &str) -> Option<usize> {

@@ -82,7 +82,7 @@ pub const SETUP_CASES: &[Case] = &[
     case("a value out of its bounds", 2, ["problem.toml:12:30: drive.values.\"elbow.coulomb_friction.w\"", "-0.01 lies outside 0", "within the bounds"], |b| b.problem("\"elbow.coulomb_friction.w\" = 0.01", "\"elbow.coulomb_friction.w\" = -0.01")),
     case("a centre of mass without the mass", 2, ["problem.toml:13:16: drive.values.\"fore.com_x\"", "`com_x`", "link's mass too"], |b| after(b, "\"elbow.coulomb_friction.w\" = 0.01", "\"fore.com_x\" = 0.1")),
     case("a parameter to be zero that is none", 2, ["problem.toml:5:9: robot.zero", "`upper.com_w`", "mean `upper.com_"], |b| robot(b, "zero = [\"upper.com_w\"]")),
-    case("a bound of an unknown parameter", 2, ["problem.toml:23:15: fit.bounds.\"hand.mass\"", "`hand.mass`", "mean `"], |b| b.append("[fit.bounds]\n\"hand.mass\" = [0, 1]\n")),
+    case("a bound of an unknown parameter", 2, ["problem.toml:23:15: fit.bounds.\"hand.mass\"", "`hand.mass`", "or link.mass"], |b| b.append("[fit.bounds]\n\"hand.mass\" = [0, 1]\n")),
     case("a prior of an unknown parameter", 2, ["problem.toml:23:1: fit.prior.values.\"elbow.Fstatic\"", "`elbow.Fstatic`", "mean `elbow."], |b| b.append("[fit.prior.values]\n\"elbow.Fstatic\" = { value = 1.0, std_dev = 1.0 }\n")),
     case("no torque constant", 2, ["problem.toml: recordings.signal", "the signal is a current", "drive.torque_constant"], |b| b.problem("torque_constant = [12.0, 8.0]\n", "")),
     case("positions of the motor without a ratio", 2, ["problem.toml:16:17: recordings.position_side", "no ratio", "drive.ratio"], |b| recordings(b, "position_side = \"motor\"")),

@@ -2,7 +2,7 @@
 //!
 //! A force f of the actuator is a torque `gear · f` at the joint; its armature and damping are seen there times `gear²`.
 
-use crate::robot::assemble::nearest;
+use crate::fault::nearest;
 use crate::robot::description::DeclaredServo;
 use crate::robot::error::RobotError;
 use crate::robot::mjcf::body::Bodies;

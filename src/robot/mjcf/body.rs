@@ -1,6 +1,7 @@
 //! The walk through `<worldbody>`: a link per body, a joint per hinge or slide, frames dissolved.
 
-use crate::robot::assemble::{RawJoint, RawLink, nearest};
+use crate::fault::nearest;
+use crate::robot::assemble::{RawJoint, RawLink};
 use crate::robot::description::{DeclaredDrive, Note, Weight};
 use crate::robot::error::RobotError;
 use crate::robot::inertia::Inertia;

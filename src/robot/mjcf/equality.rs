@@ -3,7 +3,7 @@
 //! A constraint between joints is `q₁ − ref₁ = a₀ + a₁ (q₂ − ref₂) + a₂ (q₂ − ref₂)² + …`; without a second joint q₁ is
 //! held at `ref₁ + a₀`.
 
-use crate::robot::assemble::nearest;
+use crate::fault::nearest;
 use crate::robot::dependents::RawDependent;
 use crate::robot::description::{Note, Weight};
 use crate::robot::error::RobotError;

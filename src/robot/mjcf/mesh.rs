@@ -4,7 +4,7 @@
 //! `∫ x xᵀ dV = V/20 · (a aᵀ + b bᵀ + c cᵀ + s sᵀ)`, s = a + b + c (Tonon 2004). A `shell` has the area A of a face for V,
 //! thirds for quarters and `A/12` for `V/20`; `legacy` takes every tetrahedron as positive.
 
-use crate::robot::assemble::nearest;
+use crate::fault::nearest;
 use crate::robot::error::RobotError;
 use crate::robot::inertia::{CentralInertia, Inertia};
 use crate::robot::mjcf::compiler::Compiler;

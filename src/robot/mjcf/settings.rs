@@ -1,6 +1,6 @@
 //! Attributes of an element through its default classes: its own, those of its class, of the class around that, and so on.
 
-use crate::robot::assemble::nearest;
+use crate::fault::nearest;
 use crate::robot::error::{LARGEST_NUMBER, RobotError, RobotErrorKind};
 use crate::robot::mjcf::document::{Document, Id};
 use crate::robot::mjcf::fault::MjcfFault;

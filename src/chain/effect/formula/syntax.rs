@@ -11,8 +11,9 @@
 
 use super::fault::{DEEPEST, FormulaError, FormulaFault};
 use super::simplify;
-use super::words::{FUNCTIONS, PI, STATE, VARIABLES, nearest};
+use super::words::{FUNCTIONS, PI, STATE, VARIABLES};
 use crate::chain::effect::expression::{Expression, Function, Operator, Variable};
+use crate::fault::nearest;
 use std::ops::Range;
 
 /// What the names of a formula mean.

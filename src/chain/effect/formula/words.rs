@@ -57,12 +57,3 @@ pub(super) fn names_of_functions() -> String {
     let names: Vec<&str> = FUNCTIONS.iter().map(|(name, _)| *name).collect();
     names.join(", ")
 }
-
-/// Least similarity (Jaro-Winkler) at which a name is taken for a misspelt one: with 0.8 a letter more, less or exchanged.
-const SIMILAR: f64 = 0.8;
-
-pub(super) fn nearest<'n>(word: &str, known: impl Iterator<Item = &'n str>) -> Option<String> {
-    let scored = known.map(|name| (strsim::jaro_winkler(word, name), name));
-    let best = scored.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (best.0 >= SIMILAR).then(|| best.1.to_string())
-}
