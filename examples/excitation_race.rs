@@ -10,14 +10,14 @@
 
 use exid::chain::base_parameters::BaseParameters;
 use exid::chain::model::{Model, ModelSettings, Signal};
-use exid::design::columns::Columns;
+use exid::design::constraints::joint_limits::{self, Ends};
+use exid::design::criterion::parameters_of_interest::{Scale, Target};
 use exid::design::criterion::{CRITERIA, Criterion};
-use exid::design::limits::{self, Ends};
-use exid::design::motion::Joints;
+use exid::design::information::columns::Columns;
 use exid::design::problem::{Excitation, Experiment, Plan};
-use exid::design::search::{Search, Settings};
-use exid::design::series::Series;
-use exid::design::target::{Scale, Target};
+use exid::design::search::multistart::{Search, Settings};
+use exid::design::trajectory::fourier_series::Series;
+use exid::design::trajectory::motion::Joints;
 use exid::design::verify;
 use exid::problem::Problem;
 use exid::problem::solution::Control;
@@ -91,7 +91,7 @@ fn race(
     };
     let experiment = plan.experiment();
     price(&experiment, settings)?;
-    let rows = limits::rows(&experiment.joints, &experiment.bounds, Ends::Free);
+    let rows = joint_limits::rows(&experiment.joints, &experiment.bounds, Ends::Free);
     let search = Search {
         experiment: &experiment,
         rows: &rows,

@@ -5,21 +5,21 @@ use exid::chain::effect::find;
 use exid::chain::evaluate::{Evaluator, Segment};
 use exid::chain::model::{Model, ModelSettings, Signal};
 use exid::chain::prior::Prior;
-use exid::design::columns::Columns;
+use exid::design::constraints::joint_limits::{self, Ends};
 use exid::design::criterion::Criterion;
 use exid::design::criterion::a_optimal::AOptimal;
 use exid::design::criterion::d_optimal::DOptimal;
-use exid::design::designed::End;
-use exid::design::expected::Recorded;
-use exid::design::hold;
-use exid::design::limits::{self, Ends};
-use exid::design::motion::{Joints, Motion};
+use exid::design::criterion::parameters_of_interest::{Scale, Target};
+use exid::design::information::columns::Columns;
 use exid::design::problem::{Excitation, Experiment, Plan};
-use exid::design::search::{Search, Settings};
-use exid::design::series::Series;
-use exid::design::start::Starts;
-use exid::design::target::{Scale, Target};
+use exid::design::results::designed::End;
+use exid::design::results::expected_deviations::ExpectedEstimate;
+use exid::design::search::inter_sample_limits;
+use exid::design::search::multistart::{Search, Settings};
+use exid::design::search::starts::Starts;
 use exid::design::task;
+use exid::design::trajectory::fourier_series::Series;
+use exid::design::trajectory::motion::{Joints, Motion};
 use exid::design::verify;
 use exid::problem::linear_rows::LinearRows;
 use exid::problem::solution::Control;
@@ -113,7 +113,11 @@ impl Robot {
     }
 }
 
-fn designed(experiment: &Experiment<'_>, rows: &LinearRows, starts: usize) -> hold::Held {
+fn designed(
+    experiment: &Experiment<'_>,
+    rows: &LinearRows,
+    starts: usize,
+) -> inter_sample_limits::VerifiedMotion {
     let settings = Settings {
         starts: Some(starts),
         ..Settings::default()
@@ -124,7 +128,7 @@ fn designed(experiment: &Experiment<'_>, rows: &LinearRows, starts: usize) -> ho
         settings: &settings,
         shrink: 1.0,
     };
-    hold::run(&search, &Control::default(), |_| ()).unwrap()
+    inter_sample_limits::run(&search, &Control::default(), |_| ()).unwrap()
 }
 
 /// Uniform between two numbers.
@@ -192,8 +196,8 @@ fn assert_feasible(seed: u64) {
     } else {
         Ends::AtRest
     };
-    let rows = limits::rows(&experiment.joints, &experiment.bounds, ends);
-    let hold::Held { found, margins } = designed(&experiment, &rows, 1);
+    let rows = joint_limits::rows(&experiment.joints, &experiment.bounds, ends);
+    let inter_sample_limits::VerifiedMotion { found, margins } = designed(&experiment, &rows, 1);
     assert!(found.is_feasible(), "robot {seed}: {}", found.infeasibility);
     assert!(found.value.is_finite(), "robot {seed}");
     let violation = verify::violation(&margins);
@@ -283,7 +287,7 @@ fn scaled(
 fn a_shifted_joint_keeps_its_amplitudes_and_the_others_keep_everything() {
     let robot = seven_joints(&[]);
     let experiment = robot.experiment(&DOptimal, TEN_SECONDS);
-    let rows = limits::rows(&experiment.joints, &experiment.bounds, Ends::Free);
+    let rows = joint_limits::rows(&experiment.joints, &experiment.bounds, Ends::Free);
     let problem = Excitation::new(&experiment, 1.0, 1.0);
     let starts = Starts::of(&experiment, &problem, &rows);
     let mut rng = generator(5);
@@ -329,8 +333,8 @@ fn normal_coefficients(middle: &DVector<f64>, rng: &mut ChaCha8Rng) -> DVector<f
 fn invariant_a_designed_motion_beats_random_ones_threefold_in_the_worst_tenth_of_the_parameters() {
     let robot = seven_joints(&[]);
     let experiment = robot.experiment(&AOptimal, TEN_SECONDS);
-    let rows = limits::rows(&experiment.joints, &experiment.bounds, Ends::Free);
-    let hold::Held { found, .. } = designed(&experiment, &rows, 2);
+    let rows = joint_limits::rows(&experiment.joints, &experiment.bounds, Ends::Free);
+    let inter_sample_limits::VerifiedMotion { found, .. } = designed(&experiment, &rows, 2);
     let own = worst_tenth(&experiment.information(&found.x));
     let problem = Excitation::new(&experiment, 1.0, 1.0);
     let starts = Starts::of(&experiment, &problem, &rows);
@@ -352,7 +356,7 @@ fn invariant_a_designed_motion_beats_random_ones_threefold_in_the_worst_tenth_of
     assert!(fitted >= 2.5, "{fitted}");
 }
 
-/// Recorded torques of a motion without noise, from Newton and Euler's equations and the laws of friction.
+/// ExpectedEstimate torques of a motion without noise, from Newton and Euler's equations and the laws of friction.
 fn torques(robot: &Robot, motion: &Motion) -> Vec<Vec<f64>> {
     let (tree, n) = (robot.model.tree(), robot.bounds.len());
     let mut dynamics = NewtonEuler::new(tree);
@@ -419,10 +423,10 @@ fn recovers_known_truth_with_the_spread_that_was_expected() {
     const TRIALS: usize = 200;
     let robot = seven_joints(&EFFECTS);
     let experiment = robot.experiment(&DOptimal, TEN_SECONDS);
-    let rows = limits::rows(&experiment.joints, &experiment.bounds, Ends::Free);
-    let hold::Held { found, .. } = designed(&experiment, &rows, 1);
+    let rows = joint_limits::rows(&experiment.joints, &experiment.bounds, Ends::Free);
+    let inter_sample_limits::VerifiedMotion { found, .. } = designed(&experiment, &rows, 1);
     let motion = Motion::of(&experiment.joints, &experiment.basis, &found.x);
-    let recorded = Recorded {
+    let recorded = ExpectedEstimate {
         model: &robot.model,
         base: &robot.base,
         prior: &Prior::none(robot.values.len()),

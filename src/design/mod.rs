@@ -8,46 +8,29 @@
 //!
 //! | step | files |
 //! |---|---|
-//! | the task | `task`, `prepare`; `steady` and `strokes` for motions at constant velocity |
-//! | the motion | `series` (Fourier), `motion`, `closing` where loops are closed |
-//! | the information | `columns`, `laws`, `observation`, `target` |
-//! | the criterion | `criterion/`, or `rivals` and `contenders` where models are to be told apart |
-//! | the constraints | `limits` (linear rows), `torque`, `workspace`, `shapes` |
-//! | the optimum | `problem`, `start`, `search`, `hold` (limits between samples), `verify` |
-//! | what is reported | `expected`, `coverage`, `compare`, `validation`, `output`, `report` |
+//! | the task | `task`; `constant_velocity/` where friction and drive constants are read off constant speeds |
+//! | the motion | `trajectory/`: Fourier series and closed loops |
+//! | the information | `information/`: the observation matrix |
+//! | the criterion | `criterion/`: D-, A- and E-optimality, condition number, and T-optimality of rival models |
+//! | the constraints | `constraints/`: joints, torques, loops, workspace |
+//! | the inputs | `inputs/`: what the problem file states |
+//! | the optimum | `problem`; `verify` on a dense grid of instants; `search/` from many starts |
+//! | the results | `results/`: expected deviations, coverage, comparison, report |
+//!
+//! Imports follow this order upwards: a room uses those before `problem`, `search/` uses `verify`, `results/` uses both.
 
-pub mod closing;
-pub mod columns;
-pub mod compare;
-pub mod contenders;
-pub mod coverage;
+pub mod constant_velocity;
+pub mod constraints;
 pub mod criterion;
-pub mod designed;
-pub mod earlier;
 pub mod error;
-pub mod expected;
-pub mod hold;
-pub mod laws;
-pub mod limits;
-pub mod motion;
-pub mod observation;
-pub mod output;
-pub mod prepare;
+pub mod information;
+pub mod inputs;
 pub mod problem;
-pub mod report;
-pub mod rivals;
+pub mod results;
 pub mod search;
-pub mod series;
-pub mod shapes;
-pub mod start;
-pub mod steady;
-pub mod strokes;
-pub mod target;
 pub mod task;
-pub mod torque;
-pub mod validation;
+pub mod trajectory;
 pub mod verify;
-pub mod workspace;
 
 #[cfg(test)]
 mod tests;

@@ -1,21 +1,23 @@
-//! Excitation as an optimisation problem: coefficients are the variables, the criterion is the smooth
-//! objective, torques and workspace are the rows `g >= 0`; limits that are linear in the coefficients stand
-//! apart (see [`crate::design::limits`]).
+//! Excitation as an optimisation problem: Fourier coefficients are the variables, the criterion is the smooth objective, torque,
+//! workspace and loop limits are the rows `g >= 0`; limits that are linear in the coefficients stand apart (see
+//! [`crate::design::constraints::joint_limits`]).
 
 use std::sync::{Mutex, PoisonError};
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::chain::model::Model;
-use crate::design::closing::{self, AlongMotion, LoopRows};
-use crate::design::columns::Columns;
-use crate::design::motion::{Joints, Motion};
-use crate::design::observation::{Observation, Workspace as Memory};
-use crate::design::rivals::{self, Rivals};
-use crate::design::series::Basis;
-use crate::design::target::Target;
-use crate::design::torque::Torques;
-use crate::design::workspace::{Rule, Workspace};
+use crate::design::constraints::loop_limits::LoopRows;
+use crate::design::constraints::torque_limits::Torques;
+use crate::design::constraints::workspace::{Rule, Workspace};
+use crate::design::criterion::model_discrimination::{self, Rivals};
+use crate::design::criterion::parameters_of_interest::Target;
+use crate::design::information::columns::Columns;
+use crate::design::information::observation_matrix::{Observation, Workspace as Memory};
+use crate::design::information::torque_laws::SMOOTHING;
+use crate::design::trajectory::finite_differences::{self, AlongMotion};
+use crate::design::trajectory::fourier_series::Basis;
+use crate::design::trajectory::motion::{Joints, Motion};
 use crate::problem::form::{Constraint, Form, Objective, Set, Structure, Variable};
 use crate::problem::{Linearization, OutsideDomain, Problem, Values};
 use crate::setup::limits::JointLimits;
@@ -68,9 +70,6 @@ pub struct Plan<'m> {
     pub rivals: Option<Rivals<'m>>,
 }
 
-/// Share of a joint's velocity limit within which the sign of its velocity is rounded off while optimising.
-pub const SMOOTHING: f64 = 0.01;
-
 impl<'m> Plan<'m> {
     /// Lays out the criterion, the torque rows and the Cartesian rows.
     pub fn experiment(self) -> Experiment<'m> {
@@ -101,7 +100,7 @@ impl Experiment<'_> {
     /// The word of what is optimised.
     pub fn criterion_id(&self) -> &'static str {
         match &self.rivals {
-            Some(_) => rivals::ID,
+            Some(_) => model_discrimination::ID,
             None => self.target.criterion.id(),
         }
     }
@@ -109,7 +108,7 @@ impl Experiment<'_> {
     /// What the reported value is.
     pub fn criterion_meaning(&self) -> &'static str {
         match &self.rivals {
-            Some(_) => rivals::MEANING,
+            Some(_) => model_discrimination::MEANING,
             None => self.target.criterion.meaning(),
         }
     }
@@ -279,8 +278,8 @@ impl<'a> Excitation<'a> {
         if joints.loops.is_some() {
             let mut rows = Rows { excitation: self };
             let limits = &experiment.bounds;
-            closing::slopes(&mut rows, motion, joints, limits, |shifted, by| {
-                closing::to_coefficients(&mut jacobian, (joints, basis), shifted, by);
+            finite_differences::slopes(&mut rows, motion, joints, limits, |shifted, by| {
+                finite_differences::to_coefficients(&mut jacobian, (joints, basis), shifted, by);
             });
             return jacobian;
         }
@@ -313,7 +312,7 @@ struct Rows<'a> {
 
 impl AlongMotion for Rows<'_> {
     fn series(&mut self, motion: &Motion) -> Vec<Vec<f64>> {
-        closing::blocks(&self.excitation.rows(motion), motion.len())
+        finite_differences::blocks(&self.excitation.rows(motion), motion.len())
     }
 }
 
@@ -380,7 +379,7 @@ impl Problem for Excitation<'_> {
             if joints.loops.is_some() {
                 let mut weighted = of.weighted(&graded.gradient, observation);
                 let limits = &experiment.bounds;
-                closing::slopes(&mut weighted, motion, joints, limits, |shifted, by| {
+                finite_differences::slopes(&mut weighted, motion, joints, limits, |shifted, by| {
                     let joint = joints.moving[shifted.motor];
                     slopes.values[shifted.order][joint].copy_from_slice(&by[0]);
                 });

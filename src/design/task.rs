@@ -4,25 +4,26 @@ use std::time::Duration;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::design::columns::Columns;
-use crate::design::compare;
-use crate::design::contenders;
-use crate::design::designed::{Designed, End, NamedTrajectory, rate};
-use crate::design::earlier::Earlier;
+use crate::design::constant_velocity::task;
+use crate::design::constraints::joint_limits::{self, Ends};
+use crate::design::criterion::parameters_of_interest::{Scale, Target};
 use crate::design::error::{DesignError, Unsuitable};
-use crate::design::hold::{self, Held};
-use crate::design::limits::{self, Ends};
-use crate::design::motion::{Joints, Motion};
-use crate::design::output::Sampled;
-use crate::design::prepare::{self, Prepared};
+use crate::design::information::columns::Columns;
+use crate::design::inputs::prepared::{self, Prepared};
+use crate::design::inputs::rival_models;
+use crate::design::inputs::stated_motion::StatedMotion;
 use crate::design::problem::{Excitation, Experiment, Plan};
-use crate::design::search::{Improvement, Search, Settings};
-use crate::design::series::Series;
-use crate::design::start::Starts;
-use crate::design::steady;
-use crate::design::target::{Scale, Target};
+use crate::design::results::comparison;
+use crate::design::results::designed::{Designed, End, NamedTrajectory, rate};
+use crate::design::results::report;
+use crate::design::search::inter_sample_limits::{self, VerifiedMotion};
+use crate::design::search::multistart::{Improvement, Search, Settings};
+use crate::design::search::starts::Starts;
+use crate::design::search::validation_motion;
+use crate::design::trajectory::fourier_series::Series;
+use crate::design::trajectory::motion::{Joints, Motion};
+use crate::design::trajectory::sampled::Sampled;
 use crate::design::verify;
-use crate::design::{report, validation};
 use crate::problem::linear_rows::LinearRows;
 use crate::problem::solution::{Control, Stop};
 use crate::problem_file::ProblemFile;
@@ -50,13 +51,13 @@ pub fn run(
     let columns = columns(problem, &prepared);
     let mut experiment = experiment(problem, &prepared, &columns)?;
     if problem.design.kind.value == DesignKind::ConstantVelocity {
-        return steady::run(problem, &prepared, &experiment);
+        return task::run(problem, &prepared, &experiment);
     }
     let ends = match problem.design.rest_to_rest.value {
         true => Ends::AtRest,
         false => Ends::Free,
     };
-    let rows = limits::rows(&experiment.joints, &experiment.bounds, ends);
+    let rows = joint_limits::rows(&experiment.joints, &experiment.bounds, ends);
     if problem.design.scaling.value == Scaling::Columns {
         experiment.target.scale = columns_scale(&experiment, &rows, seed);
     }
@@ -77,10 +78,10 @@ pub fn run(
         settings: &settings,
         shrink: 1.0,
     };
-    let held = hold::run(&search, control, watch)?;
+    let held = inter_sample_limits::run(&search, control, watch)?;
     let mut designed = conclude(problem, (&prepared, &search), held, seed)?;
     designed.design.reference =
-        reference.map(|r| compare::outcome(problem, (&prepared, &experiment), &r));
+        reference.map(|r| comparison::outcome(problem, (&prepared, &experiment), &r));
     Ok(designed)
 }
 
@@ -89,21 +90,21 @@ fn reference(
     problem: &ProblemFile,
     prepared: &Prepared,
     experiment: &Experiment<'_>,
-) -> Result<Option<Earlier>, DesignError> {
+) -> Result<Option<StatedMotion>, DesignError> {
     let path = problem.design.reference.as_ref();
-    path.map(|path| Earlier::read(path, &experiment.joints, &prepared.names()))
+    path.map(|path| StatedMotion::read(path, &experiment.joints, &prepared.names()))
         .transpose()
 }
 
 fn settings(
     problem: &ProblemFile,
     (prepared, experiment): (&Prepared, &Experiment<'_>),
-    (reference, seed): (Option<&Earlier>, u64),
+    (reference, seed): (Option<&StatedMotion>, u64),
 ) -> Result<Settings, DesignError> {
     let table = &problem.design;
     let mut given = Vec::new();
     if let Some(path) = &table.start_from {
-        let earlier = Earlier::read(path, &experiment.joints, &prepared.names())?;
+        let earlier = StatedMotion::read(path, &experiment.joints, &prepared.names())?;
         let own = earlier.within(&experiment.joints);
         given.push(
             own.ok_or_else(|| DesignError::unsuitable(&path.place, Unsuitable::OtherSeries))?,
@@ -172,7 +173,7 @@ fn experiment<'a>(
         bounds: prepared.limits.clone(),
         rules: prepared.rules(problem)?,
         target: Target {
-            criterion: prepare::criterion(problem),
+            criterion: prepared::criterion(problem),
             wanted: prepared.wanted(problem)?,
             prior: match table.scaling.value {
                 Scaling::None => DMatrix::zeros(columns.len(), columns.len()),
@@ -180,7 +181,7 @@ fn experiment<'a>(
             },
             scale: Scale::None,
         },
-        rivals: contenders::of(problem, prepared)?,
+        rivals: rival_models::of(problem, prepared)?,
     };
     Ok(plan.experiment())
 }
@@ -226,12 +227,12 @@ fn columns_scale(experiment: &Experiment<'_>, rows: &LinearRows, seed: u64) -> S
 fn conclude(
     problem: &ProblemFile,
     (prepared, search): (&Prepared, &Search<'_>),
-    held: Held,
+    held: VerifiedMotion,
     seed: u64,
 ) -> Result<Designed, DesignError> {
     let experiment = search.experiment;
     let is_feasible = held.violation() <= verify::TOLERANCE;
-    let Held { found, margins } = held;
+    let VerifiedMotion { found, margins } = held;
     let end = match found.stop {
         Stop::Interrupted => End::Interrupted,
         _ if !is_feasible => End::Infeasible,
@@ -274,7 +275,7 @@ fn files(
             (name, own.into_owned())
         })
         .collect();
-    if let Some(other) = validation::far_from(search, x, seed) {
+    if let Some(other) = validation_motion::far_from(search, x, seed) {
         pieces.push(("validation_trajectory".to_string(), other));
     }
     let rest = prepared.rest(problem)?;

@@ -7,16 +7,16 @@ use crate::chain::effect::find;
 use crate::chain::evaluate::{Evaluator, Segment};
 use crate::chain::model::{Model, ModelSettings, Payload, Signal};
 use crate::chain::parameter::Role;
-use crate::design::columns::Columns;
+use crate::design::constraints::joint_limits::{Ends, rows};
+use crate::design::constraints::workspace::{Place, Rule};
+use crate::design::criterion::model_discrimination::{Rival, Rivals};
+use crate::design::criterion::parameters_of_interest::{Scale, Target};
 use crate::design::criterion::{CRITERIA, Criterion};
-use crate::design::limits::{Ends, rows};
-use crate::design::motion::{Joints, Motion, of_motors};
+use crate::design::information::columns::Columns;
 use crate::design::problem::{Excitation, Experiment, Plan};
-use crate::design::rivals::{Rival, Rivals};
-use crate::design::series::Series;
-use crate::design::start::Starts;
-use crate::design::target::{Scale, Target};
-use crate::design::workspace::{Place, Rule};
+use crate::design::search::starts::Starts;
+use crate::design::trajectory::fourier_series::Series;
+use crate::design::trajectory::motion::{Joints, Motion, of_motors};
 use crate::problem::Problem;
 use crate::robot::batch::Trajectory;
 use crate::robot::random::{body, generator, symmetric, tree};
@@ -309,7 +309,7 @@ fn matches_the_information_of_a_further_parameter_where_a_rival_contains_the_oth
         Bench::new(&["coulomb_friction", "torque_offset"]),
         joints(1),
     );
-    let basis = crate::design::series::Basis::new(joints.series, SAMPLES);
+    let basis = crate::design::trajectory::fourier_series::Basis::new(joints.series, SAMPLES);
     let motion = Motion::of(&joints, &basis, &some_motion(joints.coefficients(), 3));
     let found = rivals(vec![small, large]).value(&motion, &basis);
     let information = information_of_the_chain(&bench, &motion);

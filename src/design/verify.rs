@@ -1,15 +1,15 @@
-//! Margins of a motion against every limit, on a grid many times finer than that of the design.
+//! Verification: the margins of a motion to every limit, on a grid many times finer than that of the design.
 //!
 //! Position, velocity, acceleration and jerk are kept between instants by a bound (see
-//! [`crate::design::limits`]); torques and workspace are not series of low degree, so for them the dense
+//! [`crate::design::constraints::joint_limits`]); torques and workspace are not series of low degree, so for them the dense
 //! grid decides.
 
 use nalgebra::DVector;
 
-use crate::design::limits::of_order;
-use crate::design::motion::{Joints, MOTION, Motion};
+use crate::design::constraints::joint_limits::of_order;
 use crate::design::problem::Experiment;
-use crate::design::series::{Basis, ORDERS};
+use crate::design::trajectory::fourier_series::{Basis, ORDERS};
+use crate::design::trajectory::motion::{Joints, MOTION, Motion};
 use crate::robot::tree::JointKind;
 
 /// How many times finer than the design's the grid is.

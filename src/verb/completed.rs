@@ -1,6 +1,6 @@
 //! A run that came to a result: the outcome, how it ended, and what else it found.
 
-use crate::design::designed::Designed;
+use crate::design::results::designed::Designed;
 use crate::diagnose::task::DiagnoseRun;
 use crate::estimate::task::FitRun;
 use crate::motors::task::MotorRun;

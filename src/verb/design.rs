@@ -1,7 +1,7 @@
 //! `design`: an excitation trajectory.
 
 use crate::check::Extent;
-use crate::design::designed::{Designed, End, NamedTrajectory};
+use crate::design::results::designed::{Designed, End, NamedTrajectory};
 use crate::design::task;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::folder::ResultFolder;

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::design::criterion::spectrum::{assemble, decompose, eigenvalues, log_mean};
+use crate::design::criterion::eigenvalues::{assemble, decompose, eigenvalues, log_mean};
 use crate::design::criterion::{Criterion, Graded};
 
 /// Smallest longest axis of the confidence ellipsoid.

@@ -1,5 +1,5 @@
-//! What makes a design good: a number for the information matrix of the parameters asked for, and its
-//! gradient. Smaller is better; one file per criterion, one table, [`CRITERIA`].
+//! Optimality criteria: functions of the information matrix of the parameters of interest, with their gradients. Smaller is
+//! better; one file per criterion, one table, [`CRITERIA`].
 //!
 //! Extreme eigenvalues have no gradient where they coincide, and at an optimum they do. So criteria of
 //! extremes are optimised with means of eigenvalues of growing exponent ρ in their place: the mean lies
@@ -8,11 +8,13 @@
 pub mod a_optimal;
 pub mod condition;
 pub mod d_optimal;
+mod definition;
 pub mod e_optimal;
-mod graded;
-pub(super) mod spectrum;
+mod eigenvalues;
+pub mod model_discrimination;
+pub mod parameters_of_interest;
 
-pub use crate::design::criterion::graded::{Criterion, Graded};
+pub use crate::design::criterion::definition::{Criterion, Graded};
 
 /// Every criterion.
 pub const CRITERIA: &[&dyn Criterion] = &[

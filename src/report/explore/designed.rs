@@ -1,6 +1,6 @@
 //! The trajectories of a design over one period, from their coefficients.
 
-use crate::design::series::{Basis, Series};
+use crate::design::trajectory::fourier_series::{Basis, Series};
 use crate::outcome::design::{Design, JointCoefficients};
 use crate::outcome::skeleton::Skeleton;
 use crate::report::explore::encoded::{Quantised, floats};

@@ -1,6 +1,6 @@
 //! The motion that `design` found: limits, joints over time, phase planes, convergence, expected accuracy.
 
-use crate::design::series::{Basis, Series};
+use crate::design::trajectory::fourier_series::{Basis, Series};
 use crate::outcome::Part;
 use crate::outcome::design::{Design, ExpectedDeviation, JointCoefficients};
 use crate::report::escape::{breakable, escape};

@@ -1,0 +1,4 @@
+//! Experiments at constant velocity: one joint after the other moves to and fro at speeds from slow to fast.
+
+pub mod plan;
+pub mod task;

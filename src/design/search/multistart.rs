@@ -1,0 +1,465 @@
+//! Multistart search by sequential quadratic programming: many initial values, promising ones refined, best so far at any time.
+//!
+//! Starts come in rounds. Those of the first are random; those of later ones change the best motion of the rounds
+//! before: all of it a little, the motion of one to three joints altogether, or when a joint does what it does,
+//! because optima near a good one are better than those of random motions. Where that leads no farther, a round is
+//! random again. All starts of a round are improved for a few steps, in parallel; the best are carried to the end.
+//! What a round does depends on the seed and on earlier rounds only, so the number of threads changes nothing.
+
+use std::time::{Duration, Instant};
+
+use nalgebra::DVector;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use crate::design::problem::{Excitation, Experiment};
+use crate::design::search::starts::Starts;
+use crate::problem::Problem;
+use crate::problem::linear_rows::LinearRows;
+use crate::problem::solution::{Control, Stop};
+use crate::problem::view::Nlp;
+use crate::robot::random::generator;
+use crate::solve::error::SolveError;
+use crate::solve::sqp::{self, Constrained, Settings as SqpSettings};
+
+/// Starts of a round, and how many of them are carried to the end.
+const ROUND: usize = 6;
+const CARRIED: usize = 2;
+
+/// Steps before the starts of a round are compared.
+const SCREENING: usize = 50;
+
+/// Steps of one exponent of the criterion, at most.
+const REFINING: usize = 250;
+
+/// Share of what is minimised that ten steps have to gain, of starts that are compared and of those carried to the end.
+const COMPARED: f64 = 1e-5;
+const CARRIED_ON: f64 = 1e-6;
+
+/// How the starts of later rounds come about, in turn.
+const CHANGES: [Change; ROUND] = [
+    Change::Redrawn(2),
+    Change::Disturbed(0.3),
+    Change::Redrawn(1),
+    Change::Redrawn(2),
+    Change::Shifted,
+    Change::Redrawn(3),
+];
+
+/// Rounds without progress after which a search begins again with random motions, and progress as a share of what
+/// is minimised.
+const PATIENCE: usize = 4;
+const PROGRESS: f64 = 1e-4;
+
+/// Σ of violated shares up to which a motion counts as feasible; the dense check decides in the end.
+const FEASIBLE: f64 = 1e-5;
+
+/// When a search ends, and what it starts from.
+#[derive(Debug, Clone, Default)]
+pub struct Settings {
+    /// Number of starts.
+    pub starts: Option<usize>,
+    /// Wall time.
+    pub budget: Option<Duration>,
+    /// Of the random starts: the same seed, the same starts.
+    pub seed: u64,
+    /// Coefficients to start from before random ones.
+    pub given: Vec<DVector<f64>>,
+}
+
+/// Starts of a search for which nothing is stated.
+pub const DEFAULT_STARTS: usize = 12;
+
+/// An improvement of the best value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Improvement {
+    /// s since the search began.
+    pub elapsed: f64,
+    /// Starts made by then.
+    pub starts: usize,
+    /// The criterion's reported value.
+    pub value: f64,
+}
+
+/// The end of a search.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SearchResult {
+    /// Fourier coefficients of all trajectories, in the order of [`crate::design::trajectory::motion::Joints`].
+    pub x: DVector<f64>,
+    /// The criterion's reported value.
+    pub value: f64,
+    /// Σ of violated shares at the samples; zero where the motion is feasible.
+    pub infeasibility: f64,
+    /// Why the search ended.
+    pub stop: Stop,
+    /// Starts made.
+    pub starts: usize,
+    /// Of all starts together.
+    pub iterations: usize,
+    /// Of all starts together, values and gradients alike.
+    pub evaluations: usize,
+    /// Every improvement, in the order of time.
+    pub history: Vec<Improvement>,
+}
+
+impl SearchResult {
+    /// Whether it keeps every limit at the samples.
+    pub fn is_feasible(&self) -> bool {
+        self.infeasibility <= FEASIBLE
+    }
+}
+
+/// A search over one experiment.
+pub struct Search<'a> {
+    /// What is designed.
+    pub experiment: &'a Experiment<'a>,
+    /// Limits that are linear in the coefficients.
+    pub rows: &'a LinearRows,
+    /// When it ends, and what it starts from.
+    pub settings: &'a Settings,
+    /// Share of the limits of torque and workspace that is used.
+    pub shrink: f64,
+}
+
+/// What makes a start of the best motion so far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Change {
+    /// Every coefficient by this share of a change that matters.
+    Disturbed(f64),
+    /// The whole motion of this many joints.
+    Redrawn(usize),
+    /// When a joint does what it does.
+    Shifted,
+}
+
+/// A motion with what it is worth.
+#[derive(Debug, Clone)]
+struct Candidate {
+    x: DVector<f64>,
+    cost: f64,
+    infeasibility: f64,
+    iterations: usize,
+    evaluations: usize,
+}
+
+impl Candidate {
+    /// Feasible before infeasible, then by what is minimised.
+    fn rank(&self) -> (bool, f64) {
+        let infeasible = self.infeasibility > FEASIBLE;
+        let key = if infeasible {
+            self.infeasibility
+        } else {
+            self.cost
+        };
+        (infeasible, key)
+    }
+}
+
+/// Rounds that go on from one another: what the next one changes.
+#[derive(Debug, Default)]
+struct Chain {
+    best: Option<Candidate>,
+    /// Rounds since it improved by what matters.
+    idle: usize,
+}
+
+impl Chain {
+    /// What the next round changes; nothing where the chain has come to its end.
+    fn best(&self) -> Option<&DVector<f64>> {
+        self.best.as_ref().map(|b| &b.x)
+    }
+
+    /// Takes what a round found, and ends after [`PATIENCE`] rounds without progress.
+    fn learn(&mut self, carried: &[Candidate]) {
+        let first = carried.iter().min_by(|a, b| order(&a.rank(), &b.rank()));
+        let Some(first) = first else { return };
+        let before = self.best.as_ref().map(Candidate::rank);
+        let progress = before.is_none_or(|(infeasible, key)| {
+            let (still, new) = first.rank();
+            (infeasible && !still)
+                || (infeasible == still && new < key - PROGRESS * (1.0 + key.abs()))
+        });
+        if before.is_none_or(|b| order(&first.rank(), &b).is_lt()) {
+            self.best = Some(first.clone());
+        }
+        self.idle = if progress { 0 } else { self.idle + 1 };
+        if self.idle >= PATIENCE {
+            *self = Self::default();
+        }
+    }
+}
+
+fn order(a: &(bool, f64), b: &(bool, f64)) -> std::cmp::Ordering {
+    a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+}
+
+impl Search<'_> {
+    /// Runs until the starts or the budget are used up, or the caller stops it; `watch` hears of every
+    /// improvement.
+    pub fn run(
+        &self,
+        control: &Control,
+        watch: impl Fn(&Improvement) + Sync,
+    ) -> Result<SearchResult, SolveError> {
+        let began = Instant::now();
+        let budget = self.settings.budget;
+        let starts = match (self.settings.starts, budget) {
+            (Some(starts), _) => starts,
+            (None, Some(_)) => usize::MAX,
+            (None, None) => DEFAULT_STARTS,
+        };
+        let mut found: Option<SearchResult> = None;
+        let mut chain = Chain::default();
+        let (mut made, mut iterations, mut evaluations) = (0, 0, 0);
+        let stop = loop {
+            if control.is_interrupted() {
+                break Stop::Interrupted;
+            }
+            if made >= starts {
+                break Stop::IterationLimit;
+            }
+            if budget.is_some_and(|b| began.elapsed() >= b) && found.is_some() {
+                break Stop::TimeLimit;
+            }
+            let round = made..(made + ROUND).min(starts);
+            made = round.end;
+            let carried = self.round(round, chain.best(), (control, began))?;
+            chain.learn(&carried);
+            for candidate in carried {
+                iterations += candidate.iterations;
+                evaluations += candidate.evaluations;
+                let improvement = Improvement {
+                    elapsed: began.elapsed().as_secs_f64(),
+                    starts: made,
+                    value: self.value(&candidate.x),
+                };
+                if improves(found.as_ref(), &candidate, improvement.value) {
+                    if candidate.infeasibility <= FEASIBLE {
+                        watch(&improvement);
+                    }
+                    found = Some(self.adopt(found, &candidate, improvement));
+                }
+            }
+        };
+        let mut found = found.unwrap_or_else(|| self.nothing());
+        (found.stop, found.starts) = (self.verdict(stop, &found), made);
+        (found.iterations, found.evaluations) = (iterations, evaluations);
+        Ok(found)
+    }
+
+    /// All planned starts made is the end of a search, not a failure of it.
+    fn verdict(&self, stop: Stop, found: &SearchResult) -> Stop {
+        match stop {
+            Stop::Interrupted => Stop::Interrupted,
+            _ if !found.is_feasible() => Stop::Infeasible,
+            Stop::IterationLimit => Stop::CostTolerance,
+            other => other,
+        }
+    }
+
+    /// Standstill, where the search was stopped before the first round.
+    fn nothing(&self) -> SearchResult {
+        let problem = Excitation::new(self.experiment, 1.0, self.shrink);
+        let x = self.starts(&problem).middle();
+        SearchResult {
+            value: f64::INFINITY,
+            infeasibility: f64::INFINITY,
+            x,
+            stop: Stop::Interrupted,
+            starts: 0,
+            iterations: 0,
+            evaluations: 0,
+            history: Vec::new(),
+        }
+    }
+
+    fn adopt(
+        &self,
+        before: Option<SearchResult>,
+        candidate: &Candidate,
+        by: Improvement,
+    ) -> SearchResult {
+        let mut history = before.map_or_else(Vec::new, |f| f.history);
+        if candidate.infeasibility <= FEASIBLE {
+            history.push(by);
+        }
+        SearchResult {
+            x: candidate.x.clone(),
+            value: by.value,
+            infeasibility: candidate.infeasibility,
+            stop: Stop::IterationLimit,
+            starts: by.starts,
+            iterations: 0,
+            evaluations: 0,
+            history,
+        }
+    }
+
+    /// The criterion's reported value.
+    pub fn value(&self, x: &DVector<f64>) -> f64 {
+        self.experiment.value(x)
+    }
+
+    fn starts<'b>(&'b self, problem: &'b Excitation<'b>) -> Starts<'b> {
+        Starts::of(self.experiment, problem, self.rows)
+    }
+
+    /// The candidates that a round carries to the end.
+    fn round(
+        &self,
+        round: std::ops::Range<usize>,
+        best: Option<&DVector<f64>>,
+        (control, began): (&Control, Instant),
+    ) -> Result<Vec<Candidate>, SolveError> {
+        let mut screened: Vec<Candidate> = round
+            .into_par_iter()
+            .map(|number| self.screen(number, best, (control, began)))
+            .collect::<Result<_, _>>()?;
+        screened.sort_by(|a, b| order(&a.rank(), &b.rank()));
+        let rest: (usize, usize) = screened
+            .iter()
+            .skip(CARRIED)
+            .fold((0, 0), |s, c| (s.0 + c.iterations, s.1 + c.evaluations));
+        screened.truncate(CARRIED);
+        let mut carried: Vec<Candidate> = screened
+            .into_par_iter()
+            .map(|candidate| self.refine(candidate, (control, began)))
+            .collect::<Result<_, _>>()?;
+        if let Some(first) = carried.first_mut() {
+            first.iterations += rest.0;
+            first.evaluations += rest.1;
+        }
+        Ok(carried)
+    }
+
+    /// The generator of one start.
+    fn generator(&self, number: usize) -> ChaCha8Rng {
+        let mut rng = generator(self.settings.seed);
+        rng.set_stream(number as u64 + 1);
+        rng
+    }
+
+    /// One start, a few steps on.
+    fn screen(
+        &self,
+        number: usize,
+        best: Option<&DVector<f64>>,
+        timing: (&Control, Instant),
+    ) -> Result<Candidate, SolveError> {
+        let exponent = self.experiment.exponents()[0];
+        let problem = Excitation::new(self.experiment, exponent, self.shrink);
+        let starts = self.starts(&problem);
+        let mut rng = self.generator(number);
+        let x = match (self.settings.given.get(number), best) {
+            (Some(given), _) => starts.given(given, &mut rng),
+            (None, Some(best)) => match CHANGES[number % ROUND] {
+                Change::Disturbed(size) => starts.disturbed(best, size, &mut rng),
+                Change::Redrawn(joints) => starts.redrawn(best, joints, &mut rng),
+                Change::Shifted => starts.shifted(best, &mut rng),
+            },
+            (None, None) => starts.random(&mut rng),
+        };
+        self.improve(&problem, &x, (SCREENING, COMPARED), timing)
+    }
+
+    /// A candidate carried through all exponents of the criterion.
+    fn refine(
+        &self,
+        candidate: Candidate,
+        timing: (&Control, Instant),
+    ) -> Result<Candidate, SolveError> {
+        let mut current = candidate;
+        for &exponent in self.experiment.exponents() {
+            let problem = Excitation::new(self.experiment, exponent, self.shrink);
+            let next = self.improve(&problem, &current.x, (REFINING, CARRIED_ON), timing)?;
+            current = Candidate {
+                iterations: current.iterations + next.iterations,
+                evaluations: current.evaluations + next.evaluations,
+                ..next
+            };
+        }
+        Ok(current)
+    }
+
+    /// Continues from coefficients of an earlier search; a short one, as after a change of the limits.
+    pub fn continued(
+        &self,
+        x: &DVector<f64>,
+        (control, limit): (&Control, Option<Duration>),
+    ) -> Result<SearchResult, SolveError> {
+        let exponents = self.experiment.exponents();
+        let exponent = exponents[exponents.len() - 1];
+        let problem = Excitation::new(self.experiment, exponent, self.shrink);
+        let start = self.starts(&problem).given(x, &mut self.generator(0));
+        let settings = Settings {
+            budget: limit,
+            ..Settings::default()
+        };
+        let limited = Search {
+            settings: &settings,
+            ..*self
+        };
+        let end = limited.improve(
+            &problem,
+            &start,
+            (REFINING, COMPARED),
+            (control, Instant::now()),
+        )?;
+        Ok(SearchResult {
+            value: self.value(&end.x),
+            infeasibility: end.infeasibility,
+            x: end.x,
+            stop: Stop::CostTolerance,
+            starts: 0,
+            iterations: end.iterations,
+            evaluations: end.evaluations,
+            history: Vec::new(),
+        })
+    }
+
+    fn improve(
+        &self,
+        problem: &Excitation<'_>,
+        x: &DVector<f64>,
+        (steps, progress): (usize, f64),
+        (control, began): (&Control, Instant),
+    ) -> Result<Candidate, SolveError> {
+        let view = Nlp::try_from(problem as &dyn Problem)?.within(self.rows);
+        let settings = SqpSettings {
+            max_iterations: steps,
+            cost_tolerance: 1e-7,
+            progress_tolerance: progress,
+            ..SqpSettings::default()
+        };
+        let limit = self.settings.budget;
+        let own = Control {
+            interrupt: control.interrupt.clone(),
+            time_limit: limit.map(|b| b.saturating_sub(began.elapsed())),
+            progress: None,
+        };
+        let Constrained {
+            solution,
+            infeasibility,
+        } = sqp::minimize(view, x, &settings, &own)?;
+        Ok(Candidate {
+            cost: solution.cost,
+            x: solution.x,
+            infeasibility,
+            iterations: solution.iterations,
+            evaluations: solution.evaluations,
+        })
+    }
+}
+
+/// Whether a candidate takes the place of the best so far.
+fn improves(best: Option<&SearchResult>, candidate: &Candidate, value: f64) -> bool {
+    let Some(best) = best else {
+        return true;
+    };
+    match (best.is_feasible(), candidate.infeasibility <= FEASIBLE) {
+        (false, true) => true,
+        (true, false) => false,
+        (false, false) => candidate.infeasibility < best.infeasibility,
+        (true, true) => value < best.value,
+    }
+}
