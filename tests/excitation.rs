@@ -267,7 +267,7 @@ fn scaled(
     problem: &Excitation<'_>,
 ) -> DVector<f64> {
     let step = (x - middle) * 100.0;
-    let (mut low, mut high) = (0.0, rows.reach(middle, &step));
+    let (mut low, mut high) = (0.0, rows.longest_step(middle, &step));
     let holds = |share: f64| problem.constraints(&(middle + &step * share)).min() >= 0.0;
     if holds(high) {
         low = high;
@@ -384,7 +384,7 @@ fn estimator(robot: &Robot, motion: &Motion) -> DMatrix<f64> {
     let (samples, kept) = (motion.len(), robot.base.kept());
     let [q, dq, ddq] = &motion.values;
     let mut evaluator = Evaluator::along(&robot.model, &robot.values, &kept, samples);
-    let block = evaluator.evaluate_course(Segment::states(Trajectory { q, dq, ddq }, false));
+    let block = evaluator.evaluate_whole(Segment::states(Trajectory { q, dq, ddq }, false));
     let w = DMatrix::from_fn(robot.noise.len() * samples, kept.len(), |row, k| {
         let (c, s) = (row / samples, row % samples);
         block

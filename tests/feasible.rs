@@ -13,7 +13,7 @@ use exid::chain::model::{Model, ModelSettings, Signal};
 use exid::estimate::feasible::MARGIN;
 use exid::estimate::feasible::program::Constraints;
 use exid::estimate::feasible::solve::{Compressed, Setting, estimate};
-use exid::estimate::feasible::standard::{LENGTH, Standard};
+use exid::estimate::feasible::standard::{LENGTH, StandardParameters};
 use exid::estimate::unknowns::Unknowns;
 use exid::problem::solution::{Control, Stop};
 use exid::robot::inertia::Inertia;
@@ -309,7 +309,7 @@ fn solve(seed: u64) -> Found {
         base: BaseParameters::structural(&model, &[false], &none),
         nonlinear: Vec::new(),
     };
-    let standard = Standard::new(&model, &unknowns);
+    let standard = StandardParameters::new(&model, &unknowns);
     let constraints = Constraints::new(&standard, &[]);
     let (matrix, right) = compressed(&regressor.select_columns(&unknowns.base.kept()), &torque);
     let columns = matrix.ncols();

@@ -70,7 +70,7 @@ fn torques(model: &Model, values: &DVector<f64>, course: &Course) -> Vec<Vec<f64
         ..Segment::states(Trajectory { q, dq, ddq }, false)
     };
     let mut evaluator = Evaluator::along(model, values, &[], course.time.len());
-    let block = evaluator.evaluate_course(segment);
+    let block = evaluator.evaluate_whole(segment);
     (0..JOINTS).map(|c| block.value(c).to_vec()).collect()
 }
 

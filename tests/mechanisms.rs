@@ -254,7 +254,7 @@ fn distance_of_forward(problem: &str, rate: f64) -> f64 {
     mechanism.complete_motion(parts, 0..rows).unwrap();
     let [q, dq, ddq] = &motion;
     let mut evaluator = Evaluator::along(&model, &values, &[], rows);
-    let block = evaluator.evaluate_course(Segment::states(Trajectory { q, dq, ddq }, false));
+    let block = evaluator.evaluate_whole(Segment::states(Trajectory { q, dq, ddq }, false));
     let mut forward = Forward::new(&model, &values, false, Accuracy::default()).unwrap();
     let motors = forward.motors().to_vec();
     let at =

@@ -3,7 +3,7 @@
 use exid::chain::dataset::{Dataset, Prepared};
 use exid::chain::effect;
 use exid::diagnose::residuals::prediction_error::PredictionError;
-use exid::diagnose::selection::between_periods::unrolled;
+use exid::diagnose::selection::between_periods::successive_periods;
 use exid::diagnose::selection::time_window;
 use exid::diagnose::task;
 use exid::estimate::covariance::of_unknowns;
@@ -13,7 +13,7 @@ use exid::recording::split::Split;
 use exid::stats::deviation::rms;
 use exid::trials::files::{PROBLEM, prepare};
 use exid::trials::plan::{Plan, Scope};
-use exid::trials::reference_fits::Opened;
+use exid::trials::reference_fits::DeclaredModel;
 use std::fs;
 
 /// A trial with a push of half the usual torque from one time (s) to another.
@@ -73,8 +73,8 @@ fn is_shorter(from: f64, to: f64) -> bool {
     let control = Control::default();
     let plan = pushed(from, to);
     prepare(&plan, folder.path(), &control).unwrap();
-    let opened = Opened::read(&folder.path().join(PROBLEM), &control).unwrap();
-    let data = unrolled(&opened.data);
+    let opened = DeclaredModel::read(&folder.path().join(PROBLEM), &control).unwrap();
+    let data = successive_periods(&opened.data);
     let hypothesis = plan.concealed[0].hypothesis.clone();
     let start = plan.concealed[0].values.clone();
     let fit = opened
@@ -102,7 +102,7 @@ fn errors_of_uncertain_parameters_are_foreseen() {
     plan.concealed.clear();
     plan.known_links = false;
     prepare(&plan, folder.path(), &control).unwrap();
-    let opened = Opened::read(&folder.path().join(PROBLEM), &control).unwrap();
+    let opened = DeclaredModel::read(&folder.path().join(PROBLEM), &control).unwrap();
     let short = |r: &Prepared| match r.split {
         Split::Train => r.part(Split::Train, |row| row < 100),
         Split::Validation => r.clone(),
@@ -116,7 +116,7 @@ fn errors_of_uncertain_parameters_are_foreseen() {
     let context = opened.context(&data, &control);
     let predicted = PredictionError::of(&context, &fit, covariance.as_ref());
     for (c, held_out) in fit.validation.iter().enumerate() {
-        let noise = plan.robot.noise[c] / (plan.course.periods as f64).sqrt();
+        let noise = plan.robot.noise[c] / (plan.length.periods as f64).sqrt();
         let (found, foreseen) = (rms(held_out) / noise, predicted.beside(c, noise) / noise);
         assert!(
             foreseen > 1.5,

@@ -87,7 +87,7 @@ fn settings() -> Settings {
     }
 }
 
-fn report(folder: &Path, manifest: &str) -> Outcome<task::Ran> {
+fn report(folder: &Path, manifest: &str) -> Outcome<task::FinishedFleet> {
     let items = folder.join("items");
     Ok(task::run(
         &folder.join(manifest),

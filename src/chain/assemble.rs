@@ -1,4 +1,4 @@
-//! Lists the parameters of a model: of links, effects, coupling, tilt and load.
+//! Assembly of a model's list of parameters: of links, effects, coupling, tilt and load.
 
 use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::{

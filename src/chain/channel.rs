@@ -1,4 +1,4 @@
-//! A measured series, and the components of a wrench.
+//! Channels of a model: motors' signals and components of a wrench.
 
 /// One measured series.
 #[derive(Debug, Clone, PartialEq)]

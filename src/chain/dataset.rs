@@ -1,4 +1,4 @@
-//! Recordings as estimates use them: motor motion at joint scale, signal, weights of rows, the way back
+//! Datasets: recordings with motor motion at joint scale, signal, weights of rows, the way back
 //! to every recorded sample.
 
 use crate::chain::controller::Commands;

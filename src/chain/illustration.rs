@@ -256,7 +256,7 @@ impl ReferenceMotion {
             loaded: true,
         };
         let mut evaluator = Evaluator::along(model, &model.values(), &[], self.time.len());
-        let current = evaluator.evaluate_course(segment).value(0);
+        let current = evaluator.evaluate_whole(segment).value(0);
         current.iter().map(|i| TORQUE_CONSTANT * i).collect()
     }
 

@@ -25,7 +25,6 @@
 
 pub mod assemble;
 pub mod base_parameters;
-pub mod bodies_alone;
 mod channel;
 pub mod controller;
 pub mod dataset;
@@ -40,6 +39,7 @@ pub mod model;
 pub mod parameter;
 pub mod platform;
 pub mod prior;
+pub mod rigid_bodies_only;
 mod settings;
 pub mod sharing;
 pub mod signal;

@@ -179,7 +179,7 @@ impl Model {
         let active = self.joints.iter().filter(|joint| !joint.locked);
         let all = active.flat_map(|joint| joint.effects.iter().map(|(e, _)| e.needs.memory));
         all.fold(Memory::None, |most, next| match (most, next) {
-            (Memory::Course, _) | (_, Memory::Course) => Memory::Course,
+            (Memory::WholeMotion, _) | (_, Memory::WholeMotion) => Memory::WholeMotion,
             (Memory::Time, _) | (_, Memory::Time) => Memory::Time,
             _ => Memory::None,
         })
@@ -198,8 +198,8 @@ impl Model {
         effects.any(|(effect, _)| matches!(effect.law, Law::Transmission(_)))
     }
 
-    /// The same model with these switches rounded off, N·m (N) of transmitted torque of each joint.
-    pub fn rounded(mut self, widths: &[f64]) -> Self {
+    /// The same model with these switches smoothed, N·m (N) of transmitted torque of each joint.
+    pub fn smoothed(mut self, widths: &[f64]) -> Self {
         for (joint, width) in self.joints.iter_mut().zip(widths) {
             joint.rounding = *width;
         }

@@ -1,4 +1,4 @@
-//! What a model is built from: the robot, its drives, the signal and the effects of every joint.
+//! Settings of a model: the robot, its drives, the signal and the effects of every joint.
 
 use crate::chain::controller::Controller;
 use crate::chain::effect::{Catalogue, Effect, current_polynomial};

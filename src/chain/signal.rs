@@ -1,4 +1,4 @@
-//! What is measured of a robot.
+//! The kinds of measured signal.
 
 use crate::robot::regressor::Rows;
 

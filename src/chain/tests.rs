@@ -94,7 +94,7 @@ fn assert_derivative(model: &Model, (block, segment): (&Block, Segment<'_>), p: 
         moved[p] += step;
         let samples = segment.motors.len();
         Evaluator::along(model, &moved, &[], samples)
-            .evaluate_course(segment)
+            .evaluate_whole(segment)
             .clone()
     };
     let (high, low) = (at(h), at(-h));
@@ -139,7 +139,7 @@ fn assert_derivatives(effects: &[&'static Effect], signal: Signal, seed: u64) {
         loaded: true,
     };
     let block = Evaluator::along(&model, &model.values(), &all, SAMPLES)
-        .evaluate_course(segment)
+        .evaluate_whole(segment)
         .clone();
     for &p in &all {
         assert_derivative(&model, (&block, segment), p);
@@ -174,7 +174,7 @@ fn assert_same_with(
     let [anew, kept] = [(segment, model.values()), (known, values)].map(|(segment, values)| {
         let samples = segment.motors.len();
         let mut evaluator = Evaluator::along(model, &values, columns, samples);
-        evaluator.evaluate_course(segment).clone()
+        evaluator.evaluate_whole(segment).clone()
     });
     let assert_same = |a: &[f64], b: &[f64]| {
         let size = a.iter().fold(0.0_f64, |m, v| m.max(v.abs()));

@@ -1,4 +1,4 @@
-//! Numbers and lists within sentences.
+//! Numbers and lists as parts of a sentence.
 
 /// `joint1`, `joint1 and joint2`, `joint1, joint2 and joint3`.
 pub fn list(names: &[String]) -> String {

@@ -1,8 +1,8 @@
 //! Single channels: cut off at a limit, standing still while the joint moves, too coarse.
 
+use crate::check::context::RawRecording;
 use crate::check::extent::extent;
 use crate::check::report::finding;
-use crate::check::setting::Read;
 use crate::outcome::check::{Finding, Severity};
 use crate::recording::spikes::quantum;
 
@@ -28,12 +28,12 @@ const MOVING_SHARE: f64 = 0.01;
 /// Fewest encoder steps in the range of the motion: with fewer, friction near standstill lies within one.
 const LEAST_STEPS: f64 = 1000.0;
 
-pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
+pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
     let mut findings = Vec::new();
     for channel in 0..read.recording.signal.len() {
         findings.extend(saturated(read, channel).or_else(|| stuck(read, channel)));
     }
-    findings.extend((0..read.setting.moving.len()).filter_map(|joint| coarse(read, joint)));
+    findings.extend((0..read.context.moving.len()).filter_map(|joint| coarse(read, joint)));
     findings
 }
 
@@ -67,7 +67,7 @@ fn beside(series: &[f64], extreme: f64) -> usize {
     series.iter().filter(|x| distance(x) == nearest).count()
 }
 
-fn saturated(read: &Read<'_>, channel: usize) -> Option<Finding> {
+fn saturated(read: &RawRecording<'_>, channel: usize) -> Option<Finding> {
     let series = &read.recording.signal[channel];
     let mut total = 0;
     let mut limits: Vec<String> = Vec::new();
@@ -97,10 +97,10 @@ fn saturated(read: &Read<'_>, channel: usize) -> Option<Finding> {
     })
 }
 
-fn stuck(read: &Read<'_>, channel: usize) -> Option<Finding> {
+fn stuck(read: &RawRecording<'_>, channel: usize) -> Option<Finding> {
     let series = &read.recording.signal[channel];
     let least = (STUCK_S * read.timing.rate_hz).ceil().max(10.0) as usize;
-    let joint = channel.min(read.setting.moving.len() - 1);
+    let joint = channel.min(read.context.moving.len() - 1);
     let position = &read.recording.position[joint];
     let enough = MOVING_QUANTA * quantum(position);
     let enough = enough
@@ -138,7 +138,7 @@ fn stuck(read: &Read<'_>, channel: usize) -> Option<Finding> {
     ))
 }
 
-fn coarse(read: &Read<'_>, joint: usize) -> Option<Finding> {
+fn coarse(read: &RawRecording<'_>, joint: usize) -> Option<Finding> {
     let series = &read.recording.position[joint];
     let (step, range) = (quantum(series), range(series));
     let steps = range / step;

@@ -7,9 +7,9 @@
 
 use crate::chain::effect::DELAY;
 use crate::chain::model::Signal;
+use crate::check::context::PreparedRecording;
 use crate::check::regression::{Columns, Sampled, columns, factor, rest};
 use crate::check::report::finding;
-use crate::check::setting::Ready;
 use crate::outcome::check::{Finding, Severity};
 use crate::stats::robust::median;
 
@@ -48,7 +48,7 @@ struct Delay {
     gain: f64,
 }
 
-pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
+pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Finding> {
     // Where columns are mixed up, the residual has other reasons; a command that acts late is no error of the position that
     // is late.
     if !ready.other_reading.is_empty() || ready.model.signal() == Signal::PositionCommand {
@@ -85,7 +85,7 @@ pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
 }
 
 struct Lagged<'a> {
-    ready: &'a Ready<'a>,
+    ready: &'a PreparedRecording<'a>,
     sampled: &'a Sampled,
     longest: usize,
 }
@@ -147,7 +147,7 @@ impl Lagged<'_> {
     }
 }
 
-fn describe(ready: &Ready<'_>, delays: &[Delay]) -> Vec<Finding> {
+fn describe(ready: &PreparedRecording<'_>, delays: &[Delay]) -> Vec<Finding> {
     let significant = |d: &&Delay| {
         d.samples.abs() > (SIGNIFICANT * d.deviation).max(LEAST_SAMPLES) && d.gain > LEAST_GAIN
     };

@@ -1,8 +1,8 @@
 //! Drift: the power that the signal feeds into the motion changes from period to period.
 
 use crate::chain::effect::WARMING;
+use crate::check::context::PreparedRecording;
 use crate::check::report::finding;
-use crate::check::setting::Ready;
 use crate::outcome::check::{Finding, Severity};
 
 /// Fewest periods that show a trend: three degrees of freedom are left for its error.
@@ -14,7 +14,7 @@ const TREND_SIGMA: f64 = 8.0;
 /// Share of the mean loss by which the ends differ for a trend to matter.
 const TREND_SHARE: f64 = 0.05;
 
-pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
+pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Finding> {
     let experiment = &ready.prepared.experiment;
     let Some(periods) = experiment.periods.filter(|p| p.count >= LEAST_PERIODS) else {
         return Vec::new();

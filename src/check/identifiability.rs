@@ -9,9 +9,9 @@ use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::{GAIN, term_name};
 use crate::chain::model::{JointModel, Model};
 use crate::chain::parameter::{Parameter, Role};
+use crate::check::context::CheckContext;
 use crate::check::regression::{Comparison, Sampled, columns, known_part};
 use crate::check::report::finding;
-use crate::check::setting::Setting;
 use crate::fault::Place;
 use crate::linalg::triangular::{ColumnScaling, Triangular};
 use crate::outcome::check::{Finding, Severity};
@@ -32,10 +32,10 @@ const GUESS: f64 = 0.3;
 /// Names listed in a message.
 const LISTED: usize = 6;
 
-pub(super) fn check(setting: &Setting<'_>, model: &Model, data: &Dataset) -> Vec<Finding> {
+pub(super) fn check(context: &CheckContext<'_>, model: &Model, data: &Dataset) -> Vec<Finding> {
     let no_prior = DMatrix::zeros(0, model.parameters().len());
     let structural = BaseParameters::structural(model, &data.loads(), &no_prior);
-    let mut findings = of_structure(setting, model, &structural);
+    let mut findings = of_structure(context, model, &structural);
     let kept = structural.kept();
     if kept.is_empty() || data.of(Split::Train).next().is_none() {
         return findings;
@@ -44,7 +44,7 @@ pub(super) fn check(setting: &Setting<'_>, model: &Model, data: &Dataset) -> Vec
     let motion = factor.select(&(0..kept.len()).collect::<Vec<_>>());
     let split = scaled(&motion).independent_columns(INDEPENDENT);
     let names = |positions: &[usize]| named(model, positions.iter().map(|&k| kept[k]));
-    let place = || Place::file(&setting.problem.path).key("recordings.train");
+    let place = || Place::file(&context.problem.path).key("recordings.train");
     if !split.dependent.is_empty() {
         findings.push(finding(
             Severity::Warning,
@@ -86,7 +86,7 @@ pub(super) fn check(setting: &Setting<'_>, model: &Model, data: &Dataset) -> Vec
         ));
     }
     if let Some(open) = open {
-        findings.extend(guesses(setting, model, (&kept, &open)));
+        findings.extend(guesses(context, model, (&kept, &open)));
     }
     findings
 }
@@ -182,7 +182,11 @@ impl Open {
 }
 
 /// Friction that the recordings leave open.
-fn guesses(setting: &Setting<'_>, model: &Model, (kept, open): (&[usize], &Open)) -> Vec<Finding> {
+fn guesses(
+    context: &CheckContext<'_>,
+    model: &Model,
+    (kept, open): (&[usize], &Open),
+) -> Vec<Finding> {
     let mut findings = Vec::new();
     for (k, &position) in open.positions.iter().enumerate() {
         let parameter = &model.parameters()[kept[position]];
@@ -190,7 +194,7 @@ fn guesses(setting: &Setting<'_>, model: &Model, (kept, open): (&[usize], &Open)
         if is_friction(model, parameter) && relative > GUESS {
             findings.push(finding(
                 Severity::Note,
-                Place::file(&setting.problem.path).key(&parameter.name),
+                Place::file(&context.problem.path).key(&parameter.name),
                 (
                     "poorly-determined",
                     format!(
@@ -217,10 +221,14 @@ fn is_friction(model: &Model, parameter: &Parameter) -> bool {
 }
 
 /// Parameters that no motion determines although the problem file asks for them.
-fn of_structure(setting: &Setting<'_>, model: &Model, structural: &BaseParameters) -> Vec<Finding> {
-    let place = |name: &str| Place::file(&setting.problem.path).key(name);
+fn of_structure(
+    context: &CheckContext<'_>,
+    model: &Model,
+    structural: &BaseParameters,
+) -> Vec<Finding> {
+    let place = |name: &str| Place::file(&context.problem.path).key(name);
     let mut findings = Vec::new();
-    for name in asked_for(setting, model) {
+    for name in asked_for(context, model) {
         let Ok(parameter) = model.find(&name) else {
             continue;
         };
@@ -251,19 +259,19 @@ fn of_structure(setting: &Setting<'_>, model: &Model, structural: &BaseParameter
             ),
         ));
     }
-    findings.extend(gains(setting, model));
+    findings.extend(gains(context, model));
     findings
 }
 
 /// Parameters of rotors and those that the fit has priors for.
-fn asked_for(setting: &Setting<'_>, model: &Model) -> Vec<String> {
+fn asked_for(context: &CheckContext<'_>, model: &Model) -> Vec<String> {
     let rotor = term_name(JointTerm::RotorInertia);
     let rotors = model
         .parameters()
         .iter()
         .filter(|p| p.name.ends_with(&rotor));
     let mut names: Vec<String> = rotors.map(|p| p.name.clone()).collect();
-    for bound in &setting.problem.fit.bounds {
+    for bound in &context.problem.fit.bounds {
         if !names.contains(&bound.name) {
             names.push(bound.name.clone());
         }
@@ -272,7 +280,7 @@ fn asked_for(setting: &Setting<'_>, model: &Model) -> Vec<String> {
 }
 
 /// A free gain needs something that is known in N·m.
-fn gains(setting: &Setting<'_>, model: &Model) -> Vec<Finding> {
+fn gains(context: &CheckContext<'_>, model: &Model) -> Vec<Finding> {
     let anchored = model
         .parameters()
         .iter()
@@ -286,7 +294,7 @@ fn gains(setting: &Setting<'_>, model: &Model) -> Vec<Finding> {
     let report = |joint: &JointModel| {
         finding(
             Severity::Warning,
-            Place::file(&setting.problem.path).key(format!("{}.{}.{}", joint.name, GAIN.id, GAIN.parameters[0].name)),
+            Place::file(&context.problem.path).key(format!("{}.{}.{}", joint.name, GAIN.id, GAIN.parameters[0].name)),
             (
                 "not-identifiable",
                 "the gain and all inertial and friction parameters are free: only their ratio enters the signal"

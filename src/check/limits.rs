@@ -1,8 +1,8 @@
 //! The motion and the signal against the limits in the robot file.
 
 use crate::chain::model::Signal;
+use crate::check::context::PreparedRecording;
 use crate::check::report::finding;
-use crate::check::setting::Ready;
 use crate::outcome::check::{Finding, Severity};
 
 /// Shares by which limits may be exceeded: controllers overshoot, and files round.
@@ -13,8 +13,8 @@ const EFFORT_SLACK: f64 = 0.05;
 /// Rows beyond an effort limit that are more than noise, as a share.
 const EFFORT_ROWS: f64 = 0.001;
 
-pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
-    let moving = ready.setting.moving.iter().copied();
+pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Finding> {
+    let moving = ready.context.moving.iter().copied();
     moving
         .flat_map(|joint| {
             let found = [
@@ -46,7 +46,7 @@ fn overshoot(
 
 /// `V m`: a series of one joint from those of the motors.
 fn of_joint<'a>(
-    ready: &Ready<'_>,
+    ready: &PreparedRecording<'_>,
     motors: &'a [Vec<f64>],
     joint: usize,
 ) -> impl Iterator<Item = f64> + 'a {
@@ -59,7 +59,7 @@ fn of_joint<'a>(
     })
 }
 
-fn position(ready: &Ready<'_>, joint: usize) -> Option<Finding> {
+fn position(ready: &PreparedRecording<'_>, joint: usize) -> Option<Finding> {
     let description = &ready.model.tree().joints()[joint];
     let limits = &description.limits;
     let (lower, upper) = (limits.lower?, limits.upper?);
@@ -86,7 +86,7 @@ fn position(ready: &Ready<'_>, joint: usize) -> Option<Finding> {
     ))
 }
 
-fn velocity(ready: &Ready<'_>, joint: usize) -> Option<Finding> {
+fn velocity(ready: &PreparedRecording<'_>, joint: usize) -> Option<Finding> {
     let description = &ready.model.tree().joints()[joint];
     let limit = description.limits.velocity.filter(|limit| *limit > 0.0)?;
     let series = of_joint(ready, &ready.prepared.experiment.motion.velocity, joint);
@@ -109,7 +109,7 @@ fn velocity(ready: &Ready<'_>, joint: usize) -> Option<Finding> {
     ))
 }
 
-fn effort(ready: &Ready<'_>, joint: usize) -> Option<Finding> {
+fn effort(ready: &PreparedRecording<'_>, joint: usize) -> Option<Finding> {
     let description = &ready.model.tree().joints()[joint];
     let limit = description.limits.effort.filter(|limit| *limit > 0.0)?;
     // A coupled motor carries the torque of several joints; an error of the position is no effort.

@@ -1,11 +1,11 @@
 //! Joints that the problem locks and the recording moves.
 
+use crate::check::context::CheckContext;
 use crate::check::extent::extent;
 use crate::check::report::finding;
-use crate::check::setting::Setting;
 use crate::fault::Place;
 use crate::outcome::check::{Finding, Severity};
-use crate::setup::read::Named;
+use crate::setup::recording_file::NamedRecording;
 use crate::setup::recordings::read_one;
 use crate::setup::robot::Robot;
 
@@ -14,20 +14,20 @@ use crate::setup::robot::Robot;
 const STILL: f64 = 0.01;
 
 /// Compares positions of locked joints, where the file has them, with those that are stated.
-pub(super) fn check(setting: &Setting<'_>, named: &Named<'_>) -> Vec<Finding> {
-    let locked = &setting.robot.locked;
-    if setting.robot.mechanism.is_some() || locked.iter().all(Option::is_none) {
+pub(super) fn check(context: &CheckContext<'_>, named: &NamedRecording<'_>) -> Vec<Finding> {
+    let locked = &context.robot.locked;
+    if context.robot.mechanism.is_some() || locked.iter().all(Option::is_none) {
         return Vec::new();
     }
     let unlocked = Robot {
         locked: vec![None; locked.len()],
-        ..setting.robot.clone()
+        ..context.robot.clone()
     };
     // Most files do not have columns of joints that are locked.
-    let Ok(recording) = read_one(setting.table, &unlocked, named.path) else {
+    let Ok(recording) = read_one(context.table, &unlocked, named.path) else {
         return Vec::new();
     };
-    let mut recorded = setting.robot.position.clone();
+    let mut recorded = context.robot.position.clone();
     recorded.sort_unstable();
     let of_joint = |k: usize, at: f64| {
         // Joints that follow others have no channel.
@@ -37,7 +37,7 @@ pub(super) fn check(setting: &Setting<'_>, named: &Named<'_>) -> Vec<Finding> {
         (farthest > STILL).then(|| {
             finding(
                 Severity::Error,
-                Place::file(&named.path.resolved).key(&setting.robot.tree.joints()[k].name),
+                Place::file(&named.path.resolved).key(&context.robot.tree.joints()[k].name),
                 (
                     "locked-joint-moves",
                     format!("the joint is locked at {at} and goes from {low:.4} to {high:.4} in the recording"),

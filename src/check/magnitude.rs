@@ -1,7 +1,7 @@
 //! Efforts that are magnitudes: no joint's is ever negative, though joints move both ways.
 
+use crate::check::context::RawRecording;
 use crate::check::report::finding;
-use crate::check::setting::Read;
 use crate::outcome::check::{Finding, Severity};
 use crate::problem_file::choices::Signal;
 
@@ -12,10 +12,10 @@ const BOTH_WAYS: f64 = 0.1;
 /// over with the motion hardly that of a second.
 const LEAST_JOINTS: usize = 2;
 
-pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
-    let kind = read.setting.table.signal.value;
+pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
+    let kind = read.context.table.signal.value;
     let other = matches!(kind, Signal::BaseWrench | Signal::PositionCommand);
-    let joints = 0..read.setting.moving.len();
+    let joints = 0..read.context.moving.len();
     let turning: Vec<usize> = joints.filter(|&j| moves_both_ways(read, j)).collect();
     let series = |joint: usize| read.recording.signal.get(joint);
     let is_magnitude = |joint: &usize| {
@@ -40,7 +40,7 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
     )]
 }
 
-fn moves_both_ways(read: &Read<'_>, joint: usize) -> bool {
+fn moves_both_ways(read: &RawRecording<'_>, joint: usize) -> bool {
     let steps = read.recording.position[joint]
         .windows(2)
         .map(|w| w[1] - w[0]);

@@ -1,13 +1,13 @@
 //! Cells of a recording that hold no number.
 
+use crate::check::context::RawRecording;
 use crate::check::report::finding;
-use crate::check::setting::Read;
 use crate::outcome::check::{Finding, Severity};
 
 /// Share of the rows up to which a logger drops a value now and then.
 const NOW_AND_THEN: f64 = 0.05;
 
-pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
+pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
     let Some(missing) = &read.recording.missing else {
         return Vec::new();
     };

@@ -6,6 +6,7 @@
 //! are still checked.
 
 mod channels;
+mod context;
 mod delay;
 mod drift;
 mod extent;
@@ -21,7 +22,6 @@ mod regression;
 mod report;
 mod robot_file;
 mod scale;
-mod setting;
 mod shared;
 mod signs;
 mod spikes;
@@ -34,7 +34,7 @@ mod tests;
 
 use crate::chain::dataset::Dataset;
 use crate::chain::model::Model;
-use crate::check::setting::{Read, Ready, Setting};
+use crate::check::context::{CheckContext, PreparedRecording, RawRecording};
 use crate::fault::Fault;
 use crate::outcome::check::{Finding, Severity};
 use crate::problem::solution::Control;
@@ -44,13 +44,13 @@ use crate::recording::format::columns_at;
 use crate::recording::samples::Recording;
 use crate::recording::split::Split;
 use crate::setup::error::SetupError;
-use crate::setup::read::{Named, Read as RecordingRead};
+use crate::setup::recording_file::{NamedRecording, ReadRecording};
 use crate::setup::recordings::{list, prepare_one, read_one};
 use crate::setup::shared_rows::shared_rows;
 use crate::setup::{model, prior, robot};
 
 /// Checks of a recording as it was read.
-const OF_READ: &[fn(&Read<'_>) -> Vec<Finding>] = &[
+const OF_READ: &[fn(&RawRecording<'_>) -> Vec<Finding>] = &[
     timing::check,
     missing::check,
     units::check,
@@ -62,7 +62,7 @@ const OF_READ: &[fn(&Read<'_>) -> Vec<Finding>] = &[
 ];
 
 /// Checks of a recording made ready, against the model.
-const OF_READY: &[fn(&Ready<'_>) -> Vec<Finding>] = &[
+const OF_READY: &[fn(&PreparedRecording<'_>) -> Vec<Finding>] = &[
     limits::check,
     timing::check_bandwidth,
     drift::check,
@@ -73,7 +73,7 @@ const OF_READY: &[fn(&Ready<'_>) -> Vec<Finding>] = &[
 ];
 
 /// A check of the training recordings together.
-type OfTraining = fn(&Setting<'_>, &Model, &Dataset) -> Vec<Finding>;
+type OfTraining = fn(&CheckContext<'_>, &Model, &Dataset) -> Vec<Finding>;
 
 const OF_TRAINING: &[OfTraining] = &[motion::check, identifiability::check];
 
@@ -193,7 +193,7 @@ fn with_robot(
     if extent == Extent::Robot {
         return;
     }
-    let setting = Setting::new(problem, table, robot);
+    let context = CheckContext::new(problem, table, robot);
     let mut dataset = Dataset::default();
     let mut complete = true;
     let mut read = Vec::new();
@@ -201,15 +201,15 @@ fn with_robot(
         if control.is_interrupted() {
             return;
         }
-        found.mistakes.extend(locked::check(&setting, &named));
-        match read_and_check(&setting, &named, found) {
-            Some(recording) => read.push(RecordingRead { named, recording }),
+        found.mistakes.extend(locked::check(&context, &named));
+        match read_and_check(&context, &named, found) {
+            Some(recording) => read.push(ReadRecording { named, recording }),
             None => complete &= named.split != Split::Train,
         }
     }
     let shared = shared_rows(table, &read);
     found.faults.extend(shared.iter().map(from_fault));
-    for RecordingRead { named, recording } in read {
+    for ReadRecording { named, recording } in read {
         if control.is_interrupted() {
             return;
         }
@@ -220,7 +220,7 @@ fn with_robot(
             // The regressions that look for mixed-up columns know trees alone.
             Ok(_) if robot.mechanism.is_some() => complete = false,
             Ok(prepared) => {
-                let mut ready = Ready::new(&setting, model, &prepared);
+                let mut ready = PreparedRecording::new(&context, model, &prepared);
                 ready.other_reading = order::find(&ready);
                 let of_ready = OF_READY.iter().flat_map(|check| check(&ready));
                 let of_ready: Vec<Finding> = of_ready.collect();
@@ -237,7 +237,7 @@ fn with_robot(
     }
     if let (Some(model), true, Extent::Everything) = (&model, complete, extent) {
         for check in OF_TRAINING {
-            found.mistakes.extend(check(&setting, model, &dataset));
+            found.mistakes.extend(check(&context, model, &dataset));
         }
     }
 }
@@ -270,19 +270,19 @@ fn build_model(problem: &ProblemFile, robot: &robot::Robot) -> Result<Model, Box
 
 /// Reads a recording and looks at it as it is; `None` where it goes no further.
 fn read_and_check(
-    setting: &Setting<'_>,
-    named: &Named<'_>,
+    context: &CheckContext<'_>,
+    named: &NamedRecording<'_>,
     found: &mut Found,
 ) -> Option<Recording> {
-    let recording = match read_one(setting.table, setting.robot, named.path) {
+    let recording = match read_one(context.table, context.robot, named.path) {
         Ok(recording) => recording,
-        Err(_) if setting.table.reading.is_interrupted() => return None,
+        Err(_) if context.table.reading.is_interrupted() => return None,
         Err(fault) => {
             found.faults.push(from_fault(&fault));
             return None;
         }
     };
-    let read = match Read::new(setting, &recording) {
+    let read = match RawRecording::new(context, &recording) {
         Ok(read) => read,
         Err(fault) => {
             // A wrong unit of time explains what the time base itself can only refuse.
@@ -305,7 +305,7 @@ fn unreadable_files(problem: &ProblemFile) -> Vec<Finding> {
         return Vec::new();
     };
     let named = list(table);
-    let fault = |named: &Named<'_>| columns_at(&named.path.resolved, &table.reading).err();
+    let fault = |named: &NamedRecording<'_>| columns_at(&named.path.resolved, &table.reading).err();
     named
         .iter()
         .filter_map(fault)

@@ -3,10 +3,10 @@
 use crate::chain::dataset::Dataset;
 use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::model::{JointModel, Model};
+use crate::check::context::CheckContext;
 use crate::check::extent::extent;
 use crate::check::regression::still;
 use crate::check::report::finding;
-use crate::check::setting::Setting;
 use crate::fault::Place;
 use crate::outcome::check::{Finding, Severity};
 use crate::recording::split::Split;
@@ -23,10 +23,10 @@ const ONE_SPEED: f64 = 0.15;
 /// Speeds up to this many transition speeds w show friction only on its way up.
 const WIDTHS: f64 = 5.0;
 
-pub(super) fn check(setting: &Setting<'_>, model: &Model, data: &Dataset) -> Vec<Finding> {
-    let joints = setting.moving.iter().copied();
+pub(super) fn check(context: &CheckContext<'_>, model: &Model, data: &Dataset) -> Vec<Finding> {
+    let joints = context.moving.iter().copied();
     joints
-        .filter_map(|joint| of_joint(setting, (model, joint), data))
+        .filter_map(|joint| of_joint(context, (model, joint), data))
         .collect()
 }
 
@@ -34,7 +34,7 @@ pub(super) fn check(setting: &Setting<'_>, model: &Model, data: &Dataset) -> Vec
 type Words = (&'static str, String, String);
 
 fn of_joint(
-    setting: &Setting<'_>,
+    context: &CheckContext<'_>,
     (model, joint): (&Model, usize),
     data: &Dataset,
 ) -> Option<Finding> {
@@ -55,7 +55,7 @@ fn of_joint(
     } else {
         of_speeds(description, model, velocities.collect())
     };
-    let place = Place::file(&setting.problem.path).key(&description.name);
+    let place = Place::file(&context.problem.path).key(&description.name);
     words.map(|words| finding(Severity::Warning, place, words))
 }
 

@@ -6,9 +6,9 @@
 //! deviations: N·G is the logarithm of the likelihood ratio for N rows of normal noise.
 
 use crate::chain::model::Model;
+use crate::check::context::PreparedRecording;
 use crate::check::regression::{Comparison, Sampled, with_tree};
 use crate::check::report::finding;
-use crate::check::setting::Ready;
 use crate::check::shared::{Rows, base};
 use crate::outcome::check::{Finding, Severity};
 use crate::robot::tree::JointKind;
@@ -66,12 +66,12 @@ struct Judged<'a> {
 }
 
 /// What [`find`] has found.
-pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
+pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Finding> {
     ready.other_reading.clone()
 }
 
 /// Looks for a reading of the columns that explains the signal far better than the declared one.
-pub(super) fn find(ready: &Ready<'_>) -> Vec<Finding> {
+pub(super) fn find(ready: &PreparedRecording<'_>) -> Vec<Finding> {
     let comparison = &ready.comparison;
     // A joint that stands still follows any row, and any joint its row.
     let mut channels = comparison.joint_channels();
@@ -273,7 +273,7 @@ fn not_tried(ready: &Ready<'_>, joints: usize) -> Finding {
 }
 
 fn describe(
-    ready: &Ready<'_>,
+    ready: &PreparedRecording<'_>,
     channels: &[(usize, usize)],
     reading: &Reading,
     gain: f64,

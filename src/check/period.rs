@@ -1,13 +1,13 @@
 //! The period of the motion, as runs settle it: stated and wrong, or there and not stated.
 
+use crate::check::context::RawRecording;
 use crate::check::report::finding;
-use crate::check::setting::Read;
 use crate::outcome::check::{Finding, Severity};
 use crate::problem_file::choices::DifferentiationMethod;
 use crate::recording::period;
 
-pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
-    let stated = read.setting.table.period.as_ref().map(|p| p.value);
+pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
+    let stated = read.context.table.period.as_ref().map(|p| p.value);
     let found = match stated {
         Some(period) => of_stated(read, period),
         None => of_unstated(read),
@@ -15,7 +15,7 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
     found.into_iter().collect()
 }
 
-fn of_stated(read: &Read<'_>, stated: f64) -> Option<Finding> {
+fn of_stated(read: &RawRecording<'_>, stated: f64) -> Option<Finding> {
     let settled = period::settle(read.recording, &read.timing, Some(stated));
     let message = settled.remark?;
     let remedy = match settled.period {
@@ -32,8 +32,8 @@ fn of_stated(read: &Read<'_>, stated: f64) -> Option<Finding> {
     ))
 }
 
-fn of_unstated(read: &Read<'_>) -> Option<Finding> {
-    let method = &read.setting.table.differentiation.method;
+fn of_unstated(read: &RawRecording<'_>) -> Option<Finding> {
+    let method = &read.context.table.differentiation.method;
     let sought = |m| m == DifferentiationMethod::Fourier;
     if !method.as_ref().is_none_or(|m| sought(m.value)) {
         return None;

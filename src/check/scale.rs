@@ -3,9 +3,9 @@
 
 use crate::chain::model::Signal;
 use crate::chain::parameter::Role;
+use crate::check::context::PreparedRecording;
 use crate::check::regression::{Columns, Comparison, factor, last_coefficients, rest};
 use crate::check::report::finding;
-use crate::check::setting::Ready;
 use crate::outcome::check::{Finding, Severity};
 use crate::robot::inertia::PER_LINK;
 
@@ -29,7 +29,7 @@ pub(super) struct Factor {
     pub value: f64,
 }
 
-pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
+pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Finding> {
     // A sensor behind the gears has no constant that could be mistaken, and gains of controllers may be unknown.
     let has_constant = !matches!(
         ready.model.signal(),
@@ -55,7 +55,7 @@ pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
 }
 
 /// Factors of the joints whose torque the robot file's inertials explain.
-pub(super) fn factors(ready: &Ready<'_>) -> Vec<Factor> {
+pub(super) fn factors(ready: &PreparedRecording<'_>) -> Vec<Factor> {
     let comparison = &ready.comparison;
     let joints = ready.model.tree().joints();
     let carries_mass = |joint: usize| {
@@ -82,7 +82,11 @@ pub(super) fn factors(ready: &Ready<'_>) -> Vec<Factor> {
         .collect()
 }
 
-fn factor_of(comparison: &Comparison, ready: &Ready<'_>, channel: usize) -> Option<f64> {
+fn factor_of(
+    comparison: &Comparison,
+    ready: &PreparedRecording<'_>,
+    channel: usize,
+) -> Option<f64> {
     let inertials = ready.model.tree().parameters();
     let (bodies, drives): (Vec<_>, Vec<_>) =
         comparison.columns[channel]
@@ -115,7 +119,7 @@ fn factor_of(comparison: &Comparison, ready: &Ready<'_>, channel: usize) -> Opti
     determined.then_some(value[0])
 }
 
-fn of_all(ready: &Ready<'_>, factors: &[Factor]) -> Finding {
+fn of_all(ready: &PreparedRecording<'_>, factors: &[Factor]) -> Finding {
     let in_words = |f: &Factor| match (1e-3..1e4).contains(&f.value.abs()) {
         true => format!("{:.3}", f.value),
         false => format!("{:.2e}", f.value),
@@ -144,7 +148,7 @@ fn of_all(ready: &Ready<'_>, factors: &[Factor]) -> Finding {
 }
 
 /// Too large by the torque constants themselves: the signal is a torque already.
-fn of_current(ready: &Ready<'_>, factors: &[Factor]) -> (&'static str, &'static str) {
+fn of_current(ready: &PreparedRecording<'_>, factors: &[Factor]) -> (&'static str, &'static str) {
     let ratio = |f: &Factor| f.value / ready.model.joints()[f.joint].torque_constant.abs();
     let torque = factors
         .iter()

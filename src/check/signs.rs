@@ -4,10 +4,10 @@
 //! factor between the signal and the torque that the robot file's inertials give.
 
 use crate::chain::effect::knowledge::JointTerm;
+use crate::check::context::PreparedRecording;
 use crate::check::regression::{Comparison, factor, last_coefficients, rest};
 use crate::check::report::finding;
 use crate::check::scale;
-use crate::check::setting::Ready;
 use crate::outcome::check::{Finding, Severity};
 use nalgebra::DVector;
 
@@ -18,7 +18,7 @@ const NEGATIVE_SIGMA: f64 = 15.0;
 /// Share of the signal that the negative friction must make up.
 const LEAST_SHARE: f64 = 0.03;
 
-pub(super) fn check(ready: &Ready<'_>) -> Vec<Finding> {
+pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Finding> {
     let comparison = &ready.comparison;
     // Where columns are mixed up, what they say of friction is no evidence.
     if !comparison.is_meaningful() || !ready.other_reading.is_empty() {

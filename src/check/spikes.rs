@@ -1,14 +1,14 @@
 //! Spikes: single samples far from the median of their neighbours.
 
+use crate::check::context::RawRecording;
 use crate::check::report::finding;
-use crate::check::setting::Read;
 use crate::outcome::check::{Finding, Severity};
 use crate::recording::spikes::{Channel, SPIKE_SIGMA, spikes};
 
 /// Share of the samples up to which spikes cannot move an estimate by a standard deviation or two.
 const FEW: f64 = 0.0005;
 
-pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
+pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
     let signals = read.recording.signal.iter().enumerate();
     let signals = signals
         .filter_map(|(c, s)| Some((read.at_signal(c), "signal", of(read, s, Channel::Jumping)?)));
@@ -52,7 +52,7 @@ struct Spikes {
     size: f64,
 }
 
-fn of(read: &Read<'_>, series: &[f64], channel: Channel) -> Option<Spikes> {
+fn of(read: &RawRecording<'_>, series: &[f64], channel: Channel) -> Option<Spikes> {
     let mut found = spikes(series, channel);
     found.retain(|spike| read.counts(spike.at));
     let largest = found.iter().max_by(|a, b| a.size.total_cmp(&b.size))?;

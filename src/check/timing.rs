@@ -1,7 +1,7 @@
 //! The time base: unit of the stamps, samples that are missing, uneven steps, a rate that the motion outruns.
 
+use crate::check::context::{PreparedRecording, RawRecording};
 use crate::check::report::finding;
-use crate::check::setting::{Read, Ready};
 use crate::fault::Place;
 use crate::outcome::check::{Finding, Severity};
 use crate::recording::experiment::Chosen;
@@ -22,7 +22,7 @@ const VERY_UNEVEN: f64 = 0.3;
 /// Share of half the rate from which a bandwidth that the data chose has no room for noise above it.
 const NO_ROOM: f64 = 0.85;
 
-pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
+pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
     if let Some(found) = wrong_unit(read.recording) {
         return vec![found];
     }
@@ -31,7 +31,7 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
 }
 
 /// How the files of a recording were put together.
-fn joined<'a>(read: &'a Read<'_>) -> impl Iterator<Item = Finding> + 'a {
+fn joined<'a>(read: &'a RawRecording<'_>) -> impl Iterator<Item = Finding> + 'a {
     read.recording.remarks.iter().map(|remark| {
         finding(
             Severity::Note,
@@ -47,7 +47,7 @@ fn joined<'a>(read: &'a Read<'_>) -> impl Iterator<Item = Finding> + 'a {
 }
 
 /// Rows between the samples, repeated or interpolated, which no run uses.
-fn held(read: &Read<'_>) -> Option<Finding> {
+fn held(read: &RawRecording<'_>) -> Option<Finding> {
     let held = read.recording.held.as_ref()?;
     Some(finding(
         Severity::Warning,
@@ -93,7 +93,7 @@ pub(super) fn wrong_unit(recording: &Recording) -> Option<Finding> {
     ))
 }
 
-fn missing(read: &Read<'_>) -> Option<Finding> {
+fn missing(read: &RawRecording<'_>) -> Option<Finding> {
     let gaps = &read.timing.gaps;
     let longest = gaps.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
     let lost: f64 = gaps
@@ -123,7 +123,7 @@ fn missing(read: &Read<'_>) -> Option<Finding> {
     ))
 }
 
-fn uneven(read: &Read<'_>) -> Option<Finding> {
+fn uneven(read: &RawRecording<'_>) -> Option<Finding> {
     let of_clock = read.recording.stamp_jitter;
     let jitter = of_clock.unwrap_or(read.timing.jitter_rms_s);
     let relative = jitter * read.timing.rate_hz;
@@ -157,14 +157,14 @@ fn uneven(read: &Read<'_>) -> Option<Finding> {
 }
 
 /// A motion that fills the whole spectrum: what lies above half the rate folds back.
-pub(super) fn check_bandwidth(ready: &Ready<'_>) -> Vec<Finding> {
+pub(super) fn check_bandwidth(ready: &PreparedRecording<'_>) -> Vec<Finding> {
     let experiment = &ready.prepared.experiment;
     let nyquist = 0.5 * experiment.rate_hz;
     let outrun = |&joint: &usize| {
         let bandwidth = &experiment.bandwidth[joint];
         bandwidth.chosen == Chosen::Data && bandwidth.cutoff_hz > NO_ROOM * nyquist
     };
-    let moving = ready.setting.moving.iter().copied();
+    let moving = ready.context.moving.iter().copied();
     moving
         .filter(outrun)
         .map(|joint| {

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
+use crate::check::context::RawRecording;
 use crate::check::extent::extent;
 use crate::check::report::finding;
-use crate::check::setting::Read;
 use crate::outcome::check::{Finding, Severity};
 
 /// Degrees per radian.
@@ -14,13 +14,13 @@ pub(super) const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 /// driven to their limits, not to a quarter more.
 const DOUBT: f64 = 0.25;
 
-pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
-    let setting = read.setting;
-    if !setting.is_uncoupled() {
+pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
+    let context = read.context;
+    if !context.is_uncoupled() {
         return Vec::new();
     }
-    let revolute: Vec<usize> = (0..setting.moving.len())
-        .filter(|&j| setting.is_revolute(j))
+    let revolute: Vec<usize> = (0..context.moving.len())
+        .filter(|&j| context.is_revolute(j))
         .collect();
     let beyond: Vec<usize> = revolute
         .iter()
@@ -54,7 +54,7 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
                  {low:.4} to {high:.4}",
                 beyond.len(),
                 revolute.len(),
-                setting.joint(worst).name
+                context.joint(worst).name
             ),
             "give positions in radians: multiply by pi/180 (velocities and accelerations too, if they are in \
              degrees)"
@@ -64,17 +64,17 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
 }
 
 /// Lowest and highest position of a joint, the recorded numbers multiplied by `unit`.
-fn reach(read: &Read<'_>, index: usize, unit: f64) -> (f64, f64) {
-    let factor = unit * read.setting.position_factor(index);
-    let offset = read.setting.position_offset(index);
+fn reach(read: &RawRecording<'_>, index: usize, unit: f64) -> (f64, f64) {
+    let factor = unit * read.context.position_factor(index);
+    let offset = read.context.position_offset(index);
     let recorded = read.recording.position[index].iter();
     extent(recorded.map(|q| factor * q + offset))
 }
 
 /// How far a joint goes beyond its limits, in shares of their range; without limits one turn each way is
 /// what cables allow.
-fn excess(read: &Read<'_>, index: usize, unit: f64) -> f64 {
-    let limits = &read.setting.joint(index).limits;
+fn excess(read: &RawRecording<'_>, index: usize, unit: f64) -> f64 {
+    let limits = &read.context.joint(index).limits;
     let (lower, upper) = match (limits.lower, limits.upper) {
         (Some(lower), Some(upper)) if upper > lower => (lower, upper),
         _ => (-TAU, TAU),

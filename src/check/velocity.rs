@@ -2,8 +2,8 @@
 //!
 //! Integrals instead of derivatives: the quantum of an encoder stays one quantum, whatever the rate.
 
+use crate::check::context::RawRecording;
 use crate::check::report::finding;
-use crate::check::setting::Read;
 use crate::check::units::DEGREES;
 use crate::outcome::check::{Finding, Severity};
 use crate::recording::spikes::quantum;
@@ -55,7 +55,7 @@ const REASONS: &[(f64, &str, &str)] = &[
     ),
 ];
 
-pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
+pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
     let Some(velocity) = &read.recording.velocity else {
         return Vec::new();
     };
@@ -90,7 +90,7 @@ pub(super) fn check(read: &Read<'_>) -> Vec<Finding> {
     findings
 }
 
-fn of_factor(read: &Read<'_>, joint: usize, factor: f64) -> Option<Finding> {
+fn of_factor(read: &RawRecording<'_>, joint: usize, factor: f64) -> Option<Finding> {
     if (factor - 1.0).abs() <= FACTOR_TOLERANCE {
         return None;
     }
@@ -113,8 +113,12 @@ fn of_factor(read: &Read<'_>, joint: usize, factor: f64) -> Option<Finding> {
     ))
 }
 
-fn of_order(read: &Read<'_>, (joint, other): (usize, usize), (own, found): (f64, f64)) -> Finding {
-    let other = &read.setting.joint(other).name;
+fn of_order(
+    read: &RawRecording<'_>,
+    (joint, other): (usize, usize),
+    (own, found): (f64, f64),
+) -> Finding {
+    let other = &read.context.joint(other).name;
     finding(
         Severity::Error,
         read.at_joint(joint),
@@ -130,7 +134,7 @@ fn of_order(read: &Read<'_>, (joint, other): (usize, usize), (own, found): (f64,
     )
 }
 
-fn of_another_motion(read: &Read<'_>, joint: usize, own: f64) -> Finding {
+fn of_another_motion(read: &RawRecording<'_>, joint: usize, own: f64) -> Finding {
     finding(
         Severity::Error,
         read.at_joint(joint),
@@ -144,21 +148,21 @@ fn of_another_motion(read: &Read<'_>, joint: usize, own: f64) -> Finding {
     )
 }
 
-fn window(read: &Read<'_>) -> usize {
+fn window(read: &RawRecording<'_>) -> usize {
     ((WINDOW_S * read.timing.rate_hz).round() as usize)
         .max(2)
         .min(read.samples() / 4)
 }
 
 /// Changes of a series over consecutive windows.
-fn changes(read: &Read<'_>, series: &[f64]) -> Vec<f64> {
+fn changes(read: &RawRecording<'_>, series: &[f64]) -> Vec<f64> {
     let window = window(read);
     let ends: Vec<f64> = series.iter().step_by(window).copied().collect();
     ends.windows(2).map(|pair| pair[1] - pair[0]).collect()
 }
 
 /// Integrals of a series over the same windows, by trapezoids.
-fn integrals(read: &Read<'_>, series: &[f64]) -> Vec<f64> {
+fn integrals(read: &RawRecording<'_>, series: &[f64]) -> Vec<f64> {
     let window = window(read);
     let area = |k: usize| 0.5 * (series[k] + series[k + 1]) * (read.time(k + 1) - read.time(k));
     let count = (series.len() - 1) / window;

@@ -1,9 +1,9 @@
 //! `exid check --columns`: what files hold, before anything is said about them.
 
 use crate::cli::args::Look;
-use crate::cli::complain::complain;
 use crate::cli::error::CliError;
 use crate::cli::interrupt;
+use crate::cli::messages::complain;
 use crate::cli::output::print;
 use crate::recording::error::RecordingErrorKind;
 use crate::recording::reading::Reading;

@@ -1,9 +1,9 @@
 //! `exid init`: a problem file from what the files show.
 
 use crate::cli::args::Drafting;
-use crate::cli::complain::complain;
 use crate::cli::error::CliError;
 use crate::cli::interrupt;
+use crate::cli::messages::complain;
 use crate::cli::output::print;
 use crate::init::{self, Sources};
 use crate::outcome::check::Severity;

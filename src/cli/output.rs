@@ -2,8 +2,8 @@
 
 use crate::chain::effect;
 use crate::cli::args::{Printing, Run};
-use crate::cli::complain::complain;
 use crate::cli::error::CliError;
+use crate::cli::messages::complain;
 use crate::cli::{colour, interrupt};
 use crate::outcome::estimate::Solver;
 use crate::outcome::folder::ResultFolder;

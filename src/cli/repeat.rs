@@ -1,9 +1,9 @@
 //! `exid repeat`: the same run again, from the problem kept in the result, and whether it gives the same.
 
 use crate::cli::args::{Campaign, Printing, Repetition, Run, Simulation};
-use crate::cli::earlier::{absolute, prepare};
 use crate::cli::error::CliError;
 use crate::cli::output::{self, print};
+use crate::cli::problem_of_result::{absolute, prepare};
 use crate::cli::{rollout, runs, trials};
 use crate::outcome::difference::{Difference, differences};
 use crate::outcome::document::answer;

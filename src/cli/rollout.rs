@@ -2,8 +2,9 @@
 
 use crate::cli::args::Simulation;
 use crate::cli::error::CliError;
+use crate::cli::problem_of_result;
 use crate::cli::progress::Progress;
-use crate::cli::{earlier, interrupt, output};
+use crate::cli::{interrupt, output};
 use crate::outcome::input::Input;
 use crate::outcome::{Outcome, RESULT_FILE};
 use crate::verb::rollout::{self, RolledResult};
@@ -21,14 +22,14 @@ pub fn run(query: &Simulation) -> Result<u8, CliError> {
         None => Path::new("results").join(&outcome.name).join("rollout"),
     };
     // Before the process moves to where the inputs are.
-    let out = earlier::absolute(&out)?;
+    let out = problem_of_result::absolute(&out)?;
     let result = match query.result.is_dir() {
         true => query.result.join(RESULT_FILE),
         false => query.result.clone(),
     };
     let file = Input::of(&result).ok();
     let mut notes = Vec::new();
-    let mut problem = earlier::prepare(&outcome, &query.set, &mut notes)?;
+    let mut problem = problem_of_result::prepare(&outcome, &query.set, &mut notes)?;
     // What has been read once is not too long.
     output::bound(&mut problem, Some(u64::MAX));
     let target = output::writable(out)?;

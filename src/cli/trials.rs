@@ -14,11 +14,12 @@ use crate::outcome::trials::Trial;
 use crate::outcome::{Outcome, Part};
 use crate::problem::solution::Control;
 use crate::setup::laws;
+use crate::trials::concealed_effect;
 use crate::trials::motion::{Motion, Noise};
 use crate::trials::plan::Scope;
 use crate::trials::robot::KINDS;
+use crate::trials::run as trial;
 use crate::trials::tally::tally;
-use crate::trials::{conceal, run as trial};
 use crate::verb::folder;
 use rayon::prelude::*;
 use std::fs;
@@ -203,7 +204,9 @@ fn scope(campaign: &Campaign) -> Result<Scope, CliError> {
         scope.catalogue = laws::of_files(&absolute)?;
         scope.laws = vec![absolute];
     }
-    let effects: Vec<&'static str> = conceal::effects(&scope.catalogue).map(|e| e.id).collect();
+    let effects: Vec<&'static str> = concealed_effect::effects(&scope.catalogue)
+        .map(|e| e.id)
+        .collect();
     scope.effects.clone_from(&effects);
     if !campaign.effects.is_empty() {
         scope.effects = chosen(("--effects", &campaign.effects), &effects)?;

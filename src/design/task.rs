@@ -36,7 +36,7 @@ const LEAST_PER_CYCLE: usize = 4;
 /// Random motions whose columns' norms make the fixed scale.
 const SCALE_MOTIONS: usize = 8;
 
-/// Designs the motions of a problem file; `watch` hears of every improvement.
+/// Designs the motions of a problem file; `on_improvement` hears of every improvement.
 ///
 /// # Errors
 /// Faults of the problem file and the files it names; requests that no design can meet.
@@ -44,7 +44,7 @@ pub fn run(
     problem: &ProblemFile,
     seed: u64,
     control: &Control,
-    watch: impl Fn(&Improvement) + Sync,
+    on_improvement: impl Fn(&Improvement) + Sync,
 ) -> Result<Designed, DesignError> {
     let prepared = Prepared::read(problem)?;
     prepared.check_unknowns(problem)?;
@@ -78,7 +78,7 @@ pub fn run(
         settings: &settings,
         shrink: 1.0,
     };
-    let held = inter_sample_limits::run(&search, control, watch)?;
+    let held = inter_sample_limits::run(&search, control, on_improvement)?;
     let mut designed = conclude(problem, (&prepared, &search), held, seed)?;
     designed.design.reference =
         reference.map(|r| comparison::outcome(problem, (&prepared, &experiment), &r));

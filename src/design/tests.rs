@@ -232,7 +232,7 @@ fn information_of_the_chain(bench: &Bench, motion: &Motion) -> DMatrix<f64> {
     for loaded in LOADS {
         let segment = Segment::states(Trajectory { q, dq, ddq }, loaded);
         let mut evaluator = Evaluator::along(model, &bench.values, parameters, motion.len());
-        let block = evaluator.evaluate_course(segment);
+        let block = evaluator.evaluate_whole(segment);
         for (c, noise) in NOISE.iter().enumerate() {
             let w = DMatrix::from_fn(motion.len(), parameters.len(), |s, k| {
                 block.derivative(c, k).map_or(0.0, |d| d[s] / noise)

@@ -23,7 +23,7 @@ use crate::diagnose::simulator::{self, Side};
 use crate::diagnose::stage::Stage;
 use crate::estimate::bandwidth;
 use crate::estimate::estimator::Estimator;
-use crate::estimate::figures::{Predictions, noise_rms};
+use crate::estimate::goodness_of_fit::{Predictions, noise_rms};
 use crate::estimate::fit::fit;
 use crate::estimate::sharing::{self, Question};
 use crate::estimate::task::{machine, possible_machine};
@@ -350,9 +350,9 @@ impl Search<'_> {
             between_periods::sought(&halves.whole, declared.fit.model.catalogue(), self.rules);
         if let Some(effects) = changing.filter(|_| !control.is_interrupted()) {
             (self.watch)(Stage::Drift);
-            let unrolled = between_periods::unrolled(&halves.whole);
-            let unrolled = self::halves(unrolled, self.held_out);
-            let mut over_time = unrolled.contexts(self.problem, self.robot, control);
+            let successive_periods = between_periods::successive_periods(&halves.whole);
+            let successive_periods = self::halves(successive_periods, self.held_out);
+            let mut over_time = successive_periods.contexts(self.problem, self.robot, control);
             over_time.set(&declared.limits, declared.noise.as_deref());
             // What is selected there is of other rows than those that a defect leaves.
             let apart = Reached::default();
@@ -360,7 +360,7 @@ impl Search<'_> {
             if let Some(reported) = over_periods(&explaining, &explanation.full, &effects)? {
                 return Ok(Searched::Found(Box::new(Found {
                     reported,
-                    data: Some(unrolled.whole),
+                    data: Some(successive_periods.whole),
                 })));
             }
         }

@@ -1,4 +1,4 @@
-//! The bandwidth of motions that do not repeat, by the likelihood of the signal.
+//! The bandwidth of motions that do not repeat, chosen by the likelihood of the signal.
 //!
 //! The spectrum of a motion tells where its acceleration is lost in noise, and that is where the search begins. What
 //! matters is the torque: friction turns over within a few milliseconds of a reversal, an inertia asks for the
@@ -14,17 +14,17 @@
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
 use crate::chain::prior::Prior;
-use crate::estimate::coarse::minimise;
 use crate::estimate::estimator::Estimator;
 use crate::estimate::noise::counting_rows;
 use crate::estimate::unknowns::Unknowns;
+use crate::estimate::warm_start::minimise;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::recording::experiment::Chosen;
 use crate::recording::settings::Method;
 use crate::recording::split::Split;
 use crate::setup::error::SetupError;
-use crate::setup::read::Read;
+use crate::setup::recording_file::ReadRecording;
 use crate::setup::recordings::{prepare_all, read_all};
 use crate::setup::robot::Robot;
 use crate::stats::robust::median;
@@ -123,7 +123,7 @@ struct Search<'a> {
     model: &'a Model,
     prior: &'a Prior,
     control: &'a Control<'a>,
-    read: Vec<Read<'a>>,
+    read: Vec<ReadRecording<'a>>,
     begin_hz: f64,
 }
 

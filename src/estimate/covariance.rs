@@ -10,8 +10,8 @@
 //! where the fit follows it; their power is divided by 1 − h(f), h the leverage `diag(X(f) B X(f)ᴴ)`, smoothed alike.
 
 use crate::chain::dataset::Prepared;
-use crate::estimate::colour::{self, Colour};
-use crate::estimate::gaps::Gapped;
+use crate::estimate::coloured_noise::{self, ColouredNoise};
+use crate::estimate::cross_spectra::MaskedResiduals;
 use crate::estimate::noise::ResidualSeries;
 use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::rows::{Task, visit_errors};
@@ -52,12 +52,12 @@ pub fn of_unknowns_in(
     let counted: Vec<Counted> = (0..problem.recordings.len())
         .map(|index| counted(problem, index, &residuals[index]))
         .collect();
-    let views: Vec<colour::Counted<'_>> = counted.iter().map(Counted::view).collect();
+    let views: Vec<coloured_noise::Counted<'_>> = counted.iter().map(Counted::view).collect();
     let colour = match problem.noise {
-        NoiseSource::Periods => Colour::of_periods(problem.recordings),
+        NoiseSource::Periods => ColouredNoise::of_periods(problem.recordings),
         NoiseSource::Residuals => None,
     };
-    let colour = colour.unwrap_or_else(|| Colour::of(&views));
+    let colour = colour.unwrap_or_else(|| ColouredNoise::of(&views));
     let mut meat = DMatrix::zeros(count, count);
     for (index, recording) in problem.recordings.iter().enumerate() {
         let part = Part {
@@ -168,15 +168,15 @@ struct Counted {
 }
 
 impl Counted {
-    fn view(&self) -> colour::Counted<'_> {
-        colour::Counted {
+    fn view(&self) -> coloured_noise::Counted<'_> {
+        coloured_noise::Counted {
             residuals: &self.residuals,
             counts: &self.counts,
         }
     }
 
     /// Innovations of all channels.
-    fn innovations(&self, colour: &Colour, cyclic: bool) -> Self {
+    fn innovations(&self, colour: &ColouredNoise, cyclic: bool) -> Self {
         let channels = self.residuals.iter().zip(&self.counts).enumerate();
         let of = |(c, (series, counts)): (usize, (&Vec<f64>, &Vec<bool>))| {
             colour.innovations(c, (series, counts), cyclic)
@@ -193,7 +193,7 @@ struct Part<'a> {
     recording: &'a Prepared,
     index: usize,
     counted: &'a Counted,
-    colour: &'a Colour,
+    colour: &'a ColouredNoise,
 }
 
 impl Part<'_> {
@@ -411,7 +411,7 @@ fn powers(
         let frequencies = 0..transform.frequencies();
         return frequencies.map(|f| periodogram(at(f))).collect();
     }
-    let gapped = Gapped {
+    let gapped = MaskedResiduals {
         residuals: &residuals,
         counts: &counts,
     };

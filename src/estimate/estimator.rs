@@ -1,4 +1,4 @@
-//! How parameters follow from recordings, and which recordings and knowledge they follow from.
+//! The estimators by name, and the training recordings and prior that they use.
 
 use crate::chain::dataset::Prepared;
 use crate::chain::prior::Prior;

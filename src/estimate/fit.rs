@@ -1,4 +1,4 @@
-//! One fit from recordings to everything that is reported of it.
+//! A fit: estimation, covariance, and everything that is reported of it.
 //!
 //! | estimator | weights |
 //! |---|---|
@@ -15,15 +15,15 @@ use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::{JointModel, Model};
 use crate::chain::parameter::{Parameter, Role};
 use crate::chain::prior::Prior;
-use crate::estimate::coarse::minimise;
 use crate::estimate::covariance::of_unknowns;
 use crate::estimate::error::EstimateError;
 use crate::estimate::estimator::Estimator;
-use crate::estimate::figures::{Predictions, figures, predictions};
+use crate::estimate::goodness_of_fit::{Predictions, figures, predictions};
 use crate::estimate::noise::counting_rows;
 use crate::estimate::physical::{Estimated, report};
 use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::unknowns::Unknowns;
+use crate::estimate::warm_start::minimise;
 use crate::estimate::{gain_intervals, ratios, realization, torque_constants};
 use crate::linalg::triangular::{ColumnScaling, Triangular};
 use crate::outcome::estimate::{Estimate, Solver};

@@ -1,4 +1,4 @@
-//! Intervals beside a gain that is estimated.
+//! Confidence intervals of controller gains and of the parameters that are estimated with them, by Fieller's theorem.
 //!
 //! The error of a controller is linear in 1/kp and in the ratios θ/kp of what its joint has, `s = (τ + kd (ṁ − v_c) − u)/kp`, and
 //! their errors are normal as far out as those of the noise. Those of kp and θ are not where kp is not told well:

@@ -1,4 +1,4 @@
-//! One search for the least squares of a problem, and the covariance of its residuals.
+//! One least-squares solution of a fit problem, and the covariance of its residuals.
 
 use crate::estimate::error::EstimateError;
 use crate::estimate::noise::row_covariance;

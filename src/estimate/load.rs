@@ -1,4 +1,4 @@
-//! The load as a body: principal axes, and whether a body can have its parameters.
+//! The load as a body: principal moments and axes of inertia, and whether a body can have its parameters.
 //!
 //! `I_c = Σ_k λ_k a_k a_kᵀ`, and to first order `dλ_k = a_kᵀ dI_c a_k`. A body with these parameters exists
 //! if `m > 0` and no λ exceeds the sum of the other two, which is a positive definite pseudo-inertia

@@ -1,4 +1,4 @@
-//! The weights of an estimator and the search that goes with them.
+//! Minimisation for each estimator: weights of the residuals, iterated where they follow from the residuals.
 
 use crate::chain::dataset::Prepared;
 use crate::chain::model::{Channel, Model};

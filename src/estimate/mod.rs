@@ -4,56 +4,56 @@
 //!
 //! | step | files |
 //! |---|---|
-//! | the task | `task` chooses the fit: `fit`, `noisy_fit`, `feasible/`, `difference` of a load |
+//! | the task | `task` chooses the fit: `fit`, `errors_in_variables_fit`, `feasible/`, `load_by_difference` of a load |
 //! | bandwidth of the motion | `bandwidth` |
 //! | the problem that solvers take | `problem` over the `unknowns`, its rows from `rows` and `weights`, compressed by `compress` |
-//! | where it starts | `start`, `reach`, `shapes` |
-//! | the optimum | `coarse`, `minimise`, `optimum`, `rounded`; a single search is `least_squares` |
-//! | weights from residuals | `reweight`, `noise`, `colour`, `gaps` |
+//! | where it starts | `start`, `search_range`, `start_grid` |
+//! | the optimum | `warm_start`, `minimise`, `optimum`, `smoothing_method`; a single search is `least_squares` |
+//! | weights from residuals | `reweight`, `noise`, `coloured_noise`, `cross_spectra` |
 //! | covariance and intervals | `covariance`, with `torque_constants` |
-//! | what is reported | `physical`, `realization`, `load`, `reactions`, `figures`, `contest`, `remarks` |
+//! | what is reported | `physical`, `realization`, `load`, `reactions`, `goodness_of_fit`, `model_comparison`, `remarks` |
 //! | parameters that joints have in common | `sharing` |
 
 pub mod bandwidth;
-mod coarse;
-mod colour;
+pub(crate) mod canonical_sines;
+mod coloured_noise;
 pub mod compress;
-pub mod contest;
 pub mod covariance;
-pub mod difference;
+mod cross_spectra;
 pub mod error;
+pub mod errors_in_variables;
+pub mod errors_in_variables_fit;
 pub mod estimator;
 pub mod feasible;
-pub mod figures;
 pub mod fit;
 mod gain_intervals;
-mod gaps;
+pub mod goodness_of_fit;
 mod least_squares;
 pub mod load;
+pub mod load_by_difference;
 pub mod minimise;
-pub mod motion;
+pub mod model_comparison;
 pub mod noise;
-pub mod noisy_fit;
 mod optimum;
 pub mod physical;
 pub mod problem;
 pub(crate) mod ratios;
-pub mod reach;
 pub mod reactions;
 pub mod realization;
 pub mod remarks;
 mod reweight;
-mod rounded;
 pub(crate) mod rows;
-mod shapes;
+pub mod search_range;
 pub mod sharing;
-pub(crate) mod sines;
+mod smoothing_method;
 pub mod spectrum;
 pub mod standstill;
 mod start;
+mod start_grid;
 pub mod task;
 pub mod torque_constants;
 pub mod unknowns;
+mod warm_start;
 pub mod weights;
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
-//! The optimum of one problem, over the transition speeds too.
+//! The least-squares optimum of one problem, from a warm start or from its initial values.
 
 use crate::estimate::error::EstimateError;
 use crate::estimate::least_squares::ITERATION_LIMIT;
 use crate::estimate::problem::FitProblem;
-use crate::estimate::rounded::{accumulate, search};
+use crate::estimate::smoothing_method::{accumulate, search};
 use crate::estimate::start;
 use crate::problem::solution::{Control, Solution};
 

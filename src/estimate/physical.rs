@@ -1,5 +1,5 @@
-//! From the raw parameters of the estimate to the quantities that engineers read: mass, centre of mass,
-//! inertia about the centre of mass, constants of effects, each with what the data say of it.
+//! Physical parameters from the raw parameters of an estimate: mass, centre of mass, inertia about the centre of mass, constants
+//! of effects, each with its uncertainty and with what determines it.
 //!
 //! `c = h/m`, `I_c = I − m (cᵀc·1 − c cᵀ)`; standard deviations by first-order propagation.
 

@@ -1,4 +1,4 @@
-//! The fit as a problem: `½ ‖W (ŝ(x) − s)‖² + ½ ‖prior(x)‖²` over the unknowns x, which every solver takes.
+//! The fit as an optimisation problem: `½ ‖W (ŝ(x) − s)‖² + ½ ‖prior(x)‖²` over the unknowns x, which every solver takes.
 
 use crate::chain::dataset::Prepared;
 use crate::chain::evaluate::KnownBodies;
@@ -6,7 +6,7 @@ use crate::chain::model::Model;
 use crate::chain::prior::Prior;
 use crate::estimate::compress::{Request, factor, sum_of_squares};
 use crate::estimate::noise::{ResidualSeries, residuals};
-use crate::estimate::rows::course;
+use crate::estimate::rows::whole_motion;
 use crate::estimate::standstill;
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::{RowFactors, Weights};
@@ -45,8 +45,8 @@ pub struct FitProblem<'a> {
     moving: Option<RowFactors>,
     form: Form,
     columns: Vec<usize>,
-    /// The model with the switches of losses rounded off, while an optimum is searched.
-    rounded: Option<Box<Model>>,
+    /// The model with the switches of losses smoothed, while an optimum is searched.
+    smoothed: Option<Box<Model>>,
     /// What the bodies do along the recordings, shared by problems that differ in neither.
     bodies: Arc<OnceLock<Vec<Option<KnownBodies>>>>,
     /// The factor that was asked for last, and where.
@@ -97,7 +97,7 @@ impl<'a> FitProblem<'a> {
             factors: moving.clone(),
             moving,
             columns,
-            rounded: None,
+            smoothed: None,
             bodies: Arc::default(),
             last: Mutex::default(),
         }
@@ -137,16 +137,16 @@ impl<'a> FitProblem<'a> {
             moving: self.moving.clone(),
             form: self.form.clone(),
             columns: self.columns.clone(),
-            rounded: self.rounded.clone(),
+            smoothed: self.smoothed.clone(),
             bodies: Arc::default(),
             last: Mutex::default(),
         }
     }
 
-    /// The same fit with the switches of losses rounded off, N·m (N) of transmitted torque of each joint.
-    pub fn rounded(&self, widths: &[f64]) -> Self {
+    /// The same fit with the switches of losses smoothed, N·m (N) of transmitted torque of each joint.
+    pub fn smoothed(&self, widths: &[f64]) -> Self {
         Self {
-            rounded: Some(Box::new(self.model.clone().rounded(widths))),
+            smoothed: Some(Box::new(self.model.clone().smoothed(widths))),
             bodies: Arc::clone(&self.bodies),
             ..self.along(self.recordings)
         }
@@ -243,7 +243,7 @@ impl<'a> FitProblem<'a> {
     fn request<'b>(&'b self, values: &'b DVector<f64>) -> Request<'b> {
         Request {
             bodies: self.bodies.get_or_init(|| self.known_bodies()),
-            model: self.rounded.as_deref().unwrap_or(self.model),
+            model: self.smoothed.as_deref().unwrap_or(self.model),
             values,
             columns: &self.columns,
             weights: &self.weights,
@@ -279,8 +279,8 @@ impl FitProblem<'_> {
         }
         let values = self.parameters(&self.start());
         let of = |recording: &&Prepared| {
-            let course = course(self.model, recording);
-            KnownBodies::linear(self.model, &values, &self.columns, course)
+            let whole_motion = whole_motion(self.model, recording);
+            KnownBodies::linear(self.model, &values, &self.columns, whole_motion)
         };
         self.recordings.iter().map(of).collect()
     }

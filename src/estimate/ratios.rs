@@ -1,4 +1,4 @@
-//! Gains of controllers that nothing tells the size of, and what is known in ratio to them.
+//! Parameters that are determined only in ratio to a controller's gain, and what is known of them.
 //!
 //! Of the signal `s = (τ_mot + kd (ṁ − v_c) − u) / kp` every part of τ_mot that is unknown may scale with kp, and with it a
 //! known one of the same shape: kd beside viscous friction, the inertia of a known link beside that of a rotor. Then

@@ -9,8 +9,8 @@
 //! of those. Base reactions know nothing of the forces inside, and θ_d comes out free of friction.
 
 use crate::chain::base_parameters::BaseParameters;
-use crate::chain::bodies_alone::bodies_alone;
 use crate::chain::model::{Model, Signal};
+use crate::chain::rigid_bodies_only::rigid_bodies_only;
 use crate::outcome::fit::{BaseParameter, Posterior};
 use crate::stats::distribution::Distribution;
 use nalgebra::{DMatrix, DVector};
@@ -47,7 +47,7 @@ pub fn map(
 /// θ_d with the uncertainty of a fit to base reactions; combinations that the fit does not determine are
 /// left out.
 pub fn joint_torque_parameters(model: &Model, posterior: &Posterior) -> Vec<BaseParameter> {
-    let Ok(bodies) = bodies_alone(model, Signal::Torque) else {
+    let Ok(bodies) = rigid_bodies_only(model, Signal::Torque) else {
         return Vec::new();
     };
     let loads: &[bool] = if model.payload().is_some() {

@@ -66,7 +66,7 @@ pub fn find(model: &Model, unknowns: &Unknowns, values: &DVector<f64>) -> Option
     if bodies.is_empty() {
         return None;
     }
-    let class = Class::new(model, unknowns, values, &bodies);
+    let class = EquivalenceClass::new(model, unknowns, values, &bodies);
     let margin = class.largest_margin()?;
     let chosen = if margin > 0.0 {
         class
@@ -105,7 +105,7 @@ pub fn nearest(
     if bodies.is_empty() || !covariance.iter().all(|c| c.is_finite()) {
         return None;
     }
-    let class = Class::new(model, unknowns, values, &bodies);
+    let class = EquivalenceClass::new(model, unknowns, values, &bodies);
     class.nearest(&unknowns.positions(), covariance)
 }
 
@@ -115,7 +115,7 @@ fn smallest_eigenvalue(values: &DVector<f64>, first: usize) -> f64 {
 }
 
 /// The equivalence class `π_0 + N z`.
-struct Class<'a> {
+struct EquivalenceClass<'a> {
     values: &'a DVector<f64>,
     reference: DVector<f64>,
     bodies: &'a [usize],
@@ -126,7 +126,7 @@ struct Class<'a> {
     slopes: DMatrix<f64>,
 }
 
-impl<'a> Class<'a> {
+impl<'a> EquivalenceClass<'a> {
     fn new(
         model: &Model,
         unknowns: &Unknowns,

@@ -1,4 +1,4 @@
-//! What a reader should know of a fit, in sentences: preprocessing, assumptions, and what the model leaves.
+//! Remarks on a fit in sentences: preprocessing, assumptions, lack of fit.
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;

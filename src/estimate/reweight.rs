@@ -1,4 +1,4 @@
-//! Weights that follow from the residuals or from the scatter of periods, and the optimum under them.
+//! Iteratively reweighted least squares, by robust weights of the residuals and by the covariance of repeated periods.
 //!
 //! Maximum likelihood takes the covariance Σ of a period average across channels from the scatter of P
 //! periods about it, which has (P − 1) N degrees of freedom for N rows (Swevers et al. 2002, section 4.3), as
@@ -15,7 +15,7 @@ use crate::estimate::least_squares::{ITERATION_LIMIT, ITERATIONS_PER_ROUND, cova
 use crate::estimate::noise::{ResidualSeries, counting_rows};
 use crate::estimate::optimum::searched;
 use crate::estimate::problem::{FitProblem, NoiseSource};
-use crate::estimate::rounded::{accumulate, search};
+use crate::estimate::smoothing_method::{accumulate, search};
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::{RowFactors, Weights};
 use crate::problem::solution::{Control, Solution};

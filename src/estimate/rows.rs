@@ -1,5 +1,5 @@
-//! Rows of a recording, block by block: predicted and recorded signal and the derivatives, after the
-//! filter that runs over signal and model alike, if the recording has one.
+//! Rows of a recording, block by block: predicted and recorded signal and their derivatives, behind the filter that runs over
+//! signal and model alike, if the recording has one.
 
 use crate::chain::dataset::Prepared;
 use crate::chain::effect::Memory;
@@ -20,17 +20,17 @@ fn task_rows(rows: usize) -> usize {
 pub(crate) struct Task<'a> {
     pub recording: &'a Prepared,
     pub range: Range<usize>,
-    /// What the bodies do along [`course`], where it is known.
+    /// What the bodies do along [`whole_motion`], where it is known.
     pub bodies: Option<&'a KnownBodies>,
 }
 
 /// Whether rows cannot be had without all rows: a filter runs over them, or a law has memory.
 pub(super) fn needs_all(model: &Model, recording: &Prepared) -> bool {
-    recording.experiment.parallel.is_some() || model.memory() == Memory::Course
+    recording.experiment.parallel.is_some() || model.memory() == Memory::WholeMotion
 }
 
 /// What rows of a recording are computed along: all of it, or the rows that are used.
-pub(super) fn course<'a>(model: &Model, recording: &'a Prepared) -> Segment<'a> {
+pub(super) fn whole_motion<'a>(model: &Model, recording: &'a Prepared) -> Segment<'a> {
     match needs_all(model, recording) {
         true => recording.whole(),
         false => recording.segment(),
@@ -123,7 +123,7 @@ pub(crate) fn visit(
     mut visitor: impl FnMut(&RowBlock<'_>),
 ) {
     let recording = task.recording;
-    let own = course(model, recording);
+    let own = whole_motion(model, recording);
     let segment = Segment {
         bodies: task.bodies.or(own.bodies),
         ..own
@@ -249,14 +249,14 @@ impl Stored {
             count,
             columns: vec![Vec::new(); channels * count],
         };
-        let course = model.memory() == Memory::Course;
-        let (mut evaluator, size) = match course {
+        let whole_motion = model.memory() == Memory::WholeMotion;
+        let (mut evaluator, size) = match whole_motion {
             true => (Evaluator::along(model, values, columns, rows), rows.max(1)),
             false => (Evaluator::new(model, values, columns), BLOCK),
         };
         for start in (0..rows).step_by(size) {
-            let block = match course {
-                true => evaluator.evaluate_course(segment),
+            let block = match whole_motion {
+                true => evaluator.evaluate_whole(segment),
                 false => {
                     let range = start..rows.min(start + size);
                     evaluator.evaluate(segment, range)

@@ -15,7 +15,7 @@ use crate::chain::sharing::Sharing;
 use crate::chain::transition_limits::TransitionLimits;
 use crate::chain::words::{list, short};
 use crate::estimate::fit::Fitted;
-use crate::estimate::reach;
+use crate::estimate::search_range;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::parameter::{Parameter, Source};
 use crate::outcome::sharing::{SeparateValue, SharedParameter, Sharing as Answer};
@@ -120,7 +120,7 @@ fn fit_beside<E: From<SetupError>>(
     let mut model = setup::model::build_with_addition(problem, robot, &addition)?;
     let prior = setup::prior::build(problem, robot, &mut model)?;
     model.limit_transitions(question.limits);
-    reach::start_within(&mut model, question.data);
+    search_range::start_within_motion(&mut model, question.data);
     for p in 0..model.parameters().len() {
         let parameter = &model.parameters()[p];
         let before = fitted.model.find(&parameter.name);

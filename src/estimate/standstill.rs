@@ -1,5 +1,4 @@
-//! Rows at which a joint rests: static friction lies anywhere between −Fc and Fc there, and its torque says
-//! nothing of parameters. A joint rests where its speed cannot be told from zero, `|ṁ| <= 3σ` with the deviation σ of the
+//! Standstill: rows at which a joint does not move. Static friction lies anywhere between −Fc and Fc there, and its torque says
 //! error of the speed, for longer than a reversal takes; where the transition speed w of Coulomb friction is known, also
 //! where it creeps, `|ṁ| <= w`. Such stretches are left out of the fit of that joint.
 

@@ -1,5 +1,5 @@
-//! Where a nonlinear fit starts: the linear unknowns at their optimum, and the shape of every friction law at the
-//! best end of searches from a grid.
+//! Initial values of a nonlinear fit: the linear unknowns at their optimum, and the nonlinear parameters of every friction law at
+//! the best end of local searches from a grid.
 //!
 //! A friction law has shallow optima besides the deepest one (bristles as stiff as sampling can tell, a scale of speed
 //! that no speed reaches, an excess at low speed that stands in for viscous friction), and one search finds the
@@ -15,8 +15,8 @@ use crate::estimate::error::EstimateError;
 use crate::estimate::least_squares::{ITERATIONS_PER_ROUND, solve};
 use crate::estimate::noise::predict;
 use crate::estimate::problem::FitProblem;
-use crate::estimate::reach::Motion;
-use crate::estimate::shapes::{Others, Point, Shapes};
+use crate::estimate::search_range::MotionRange;
+use crate::estimate::start_grid::{JointSearches, OtherUnknowns, Point};
 use crate::estimate::unknowns::Unknowns;
 use crate::problem::Problem;
 use crate::problem::form::Structure;
@@ -57,7 +57,7 @@ pub(super) fn find(
         return Ok(declared);
     }
     let laws: Vec<Vec<usize>> = joints.map(|joint| of_motor(problem, joint)).collect();
-    let alone = Shapes::new(problem, &declared, (&laws, Others::Free));
+    let alone = JointSearches::new(problem, &declared, (&laws, OtherUnknowns::Free));
     let (_, mut best): (Vec<f64>, Vec<Point>) = best_ends(&alone, &grids).into_iter().unzip();
     best.push(gains);
     let mut x = at(problem, &best, control)?;
@@ -135,7 +135,7 @@ fn revised(
     let value = |p: &usize| Some((*p, x[unknowns.iter().position(|u| u == p)?]));
     let point = |law: &Vec<usize>| law.iter().filter_map(value).collect();
     let here: Vec<Point> = laws.iter().map(point).collect();
-    let whole = Shapes::new(problem, x, (laws, Others::AsElsewhere));
+    let whole = JointSearches::new(problem, x, (laws, OtherUnknowns::AsElsewhere));
     let mut points = whole.search(&here, STEPS);
     let mut any = false;
     for (point, end) in points.iter_mut().zip(best_ends(&whole, grids)) {
@@ -148,7 +148,7 @@ fn revised(
 }
 
 /// The best end of every joint of searches from all points of its grid, and what it leaves.
-fn best_ends(shapes: &Shapes<'_>, grids: &[Vec<Point>]) -> Vec<(f64, Point)> {
+fn best_ends(shapes: &JointSearches<'_>, grids: &[Vec<Point>]) -> Vec<(f64, Point)> {
     let mut points = grids.to_vec();
     let mut best = Vec::new();
     for (steps, kept) in ROUNDS {
@@ -207,7 +207,7 @@ fn at(
 /// Points of the shapes of a joint's friction laws, the declared one first.
 fn grid(problem: &FitProblem<'_>, joint: usize) -> Vec<Point> {
     let model = problem.model;
-    let motion = Motion::of(problem.recordings, joint);
+    let motion = MotionRange::of(problem.recordings, joint);
     let mut points = vec![Vec::new()];
     let mut declared = Vec::new();
     for &p in &problem.unknowns.nonlinear {

@@ -1,17 +1,17 @@
-//! The task behind `exid fit`: from a problem file to what is reported.
+//! The task behind `exid fit`: from a problem to the reported estimate.
 
 use crate::chain::dataset::Dataset;
 use crate::chain::model::{Model, Signal};
 use crate::chain::prior::Prior;
 use crate::chain::transition_limits::TransitionLimits;
-use crate::estimate::contest::{self, Entrant};
+use crate::estimate::model_comparison::{self, ComparedModel};
 use crate::estimate::error::EstimateError;
 use crate::estimate::estimator::Estimator;
 use crate::estimate::feasible::{self, Form};
 use crate::estimate::fit::{Fitted, fit, in_full};
 use crate::estimate::remarks::{misfit, notes, preprocessing, undetermined_load};
 use crate::estimate::sharing::{self, Question};
-use crate::estimate::{bandwidth, difference, load, noisy_fit, reach, reactions};
+use crate::estimate::{bandwidth, errors_in_variables_fit, load, load_by_difference, reactions, search_range};
 use crate::fault::Place;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::fit::Comparison;
@@ -82,22 +82,22 @@ impl Step {
     }
 }
 
-/// Runs a fit; `watch` hears of every step.
+/// Runs a fit; `on_step` hears of every step.
 pub fn run(
     problem: &ProblemFile,
     control: &Control<'_>,
-    watch: impl Fn(Step),
+    on_step: impl Fn(Step),
 ) -> Result<FitRun, FitError> {
     let robot = setup::robot::open(problem)?;
     let mut model = setup::model::build(problem, &robot)?;
     let prior = setup::prior::build(problem, &robot, &mut model)?;
-    watch(Step::Reading);
+    on_step(Step::Reading);
     let data = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
     let mut limits = TransitionLimits::of(&data);
-    watch(Step::Fitting);
+    on_step(Step::Fitting);
     let (mut fitted, mut defect) = loop {
         model.limit_transitions(&limits);
-        reach::start_within(&mut model, &data);
+        search_range::start_within_motion(&mut model, &data);
         let (fitted, defect) = or_before_defect(control, |control| {
             fitted_by(problem, &model, (&data, &prior), control)
         })?;
@@ -135,7 +135,7 @@ pub fn run(
         control,
     };
     if !problem.fit.compare.is_empty() {
-        watch(Step::Comparing);
+        on_step(Step::Comparing);
         let compared = guarded(|| others.compare(&mut fitted));
         match compared {
             Ok(compared) => compared?,
@@ -143,7 +143,7 @@ pub fn run(
         }
     }
     if !problem.drive.shared.is_empty() && defect.is_none() && !control.is_interrupted() {
-        watch(Step::Sharing);
+        on_step(Step::Sharing);
         match guarded(|| others.shared(&fitted)) {
             Ok(Ok(answers)) => fitted.fit.sharing = answers,
             Ok(Err(error)) => fitted.fit.notes.push(sharing::unanswered(&error)),
@@ -206,7 +206,7 @@ impl OtherModels<'_> {
             let mut other = setup::model::build_compared(problem, self.robot, effects)?;
             let prior = setup::prior::build(problem, self.robot, &mut other)?;
             other.limit_transitions(self.limits);
-            reach::start_within(&mut other, data);
+            search_range::start_within_motion(&mut other, data);
             let result = estimate(problem, &other, (data, &prior), self.control)?
                 .map_err(|error| failed(problem, error))?;
             fitted.fit.comparison.push(Comparison {
@@ -221,17 +221,17 @@ impl OtherModels<'_> {
             fitted.fit.notes.push(note.to_string());
             return Ok(());
         }
-        let this = Entrant {
+        let this = ComparedModel {
             name: THIS_FIT,
             predictions: &fitted.predictions,
         };
         let compared = fitted.fit.comparison.iter().zip(&others);
-        let compared = compared.map(|(c, predictions)| Entrant {
+        let compared = compared.map(|(c, predictions)| ComparedModel {
             name: &c.name,
             predictions,
         });
-        let entrants: Vec<Entrant<'_>> = std::iter::once(this).chain(compared).collect();
-        fitted.fit.contests = contest::contests(&fitted.model, data, &entrants);
+        let models: Vec<ComparedModel<'_>> = std::iter::once(this).chain(compared).collect();
+        fitted.fit.contests = model_comparison::comparisons(&fitted.model, data, &models);
         Ok(())
     }
 
@@ -316,7 +316,7 @@ fn estimate(
         choices::Estimator::WeightedLeastSquares => return plain(Estimator::Weighted),
         choices::Estimator::IterativelyReweightedLeastSquares => return plain(Estimator::Robust),
         choices::Estimator::MaximumLikelihood if problem.fit.motion.value == Motion::Noisy => {
-            return Ok(noisy_fit::fit(model, data, prior, control));
+            return Ok(errors_in_variables_fit::fit(model, data, prior, control));
         }
         choices::Estimator::MaximumLikelihood => return plain(Estimator::MaximumLikelihood),
         choices::Estimator::Feasible => Form::Weighted,
@@ -352,7 +352,7 @@ fn by_difference(
     (data, prior): (&Dataset, &Prior),
     control: &Control<'_>,
 ) -> Result<Result<Fitted, EstimateError>, SetupError> {
-    let unloaded = match difference::without_load(model, data) {
+    let unloaded = match load_by_difference::without_load(model, data) {
         Ok(unloaded) => unloaded,
         Err(error) => return Ok(Err(error)),
     };
@@ -365,5 +365,5 @@ fn by_difference(
         _ => Estimator::MaximumLikelihood,
     };
     let first = estimate(problem, model, (&unloaded, prior), control)?;
-    Ok(first.and_then(|first| difference::second(first, data, (estimator, control))))
+    Ok(first.and_then(|first| load_by_difference::second(first, data, (estimator, control))))
 }

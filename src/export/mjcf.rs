@@ -2,7 +2,7 @@
 
 use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::of_term;
-use crate::export::closing;
+use crate::export::loop_constraints;
 use crate::export::xml::{escaped, triple};
 use crate::export::{Export, File, term};
 use crate::outcome::machine::{Machine, MachineJoint, Motion, Pose};
@@ -75,14 +75,14 @@ pub fn document(machine: &Machine, natives: &[Native], actuation: Actuation) -> 
         text = text.replace("  <worldbody>\n", extension);
     }
     sites(machine, None, "    ", &mut text);
-    closing::sites(machine, None, "    ", &mut text);
+    loop_constraints::sites(machine, None, "    ", &mut text);
     bodies((machine, natives), None, "    ", &mut text);
     text.push_str("  </worldbody>\n");
-    let equalities = [couplings(machine), closing::equalities(machine)].concat();
+    let equalities = [couplings(machine), loop_constraints::equalities(machine)].concat();
     if !equalities.is_empty() {
         text.push_str(&format!("  <equality>\n{equalities}  </equality>\n"));
     }
-    text.push_str(&closing::rods(machine));
+    text.push_str(&loop_constraints::rods(machine));
     if actuation == Actuation::Plugin {
         text.push_str("  <actuator>\n");
         for joint in &machine.joints {
@@ -141,7 +141,7 @@ fn bodies(
         let _ = writeln!(text, "{inner}{}", inertial(&body));
         let _ = writeln!(text, "{inner}{}", moving(joint, &natives[k]));
         sites(machine, Some(k), &inner, text);
-        closing::sites(machine, Some(k), &inner, text);
+        loop_constraints::sites(machine, Some(k), &inner, text);
         bodies((machine, natives), Some(k), &inner, text);
         let _ = writeln!(text, "{indent}</body>");
     }

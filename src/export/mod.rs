@@ -3,13 +3,12 @@
 //! Each format takes what it has a place for; what it has none for stands in a side file or in the notes,
 //! never silently left out.
 
-mod closing;
 mod code;
-mod dress;
 mod drive;
 pub mod error;
 mod file;
 mod language;
+mod loop_constraints;
 mod mjcf;
 mod mujoco;
 mod program;
@@ -20,6 +19,7 @@ pub mod table;
 mod tape;
 mod term;
 mod urdf;
+mod urdf_edit;
 mod xml;
 
 use crate::chain::effect::{Law, TILT, find};

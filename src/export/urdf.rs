@@ -4,8 +4,8 @@
 //! of links behind fixed joints are part of the moving link that carries them. Otherwise a file is written
 //! from the geometry alone.
 
-use crate::export::dress::{dress, dynamics};
 use crate::export::error::ExportError;
+use crate::export::urdf_edit::{dress, dynamics};
 use crate::export::xml::{escaped, triple};
 use crate::export::{Export, File, side_file};
 use crate::outcome::machine::{Machine, MachineFrame, MachineJoint, Motion, Pose};

@@ -5,7 +5,7 @@ use crate::diagnose;
 use crate::estimate;
 use crate::fault::Fault;
 use crate::fleet::error::FleetError;
-use crate::fleet::item::{CameTo, Done, Found, SetAside, Value};
+use crate::fleet::item::{Done, Found, ItemOutcome, SetAside, Value};
 use crate::fleet::key;
 use crate::fleet::manifest::{Entry, Verb};
 use crate::fleet::settings::Settings;
@@ -27,8 +27,8 @@ const MOST_ABANDONED: u32 = 5;
 
 /// What an item came to, and whether this run has worked on it.
 #[derive(Debug)]
-pub struct Worked {
-    pub came_to: CameTo,
+pub struct AttemptedItem {
+    pub came_to: ItemOutcome,
     pub work: Work,
 }
 
@@ -44,7 +44,7 @@ pub enum Work {
 /// The end of looking at an item.
 #[derive(Debug)]
 pub enum Looked {
-    Worked(Worked),
+    AttemptedItem(AttemptedItem),
     /// It was under way when a process was killed, and is to be done alone when all others are done.
     Later,
     /// The run is interrupted.
@@ -62,7 +62,7 @@ pub enum Turn {
 /// What one worker works with.
 pub struct Worker<'a> {
     pub settings: &'a Settings,
-    pub store: &'a Store<CameTo>,
+    pub store: &'a Store<ItemOutcome>,
     /// The folder of the manifest, which messages leave out.
     pub folder: &'a Path,
     /// Set when an item's time is over, or the run is interrupted.
@@ -122,14 +122,14 @@ impl Worker<'_> {
         clock: &(dyn Fn(Running) + Sync),
     ) -> Result<Looked, FleetError> {
         let aside = |fault: Failure, attempts| {
-            CameTo::SetAside(SetAside {
+            ItemOutcome::SetAside(SetAside {
                 code: fault.code,
                 message: self.without_folder(&fault.message),
                 attempts,
             })
         };
         let earlier = |came_to| {
-            Looked::Worked(Worked {
+            Looked::AttemptedItem(AttemptedItem {
                 came_to,
                 work: Work::Earlier,
             })
@@ -141,7 +141,7 @@ impl Worker<'_> {
             Err(fault) => return Ok(earlier(aside(fault, 0))),
         };
         match self.store.read(&key) {
-            Some(CameTo::SetAside(_)) if self.settings.again => {}
+            Some(ItemOutcome::SetAside(_)) if self.settings.again => {}
             Some(came_to) => return Ok(earlier(came_to)),
             None => {}
         }
@@ -166,7 +166,7 @@ impl Worker<'_> {
                     return Ok(Looked::Interrupted);
                 }
                 match result {
-                    Ok(done) => break CameTo::Done(done),
+                    Ok(done) => break ItemOutcome::Done(done),
                     Err(fault)
                         if fault.again == Again::Perhaps && attempts <= self.settings.retries => {}
                     Err(fault) => break aside(fault, attempts),
@@ -174,7 +174,7 @@ impl Worker<'_> {
             }
         };
         self.store.keep(&key, &came_to)?;
-        Ok(Looked::Worked(Worked {
+        Ok(Looked::AttemptedItem(AttemptedItem {
             came_to,
             work: Work::Now,
         }))

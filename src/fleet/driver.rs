@@ -4,9 +4,9 @@
 //! otherwise begin another, and its time would count. Items and results pass one by one, so that memory does not grow with
 //! the manifest.
 
-use crate::fleet::attempt::{Looked, Running, Turn, Work, Worked, Worker};
+use crate::fleet::attempt::{AttemptedItem, Looked, Running, Turn, Work, Worker};
 use crate::fleet::error::FleetError;
-use crate::fleet::item::{CameTo, Item};
+use crate::fleet::item::{Item, ItemOutcome};
 use crate::fleet::manifest::{Entry, Manifest};
 use crate::fleet::settings::{Counts, Settings};
 use crate::fleet::store::Store;
@@ -26,7 +26,7 @@ const TICK: Duration = Duration::from_millis(20);
 /// A fleet at work.
 pub struct Driver<'a> {
     pub settings: &'a Settings,
-    pub store: &'a Store<CameTo>,
+    pub store: &'a Store<ItemOutcome>,
     pub interrupt: Arc<AtomicBool>,
 }
 
@@ -49,7 +49,7 @@ struct Shared<'a> {
 
 struct Sent {
     entry: Entry,
-    worked: Worked,
+    worked: AttemptedItem,
 }
 
 /// Says that the run is over, however it ends.
@@ -76,7 +76,7 @@ impl<F: FnMut(Item, Counts) -> Result<(), FleetError>> Tally<F> {
     fn note(&mut self, sent: Sent) -> Result<(), FleetError> {
         self.counts.items += 1;
         self.counts.now += u64::from(sent.worked.work == Work::Now);
-        self.counts.set_aside += u64::from(matches!(sent.worked.came_to, CameTo::SetAside(_)));
+        self.counts.set_aside += u64::from(matches!(sent.worked.came_to, ItemOutcome::SetAside(_)));
         let item = Item {
             entry: sent.entry,
             came_to: sent.worked.came_to,
@@ -225,7 +225,7 @@ impl Shared<'_> {
             clock.flag.store(false, Ordering::Relaxed);
         };
         match worker.look(&entry, turn, &running)? {
-            Looked::Worked(worked) => Ok(Some(Sent { entry, worked })),
+            Looked::AttemptedItem(worked) => Ok(Some(Sent { entry, worked })),
             Looked::Later => {
                 locked(&self.later).push(entry);
                 Ok(None)

@@ -19,7 +19,7 @@ pub struct Kept<T> {
 /// What an item came to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum CameTo {
+pub enum ItemOutcome {
     Done(Done),
     SetAside(SetAside),
 }
@@ -84,5 +84,5 @@ pub struct SetAside {
 /// An item and what it came to.
 pub struct Item {
     pub entry: Entry,
-    pub came_to: CameTo,
+    pub came_to: ItemOutcome,
 }

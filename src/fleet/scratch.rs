@@ -4,7 +4,7 @@
 
 use crate::fleet::error::FleetError;
 use crate::fleet::history::Night;
-use crate::fleet::item::{CameTo, Found, Item, Value};
+use crate::fleet::item::{Found, Item, ItemOutcome, Value};
 use crate::outcome::fleet::{Failure, Reason, Shown};
 use crate::outcome::parameter::Source;
 use crate::stats::random_effects::Pooled;
@@ -108,8 +108,8 @@ impl Scratch {
         let entry = &item.entry;
         let nothing = Vec::new();
         let (values, findings, fault) = match &item.came_to {
-            CameTo::Done(done) => (&done.values, done.findings.as_slice(), None),
-            CameTo::SetAside(aside) => (&nothing, &[][..], Some(aside)),
+            ItemOutcome::Done(done) => (&done.values, done.findings.as_slice(), None),
+            ItemOutcome::SetAside(aside) => (&nothing, &[][..], Some(aside)),
         };
         let findings = serde_json::to_string(findings).map_err(|e| FleetError::not_sorted(&e))?;
         let mut insert = self

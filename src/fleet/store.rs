@@ -113,16 +113,16 @@ impl<T: Serialize + DeserializeOwned> Store<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::item::{CameTo, Done};
+    use crate::fleet::item::{Done, ItemOutcome};
 
     const KEY: &str = "ab12";
 
     #[test]
     fn what_is_kept_is_read_and_what_is_torn_is_not() {
         let folder = tempfile::tempdir().unwrap();
-        let store = Store::<CameTo>::open(&folder.path().join("items")).unwrap();
+        let store = Store::<ItemOutcome>::open(&folder.path().join("items")).unwrap();
         assert_eq!(store.read(KEY), None);
-        let done = CameTo::Done(Done::default());
+        let done = ItemOutcome::Done(Done::default());
         store.begin(KEY, 0).unwrap();
         assert_eq!(store.abandoned(KEY), 1);
         store.keep(KEY, &done).unwrap();
@@ -144,7 +144,7 @@ mod tests {
     #[test]
     fn abandoned_attempts_are_counted() {
         let folder = tempfile::tempdir().unwrap();
-        let store = Store::<CameTo>::open(folder.path()).unwrap();
+        let store = Store::<ItemOutcome>::open(folder.path()).unwrap();
         store.begin(KEY, 0).unwrap();
         store.begin(KEY, store.abandoned(KEY)).unwrap();
         assert_eq!(store.abandoned(KEY), 2);

@@ -15,7 +15,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A fleet whose items are done.
-pub struct Ran {
+pub struct FinishedFleet {
     /// How many items were done and set aside.
     pub counts: Counts,
     /// Absent of a part of a manifest, and of a run that was interrupted.
@@ -39,7 +39,7 @@ impl Results {
     }
 }
 
-/// Works through a manifest; `watch` hears how far it is.
+/// Works through a manifest; `on_progress` hears how far it is.
 ///
 /// # Errors
 /// Faults of the manifest, of the folder of items, or of the temporary database. Faults of items are results.
@@ -48,8 +48,8 @@ pub fn run(
     items: &Path,
     settings: &Settings,
     interrupt: Arc<AtomicBool>,
-    watch: impl Fn(Counts),
-) -> Result<Ran, FleetError> {
+    on_progress: impl Fn(Counts),
+) -> Result<FinishedFleet, FleetError> {
     let opened = Manifest::open(manifest)?;
     let store = Store::open(items)?;
     let scratch = match settings.shard {
@@ -62,7 +62,7 @@ pub fn run(
         interrupt: Arc::clone(&interrupt),
     };
     let counts = driver.run(opened, |item, counts| {
-        watch(counts);
+        on_progress(counts);
         scratch
             .as_ref()
             .map_or(Ok(()), |scratch| scratch.add(&item))
@@ -78,5 +78,5 @@ pub fn run(
         }
         _ => None,
     };
-    Ok(Ran { counts, results })
+    Ok(FinishedFleet { counts, results })
 }

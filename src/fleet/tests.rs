@@ -1,11 +1,11 @@
 //! Fleets of a robot of one joint: what is kept, what is set aside, what is said.
 
-use crate::fleet::item::{CameTo, Done, Item, Value};
+use crate::fleet::item::{Done, Item, ItemOutcome, Value};
 use crate::fleet::manifest::{Entry, Verb};
 use crate::fleet::scratch::Scratch;
 use crate::fleet::shard::Shard;
 use crate::fleet::summary::summarise;
-use crate::fleet::task::{Counts, Ran, Settings, run};
+use crate::fleet::task::{Counts, FinishedFleet, Settings, run};
 use crate::outcome::fleet::{Fleet, Reason};
 use crate::outcome::parameter::Source;
 use crate::robot::random::generator;
@@ -67,7 +67,7 @@ impl Plant {
         self.folder.path().join(name)
     }
 
-    fn run(&self, items: &str, settings: &Settings) -> Ran {
+    fn run(&self, items: &str, settings: &Settings) -> FinishedFleet {
         let no_interrupt = Arc::<AtomicBool>::default();
         run(
             &self.path("m.csv"),
@@ -106,7 +106,7 @@ fn settings(threads: usize) -> Settings {
     }
 }
 
-fn table(ran: &Ran) -> Vec<u8> {
+fn table(ran: &FinishedFleet) -> Vec<u8> {
     let mut table = Vec::new();
     ran.results
         .as_ref()
@@ -329,7 +329,7 @@ impl Numbers {
                     }
                 });
                 items.push(Item {
-                    came_to: CameTo::Done(Done {
+                    came_to: ItemOutcome::Done(Done {
                         values: values.collect(),
                         findings: Vec::new(),
                     }),

@@ -39,7 +39,7 @@ const REST: Link = Link {
 
 /// A vector with its first two derivatives in time at q̈ = 0.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Course {
+pub(super) struct TimeDerivatives {
     pub value: Vector3<f64>,
     pub rate: Vector3<f64>,
     pub second: Vector3<f64>,
@@ -93,11 +93,11 @@ impl<'a> Links<'a> {
     }
 
     /// A point of a link.
-    pub fn point(&self, anchor: &Anchor) -> Course {
+    pub fn point(&self, anchor: &Anchor) -> TimeDerivatives {
         let link = self.link(anchor.link);
         let arm = link.rotation * anchor.point;
         let swing = link.spin.cross(&arm);
-        Course {
+        TimeDerivatives {
             value: link.origin + arm,
             rate: link.velocity + swing,
             second: link.acceleration + link.spin_rate.cross(&arm) + link.spin.cross(&swing),
@@ -105,11 +105,11 @@ impl<'a> Links<'a> {
     }
 
     /// A direction fixed to a link.
-    pub fn direction(&self, link: Option<usize>, direction: &Vector3<f64>) -> Course {
+    pub fn direction(&self, link: Option<usize>, direction: &Vector3<f64>) -> TimeDerivatives {
         let link = self.link(link);
         let value = link.rotation * direction;
         let rate = link.spin.cross(&value);
-        Course {
+        TimeDerivatives {
             value,
             rate,
             second: link.spin_rate.cross(&value) + link.spin.cross(&rate),

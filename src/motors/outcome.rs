@@ -16,7 +16,7 @@ use crate::problem_file::ProblemFile;
 use crate::stats::distribution::Distribution;
 
 /// Two-sided 95 % of the normal distribution, in standard deviations.
-fn reach() -> f64 {
+fn half_width() -> f64 {
     Distribution::Normal.two_sided(0.95)
 }
 
@@ -171,7 +171,10 @@ impl Constants {
         Parameter {
             value: Some(value),
             std_dev: Some(deviation),
-            ci95: Some([value - reach() * deviation, value + reach() * deviation]),
+            ci95: Some([
+                value - half_width() * deviation,
+                value + half_width() * deviation,
+            ]),
             source,
             ..Parameter::undetermined(name, unit)
         }
@@ -201,7 +204,10 @@ fn base_parameters(joint: &JointFit) -> Vec<BaseParameter> {
         unit,
         value: Some(value),
         std_dev: Some(deviation),
-        ci95: Some([value - reach() * deviation, value + reach() * deviation]),
+        ci95: Some([
+            value - half_width() * deviation,
+            value + half_width() * deviation,
+        ]),
     };
     match (&joint.friction, joint.constant.constant()) {
         (Some(friction), None) => {

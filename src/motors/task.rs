@@ -22,7 +22,7 @@ use crate::recording::split::Split;
 use crate::robot::newton_euler::NewtonEuler;
 use crate::setup;
 use crate::setup::error::{Mismatch, SetupError};
-use crate::setup::read::Read;
+use crate::setup::recording_file::ReadRecording;
 use crate::setup::recordings::read_all;
 use crate::setup::robot::Robot;
 
@@ -54,7 +54,7 @@ pub fn run(problem: &ProblemFile) -> Result<MotorRun, MotorsError> {
         ..Steadiness::default()
     };
     let mut recordings = Vec::new();
-    for Read { named, recording } in read_all(problem, &robot)? {
+    for ReadRecording { named, recording } in read_all(problem, &robot)? {
         let parameters = link_parameters(problem, &model, named.loaded)?;
         let mut steady = steady_parts(&recording, table, (&robot, &parameters), &rule)?;
         steady.name = named.path.written.clone();

@@ -33,9 +33,9 @@ pub struct Diagnosis {
     /// Hypotheses that were fitted with all other parameters, step by step.
     #[serde(default)]
     pub evidence: Vec<Evidence>,
-    /// Parameters of the declared model that the missing physics had spoiled.
+    /// Parameters of the declared model that the missing physics had biased.
     #[serde(default)]
-    pub spoiled: Vec<Spoiled>,
+    pub spoiled: Vec<BiasedParameter>,
     /// What was done to the recordings before the fits.
     #[serde(default)]
     pub preprocessing: Vec<Preprocessing>,
@@ -99,7 +99,7 @@ pub struct Final {
     pub parameters: Vec<Parameter>,
 }
 
-/// A regime in which the misfit of a joint lies.
+/// A range of covariates in which the misfit of a joint lies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Located {
     /// Name of the joint.
@@ -166,7 +166,7 @@ pub struct NextExperiment {
 
 /// A parameter that was wrong in the declared model because physics was missing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Spoiled {
+pub struct BiasedParameter {
     /// Name of the parameter.
     pub name: String,
     /// SI unit of the values.

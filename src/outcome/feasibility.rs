@@ -36,7 +36,7 @@ pub struct Feasibility {
     /// Errors by joint of least squares with the same weights.
     pub unconstrained: Vec<Unconstrained>,
     /// Bodies at the edge of what is possible.
-    pub bodies: Vec<EdgeBody>,
+    pub bodies: Vec<BodyAtBound>,
     /// Parameters and combinations at a limit.
     pub at_limit: Vec<String>,
 }
@@ -83,7 +83,7 @@ pub struct Unconstrained {
 
 /// A body whose constraint holds the answer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct EdgeBody {
+pub struct BodyAtBound {
     /// Name of the link, or of the load.
     pub body: String,
     /// Smallest eigenvalue of `D J D` that the data ask for when the other bodies alone must be possible, kg.

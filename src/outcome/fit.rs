@@ -2,11 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::outcome::contest::Contest;
 use crate::outcome::feasibility::Feasibility;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::load::Load;
 use crate::outcome::machine::Machine;
+use crate::outcome::model_comparison::ModelComparison;
 use crate::outcome::motors::Motors;
 use crate::outcome::number;
 use crate::outcome::sharing::Sharing;
@@ -38,7 +38,7 @@ pub struct Fit {
     pub comparison: Vec<Comparison>,
     /// This fit and those of the comparison on every joint, then on all together; empty without a comparison.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub contests: Vec<Contest>,
+    pub contests: Vec<ModelComparison>,
     /// Number of columns of the regressor: parameters that are not known, of joints that move.
     #[serde(default)]
     pub unknowns: usize,

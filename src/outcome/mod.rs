@@ -6,7 +6,6 @@
 
 pub mod check;
 pub mod compare;
-pub mod contest;
 pub mod design;
 pub mod diagnose;
 pub mod difference;
@@ -22,6 +21,7 @@ pub mod input;
 pub mod joint;
 pub mod load;
 pub mod machine;
+pub mod model_comparison;
 pub mod motors;
 pub mod number;
 pub mod parameter;

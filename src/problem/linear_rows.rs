@@ -85,12 +85,12 @@ impl LinearRows {
     pub fn admissible(&self, x: &DVector<f64>, d: &DVector<f64>) -> DVector<f64> {
         let target = x + d;
         let Some(inside) = &self.inside else {
-            return x + d * self.reach(x, d);
+            return x + d * self.longest_step(x, d);
         };
         let from = &target - inside;
-        let reach = self.reach(inside, &from);
-        if reach < 1.0 {
-            inside + from * reach
+        let longest_step = self.longest_step(inside, &from);
+        if longest_step < 1.0 {
+            inside + from * longest_step
         } else {
             target
         }
@@ -98,17 +98,17 @@ impl LinearRows {
 
     /// The largest step length α in [0, 1] with `x + α d` inside, for an x that is inside; equations are
     /// not looked at.
-    pub fn reach(&self, x: &DVector<f64>, d: &DVector<f64>) -> f64 {
+    pub fn longest_step(&self, x: &DVector<f64>, d: &DVector<f64>) -> f64 {
         let (at, along) = (self.values(x), self.values(d));
-        let mut reach = 1.0_f64;
+        let mut longest_step = 1.0_f64;
         for ((row, value), slope) in self.rows.iter().zip(at).zip(along) {
             if row.is_equation() || slope == 0.0 {
                 continue;
             }
             let bound = if slope > 0.0 { row.upper } else { row.lower };
-            reach = reach.min(((bound - value) / slope).max(0.0));
+            longest_step = longest_step.min(((bound - value) / slope).max(0.0));
         }
-        reach
+        longest_step
     }
 }
 
@@ -133,7 +133,7 @@ mod tests {
         let x = DVector::from_vec(vec![1.0, 0.0, 1.0]);
         let d = DVector::from_vec(vec![2.0, 2.0, 2.0]);
         assert_eq!(rows.values(&x), vec![1.0, 2.0]);
-        assert_eq!(rows.reach(&x, &d), 0.5);
+        assert_eq!(rows.longest_step(&x, &d), 0.5);
         assert_eq!(rows.admissible(&x, &d), &x + &d * 0.5);
         assert_eq!(rows.violation(&(&x + &d)), 3.0 / 5.0);
     }

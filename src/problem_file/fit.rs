@@ -99,15 +99,15 @@ const LEAST_SPEED: f64 = 0.02;
 pub struct PriorTable {
     /// Default: none, no prior on the inertials of the links.
     pub kind: Option<Located<PriorKind>>,
-    /// Default: [`Strength::HeldOut`].
-    pub strength: Located<Strength>,
+    /// Default: [`RegularisationWeight::HeldOut`].
+    pub strength: Located<RegularisationWeight>,
     /// Single parameters. Default: none.
     pub values: Vec<Named<PriorValue>>,
 }
 
 /// How far a prior on the inertials is trusted.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Strength {
+pub enum RegularisationWeight {
     /// The strength with the least held-out error.
     HeldOut,
     /// The strength at which the residual is as large as the noise.
@@ -263,7 +263,7 @@ impl PriorTable {
         }
         Ok(Self {
             kind,
-            strength: reader.or("strength", Strength::HeldOut, strength)?,
+            strength: reader.or("strength", RegularisationWeight::HeldOut, strength)?,
             values: reader.named("values", prior_value)?,
         })
     }
@@ -281,14 +281,16 @@ impl Comparison {
     }
 }
 
-const STRENGTHS: &[(&str, Strength)] =
-    &[("held_out", Strength::HeldOut), ("noise", Strength::Noise)];
+const STRENGTHS: &[(&str, RegularisationWeight)] = &[
+    ("held_out", RegularisationWeight::HeldOut),
+    ("noise", RegularisationWeight::Noise),
+];
 
 fn strengths() -> Vec<&'static str> {
     STRENGTHS.iter().map(|(word, _)| *word).collect()
 }
 
-fn strength(node: &Node) -> Result<Strength, ProblemFileError> {
+fn strength(node: &Node) -> Result<RegularisationWeight, ProblemFileError> {
     match &node.value {
         NodeValue::Text(word) => STRENGTHS
             .iter()
@@ -306,7 +308,7 @@ fn strength(node: &Node) -> Result<Strength, ProblemFileError> {
                 )
             }),
         NodeValue::Integer(_) | NodeValue::Number(_) => {
-            values::positive(node).map(Strength::Number)
+            values::positive(node).map(RegularisationWeight::Number)
         }
         _ => Err(values::wrong_type(
             node,

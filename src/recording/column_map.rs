@@ -1,4 +1,4 @@
-//! Where the channels of a robot stand in a file, and in which units.
+//! Which columns of a file hold which channels of a robot, and in which units.
 
 /// Names of the columns. In a pattern `{joint}` stands for the joint's name and `{n}` for its
 /// number from 1. The empty map follows the conventions of `column_names`; in any other map the

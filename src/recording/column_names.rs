@@ -1,4 +1,4 @@
-//! Names of columns that are known where the problem file gives none: `{joint}` stands for the name of a joint, `{n}` for
+//! Usual column names where the problem file gives none: `{joint}` stands for the name of a joint, `{n}` for
 //! its number from 1. Earlier ones win.
 
 pub(super) const TIME: &[&str] = &["t", "time"];

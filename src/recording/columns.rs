@@ -1,4 +1,4 @@
-//! From the columns of a table to the channels of a robot: which column is what, of which joint.
+//! Channels of a robot from the columns of a table.
 
 use std::collections::HashSet;
 use std::path::Path;
@@ -11,7 +11,7 @@ use crate::recording::column_names::{
 };
 use crate::recording::error::{MissingColumn, RecordingError, RecordingErrorKind};
 use crate::recording::format::{columns_at, read_at};
-use crate::recording::missing::{Bridged, Roles, bridge, require_complete};
+use crate::recording::missing::{CompleteTable, Roles, bridge, require_complete};
 use crate::recording::reading::Reading;
 use crate::recording::samples::{Commanded, Recording, SignalKind};
 
@@ -211,8 +211,8 @@ impl Names {
         }
     }
 
-    fn assemble(&self, path: &Path, bridged: Bridged) -> Recording {
-        let Bridged {
+    fn assemble(&self, path: &Path, bridged: CompleteTable) -> Recording {
+        let CompleteTable {
             mut table,
             valid,
             missing,

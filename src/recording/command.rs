@@ -1,4 +1,4 @@
-//! What position controllers are told: positions, and beside them perhaps speeds and torques.
+//! Commands of position controllers: positions, and beside them perhaps speeds and torques.
 //!
 //! The signal of a recording begins with the commanded positions of the joints; commanded speeds and torques that are fed
 //! forward follow where they were recorded.

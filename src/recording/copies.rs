@@ -1,4 +1,4 @@
-//! Rows that two recordings have in common: copies, pieces of one run, copies shifted in time.
+//! Duplicate rows of two recordings: copies, pieces of one run, copies shifted in time.
 //!
 //! Row k of one recording is row k + s of another where every position and every signal is the same to the last digit that
 //! both are written with. Two runs of one motion have noise of their own. That five samples in a row are the same by chance
@@ -15,8 +15,8 @@
 use std::collections::HashMap;
 
 use crate::recording::differences::fourth;
+use crate::recording::resolution::NumberFormat;
 use crate::recording::samples::Recording;
-use crate::recording::written::Written;
 
 /// Natural logarithm of the chance P below which rows are those of one run: 1e-9, in some 1e13 pairs of rows of two long
 /// recordings.
@@ -106,7 +106,7 @@ pub fn find(recordings: &[&Recording]) -> Vec<Shared> {
 /// The channels of a recording with the format of their numbers.
 struct Compared<'a> {
     channels: Vec<&'a [f64]>,
-    written: Vec<Written>,
+    written: Vec<NumberFormat>,
     /// The signals begin here among the channels.
     signals: usize,
     rows: usize,
@@ -119,7 +119,7 @@ impl<'a> Compared<'a> {
             .map(Vec::as_slice)
             .collect();
         Self {
-            written: channels.iter().map(|c| Written::of(c)).collect(),
+            written: channels.iter().map(|c| NumberFormat::of(c)).collect(),
             signals: recording.position.len(),
             rows: channels.first().map_or(0, |c| c.len()),
             channels,

@@ -1,4 +1,4 @@
-//! The bandwidth of a motion, from the spectra of what was recorded of it.
+//! The bandwidth of a motion, from the spectra of its recorded positions, velocities and accelerations.
 //!
 //! With S(f) the spectrum of the acceleration, N(f) that of its noise and G the gain of the smoother, the cut-off
 //! minimises the estimated squared error  Σ_f (1 - G)² (S - N) + G² N:  what the smoother takes from the motion, and what

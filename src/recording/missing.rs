@@ -1,11 +1,11 @@
-//! Cells without a number: rows that lack a value are left out as masked ones are, and straight lines bridge them, so
-//! that filters have an even series.
+//! Missing values: rows that lack a value are left out as masked ones are, and linear interpolation bridges them, so that filters
+//! have an even series.
 
 use std::path::Path;
 
 use crate::fault::Place;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
-use crate::recording::fill::{Ends, fill};
+use crate::recording::interpolation::{Ends, fill};
 use crate::recording::table::Table;
 use crate::stats::robust::median;
 
@@ -61,7 +61,7 @@ pub(super) struct Roles<'a> {
 
 /// A table without empty cells.
 #[derive(Debug)]
-pub(super) struct Bridged {
+pub(super) struct CompleteTable {
     pub table: Table,
     /// false: the row lacks a value; None: no row does.
     pub valid: Option<Vec<bool>>,
@@ -75,7 +75,7 @@ pub(super) fn bridge(
     path: &Path,
     mut table: Table,
     roles: Roles<'_>,
-) -> Result<Bridged, RecordingError> {
+) -> Result<CompleteTable, RecordingError> {
     require_no_infinity(path, &table)?;
     drop_empty_end(&mut table);
     let rows = table.rows();
@@ -111,7 +111,7 @@ pub(super) fn bridge(
         columns,
     };
     require_most_rows(path, &missing)?;
-    Ok(Bridged {
+    Ok(CompleteTable {
         table,
         valid: (missing.rows > 0).then_some(valid),
         missing: (!missing.columns.is_empty()).then_some(missing),
@@ -201,7 +201,7 @@ mod tests {
         }
     }
 
-    fn bridged(columns: &[(&str, &[f64])]) -> Result<Bridged, RecordingError> {
+    fn bridged(columns: &[(&str, &[f64])]) -> Result<CompleteTable, RecordingError> {
         let slow = ["temp".to_string()];
         let roles = Roles {
             time: Some("t"),

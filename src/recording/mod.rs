@@ -6,13 +6,12 @@
 //! |---|---|
 //! | a file becomes a table | `format` chooses among `csv`, `parquet`, `hdf5`, `mat`, `npz` and `bag/`; arrays of a program: `memory` |
 //! | columns become channels in SI units | `columns`, by `column_map` and `column_names`; `join/` from several files |
-//! | flaws of rows | `missing`, `held`, `spikes`, `copies` |
+//! | flaws of rows | `missing`, `upsampling`, `spikes`, `copies` |
 //! | the time base | `timing`, `clock` |
 //! | positions become velocities and accelerations | `preprocess` begins: `periodic` (by `fourier`) where the motion repeats, else `aperiodic` (`differentiate`, by `smoother` or `zero_phase`) |
 //! | the noise | `periodic` from the scatter of periods, `noise_level` from differences of samples |
 //! | what comes out | `experiment` |
 
-pub mod apart;
 pub mod aperiodic;
 mod arrays;
 mod arrow_schema;
@@ -30,14 +29,12 @@ mod differentiate;
 mod encoding;
 pub mod error;
 pub mod experiment;
-mod fill;
 mod filter;
 pub mod format;
 mod fourier;
 pub mod hdf5;
-pub mod held;
+mod interpolation;
 pub mod join;
-mod layout;
 pub mod mat;
 mod mat4;
 pub mod memory;
@@ -47,24 +44,27 @@ pub mod npz;
 mod number_type;
 pub mod parquet;
 pub mod period;
+mod period_average;
 pub mod periodic;
 pub mod preprocess;
 pub mod reading;
+mod resolution;
 pub mod row_faults;
+mod sample_by_sample;
 pub mod samples;
+pub mod separate_encoder;
 pub mod settings;
 mod smoother;
 mod spectrum;
 pub mod spikes;
 mod spline;
 pub mod split;
+pub mod successive_periods;
 pub mod survey;
 pub mod table;
 pub mod timing;
-mod unfold;
 pub mod units;
-pub mod unrolled;
-mod written;
+pub mod upsampling;
 pub mod zero_phase;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! The period of a recorded motion, where nobody has stated it.
+//! Estimation of the period of a recorded motion.
 //!
 //! d(l) = Σ_j Σ_k (q_j(k) - q_j(k + l))² / (n - l) / (2 Var q) is near 1 for unrelated samples and 0
 //! where the motion repeats; the least lag l at which it returns to its lowest level is the period.
@@ -91,7 +91,7 @@ pub fn find(recording: &Recording, timing: &Timing) -> Option<Repetition> {
 
 /// The period of a recording that is averaged over, and what a reader should know of it.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Settled {
+pub struct ChosenPeriod {
     /// s; None where the motion does not repeat.
     pub period: Option<(f64, Chosen)>,
     /// What to know of a period that was found, or that differs from the one that was given.
@@ -107,15 +107,15 @@ const NEAR: f64 = 0.02;
 
 /// Holds a stated period against the motion, and finds one where none is stated. Stated periods that are not those of the
 /// motion are mended, or dropped where the motion does not repeat.
-pub fn settle(recording: &Recording, timing: &Timing, stated: Option<f64>) -> Settled {
+pub fn settle(recording: &Recording, timing: &Timing, stated: Option<f64>) -> ChosenPeriod {
     let found = || find(recording, timing).filter(Repetition::is_exact);
     let Some(stated) = stated else {
-        return Settled {
+        return ChosenPeriod {
             period: found().map(|f| (f.period, Chosen::Data)),
             remark: None,
         };
     };
-    let as_stated = Settled {
+    let as_stated = ChosenPeriod {
         period: Some((stated, Chosen::Given)),
         remark: None,
     };
@@ -131,7 +131,7 @@ pub fn settle(recording: &Recording, timing: &Timing, stated: Option<f64>) -> Se
         false => found(),
     };
     match better {
-        Some(better) => Settled {
+        Some(better) => ChosenPeriod {
             period: Some((better.period, Chosen::Data)),
             remark: Some(format!(
                 "The motion of {file} repeats after {:.6} s and not after the {stated} s that are stated: at these it \
@@ -140,7 +140,7 @@ pub fn settle(recording: &Recording, timing: &Timing, stated: Option<f64>) -> Se
             )),
         },
         None if is_right => as_stated,
-        None => Settled {
+        None => ChosenPeriod {
             period: None,
             remark: Some(format!(
                 "The motion of {file} does not repeat after the {stated} s that are stated: it differs by {:.2e} of its \

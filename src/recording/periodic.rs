@@ -13,7 +13,7 @@ use crate::recording::experiment::{
 };
 use crate::recording::filter::parallel;
 use crate::recording::fourier::{self, Series};
-use crate::recording::layout::Layout;
+use crate::recording::period_average::Layout;
 use crate::recording::samples::Recording;
 use crate::recording::settings::{Method, Preparation};
 use crate::recording::spectrum::{coefficients, synthesis};

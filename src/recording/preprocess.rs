@@ -3,7 +3,7 @@
 use crate::fault::Place;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::experiment::Experiment;
-use crate::recording::period::{self, Settled};
+use crate::recording::period::{self, ChosenPeriod};
 use crate::recording::samples::Recording;
 use crate::recording::settings::{Method, Preparation};
 use crate::recording::spikes;
@@ -48,11 +48,11 @@ fn period_of(
     recording: &Recording,
     preparation: &Preparation,
     timing: &Timing,
-) -> Result<Settled, RecordingError> {
+) -> Result<ChosenPeriod, RecordingError> {
     let method = preparation.differentiation.method;
     let sought = matches!(method, None | Some(Method::Fourier));
     if preparation.period.is_none() && !sought {
-        return Ok(Settled::default());
+        return Ok(ChosenPeriod::default());
     }
     if let Some(stated) = preparation.period {
         periodic::rows_of(recording, timing, stated)?;

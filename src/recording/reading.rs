@@ -1,4 +1,4 @@
-//! Bounds of what is read of a file, and who may stop it.
+//! Limits on reading a file: rows and bytes at most, and an interrupt.
 
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result as IoResult};

@@ -1,4 +1,4 @@
-//! Rows that are not what they seem: those of another recording, or of other instants than the rest of the row.
+//! Remarks on rows of a recording that belong to another recording, or to other instants than the rest of the row.
 
 use crate::fault::Description;
 

@@ -1,4 +1,4 @@
-//! What was measured: one recording as it was read, channel by channel.
+//! The samples of a recording as they were read, channel by channel.
 
 use std::path::{Path, PathBuf};
 
@@ -61,7 +61,7 @@ pub struct Recording {
     /// false: the sample is left out.
     pub mask: Option<Vec<bool>>,
     /// Set where the file repeats or interpolates every sample and only the samples themselves are kept.
-    pub held: Option<Held>,
+    pub held: Option<Upsampled>,
     /// Set where `time` is an even clock: the deviation of the file's stamps from it, s.
     pub stamp_jitter: Option<f64>,
     /// Set where cells of the file hold no number; their rows are masked.
@@ -123,7 +123,7 @@ pub enum Manner {
 
 /// Samples that were taken out of a file with more rows.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Held {
+pub struct Upsampled {
     /// What stands between samples.
     pub manner: Manner,
     /// Rows of the file for one sample, on average.
@@ -134,7 +134,7 @@ pub struct Held {
     pub channels: &'static str,
 }
 
-impl Held {
+impl Upsampled {
     /// What a reader of any result should know.
     pub fn words(&self, file: &Path, rate_hz: f64) -> String {
         let (slow, fast) = (rate_hz, rate_hz * self.factor);

@@ -1,4 +1,4 @@
-//! What a recording is for.
+//! The split of a problem's recordings into training and validation.
 
 /// Whether a recording was fitted or held out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! What a file holds: its columns with their ranges, what is missing of them, its rate, and units as their numbers suggest.
+//! Summary of a file: its columns with ranges, missing values, rate, and units as their numbers suggest.
 
 use std::path::{Path, PathBuf};
 

@@ -16,7 +16,7 @@ use crate::recording::experiment::Experiment;
 use crate::recording::preprocess::prepare;
 use crate::recording::samples::{Recording, SignalKind};
 use crate::recording::settings::{Method, Preparation};
-use crate::recording::unrolled::unrolled;
+use crate::recording::successive_periods::successive_periods;
 
 mod bounds;
 mod columns;
@@ -321,12 +321,12 @@ fn periods_one_after_another_are_what_was_recorded() {
         prepare(periodic_recording(time, [0.0, 0.1]), &with_period()).unwrap()
     };
     let two = of(1600);
-    let all = unrolled(&two).unwrap();
+    let all = successive_periods(&two).unwrap();
     assert_eq!((two.rows(), all.rows(), all.periods), (800, 1600, None));
     assert_eq!(all.signal[0][..800], two.period_signal(0, 0));
     assert_eq!(all.signal[0][800..], two.period_signal(0, 1));
     assert_eq!(all.motion.velocity[0][800..], two.motion.velocity[0]);
-    assert!(unrolled(&of(801)).is_none());
+    assert!(successive_periods(&of(801)).is_none());
 }
 
 #[test]

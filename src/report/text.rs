@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use crate::outcome::check::{Check, Finding as Mistake, Severity};
-use crate::outcome::contest::Contest;
 use crate::outcome::design::Design;
 use crate::outcome::diagnose::{Diagnosis, Verdict};
 use crate::outcome::estimate::{Estimate, Solver};
@@ -12,6 +11,7 @@ use crate::outcome::fit::Fit;
 use crate::outcome::formula::ProposedFormula;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::load::Load;
+use crate::outcome::model_comparison::ModelComparison;
 use crate::outcome::parameter::Parameter;
 use crate::outcome::simulation::Simulation;
 use crate::outcome::trials::Trials;
@@ -94,7 +94,7 @@ fn fit_lines(estimate: &Estimate, fit: &Fit, room: usize) -> Vec<String> {
         rest.extend(load_lines(estimate, load));
     }
     rest.extend(estimate.solver.as_ref().map(facts::solver_sentence));
-    rest.extend(contest_lines(&fit.contests));
+    rest.extend(comparison_lines(&fit.contests));
     rest.extend(fit.simulator.iter().flat_map(terminal_simulator::lines));
     rest.extend(fit.sharing.iter().map(|sharing| sharing.sentence.clone()));
     rest.extend(fit.notes.iter().map(|note| format!("note: {note}")));
@@ -160,23 +160,23 @@ fn joint_lines(joints: &[JointFigures]) -> Vec<String> {
 }
 
 /// Root mean square errors of the models that are compared, and which is best.
-fn contest_lines(contests: &[Contest]) -> Vec<String> {
+fn comparison_lines(comparisons: &[ModelComparison]) -> Vec<String> {
     let mut lines = Vec::new();
-    for contest in contests {
-        let joint = contest.joint.as_deref().unwrap_or("all joints together");
-        let errors: Vec<String> = contest
+    for comparison in comparisons {
+        let joint = comparison.joint.as_deref().unwrap_or("all joints together");
+        let errors: Vec<String> = comparison
             .models
             .iter()
             .map(|model| format!("{} {}", model.name, significant(model.judged().value)))
             .collect();
-        let unit = match contest.unit.as_str() {
+        let unit = match comparison.unit.as_str() {
             "" => "of this fit's error".to_string(),
             unit => unit.to_string(),
         };
         lines.push(format!(
             "comparison, {joint}: {} {unit}; {}",
             errors.join(", "),
-            contest.sentence
+            comparison.sentence
         ));
     }
     lines

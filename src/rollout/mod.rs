@@ -11,11 +11,11 @@
 //! motor and bristles begin where they come to along the recorded motion before the start.
 
 pub mod candidate;
-pub mod course;
 pub mod error;
+pub mod error_statistics;
+pub mod model_run;
 mod noise;
-mod rolled;
-pub mod spread;
+mod simulated_windows;
 mod summary;
 mod task;
 mod window;
@@ -29,14 +29,14 @@ use crate::problem::solution::Control;
 use crate::recording::split::Split;
 use crate::rollout::candidate::Candidates;
 use crate::rollout::error::RolloutError;
-pub use crate::rollout::rolled::HORIZONS;
-use crate::rollout::rolled::Rolled;
+pub use crate::rollout::simulated_windows::HORIZONS;
+use crate::rollout::simulated_windows::SimulatedWindows;
 use crate::rollout::summary::Summary;
 pub use crate::rollout::task::{RolloutRun, Task};
 pub use crate::rollout::window::{Window, WindowJoint, table};
 use crate::setup;
 
-/// Rolls the models of a result out; `watch` hears of every step.
+/// Rolls the models of a result out; `on_step` hears of every step.
 ///
 /// # Errors
 /// A result without a model; files that cannot be read; a model without forward dynamics; recordings that are too short; an
@@ -44,24 +44,26 @@ use crate::setup;
 pub fn run(
     task: Task<'_>,
     control: &Control<'_>,
-    watch: &dyn Fn(&str),
+    on_step: &dyn Fn(&str),
 ) -> Result<RolloutRun, RolloutError> {
     let problem = task.problem;
     let robot = setup::robot::open(problem)?;
     let candidates = Candidates::of(task.outcome, problem, &robot)?;
-    watch("reading and differentiating the recordings");
+    on_step("reading and differentiating the recordings");
     let mut declared = setup::model::build(problem, &robot)?;
     let prior = setup::prior::build(problem, &robot, &mut declared)?;
     let data = bandwidth::prepared(problem, &robot, &declared, &prior, control)?;
     let (data, held_out) = held_out_part(data, &task.outcome.part);
-    watch("simulating forward");
+    on_step("simulating forward");
     let rolled = data
         .recordings
         .iter()
         .enumerate()
-        .map(|(number, recording)| Rolled::of(&candidates, (number, recording), task.seed, control))
+        .map(|(number, recording)| {
+            SimulatedWindows::of(&candidates, (number, recording), task.seed, control)
+        })
         .collect::<Result<Vec<_>, _>>()?;
-    let rolled: Vec<Rolled<'_>> = rolled.into_iter().flatten().collect();
+    let rolled: Vec<SimulatedWindows<'_>> = rolled.into_iter().flatten().collect();
     if rolled.is_empty() {
         let seconds = HORIZONS[0];
         return Err(RolloutError::NoWindow { seconds });

@@ -9,10 +9,10 @@ use crate::outcome::rollout::{
 };
 use crate::outcome::skeleton::Skeleton;
 use crate::rollout::candidate::Candidates;
-use crate::rollout::course::Track;
 use crate::rollout::error::RolloutError;
-use crate::rollout::rolled::{HORIZONS, Named, Rolled};
-use crate::rollout::spread::spread;
+use crate::rollout::error_statistics::spread;
+use crate::rollout::model_run::Track;
+use crate::rollout::simulated_windows::{HORIZONS, Named, SimulatedWindows};
 use crate::rollout::task::{RolloutRun, Task};
 use crate::rollout::window::Window;
 use crate::stats::robust::median;
@@ -28,7 +28,7 @@ pub(super) struct Summary<'a> {
     pub(super) task: Task<'a>,
     pub(super) candidates: &'a Candidates,
     pub(super) held_out: HeldOut,
-    pub(super) rolled: &'a [Rolled<'a>],
+    pub(super) rolled: &'a [SimulatedWindows<'a>],
 }
 
 impl Summary<'_> {
@@ -72,7 +72,7 @@ impl Summary<'_> {
     /// Errors of a joint at a time after the start, of the windows that reach it.
     pub(super) fn errors<'t>(
         &'t self,
-        tracks: impl Fn(&'t Rolled<'t>) -> &'t [Track],
+        tracks: impl Fn(&'t SimulatedWindows<'t>) -> &'t [Track],
         time: f64,
         joint: (usize, usize),
     ) -> Vec<f64> {
@@ -88,13 +88,14 @@ impl Summary<'_> {
 
     pub(super) fn before<'t>(&'t self, time: f64, joint: (usize, usize)) -> Option<Spread> {
         self.candidates.before.as_ref()?;
-        let tracks = |r: &'t Rolled<'t>| r.before.as_deref().unwrap_or(&[]);
+        let tracks = |r: &'t SimulatedWindows<'t>| r.before.as_deref().unwrap_or(&[]);
         Some(spread(&self.errors(tracks, time, joint)))
     }
 
     pub(super) fn horizons(&self, joints: &[Named]) -> Vec<Horizon> {
         let reached = HORIZONS.iter().filter(|time| {
-            let reaches = |r: &Rolled<'_>| r.starts.lengths.iter().any(|l| *l >= r.row(**time));
+            let reaches =
+                |r: &SimulatedWindows<'_>| r.starts.lengths.iter().any(|l| *l >= r.row(**time));
             self.rolled.iter().any(reaches)
         });
         let at = |&horizon: &f64| {
@@ -152,7 +153,7 @@ impl Summary<'_> {
     }
 
     pub(super) fn recordings(&self) -> Vec<RolledRecording> {
-        let of = |rolled: &Rolled<'_>| RolledRecording {
+        let of = |rolled: &SimulatedWindows<'_>| RolledRecording {
             recording: rolled.recording.name.clone(),
             windows: rolled.starts.rows.len(),
             every: rolled.starts.every,

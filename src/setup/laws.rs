@@ -1,7 +1,7 @@
 //! The effects of a problem: the vocabulary, registered ones, and the laws of its file.
 
 use crate::chain::effect::Catalogue;
-use crate::chain::effect::own::{
+use crate::chain::effect::user_law::{
     self, ActsOn, LawError, LawText, ParameterText, Part, SearchText, ShareOf, StateText,
 };
 use crate::fault::{Description, Place};
@@ -26,7 +26,7 @@ pub fn with_laws(laws: &[LawTable]) -> Result<Catalogue, SetupError> {
     let mut catalogue = Catalogue::known();
     for law in laws {
         check_starts(law)?;
-        let effect = own::effect(&text(law)).map_err(|e| fault(law, &e))?;
+        let effect = user_law::effect(&text(law)).map_err(|e| fault(law, &e))?;
         // Its reader has refused an identifier that is taken, but for one that a program has registered since.
         catalogue = catalogue.with(effect).map_err(|taken| {
             let remedy = "give the law another id";

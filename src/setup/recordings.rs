@@ -6,33 +6,36 @@ use crate::fault::Place;
 use crate::problem_file::choices::Signal;
 use crate::problem_file::recordings::{ColumnsTable, RecordingFiles};
 use crate::problem_file::{FilePath, Located, ProblemFile, RecordingsTable};
-use crate::recording::apart::read_apart;
 use crate::recording::clock::evened;
 use crate::recording::column_map::{Column, ColumnMap};
 use crate::recording::columns::{RecordedJoint, read_within};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
-use crate::recording::held::thinned;
 use crate::recording::join::{Source, read_joined};
 use crate::recording::preprocess::prepare;
 use crate::recording::samples::Recording;
+use crate::recording::separate_encoder::read_with_separate_encoder;
 use crate::recording::settings::Preparation;
 use crate::recording::split::Split;
+use crate::recording::upsampling::thinned;
 use crate::setup::error::SetupError;
 use crate::setup::motor_side::{to_motors, without_commands};
+use crate::setup::passive_joint_sensors;
 use crate::setup::preparation::preparation;
-use crate::setup::read::{Named, Read};
+use crate::setup::recording_file::{NamedRecording, ReadRecording};
 use crate::setup::robot::Robot;
-use crate::setup::sensed;
 use crate::setup::shared_rows::shared_rows;
 
 /// Reads every recording of a problem file.
 ///
 /// Errors: those of the files; rows that are given twice.
-pub fn read_all<'a>(problem: &'a ProblemFile, robot: &Robot) -> Result<Vec<Read<'a>>, SetupError> {
+pub fn read_all<'a>(
+    problem: &'a ProblemFile,
+    robot: &Robot,
+) -> Result<Vec<ReadRecording<'a>>, SetupError> {
     let table = problem.recordings()?;
-    let read = |named: Named<'a>| -> Result<Read<'a>, SetupError> {
+    let read = |named: NamedRecording<'a>| -> Result<ReadRecording<'a>, SetupError> {
         let recording = read_one(table, robot, named.path)?;
-        Ok(Read { named, recording })
+        Ok(ReadRecording { named, recording })
     };
     let read = list(table).into_iter().map(read);
     let read = read.collect::<Result<Vec<_>, _>>()?;
@@ -47,14 +50,14 @@ pub fn prepare_all(
     problem: &ProblemFile,
     robot: &Robot,
     model: &Model,
-    read: Vec<Read<'_>>,
+    read: Vec<ReadRecording<'_>>,
     common_hz: Option<f64>,
 ) -> Result<Dataset, SetupError> {
     let table = problem.recordings()?;
     let mut settings = preparation(table);
     settings.differentiation.common_hz = common_hz;
     let mut dataset = Dataset::default();
-    for Read { named, recording } in read {
+    for ReadRecording { named, recording } in read {
         let ready = prepared(recording, &named, &settings, (table, robot, model))?;
         dataset.recordings.push(ready);
     }
@@ -69,7 +72,7 @@ pub fn open(problem: &ProblemFile, robot: &Robot, model: &Model) -> Result<Datas
 /// Makes one recording ready, in motor coordinates at joint scale.
 pub fn prepare_one(
     recording: Recording,
-    named: &Named<'_>,
+    named: &NamedRecording<'_>,
     (table, robot, model): (&RecordingsTable, &Robot, &Model),
 ) -> Result<Prepared, SetupError> {
     prepared(recording, named, &preparation(table), (table, robot, model))
@@ -77,7 +80,7 @@ pub fn prepare_one(
 
 fn prepared(
     recording: Recording,
-    named: &Named<'_>,
+    named: &NamedRecording<'_>,
     settings: &Preparation,
     (table, robot, model): (&RecordingsTable, &Robot, &Model),
 ) -> Result<Prepared, SetupError> {
@@ -89,8 +92,9 @@ fn prepared(
     let mut forces = Vec::new();
     if let (Some(mechanism), Some(recording)) = (&robot.mechanism, kept) {
         let bandwidth = experiment.bandwidth.clone();
-        let sensed = sensed::sensed(&recording, table, (model, &bandwidth), &experiment)?;
-        sensed::complete(&mut experiment, mechanism, &sensed)?;
+        let sensed =
+            passive_joint_sensors::sensed(&recording, table, (model, &bandwidth), &experiment)?;
+        passive_joint_sensors::complete(&mut experiment, mechanism, &sensed)?;
         forces = sensed.forces;
     }
     let (name, split) = (named.path.written.clone(), named.split);
@@ -100,13 +104,13 @@ fn prepared(
 
 /// The recordings in the order of the problem file; one that is listed twice counts once. A load, where the
 /// model has one, hangs on the robot in those that are listed as loaded, and in all if none is.
-pub fn list(table: &RecordingsTable) -> Vec<Named<'_>> {
+pub fn list(table: &RecordingsTable) -> Vec<NamedRecording<'_>> {
     let listed = |path: &FilePath| {
         let mut loaded = table.loaded.iter();
         loaded.any(|l| l.value.resolved == path.resolved)
     };
     let loaded = |path: &FilePath| table.loaded.is_empty() || listed(path);
-    let mut named: Vec<Named<'_>> = Vec::new();
+    let mut named: Vec<NamedRecording<'_>> = Vec::new();
     let groups: [(&Vec<Located<RecordingFiles>>, Split); 3] = [
         (&table.train, Split::Train),
         (&table.loaded, Split::Train),
@@ -129,7 +133,7 @@ pub fn list(table: &RecordingsTable) -> Vec<Named<'_>> {
                     .iter()
                     .all(|t| t.value.resolved != path.resolved);
             if !known && !skipped {
-                named.push(Named {
+                named.push(NamedRecording {
                     path: &path.value,
                     split,
                     loaded: loaded(path),
@@ -176,7 +180,7 @@ pub fn read_one(
                 path.resolved.as_path(),
                 positions.value.value.resolved.as_path(),
             );
-            read_apart(files, map, &joints, (kind, reading))
+            read_with_separate_encoder(files, map, &joints, (kind, reading))
         }
         (None, [Source { path, map }]) => read_within(path, map, &joints, (kind, reading)),
         _ => read_joined(&sources, &joints, (kind, reading)),

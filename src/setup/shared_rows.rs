@@ -8,10 +8,10 @@ use crate::recording::row_faults::SharedRows;
 use crate::recording::samples::Recording;
 use crate::recording::split::Split;
 use crate::recording::timing::examine;
-use crate::setup::read::Read;
+use crate::setup::recording_file::ReadRecording;
 
 /// Faults of recordings that have rows in common, by the one that is held out, or that comes second.
-pub fn shared_rows(table: &RecordingsTable, read: &[Read<'_>]) -> Vec<RecordingError> {
+pub fn shared_rows(table: &RecordingsTable, read: &[ReadRecording<'_>]) -> Vec<RecordingError> {
     let recordings: Vec<&Recording> = read.iter().map(|read| &read.recording).collect();
     let split = |recording: usize| read[recording].named.split;
     let fault = |shared: Shared| {

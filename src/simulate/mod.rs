@@ -4,16 +4,16 @@
 //! (`mode = "closed_loop"`); the signal is in both cases what the [chain](crate::chain) gives along the
 //! true motion, so that a fit of the same problem file can recover the [truth](truth::Truth).
 
+mod aperiodic;
 mod closed_loop;
 mod concealed;
 pub mod error;
-mod free;
 mod motion;
 pub mod path;
 mod path_file;
 pub mod plant;
+mod random_aperiodic;
 mod random_frame;
-mod random_free;
 mod random_path;
 mod recording;
 pub mod sensors;
@@ -40,9 +40,9 @@ use crate::setup::robot;
 use crate::simulate::closed_loop::{Loop, Schedule};
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
 use crate::simulate::path::{Motion, Path};
+use crate::simulate::random_aperiodic::Kind;
 use crate::simulate::random_frame::{Frame, Shape};
-use crate::simulate::random_free::Kind;
-use crate::simulate::random_path::{Course, torques};
+use crate::simulate::random_path::{RecordingConditions, torques};
 use crate::simulate::sensors::{Sensors, Table, joints_of};
 use crate::simulate::truth::Truth;
 use rand_chacha::ChaCha8Rng;
@@ -285,20 +285,20 @@ impl Task<'_> {
         let channels: Vec<usize> = self.sensors.channels.iter().map(|c| c.index).collect();
         let follows = self.problem.simulate.mode.value == SimulationMode::Inverse;
         let finer = match model.memory() {
-            Memory::Course if follows => FINER,
+            Memory::WholeMotion if follows => FINER,
             _ => 1,
         };
-        let course = Course {
+        let conditions = RecordingConditions {
             rate: finer as f64 * self.rate,
             cyclic: path.repeats(),
             loaded,
         };
         if finer == 1 {
-            return Ok(torques(model, motion, course, &channels));
+            return Ok(torques(model, motion, conditions, &channels));
         }
         let count = finer * motion[0].first().map_or(0, Vec::len);
-        let fine = self.closed(path.sample((0.0, course.rate), count), course.rate)?;
-        let signals = torques(model, &fine, course, &channels);
+        let fine = self.closed(path.sample((0.0, conditions.rate), count), conditions.rate)?;
+        let signals = torques(model, &fine, conditions, &channels);
         let thin = |series: Vec<f64>| series.into_iter().step_by(finer).collect();
         Ok(signals.into_iter().map(thin).collect())
     }
@@ -339,7 +339,7 @@ impl Task<'_> {
             return Err(SimulateError::new(&period.place, kind));
         }
         let periods = problem.simulate.periods.value as f64;
-        Ok(Shape::Free {
+        Ok(Shape::Aperiodic {
             kind,
             duration: periods * problem.design.period.value,
         })

@@ -6,7 +6,7 @@
 
 use crate::chain::model::Model;
 use crate::mechanism::error::OpenLoop;
-use crate::simulate::free::Free;
+use crate::simulate::aperiodic::Aperiodic;
 pub use crate::simulate::motion::Motion;
 use crate::stats::range::within;
 use nalgebra::{DMatrix, DVector};
@@ -32,7 +32,7 @@ pub enum Path {
     /// Through given points.
     Spline(Spline),
     /// Tones, moves or sweeps, which do not repeat.
-    Free(Free),
+    Aperiodic(Aperiodic),
 }
 
 impl Path {
@@ -41,7 +41,7 @@ impl Path {
         match self {
             Self::Fourier(series) => series.sample((start, rate), count),
             Self::Spline(spline) => spline.sample((start, rate), count),
-            Self::Free(free) => free.sample((start, rate), count),
+            Self::Aperiodic(free) => free.sample((start, rate), count),
         }
     }
 
@@ -50,7 +50,7 @@ impl Path {
         match self {
             Self::Fourier(series) => series.period,
             Self::Spline(spline) => spline.time.last().copied().unwrap_or(0.0),
-            Self::Free(free) => free.duration,
+            Self::Aperiodic(free) => free.duration,
         }
     }
 
@@ -71,7 +71,7 @@ impl Path {
                     curvature: mixed(&spline.curvature, matrix, &zeros),
                 })
             }
-            Self::Free(free) => Self::Free(free.mapped(matrix, shift)),
+            Self::Aperiodic(free) => Self::Aperiodic(free.mapped(matrix, shift)),
         }
     }
 }

@@ -33,7 +33,7 @@ pub struct Frame<'a> {
 pub enum Shape {
     Fourier,
     /// Does not repeat; lasts `duration` s.
-    Free {
+    Aperiodic {
         kind: Kind,
         duration: f64,
     },

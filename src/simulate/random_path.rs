@@ -1,5 +1,5 @@
 //! Random excitation: a Fourier series of the joints, scaled to 80 % of the tightest limit, or a
-//! [motion that does not repeat](crate::simulate::random_free).
+//! [motion that does not repeat](crate::simulate::random_aperiodic).
 //!
 //! Coefficients of harmonic h are normal with standard deviation 1/h, so that all harmonics move the
 //! joint at the same speed. Each joint moves about the middle of its range; all amplitudes then shrink
@@ -13,8 +13,8 @@ use crate::robot::batch::Trajectory;
 use crate::setup::limits::JointLimits;
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
 use crate::simulate::path::{self, Fourier, Motion, Path};
+use crate::simulate::random_aperiodic::{self, LOOK_RATE};
 use crate::simulate::random_frame::Frame;
-use crate::simulate::random_free::{self, LOOK_RATE};
 
 pub use crate::simulate::random_frame::{SHARE, Shape};
 use nalgebra::{DMatrix, DVector};
@@ -43,8 +43,8 @@ impl Frame<'_> {
     ) -> Result<Path, SimulateError> {
         let joints = match self.shape {
             Shape::Fourier => Path::Fourier(self.joints(rng)),
-            Shape::Free { kind, duration } => {
-                Path::Free(random_free::draw(self, (kind, duration), rng))
+            Shape::Aperiodic { kind, duration } => {
+                Path::Aperiodic(random_aperiodic::draw(self, (kind, duration), rng))
             }
         };
         let mut factor = 1.0;
@@ -146,19 +146,21 @@ impl Frame<'_> {
         }
         let (count, rate) = match self.shape {
             Shape::Fourier => (self.instants(), self.instants() as f64 / self.period),
-            Shape::Free { duration, .. } => ((duration * LOOK_RATE).ceil() as usize, LOOK_RATE),
+            Shape::Aperiodic { duration, .. } => {
+                ((duration * LOOK_RATE).ceil() as usize, LOOK_RATE)
+            }
         };
         let Ok(motion) = path::with_loops(self.plant, path.sample((0.0, rate), count)) else {
             return (0, f64::INFINITY);
         };
-        let course = Course {
+        let conditions = RecordingConditions {
             rate,
             cyclic: path.repeats(),
             loaded,
         };
         for (j, torque) in joints
             .iter()
-            .zip(torques(self.plant, &motion, course, &joints))
+            .zip(torques(self.plant, &motion, conditions, &joints))
         {
             let limit = self.limits[*j].torque.unwrap_or(f64::INFINITY);
             let peak = torque.iter().fold(0.0_f64, |peak, x| peak.max(x.abs()));
@@ -174,14 +176,14 @@ impl Frame<'_> {
 fn scaled(path: &Path, factor: f64) -> Path {
     match path {
         Path::Fourier(series) => Path::Fourier(series.scaled(factor)),
-        Path::Free(free) => Path::Free(free.scaled(factor)),
+        Path::Aperiodic(free) => Path::Aperiodic(free.scaled(factor)),
         Path::Spline(spline) => Path::Spline(spline.clone()),
     }
 }
 
 /// What a recording is made under, besides the motion.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Course {
+pub(super) struct RecordingConditions {
     pub rate: f64,
     /// The last sample is followed by the first.
     pub cyclic: bool,
@@ -192,13 +194,13 @@ pub(super) struct Course {
 pub(super) fn torques(
     model: &Model,
     motion: &Motion,
-    course: Course,
+    conditions: RecordingConditions,
     channels: &[usize],
 ) -> Vec<Vec<f64>> {
     let [q, dq, ddq] = motion;
     let motors = Trajectory { q, dq, ddq };
     let count = motors.len();
-    let time: Vec<f64> = (0..count).map(|k| k as f64 / course.rate).collect();
+    let time: Vec<f64> = (0..count).map(|k| k as f64 / conditions.rate).collect();
     let segment = Segment {
         motors,
         forces: &[],
@@ -206,12 +208,12 @@ pub(super) fn torques(
         bodies: None,
         time: &time,
         temperature: &[],
-        cyclic: course.cyclic,
-        loaded: course.loaded,
+        cyclic: conditions.cyclic,
+        loaded: conditions.loaded,
     };
-    if model.memory() == Memory::Course {
+    if model.memory() == Memory::WholeMotion {
         let mut evaluator = Evaluator::along(model, &model.values(), &[], count);
-        let whole = evaluator.evaluate_course(segment);
+        let whole = evaluator.evaluate_whole(segment);
         return channels.iter().map(|&c| whole.value(c).to_vec()).collect();
     }
     let mut evaluator = Evaluator::new(model, &model.values(), &[]);

@@ -1,7 +1,7 @@
 //! Whole simulations: limits, sensors, concealed effects, the way back through files.
 
+mod aperiodic;
 mod dynamics;
-mod free;
 
 use crate::chain::effect;
 use crate::fault::Fault;
@@ -13,7 +13,7 @@ use crate::setup::robot;
 use crate::setup::robot::Robot;
 use crate::simulate::error::SimulateError;
 use crate::simulate::path::Motion;
-use crate::simulate::random_path::{Course, torques};
+use crate::simulate::random_path::{RecordingConditions, torques};
 use crate::simulate::truth::{DEFAULT_WIDTH, Truth, build};
 use crate::simulate::{Simulated, run, write_csv};
 use std::f64::consts::TAU;
@@ -227,12 +227,12 @@ fn recovers_the_motion_and_the_truth_through_files_and_the_recordings_of_a_probl
             motion.velocity.clone(),
             motion.acceleration.clone(),
         ];
-        let course = Course {
+        let conditions = RecordingConditions {
             rate: prepared.experiment.rate_hz,
             cyclic: true,
             loaded: false,
         };
-        let predicted = torques(&truth.recorded, &motion, course, &[0, 1, 2, 3, 4, 5]);
+        let predicted = torques(&truth.recorded, &motion, conditions, &[0, 1, 2, 3, 4, 5]);
         for (j, predicted) in predicted.iter().enumerate() {
             for (a, b) in predicted.iter().zip(prepared.signal(j)) {
                 // Without noise only the accelerations' rounding and reversals remain.

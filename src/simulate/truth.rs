@@ -49,7 +49,7 @@ pub struct Truth {
 /// # Errors
 /// Those of robot and model; names that do not exist; a listed effect without a value.
 pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateError> {
-    let earlier = Earlier::read(problem)?;
+    let earlier = FittedValues::read(problem)?;
     let mut robot = robot.clone();
     robot.tree = earlier.with_links(&robot.tree);
     let declared = declared::listed(&all_known(problem), &robot);
@@ -139,14 +139,14 @@ fn zeros(problem: &ProblemFile) -> impl Iterator<Item = Named<f64>> + '_ {
 
 /// Values of an earlier fit.
 #[derive(Default)]
-struct Earlier {
+struct FittedValues {
     /// Raw parameters of bodies, a member of the class that exists.
     bodies: Vec<(String, f64)>,
     /// Parameters of effects.
     effects: Vec<(String, f64)>,
 }
 
-impl Earlier {
+impl FittedValues {
     fn read(problem: &ProblemFile) -> Result<Self, SimulateError> {
         let Some(path) = &problem.robot.parameters else {
             return Ok(Self::default());

@@ -7,9 +7,9 @@ use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::simulate::{self, Simulated, write_csv};
 use crate::trials::error::TrialError;
-use crate::trials::outside::Added;
 use crate::trials::plan::{Plan, RATE};
 use crate::trials::robot::ENCODER_COUNTS;
+use crate::trials::unmodelled_physics::UnmodelledTorque;
 use std::fs::{self, File};
 use std::io::BufWriter;
 use std::path::Path;
@@ -26,7 +26,7 @@ pub const CLEAN: &str = "clean";
 /// Writes everything of a trial into an empty folder: the robot, the declared problem with its recordings, the
 /// same without noise, and the truth as a problem for `exid simulate`.
 pub fn prepare(plan: &Plan, folder: &Path, control: &Control<'_>) -> Result<(), TrialError> {
-    let period = plan.course.period;
+    let period = plan.length.period;
     let declared = declared(plan, plan.motion.states_period().then_some(period));
     let clean = folder.join(CLEAN);
     fs::create_dir(&clean)?;
@@ -79,9 +79,9 @@ fn simulated(plan: &Plan) -> String {
         "[design]\nperiod = {:?}\n[simulate]\ntrajectory = \"{}\"\nmode = \"closed_loop\"\nperiods = {}\n\
          warmup_periods = 1\nnoise = {:?}\nnoise_correlation = {:?}\nencoder_counts = {ENCODER_COUNTS:?}\n\
          [simulate.values]\n",
-        plan.course.period,
+        plan.length.period,
         plan.motion.trajectory(),
-        plan.course.periods,
+        plan.length.periods,
         robot.noise,
         plan.correlation
     );
@@ -102,7 +102,7 @@ fn write(plan: &Plan, made: &Simulated, (folder, noisy): (&Path, bool)) -> Resul
     let law = plan.outside.and_then(|(law, joints, share)| {
         let current = plan.robot.torque[joints.0] / plan.robot.torque_constant[joints.0];
         let first = made.recordings.first()?;
-        Added::of_size((law, joints), &first.table, (share * current, RATE))
+        UnmodelledTorque::of_size((law, joints), &first.table, (share * current, RATE))
     });
     for recording in &made.recordings {
         let mut recording = recording.clone();

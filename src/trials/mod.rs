@@ -8,20 +8,20 @@
 
 pub mod bodies;
 pub mod calibration;
-pub mod conceal;
+pub mod concealed_effect;
 pub mod error;
 pub mod files;
-pub mod longer;
+mod law_size;
+pub mod longer_recording;
 pub mod motion;
 mod naming;
-pub mod outside;
 pub mod plan;
 pub mod reference_fits;
 pub mod robot;
 pub mod run;
 pub mod score;
-mod stated;
 pub mod tally;
+pub mod unmodelled_physics;
 
 #[cfg(test)]
 mod tests;

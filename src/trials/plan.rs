@@ -3,10 +3,10 @@
 use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::{Catalogue, Law};
 use crate::robot::random::{between, generator};
-use crate::trials::conceal::{self, Concealed, Course, Scale};
+use crate::trials::concealed_effect::{self, Concealed, RecordingLength, Scale};
 use crate::trials::motion::{Motion, Noise};
-use crate::trials::outside::Outside;
 use crate::trials::robot::{KINDS, RandomRobot};
+use crate::trials::unmodelled_physics::UnmodelledLaw;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::path::PathBuf;
@@ -47,7 +47,9 @@ impl Scope {
         Self {
             seed,
             laws: Vec::new(),
-            effects: conceal::effects(&catalogue).map(|e| e.id).collect(),
+            effects: concealed_effect::effects(&catalogue)
+                .map(|e| e.id)
+                .collect(),
             catalogue,
             robots: KINDS.to_vec(),
             motions: Motion::ALL.to_vec(),
@@ -75,11 +77,11 @@ pub struct Plan {
     /// The robot with its drives.
     pub robot: RandomRobot,
     /// How long its recordings last.
-    pub course: Course,
+    pub length: RecordingLength,
     /// What its declared model lacks; nothing in a control.
     pub concealed: Vec<Concealed>,
     /// A law outside the vocabulary, its joint and neighbour, and its size as a share of the usual current.
-    pub outside: Option<(Outside, (usize, usize), f64)>,
+    pub outside: Option<(UnmodelledLaw, (usize, usize), f64)>,
     /// Kind of its motion.
     pub motion: Motion,
     /// Kind of its noise.
@@ -111,14 +113,14 @@ impl Plan {
         rng.set_stream((number << 8) | attempt);
         let kind = pick(&mut rng, &scope.robots);
         let robot = RandomRobot::draw(&mut rng, kind);
-        let course = Course {
+        let length = RecordingLength {
             period: [5.0, 6.0, 8.0][(rng.random::<f64>() * 3.0) as usize],
             periods: [3, 3, 4][(rng.random::<f64>() * 3.0) as usize],
         };
         let mut plan = Self {
             number,
             laws: scope.laws.clone(),
-            course,
+            length,
             concealed: Vec::new(),
             outside: None,
             motion,
@@ -146,7 +148,7 @@ impl Plan {
         if kind < OUTSIDE && scope.effects.len() > 1 {
             let joint = (rng.random::<f64>() * n as f64) as usize;
             let neighbour = if joint == 0 { 1 } else { joint - 1 };
-            let law = pick(rng, &Outside::ALL);
+            let law = pick(rng, &UnmodelledLaw::ALL);
             self.outside = Some((law, (joint, neighbour), share(rng, SHARES.0)));
             return;
         }
@@ -165,10 +167,10 @@ impl Plan {
             let size = share(rng, if pair { 0.05 } else { SHARES.0 });
             let scale = Scale {
                 robot: &self.robot,
-                course: self.course,
+                length: self.length,
                 share: size,
             };
-            let drawn = conceal::draw(rng, effect, joint, scale);
+            let drawn = concealed_effect::draw(rng, effect, joint, scale);
             self.known_links |= matches!(effect.law, Law::Body);
             self.known_rotors &= effect.knowledge.term != Some(JointTerm::RotorInertia);
             let taken = drawn.joints();

@@ -8,14 +8,14 @@ use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::fit::start::{Start, WarmStart};
 use crate::diagnose::residuals::standstill;
-use crate::diagnose::selection::between_periods::unrolled;
+use crate::diagnose::selection::between_periods::successive_periods;
 use crate::estimate::bandwidth;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::recording::split::Split;
 use crate::setup;
 use crate::stats::deviation::rms;
-use crate::trials::conceal::Concealed;
+use crate::trials::concealed_effect::Concealed;
 use crate::trials::error::TrialError;
 use crate::trials::plan::Plan;
 use std::path::Path;
@@ -35,7 +35,7 @@ pub(super) fn sizes(
     problem: &Path,
     control: &Control<'_>,
 ) -> Result<Sizes, TrialError> {
-    let opened = Opened::read(problem, control)?;
+    let opened = DeclaredModel::read(problem, control)?;
     let of = |data: &Dataset, periods: f64| -> Result<Vec<f64>, TrialError> {
         let left = opened.fit(data, &[], &Start::new(), control)?.validation;
         let pairs = left.iter().zip(&plan.robot.noise);
@@ -44,20 +44,20 @@ pub(super) fn sizes(
             .collect())
     };
     let averaged = match plan.motion.repeats() {
-        true => plan.course.periods as f64,
+        true => plan.length.periods as f64,
         false => 1.0,
     };
     Ok(Sizes {
         averaged: of(&opened.data, averaged)?,
         in_time: match plan.concealed.iter().any(Concealed::changes_with_time) {
-            true => of(&unrolled(&opened.data), 1.0)?,
+            true => of(&successive_periods(&opened.data), 1.0)?,
             false => Vec::new(),
         },
     })
 }
 
 /// Fits of a declared model with the truth in it: what a diagnosis could reach.
-pub struct Informed {
+pub struct ReferenceFits {
     /// Without what is concealed.
     pub declared: ModelFit,
     /// The declared model with what is concealed.
@@ -68,13 +68,13 @@ pub(super) fn informed(
     plan: &Plan,
     problem: &Path,
     control: &Control<'_>,
-) -> Result<Option<Informed>, TrialError> {
+) -> Result<Option<ReferenceFits>, TrialError> {
     if plan.concealed.is_empty() {
         return Ok(None);
     }
-    let opened = Opened::read(problem, control)?;
+    let opened = DeclaredModel::read(problem, control)?;
     let data = match plan.concealed.iter().any(Concealed::changes_with_time) {
-        true => unrolled(&opened.data),
+        true => successive_periods(&opened.data),
         false => opened.data.clone(),
     };
     let start: Start = plan
@@ -84,21 +84,21 @@ pub(super) fn informed(
         .collect();
     let truth = plan.concealed.iter().map(|c| c.hypothesis.clone());
     let hypotheses: Vec<Hypothesis> = truth.collect();
-    Ok(Some(Informed {
+    Ok(Some(ReferenceFits {
         declared: opened.fit(&data, &[], &Start::new(), control)?,
         known: opened.fit(&data, &hypotheses, &start, control)?,
     }))
 }
 
 /// A declared model with its recordings.
-pub struct Opened {
+pub struct DeclaredModel {
     problem: ProblemFile,
     robot: setup::robot::Robot,
     /// The recordings, prepared.
     pub data: Dataset,
 }
 
-impl Opened {
+impl DeclaredModel {
     /// Reads problem, robot and recordings of a trial.
     ///
     /// # Errors

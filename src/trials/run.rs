@@ -8,9 +8,10 @@ use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::trials::error::TrialError;
 use crate::trials::files::{CLEAN, PROBLEM, prepare};
+use crate::trials::longer_recording;
 use crate::trials::plan::{Plan, Scope};
 use crate::trials::reference_fits::{informed, sizes};
-use crate::trials::{longer, score};
+use crate::trials::score;
 use std::fs;
 use std::path::Path;
 use std::time::Instant;
@@ -87,7 +88,7 @@ fn one(plan: &Plan, folder: &Path, control: &Control<'_>) -> Result<Trial, Trial
     let informed = informed(plan, &problem, control)?;
     let mut trial = score::judge(plan, (&diagnosed, informed.as_ref()), &sizes);
     let longer = folder.join(LONGER_FOLDER);
-    longer::judge(
+    longer_recording::judge(
         plan,
         &diagnosed.ambiguities,
         &mut trial.found,

@@ -8,10 +8,10 @@ use crate::diagnose::task::DiagnoseRun;
 use crate::outcome::diagnose::Verdict;
 use crate::outcome::finding::Finding;
 use crate::outcome::trials::{Found, Hidden, Inseparable, Trial};
-use crate::trials::conceal::Concealed;
+use crate::trials::concealed_effect::Concealed;
 use crate::trials::naming::{names, same_joints};
 use crate::trials::plan::Plan;
-use crate::trials::reference_fits::{Informed, Sizes};
+use crate::trials::reference_fits::{ReferenceFits, Sizes};
 use crate::trials::{bodies, calibration};
 use nalgebra::DVector;
 
@@ -38,7 +38,7 @@ fn head(plan: &Plan) -> Trial {
 /// Judges a diagnosis by what was concealed.
 pub fn judge(
     plan: &Plan,
-    (run, informed): (&DiagnoseRun, Option<&Informed>),
+    (run, informed): (&DiagnoseRun, Option<&ReferenceFits>),
     sizes: &Sizes,
 ) -> Trial {
     let concealed = hidden(plan, sizes);
@@ -125,7 +125,7 @@ fn error_ratio(run: &DiagnoseRun) -> Option<f64> {
 }
 
 /// RMS relative error of Coulomb and viscous friction: declared model, model found, model that knew the truth.
-fn friction_error(plan: &Plan, run: &DiagnoseRun, informed: &Informed) -> Option<[f64; 3]> {
+fn friction_error(plan: &Plan, run: &DiagnoseRun, informed: &ReferenceFits) -> Option<[f64; 3]> {
     let truth: Vec<(String, f64)> = (0..plan.robot.tree.len())
         .flat_map(|j| {
             let name = plan.robot.name(j);
@@ -162,7 +162,7 @@ fn friction_error(plan: &Plan, run: &DiagnoseRun, informed: &Informed) -> Option
 }
 
 /// Error of what the bodies ask for: declared model, model found, model that knew the truth.
-fn body_error(plan: &Plan, run: &DiagnoseRun, informed: &Informed) -> Option<[f64; 3]> {
+fn body_error(plan: &Plan, run: &DiagnoseRun, informed: &ReferenceFits) -> Option<[f64; 3]> {
     let of = |model: &Model, values: &DVector<f64>| bodies::error(plan, (model, values), &run.data);
     let of_fit = |fit: &ModelFit| of(&fit.model, &fit.values);
     let found = of(&run.model, &run.values)?;

@@ -5,14 +5,15 @@ use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::selection::rival_models::{Ambiguity, StatedModel};
 use crate::outcome::trials::{Found, Hidden, Inseparable, Trial, is_outside};
 use crate::problem::solution::Control;
+use crate::trials::concealed_effect;
 use crate::trials::files::{PROBLEM, prepare};
+use crate::trials::longer_recording;
 use crate::trials::motion::{Motion, Noise};
-use crate::trials::outside::Outside;
 use crate::trials::plan::{Plan, Scope};
-use crate::trials::reference_fits::Opened;
+use crate::trials::reference_fits::DeclaredModel;
 use crate::trials::run::run;
 use crate::trials::tally::tally;
-use crate::trials::{conceal, longer};
+use crate::trials::unmodelled_physics::UnmodelledLaw;
 
 mod bench;
 mod evidence;
@@ -23,7 +24,7 @@ mod unnamed;
 fn every_effect_that_is_not_declared_is_concealed_in_some_trial() {
     let scope = Scope::all(3);
     let drawn: Vec<Plan> = (0..200).map(|n| Plan::draw(&scope, (n, 0))).collect();
-    for known in conceal::effects(&effect::Catalogue::known()) {
+    for known in concealed_effect::effects(&effect::Catalogue::known()) {
         let has = |plan: &Plan| {
             plan.concealed
                 .iter()
@@ -31,7 +32,7 @@ fn every_effect_that_is_not_declared_is_concealed_in_some_trial() {
         };
         assert!(drawn.iter().any(has), "{}", known.id);
     }
-    for law in Outside::ALL {
+    for law in UnmodelledLaw::ALL {
         assert!(is_outside(law.name()) && effect::find(law.name()).is_none());
     }
     let controls = drawn
@@ -136,12 +137,12 @@ fn recordings_repeat_only_where_the_motion_does() {
             let problem = folder.path().join(PROBLEM);
             let text = std::fs::read_to_string(&problem).unwrap();
             assert_eq!(text.contains("period"), motion == Motion::Fourier);
-            let opened = Opened::read(&problem, &control).unwrap();
+            let opened = DeclaredModel::read(&problem, &control).unwrap();
             assert_eq!(opened.data.recordings.len(), 2);
             for recording in &opened.data.recordings {
                 let experiment = &recording.experiment;
                 let found = experiment.periods.map(|periods| periods.count);
-                let expected = motion.repeats().then_some(plan.course.periods);
+                let expected = motion.repeats().then_some(plan.length.periods);
                 assert_eq!(found, expected, "{motion:?}, {number}");
                 for (j, position) in experiment.motion.position.iter().enumerate() {
                     let (middle, half_range) = plan.robot.range(j);
@@ -287,7 +288,7 @@ fn longer_recordings_judge_what_is_said_to_be_inseparable() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().join("longer");
     let control = Control::default();
-    longer::judge(&plan, &[ambiguity], &mut found, &place, &control).unwrap();
+    longer_recording::judge(&plan, &[ambiguity], &mut found, &place, &control).unwrap();
     let told: Vec<Option<bool>> = found[0].inseparable.iter().map(|c| c.told_apart).collect();
     // An offset is half the difference of Coulomb levels in both directions; an inertia is something else.
     assert_eq!(told, [Some(false), Some(true)]);

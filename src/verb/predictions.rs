@@ -2,7 +2,7 @@
 
 use crate::chain::dataset::Dataset;
 use crate::chain::model::Model;
-use crate::estimate::figures::Predictions;
+use crate::estimate::goodness_of_fit::Predictions;
 use crate::outcome::PREDICTIONS_FILE;
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::predictions::{

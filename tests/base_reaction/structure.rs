@@ -2,10 +2,10 @@
 
 use crate::{LEADING, model, published_theta_d, shipped};
 use exid::chain::base_parameters::BaseParameters;
-use exid::chain::bodies_alone::bodies_alone;
 use exid::chain::evaluate::{Evaluator, Segment};
 use exid::chain::model::{Model, Signal};
 use exid::chain::platform::{Platform, Rotor};
+use exid::chain::rigid_bodies_only::rigid_bodies_only;
 use exid::estimate::reactions::map;
 use exid::robot::batch::Trajectory;
 use exid::robot::inertia::{CentralInertia, Inertia};
@@ -26,7 +26,7 @@ fn structural(model: &Model) -> BaseParameters {
 
 /// Bases of the joint-torque model and of the reaction model.
 fn bases(model: &Model) -> (BaseParameters, BaseParameters) {
-    let of = |signal| structural(&bodies_alone(model, signal).unwrap());
+    let of = |signal| structural(&rigid_bodies_only(model, signal).unwrap());
     (of(Signal::Torque), of(Signal::BaseWrench))
 }
 
@@ -117,7 +117,7 @@ fn invariant_the_base_determines_the_joint_torques_of_any_tree() {
     let mut rng = generator(5);
     for n in [1, 3, 6] {
         let tree = tree(&mut rng, n);
-        let model = bodies_alone(&bare(tree), Signal::BaseWrench).unwrap();
+        let model = rigid_bodies_only(&bare(tree), Signal::BaseWrench).unwrap();
         let (joint, base) = bases(&model);
         assert!(joint.base.len() <= base.base.len());
         assert!(map(&joint, &base, model.parameters().len()).is_some());

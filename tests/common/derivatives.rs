@@ -62,11 +62,11 @@ impl Columns<'_> {
         let channels = motion.rates.len();
         let predicted = |values: &_| -> Vec<Vec<f64>> {
             let mut evaluator = Evaluator::along(model, values, &[], samples);
-            let block = evaluator.evaluate_course(segment);
+            let block = evaluator.evaluate_whole(segment);
             (0..channels).map(|c| block.value(c).to_vec()).collect()
         };
         let mut evaluator = Evaluator::along(model, values, self.parameters, samples);
-        let block = evaluator.evaluate_course(segment);
+        let block = evaluator.evaluate_whole(segment);
         for (k, &p) in self.parameters.iter().enumerate() {
             let step = self.step * values[p].abs().max(self.least);
             let [mut less, mut more] = [values.clone(), values.clone()];

@@ -267,7 +267,7 @@ pub const RESULT_FILES: &[&str] = &[
     "fit.rs",
     "feasibility.rs",
     "load.rs",
-    "contest.rs",
+    "model_comparison.rs",
     "sharing.rs",
     "motors.rs",
     "machine.rs",

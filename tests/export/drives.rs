@@ -151,7 +151,7 @@ fn along(robot: &Robot, [q, dq, ddq]: &Motion, (step, loaded): (f64, bool)) -> V
         temperature: &[],
         ..Segment::states(Trajectory { q, dq, ddq }, loaded)
     };
-    let block = evaluator.evaluate_course(segment);
+    let block = evaluator.evaluate_whole(segment);
     (0..q.len())
         .map(|c| block.value(c)[..samples].to_vec())
         .collect()

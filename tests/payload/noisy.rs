@@ -2,9 +2,9 @@
 
 use crate::bench::{Bench, NAMES, Payload};
 use exid::chain::prior::Prior;
+use exid::estimate::errors_in_variables_fit;
 use exid::estimate::estimator::Estimator;
 use exid::estimate::fit::{Fitted, fit};
-use exid::estimate::noisy_fit;
 use exid::problem::solution::Control;
 use exid::stats::distribution::Distribution;
 use rayon::prelude::*;
@@ -45,7 +45,8 @@ fn recovers_known_truth_from_noisy_angles_better_than_by_taking_them_for_exact()
             let data = bench.data(seed);
             let estimator = (Estimator::MaximumLikelihood, &prior);
             let exact = fit(&bench.model, &data, estimator, &control).unwrap();
-            let noisy = noisy_fit::fit(&bench.model, &data, &prior, &control).unwrap();
+            let noisy =
+                errors_in_variables_fit::fit(&bench.model, &data, &prior, &control).unwrap();
             assert!(noisy.estimate.solver.as_ref().unwrap().converged);
             [errors(&bench, &exact), errors(&bench, &noisy)]
         })

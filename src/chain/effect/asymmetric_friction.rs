@@ -1,7 +1,7 @@
 //! Friction that differs between the two directions: `dFc + dFv·|v|`.
 
 use crate::chain::effect::expression::{Expression, Variable};
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::{Site, either_sign};
 use crate::chain::effect::{
@@ -58,7 +58,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     match found.is_told_from_zero("dFc") || !found.is_told_from_zero("dFv") {
         true => found.with(
             "needs more torque in one direction than in the other, half the difference being",

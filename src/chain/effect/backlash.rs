@@ -6,7 +6,7 @@
 //!
 //! K_c and D_c are those of a contact that is stiff against everything the recording resolves.
 
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{
@@ -51,7 +51,7 @@ pub const EFFECT: Effect = Effect {
     ],
     law: Law::Play,
     needs: Needs {
-        memory: Memory::Course,
+        memory: Memory::WholeMotion,
         ..Needs::NOTHING
     },
     knowledge: Knowledge {
@@ -62,7 +62,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     found.with(
         "has play between motor and link of",
         "gap",

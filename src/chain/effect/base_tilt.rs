@@ -4,7 +4,7 @@
 //! g = (R_y(pitch) R_x(roll))ᵀ g_declared
 //! ```
 
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::{Site, either_sign};
 use crate::chain::effect::{
@@ -62,7 +62,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     let angle = |name: &str| {
         let degrees = found.scaled(name, "°", f64::to_degrees)?;
         Some(format!("{name} {degrees}"))

@@ -1,7 +1,7 @@
 //! Coulomb friction: `Fc·v/(|v| + w)`.
 
 use crate::chain::effect::expression::{Expression, Variable};
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Change, JointTerm, Knowledge, Sizes, Transition, Trial};
 use crate::chain::effect::{
     Confounder, Contribution, Dependence, Effect, Law, Linearity, Needs, ParameterInfo, Power,
@@ -59,7 +59,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     found.with("has dry friction of", "Fc", "the model had none")
 }
 

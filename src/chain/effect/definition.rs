@@ -1,4 +1,4 @@
-//! What is stated of an effect: its law and source, what it needs, and what it can be mistaken for.
+//! The definition of an effect: its law and source, what it needs, and what it is confounded with.
 
 use crate::chain::effect::knowledge::Knowledge;
 use crate::chain::effect::law::{TorqueLaw, TransmissionLaw};
@@ -95,8 +95,8 @@ pub enum Memory {
     None,
     /// The time of the sample: averages over periods hide the effect.
     Time,
-    /// The whole course of the motion, in order.
-    Course,
+    /// The whole motion, in order.
+    WholeMotion,
 }
 
 /// Whether an effect belongs to the robot or to one recording.

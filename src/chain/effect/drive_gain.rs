@@ -1,6 +1,6 @@
 //! An unknown factor of the torque constant: `true constant = gain · declared constant`.
 
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::{Site, either_sign};
 use crate::chain::effect::{
@@ -48,7 +48,7 @@ pub const EFFECT: Effect = Effect {
 };
 
 /// A torque sensor has no torque constant.
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     let who = &found.who;
     let factor = found.quantity("gain");
     if found.signal == Signal::PositionCommand {

@@ -1,4 +1,4 @@
-//! Laws as expressions: what a program in another language has to compute.
+//! Laws as symbolic expressions, from which code in other languages is written.
 //!
 //! An effect states its law once as an [`Expression`] in the variables of the motion and its own parameters; whoever
 //! writes source code puts names or numbers in their places.

@@ -1,7 +1,7 @@
 //! A torque from one time to another: `torque·(S((t − from)/r) − S((t − to)/r))`, S the logistic function.
 
 use crate::chain::effect::expression::{self, Expression, Variable};
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::{Site, either_sign};
 use crate::chain::effect::{
@@ -76,7 +76,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     let when = match (found.value("from"), found.value("to")) {
         (Some(from), Some(to)) => format!(" from {} s to {} s", short(from), short(to)),
         _ => String::new(),

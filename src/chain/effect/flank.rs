@@ -1,4 +1,4 @@
-//! What resists the lag δ of a link behind its motor: the spring of an elastic gear, and the flanks of teeth with play.
+//! The restoring torque of a link that lags its motor by δ: the spring of an elastic gear, and the flanks of teeth with backlash.
 //!
 //! ```text
 //! c = K z + D z′ δ̇,   z = ½(δ − g + s₋) − ½(−δ − g + s₊),   s∓ = √((δ ∓ g)² + ε²)

@@ -1,6 +1,6 @@
 //! An elastic gear: the link lags the motor by δ with `K δ + D δ̇ = τ`.
 
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{
@@ -52,7 +52,7 @@ pub const EFFECT: Effect = Effect {
     ],
     law: Law::Spring,
     needs: Needs {
-        memory: Memory::Course,
+        memory: Memory::WholeMotion,
         ..Needs::NOTHING
     },
     knowledge: Knowledge {
@@ -64,7 +64,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     found.with(
         "is not rigid between motor and link, its stiffness being",
         "K",

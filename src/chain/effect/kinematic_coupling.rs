@@ -3,7 +3,7 @@
 //! The row of V that belongs to the effect's joint is estimated: entries that the problem file's
 //! `coupling` declares as other than zero, or the entry of the joint before where it declares none.
 
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::{Site, either_sign};
 use crate::chain::effect::{
@@ -46,7 +46,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     let by = found.by.first().and_then(|motor| found.quantity(motor));
     let by = by.map_or_else(String::new, |by| format!(", by {by} of its own motion"));
     format!(

@@ -1,7 +1,7 @@
 //! What is known of an effect beyond its law: its part in a drive, what says how much of it there is, and what it means to
 //! the people who look after the robot.
 
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::site::Site;
 use rand_chacha::ChaCha8Rng;
 
@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 pub struct Knowledge {
     /// What a finding of it means, in a sentence that a plant engineer understands; where there is none, the effect's own
     /// sentence has to do.
-    pub finding: Option<fn(&Found<'_>) -> String>,
+    pub finding: Option<fn(&FittedEffect<'_>) -> String>,
     /// What a change of its size over time means.
     pub change: Option<Change>,
     /// What says how much of it there is.

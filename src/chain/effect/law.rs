@@ -1,4 +1,4 @@
-//! What a law sees of the motion, and where it puts its torque and derivatives.
+//! The interface of a law: the samples of the motion that it reads, the torque and derivatives that it writes.
 
 use crate::chain::effect::expression::{Expression, StateLaw};
 

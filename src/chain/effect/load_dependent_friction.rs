@@ -1,7 +1,7 @@
 //! Friction in proportion to the transmitted torque: `mu·|τ_M|·sign(v)`.
 
 use crate::chain::effect::expression::{Expression, Variable};
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::law::size;
 use crate::chain::effect::site::Site;
@@ -47,7 +47,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     let share = found.scaled("mu", "%", |mu| 100.0 * mu.max(0.0));
     let share = share.map_or_else(String::new, |share| format!(", by {share} of it"));
     format!(

@@ -1,4 +1,4 @@
-//! The vocabulary of physics: one file per effect, one table, [`EFFECTS`]; laws of one's own beside it, in a [`Catalogue`].
+//! The vocabulary of physics: one file per effect, one table, [`EFFECTS`]; user-defined laws beside it, in a [`Catalogue`].
 //!
 //! Laws give the torque that the motor has to exert in addition. `sign(v)` means `v/(|v| + w)` with the
 //! transition speed w of the joint's Coulomb friction, 0 where it has none.
@@ -14,16 +14,15 @@ pub mod drive_gain;
 pub mod encoder_offset;
 pub mod expression;
 pub mod external_contact;
+pub mod fitted_effect;
 pub mod flank;
 pub mod formula;
-pub mod found;
 pub mod joint_elasticity;
 pub mod joint_spring;
 pub mod kinematic_coupling;
 pub mod knowledge;
 pub mod law;
 pub mod load_dependent_friction;
-pub mod own;
 mod parameter;
 pub mod position_dependent_friction;
 pub mod presliding_hysteresis;
@@ -42,6 +41,7 @@ pub mod torque_ripple;
 pub mod transmission_efficiency;
 pub mod unit;
 pub mod unmodelled_payload;
+pub mod user_law;
 pub mod viscous_friction;
 pub mod viscous_nonlinearity;
 

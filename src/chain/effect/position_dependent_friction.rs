@@ -1,7 +1,7 @@
 //! Friction that is larger or smaller around one position: `dF·exp(−((m − m0)/width)²)·sign(v)`.
 
 use crate::chain::effect::expression::{Expression, Variable};
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{
@@ -52,7 +52,7 @@ pub const EFFECT: Effect = Effect {
         with: "torque_ripple",
         separated_by: "motion over the same positions in both directions: ripple does not change sign",
     }],
-    law: Law::Motor(&Spot),
+    law: Law::Motor(&LocalFriction),
     needs: Needs::NOTHING,
     knowledge: Knowledge {
         finding: Some(finding),
@@ -62,7 +62,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     found.with(
         "has a spot in its range where friction differs by",
         "dF",
@@ -82,9 +82,9 @@ fn sized(site: &Site, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
 }
 
 #[derive(Debug)]
-struct Spot;
+struct LocalFriction;
 
-impl TorqueLaw for Spot {
+impl TorqueLaw for LocalFriction {
     fn add(&self, samples: Samples<'_>, parameters: &[f64], out: &mut Contribution<'_>) {
         let [df, q0, width] = *parameters else { return };
         for (k, (q, sign)) in samples.position.iter().zip(samples.sign).enumerate() {

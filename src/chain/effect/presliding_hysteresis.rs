@@ -14,7 +14,7 @@
 //! its eqs 16 and 21 have the wrong signs. The law here is the one of Canudas de Wit, Olsson, Åström and Lischinsky.
 
 use crate::chain::effect::expression::{Expression, Function, StateLaw, Variable};
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::law::signum;
 use crate::chain::effect::site::Site;
@@ -98,7 +98,7 @@ pub const EFFECT: Effect = Effect {
     ],
     law: Law::Motor(&Bristles),
     needs: Needs {
-        memory: Memory::Course,
+        memory: Memory::WholeMotion,
         borrows: &[("coulomb_friction", "Fc")],
         replaces: Some("coulomb_friction"),
         ..Needs::NOTHING
@@ -112,7 +112,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     found.with(
         "does not break loose at once: before it slides, its friction acts like a spring of",
         "sigma0",

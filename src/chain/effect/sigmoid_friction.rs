@@ -1,7 +1,7 @@
 //! Sigmoid friction: `ψ1/(1 + exp(−ψ2 (v + ψ3))) − ψ1/(1 + exp(−ψ2 ψ3))`.
 
 use crate::chain::effect::expression::{self, Expression, Variable};
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{
@@ -70,7 +70,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     format!(
         "Friction of {} switches smoothly, and off standstill, like a sigmoid of speed; the model's switched with the direction",
         found.who

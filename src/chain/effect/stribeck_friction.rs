@@ -4,7 +4,7 @@
 //! the quotient has an effect; here vs alone sets the scale, and the exponent is the square of Armstrong-Hélouvry.
 
 use crate::chain::effect::expression::{Expression, Variable};
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{
@@ -69,7 +69,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     found.with(
         "sticks at low speed: near standstill its friction is higher by",
         "Fs",

@@ -1,6 +1,6 @@
 //! Every torque law of the table, whatever it is: derivatives, power, linearity, documentation.
 
-use crate::chain::effect::found::{Estimated, Found};
+use crate::chain::effect::fitted_effect::{Estimated, FittedEffect};
 use crate::chain::effect::knowledge::{JointTerm, Sizes, Trial};
 use crate::chain::effect::sign::sign;
 use crate::chain::effect::site::Site;
@@ -295,7 +295,7 @@ fn no_sentence_has_a_size_that_may_be_zero_where_another_is_told_from_it() {
                     false => [-7.0, 8.0],
                 }),
             };
-            let said = sentence(&Found {
+            let said = sentence(&FittedEffect {
                 who: "j1".into(),
                 moved: String::new(),
                 by: Vec::new(),
@@ -315,7 +315,7 @@ fn no_sentence_has_a_size_that_may_be_zero_where_another_is_told_from_it() {
 }
 
 fn said(id: &str, signal: Signal, parameters: Vec<Estimated<'_>>) -> String {
-    let found = Found {
+    let found = FittedEffect {
         who: "j1".into(),
         moved: String::new(),
         by: Vec::new(),
@@ -374,7 +374,7 @@ fn a_torque_sensor_has_no_torque_constant() {
             value: Some(p.typical),
             ci95: None,
         });
-        let found = |signal| Found {
+        let found = |signal| FittedEffect {
             who: "j1".into(),
             moved: "j1".into(),
             by: vec!["j2".into()],

@@ -1,7 +1,7 @@
 //! Warming up: viscous friction changes by `gain·(1 − exp(−t/T))` of its value at the start.
 
 use crate::chain::effect::expression::{Expression, Variable};
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{
@@ -61,7 +61,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     let who = &found.who;
     match (found.quantity("gain"), found.quantity("time_constant")) {
         (Some(gain), Some(time)) => format!(

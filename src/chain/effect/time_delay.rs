@@ -1,6 +1,6 @@
 //! A delay of the signal: `s(t) = s_true(t − delay)`.
 
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{
@@ -40,7 +40,7 @@ pub const EFFECT: Effect = Effect {
     ],
     law: Law::Delay,
     needs: Needs {
-        memory: Memory::Course,
+        memory: Memory::WholeMotion,
         ..Needs::NOTHING
     },
     knowledge: Knowledge {
@@ -55,7 +55,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     let (who, delays) = (&found.who, found.values("delay"));
     let least = delays.iter().copied().fold(f64::INFINITY, f64::min);
     let most = delays.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -4,7 +4,7 @@
 //! A model predicts the current that a torque takes, so the polynomial is inverted. Below c0 there is no
 //! current; where the polynomial would stop to rise, it goes on with a slope of [`LEAST_SLOPE`](crate::chain::effect::current_polynomial::LEAST_SLOPE) · c1.
 
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{
@@ -53,7 +53,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     format!(
         "The torque of {} is not proportional to its current; the model had one torque constant",
         found.who

@@ -1,7 +1,7 @@
 //! A constant torque: zero error of sensor or amplifier.
 
 use crate::chain::effect::expression::Expression;
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Change, Drawn, JointTerm, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::{Site, either_sign};
 use crate::chain::effect::{
@@ -43,7 +43,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     found.with(
         "needs more torque in one direction than in the other, half the difference being",
         "offset",

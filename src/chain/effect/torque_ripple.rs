@@ -1,7 +1,7 @@
 //! Torque ripple: `amplitude·sin(order·m + phase) + amplitude2·sin(2·order·m + phase2)`.
 
 use crate::chain::effect::expression::{Expression, Function, Variable};
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Drawn, Knowledge, Sine, Sizes, Trial, drawn};
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{
@@ -97,7 +97,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     let second = !found.is_told_from_zero("amplitude") && found.is_told_from_zero("amplitude2");
     let (times, size) = match second {
         true => (2.0, "amplitude2"),

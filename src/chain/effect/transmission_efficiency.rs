@@ -7,10 +7,10 @@
 //! is the same law in one line. It is continuous in τ_M, and with a transition speed w in ṁ; its
 //! slope jumps where τ_M changes sign, and the derivatives below are those of the side on which a sample
 //! lies. A search rounds |τ_M| off over a width that shrinks below the noise
-//! (see `crate::estimate::rounded`); predictions and simulations have the law itself.
+//! (see `crate::estimate::smoothing_method`); predictions and simulations have the law itself.
 
 use crate::chain::effect::expression::{Expression, Variable};
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::law::size;
 use crate::chain::effect::site::Site;
@@ -59,7 +59,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     // What lies beyond a lossless gearbox is the interval's, not the gearbox's.
     let loss = found.scaled("R", "%", |r| 100.0 * (1.0 - r).max(0.0));
     let loss = loss.unwrap_or_else(|| "part".to_string());

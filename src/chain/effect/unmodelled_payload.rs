@@ -1,6 +1,6 @@
 //! A load on a link: ten inertial parameters more.
 
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{
@@ -63,7 +63,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     let who = &found.who;
     if found.value("mass").is_some_and(|mass| mass < 0.0) {
         let less = found.scaled("mass", "kg", |mass| -mass);

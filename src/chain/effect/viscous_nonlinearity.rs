@@ -3,7 +3,7 @@
 //! p < 1 with Fn > 0 saturates, p > 1 grows; p = 1 is viscous friction itself.
 
 use crate::chain::effect::expression::{Expression, Function, Variable};
-use crate::chain::effect::found::Found;
+use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::knowledge::{Change, Drawn, Knowledge, Sizes, Trial, drawn};
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{
@@ -64,7 +64,7 @@ pub const EFFECT: Effect = Effect {
     },
 };
 
-fn finding(found: &Found<'_>) -> String {
+fn finding(found: &FittedEffect<'_>) -> String {
     format!(
         "Friction of {} is not proportional to speed; the model's viscous friction was",
         found.who

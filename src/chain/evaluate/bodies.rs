@@ -1,4 +1,4 @@
-//! Torques of the bodies along a course and their derivatives by its motion, kept for evaluations in which
+//! Torques of the rigid bodies along a motion and their derivatives by it, kept for evaluations in which
 //! neither bodies nor motion change.
 
 use crate::chain::evaluate::known_bodies::{KnownBodies, Slopes};
@@ -14,7 +14,7 @@ use std::rc::Rc;
 const PART: usize = 512;
 
 impl KnownBodies {
-    /// What the bodies do along a course as a function of some inertial parameters, `τ = τ₀ + Σ Y_k φ_k`.
+    /// What the bodies do along a motion as a function of some inertial parameters, `τ = τ₀ + Σ Y_k φ_k`.
     ///
     /// `None` where that changes with another parameter of `columns`, an entry of V or an offset that moves the joints or the
     /// tilt of the base that turns gravity, and for a mechanism with loops.

@@ -1,4 +1,4 @@
-//! Second-order equations along a course with a resistance that is far from linear.
+//! Time integration of second-order equations along a motion with a strongly nonlinear contact torque.
 //!
 //! ```text
 //! M(t) δ̈ + V(t) δ̇ + Q(t) δ + c(t, δ, δ̇) = s(t)
@@ -7,10 +7,10 @@
 //! with the differences of [`march`](super::march), sample after sample, each by Newton's method, because a flank
 //! that is reached at one sample, or a link that comes to rest, decides what the next one meets.
 
-use crate::chain::evaluate::march::{Coefficients, Course, History, end, largest, past};
+use crate::chain::evaluate::march::{Coefficients, History, Response, end, largest, past};
 use nalgebra::{DMatrix, DVector};
 
-/// A place on the course: a member at a sample, with δ and δ̇.
+/// A place on the response: a member at a sample, with δ and δ̇.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Twist {
     pub member: usize,
@@ -41,14 +41,14 @@ const ROUNDING: f64 = 2.0 * f64::EPSILON;
 /// A Newton step that moves δ by less than this share of it is the last one.
 const SETTLED: f64 = 1e-14;
 
-/// δ, δ̇ and δ̈ for a right-hand side `[member][sample]`, from a course to begin with.
+/// δ, δ̇ and δ̈ for a right-hand side `[member][sample]`, from a response to begin with.
 pub(super) fn solve_with(
     (coefficients, step, cyclic): (&Coefficients, f64, bool),
     source: &[Vec<f64>],
     resistance: Resistance<'_>,
-    first: &Course,
-) -> Course {
-    let mut course = first.clone();
+    first: &Response,
+) -> Response {
+    let mut response = first.clone();
     let mut history = cyclic.then(|| end(first));
     let mut tolerance: Option<[f64; 2]> = None;
     let count = coefficients.members;
@@ -62,40 +62,40 @@ pub(super) fn solve_with(
         past: [vec![0.0; count], vec![0.0; count]],
         value: vec![0.0; count],
         moved: vec![0.0; count],
-        miss: Miss::new(count),
-        tried: Miss::new(count),
+        miss: Imbalance::new(count),
+        tried: Imbalance::new(count),
     };
     for _ in 0..PERIODS {
         let mut alike = 0;
         for k in 0..coefficients.samples() {
-            let moved = newton.settle((&mut course, history.as_ref()), k);
+            let moved = newton.settle((&mut response, history.as_ref()), k);
             alike = match tolerance {
                 Some([lag, rate]) if moved[0] <= lag && moved[1] <= rate => alike + 1,
                 _ => 0,
             };
             if alike == 2 {
-                return course;
+                return response;
             }
         }
         if !cyclic {
             break;
         }
-        history = Some(end(&course));
+        history = Some(end(&response));
         tolerance =
-            Some([0, 1].map(|order: usize| REPEATS * largest(course[order].iter().flatten())));
+            Some([0, 1].map(|order: usize| REPEATS * largest(response[order].iter().flatten())));
     }
-    course
+    response
 }
 
 /// Left side less right side, and its derivatives by δ, row after row.
-struct Miss {
+struct Imbalance {
     value: Vec<f64>,
     slope: Vec<f64>,
     /// Sum of the sizes of the terms, of which rounding takes its share.
     terms: f64,
 }
 
-impl Miss {
+impl Imbalance {
     fn new(count: usize) -> Self {
         Self {
             value: vec![0.0; count],
@@ -134,38 +134,42 @@ struct Newton<'a> {
     past: [Vec<f64>; 2],
     value: Vec<f64>,
     moved: Vec<f64>,
-    miss: Miss,
-    tried: Miss,
+    miss: Imbalance,
+    tried: Imbalance,
 }
 
 impl Newton<'_> {
-    /// Solves a sample of a course; by how much δ and δ̇ moved.
-    fn settle(&mut self, (course, history): (&mut Course, Option<&History>), k: usize) -> [f64; 2] {
+    /// Solves a sample of a response; by how much δ and δ̇ moved.
+    fn settle(
+        &mut self,
+        (response, history): (&mut Response, Option<&History>),
+        k: usize,
+    ) -> [f64; 2] {
         let alone = k == 0 && history.is_none();
         let count = self.value.len();
         self.sample = k;
         self.slope = if alone { 0.0 } else { 1.5 / self.step };
         for (order, series) in self.past.iter_mut().enumerate() {
             for (f, to) in series.iter_mut().enumerate() {
-                *to = past((course, history), (order, f), k) / (2.0 * self.step);
+                *to = past((response, history), (order, f), k) / (2.0 * self.step);
             }
         }
         let before = k.saturating_sub(usize::from(history.is_none() || k > 0));
-        self.begin(&course[0], [before, k]);
+        self.begin(&response[0], [before, k]);
         self.find();
         let mut moved = [0.0_f64; 2];
         for f in 0..count {
             let rate = self.slope * self.value[f] + self.past[0][f];
-            moved[0] = moved[0].max((self.value[f] - course[0][f][k]).abs());
-            moved[1] = moved[1].max((rate - course[1][f][k]).abs());
-            course[0][f][k] = self.value[f];
-            course[1][f][k] = rate;
-            course[2][f][k] = self.slope * rate + self.past[1][f];
+            moved[0] = moved[0].max((self.value[f] - response[0][f][k]).abs());
+            moved[1] = moved[1].max((rate - response[1][f][k]).abs());
+            response[0][f][k] = self.value[f];
+            response[1][f][k] = rate;
+            response[2][f][k] = self.slope * rate + self.past[1][f];
         }
         moved
     }
 
-    /// Begins at the sample before or where the course had this one, whichever misses less.
+    /// Begins at the sample before or where the response had this one, whichever misses less.
     fn begin(&mut self, lags: &[Vec<f64>], samples: [usize; 2]) {
         for (attempt, at) in samples.into_iter().enumerate() {
             for (to, series) in self.moved.iter_mut().zip(lags) {

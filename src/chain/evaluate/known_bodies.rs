@@ -1,8 +1,8 @@
-//! What is known of the bodies along a course, and of its derivatives by the motion.
+//! Torques of bodies with known parameters along a motion, and their derivatives by it.
 
 use std::ops::Range;
 
-/// What the bodies of a model do along a course.
+/// What the bodies of a model do along a motion.
 #[derive(Debug, Clone, Default)]
 pub struct KnownBodies {
     /// Of everything but the parameters that have columns below, `[row of the rigid body][sample]`.

@@ -10,7 +10,7 @@
 //!
 //! The equation holds at every sample, with δ̇ and δ̈ from δ by backward differences ([`march`]); before
 //! the first sample of a motion that does not repeat, δ is at rest. Torque and contact are linearised
-//! about the last δ, which is Newton's method over the whole course; the same matrices carry the columns
+//! about the last δ, which is Newton's method over the whole motion; the same matrices carry the columns
 //! of the derivatives, which are exact for the solution as computed.
 //!
 //! [`march`]: super::march
@@ -20,13 +20,13 @@ use crate::chain::effect::sign::{sign, sign_by_velocity};
 use crate::chain::effect::{Contribution, Law};
 use crate::chain::evaluate::contact_march::{Twist, solve_with};
 use crate::chain::evaluate::known_bodies::{KnownBodies, Slopes};
-use crate::chain::evaluate::march::{Coefficients, Course, March, largest};
+use crate::chain::evaluate::march::{Coefficients, March, Response, largest};
 use crate::chain::evaluate::rigid::{at_joint, of_others};
 use crate::chain::evaluate::{Evaluator, Segment};
 use crate::chain::flank::Flank;
 use crate::robot::batch::torques;
 
-/// Passes over the course; the matrices change little with δ, so that those about the motion without lag usually do.
+/// Passes over the motion; the matrices change little with δ, so that those about the motion without lag usually do.
 const PASSES: usize = 24;
 
 /// A pass that moves δ by more than this share of the pass before leads nowhere.
@@ -73,12 +73,12 @@ impl Switch {
     }
 }
 
-/// The lag along a course, and what carries derivatives through it.
+/// The lag along a motion, and what carries derivatives through it.
 #[derive(Debug)]
 pub(super) struct Lag {
     members: Vec<Lagging>,
     switches: Vec<Switch>,
-    motion: Course,
+    motion: Response,
     slopes: Slopes,
     march: Option<March>,
 }
@@ -124,7 +124,7 @@ impl Lag {
     }
 
     /// δ where the bodies stay linearised about the present one; `None` where there is no solution.
-    fn next(&self, torque: &[Vec<f64>], (step, cyclic): (f64, bool)) -> Option<Course> {
+    fn next(&self, torque: &[Vec<f64>], (step, cyclic): (f64, bool)) -> Option<Response> {
         let is_linear = |(member, switch): (&Lagging, &Switch)| {
             member.flank.half_gap == 0.0 && !switch.is_there()
         };
@@ -264,7 +264,7 @@ impl Evaluator<'_> {
             let size = largest(next[0].iter().flatten());
             lag.motion = next;
             self.move_by_lag(&lag, &without);
-            // Far from any course that repeats a link rattles, and no pass comes closer to one.
+            // Far from any motion that repeats a link rattles, and no pass comes closer to one.
             if change <= PASS_TOLERANCE * size || change > RATTLES * before {
                 break;
             }

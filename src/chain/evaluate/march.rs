@@ -1,4 +1,4 @@
-//! Linear second-order equations along a course, solved for many right-hand sides.
+//! Time integration of linear second-order equations along a motion, for many right-hand sides.
 //!
 //! ```text
 //! M(t) δ̈ + V(t) δ̇ + Q(t) δ = s(t)
@@ -12,7 +12,7 @@
 use nalgebra::{DMatrix, DVector};
 
 /// δ, δ̇, δ̈ of every member: `[order][member][sample]`.
-pub(super) type Course = [Vec<Vec<f64>>; 3];
+pub(super) type Response = [Vec<Vec<f64>>; 3];
 
 /// The largest size; 0 of none.
 pub(super) fn largest<'a>(of: impl IntoIterator<Item = &'a f64>) -> f64 {
@@ -69,7 +69,7 @@ pub(super) struct March {
 /// The responses to what came before, and the inverse of 1 − Φ.
 #[derive(Debug)]
 struct Cycle {
-    responses: Vec<Course>,
+    responses: Vec<Response>,
     inverse: DMatrix<f64>,
 }
 
@@ -121,36 +121,36 @@ impl March {
     }
 
     /// δ, δ̇ and δ̈ for a right-hand side `[member][sample]`.
-    pub fn solve(&self, source: &[Vec<f64>]) -> Course {
+    pub fn solve(&self, source: &[Vec<f64>]) -> Response {
         let Some(cycle) = &self.cycle else {
             return self.pass(source, None);
         };
         let rest = DVector::zeros(KINDS * self.members());
-        let mut course = self.pass(source, Some(&rest));
-        let start = &cycle.inverse * end(&course);
-        for (response, weight) in cycle.responses.iter().zip(start.iter()) {
-            let to = course.iter_mut().flatten();
-            for (to, from) in to.zip(response.iter().flatten()) {
+        let mut response = self.pass(source, Some(&rest));
+        let start = &cycle.inverse * end(&response);
+        for (part, weight) in cycle.responses.iter().zip(start.iter()) {
+            let to = response.iter_mut().flatten();
+            for (to, from) in to.zip(part.iter().flatten()) {
                 for (to, x) in to.iter_mut().zip(from) {
                     *to += weight * x;
                 }
             }
         }
-        course
+        response
     }
 
     /// One pass from a history, or from rest at the first sample.
-    fn pass(&self, source: &[Vec<f64>], history: Option<&History>) -> Course {
+    fn pass(&self, source: &[Vec<f64>], history: Option<&History>) -> Response {
         let (count, samples) = (self.members(), self.coefficients.samples());
         let series = || vec![vec![0.0; samples]; count];
-        let mut course = [series(), series(), series()];
+        let mut response = [series(), series(), series()];
         let mut rest = [vec![0.0; count], vec![0.0; count]];
         let mut right = vec![0.0; count];
         for k in 0..samples {
             let alone = k == 0 && history.is_none();
             for (order, rest) in rest.iter_mut().enumerate() {
                 for (f, rest) in rest.iter_mut().enumerate() {
-                    *rest = past((&course, history), (order, f), k) / (2.0 * self.step);
+                    *rest = past((&response, history), (order, f), k) / (2.0 * self.step);
                 }
             }
             let a = if alone { 0.0 } else { 1.5 / self.step };
@@ -168,35 +168,35 @@ impl March {
                     .map(|g| self.inverse[c.at(k, (f, g))] * right[g])
                     .sum();
                 let rate = a * value + rest[0][f];
-                course[0][f][k] = value;
-                course[1][f][k] = rate;
-                course[2][f][k] = a * rate + rest[1][f];
+                response[0][f][k] = value;
+                response[1][f][k] = rate;
+                response[2][f][k] = a * rate + rest[1][f];
             }
         }
-        course
+        response
     }
 }
 
-/// The history that follows a course.
-pub(super) fn end(course: &Course) -> History {
-    let count = course[0].len();
+/// The history that follows a response.
+pub(super) fn end(response: &Response) -> History {
+    let count = response[0].len();
     DVector::from_fn(KINDS * count, |k, _| {
-        let series = &course[k / (2 * count)][k % count];
+        let series = &response[k / (2 * count)][k % count];
         series[series.len() - 1 - (k / count) % 2]
     })
 }
 
 /// `−4 x₋₁ + x₋₂` of δ (order 0) or δ̇ (order 1) of a member before sample k; at rest before a first sample.
 pub(super) fn past(
-    (course, history): (&Course, Option<&History>),
+    (response, history): (&Response, Option<&History>),
     (order, member): (usize, usize),
     k: usize,
 ) -> f64 {
-    let count = course[0].len();
+    let count = response[0].len();
     let before = |steps: usize| match (k.checked_sub(steps), history) {
-        (Some(at), _) => course[order][member][at],
+        (Some(at), _) => response[order][member][at],
         (None, Some(h)) => h[(2 * order + steps - k - 1) * count + member],
-        (None, None) => course[order][member][0],
+        (None, None) => response[order][member][0],
     };
     match k == 0 && history.is_none() {
         true => 0.0,

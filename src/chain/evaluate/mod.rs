@@ -4,7 +4,7 @@
 //! a product with Vᵀ or a division is written once for both. A column that a channel cannot depend on
 //! is absent and costs nothing.
 //!
-//! Laws without memory are evaluated block by block; a law that has to know the course of the motion
+//! Laws without memory are evaluated block by block; a law that has to know the whole motion
 //! (bristles, elasticity, play, delay) needs the whole recording at once, [`Evaluator::along`].
 
 mod block;
@@ -55,7 +55,7 @@ pub struct Evaluator<'m> {
     /// Made when first needed: most evaluations need neither.
     regressor: Option<RegressorBatch>,
     derivatives: Option<DerivativeBatch>,
-    /// Whether the samples are the whole course of a motion.
+    /// Whether the samples are the whole of a motion.
     along: bool,
     /// Channels that are asked for; the others are left unfinished.
     wanted: Vec<bool>,
@@ -82,7 +82,7 @@ struct Scratch {
 
 impl<'m> Evaluator<'m> {
     /// An evaluator of `model` at parameter `values`, with derivatives with respect to `columns`
-    /// (positions of parameters), over blocks of states. Laws that need the course of the motion do not
+    /// (positions of parameters), over blocks of states. Laws that need the whole motion do not
     /// act: [`Evaluator::along`] has them.
     pub fn new(model: &'m Model, values: &DVector<f64>, columns: &[usize]) -> Self {
         Self::with_room(model, values, columns, (BLOCK, false))
@@ -167,7 +167,7 @@ impl<'m> Evaluator<'m> {
     }
 
     /// The signal along a whole recording and its derivatives.
-    pub fn evaluate_course(&mut self, segment: Segment<'_>) -> &Block {
+    pub fn evaluate_whole(&mut self, segment: Segment<'_>) -> &Block {
         let range = 0..segment.motors.len();
         let delayed = self
             .model
@@ -300,7 +300,7 @@ impl<'m> Evaluator<'m> {
 
     /// Whether an effect acts on the samples at hand.
     fn acts(&self, memory: Memory) -> bool {
-        self.along || memory != Memory::Course
+        self.along || memory != Memory::WholeMotion
     }
 }
 

@@ -1,4 +1,4 @@
-//! Positions that were recorded at the joints: with another V the joints stay and the motors move.
+//! Derivatives where positions were recorded at the joints: with another V the joints stay and the motors move.
 //!
 //! `m = V⁻¹ V_ref m_ref`, so that `q = V m + offset` is what was recorded whatever V is. Entries of V act on the
 //! laws of the motors and on the torque that reaches them; their columns are central differences of the whole.

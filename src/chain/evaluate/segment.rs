@@ -1,4 +1,4 @@
-//! The part of a motion that an evaluator takes at once.
+//! A segment of a recording: the motion that an evaluator takes at once.
 
 use crate::chain::controller::CommandsFrom;
 use crate::chain::evaluate::known_bodies::KnownBodies;

@@ -148,7 +148,7 @@ impl Reference {
             ..Segment::states(motors, true)
         };
         let mut evaluator = Evaluator::along(&model, &values, &[], rows);
-        let block = evaluator.evaluate_course(segment);
+        let block = evaluator.evaluate_whole(segment);
         let of = |c: usize| {
             block
                 .value(c)

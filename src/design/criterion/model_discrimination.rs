@@ -236,7 +236,7 @@ impl Rivals<'_> {
                 };
                 let unknowns = &rival.unknowns;
                 let mut evaluator = Evaluator::along(model, &rival.values, unknowns, basis.samples);
-                let block = evaluator.evaluate_course(segment);
+                let block = evaluator.evaluate_whole(segment);
                 for (c, &channel) in channels.iter().enumerate() {
                     let weight = self.noise[channel].recip();
                     let row = |k: usize| (first + k) * rows + l * channels.len() + c;

@@ -96,7 +96,7 @@ impl VerifiedMotion {
 pub fn run(
     search: &Search<'_>,
     control: &Control,
-    watch: impl Fn(&Improvement) + Sync,
+    on_improvement: impl Fn(&Improvement) + Sync,
 ) -> Result<VerifiedMotion, SolveError> {
     let began = Instant::now();
     let experiment = search.experiment;
@@ -111,7 +111,7 @@ pub fn run(
         settings: &settings,
         ..*search
     };
-    let mut current = VerifiedMotion::new(experiment, first.run(control, watch)?);
+    let mut current = VerifiedMotion::new(experiment, first.run(control, on_improvement)?);
     let mut best = current.clone();
     if !best.found.is_feasible() {
         return Ok(best);

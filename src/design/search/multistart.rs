@@ -194,12 +194,12 @@ fn order(a: &(bool, f64), b: &(bool, f64)) -> std::cmp::Ordering {
 }
 
 impl Search<'_> {
-    /// Runs until the starts or the budget are used up, or the caller stops it; `watch` hears of every
+    /// Runs until the starts or the budget are used up, or the caller stops it; `on_improvement` hears of every
     /// improvement.
     pub fn run(
         &self,
         control: &Control,
-        watch: impl Fn(&Improvement) + Sync,
+        on_improvement: impl Fn(&Improvement) + Sync,
     ) -> Result<SearchResult, SolveError> {
         let began = Instant::now();
         let budget = self.settings.budget;
@@ -235,7 +235,7 @@ impl Search<'_> {
                 };
                 if improves(found.as_ref(), &candidate, improvement.value) {
                     if candidate.infeasibility <= FEASIBLE {
-                        watch(&improvement);
+                        on_improvement(&improvement);
                     }
                     found = Some(self.adopt(found, &candidate, improvement));
                 }

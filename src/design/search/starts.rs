@@ -98,8 +98,8 @@ impl<'a> Starts<'a> {
         let middle = self.middle();
         self.keep_equations(&mut x);
         let step = &x - &middle;
-        let reach = self.rows.reach(&middle, &step);
-        self.admissible(&middle + step * reach.min(1.0) * INSIDE, rng)
+        let longest = self.rows.longest_step(&middle, &step);
+        self.admissible(&middle + step * longest.min(1.0) * INSIDE, rng)
     }
 
     /// The best motion so far with the motion of some joints drawn again.
@@ -141,12 +141,12 @@ impl<'a> Starts<'a> {
         self.keep_equations(&mut x);
         let middle = self.middle();
         let step = &x - &middle;
-        let reach = self.rows.reach(&middle, &step);
+        let longest = self.rows.longest_step(&middle, &step);
         // A motion that an earlier search left on its limits stays there.
-        let inside = if reach < 1.0 - ON_LIMIT {
-            reach * INSIDE
+        let inside = if longest < 1.0 - ON_LIMIT {
+            longest * INSIDE
         } else {
-            reach.min(1.0)
+            longest.min(1.0)
         };
         self.admissible(&middle + step * inside, rng)
     }
@@ -222,8 +222,8 @@ impl<'a> Starts<'a> {
             moved[k * self.width] = rest[k * self.width];
         }
         let step = &moved - &rest;
-        let reach = self.rows.reach(&rest, &step);
-        let mut factor = reach;
+        let longest = self.rows.longest_step(&rest, &step);
+        let mut factor = longest;
         for _ in 0..MOST_STEPS {
             let trial = &rest + &step * factor;
             if self.infeasibility(&trial) <= least {

@@ -225,7 +225,7 @@ mod tests {
         let motors = crate::robot::batch::Trajectory { q, dq, ddq };
         let mut evaluator =
             Evaluator::along(&linkage.model, &linkage.values, parameters, motion.len());
-        let block = evaluator.evaluate_course(Segment::states(motors, false));
+        let block = evaluator.evaluate_whole(Segment::states(motors, false));
         let mut expected = DMatrix::zeros(parameters.len(), parameters.len());
         for channel in &linkage.columns.channels {
             let w = DMatrix::from_fn(motion.len(), parameters.len(), |s, k| {

@@ -24,7 +24,7 @@ use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::fit::start::Start;
 use crate::diagnose::fit::start_grid::Grid;
-use crate::estimate::reach::Motion;
+use crate::estimate::search_range::MotionRange;
 use crate::linalg::normal_equations::{INDEPENDENT, NormalSolution};
 use crate::linalg::triangular::Triangular;
 use crate::recording::split::Split;
@@ -121,7 +121,7 @@ impl<'a> Linearised<'a> {
         let enlarged = self.enlarged(context, hypothesis)?;
         let Enlarged { model, own, .. } = &enlarged;
         let bases = self.bases(model, hypothesis);
-        let motion = Motion::of(&context.recordings(Split::Train), hypothesis.joints[0]);
+        let motion = MotionRange::of(&context.recordings(Split::Train), hypothesis.joints[0]);
         let grid = Grid::new(model, own, hypothesis.effect, &motion);
         let gain = |point: Vec<f64>| {
             let from = |(b, base): (usize, &Base)| {

@@ -1,6 +1,6 @@
 //! What a finding means, in a sentence that a plant engineer understands.
 
-use crate::chain::effect::found::{Estimated, Found};
+use crate::chain::effect::fitted_effect::{Estimated, FittedEffect};
 use crate::chain::model::Model;
 use crate::chain::words::{list, short};
 use crate::diagnose::fit::hypothesis::{Hypothesis, joint_names};
@@ -10,7 +10,7 @@ use crate::outcome::parameter::Parameter;
 /// What was wrong with the declared model, of a finding of a model with the parameters that it has brought.
 pub fn sentence(hypothesis: &Hypothesis, model: &Model, parameters: &[Parameter]) -> String {
     let effect = hypothesis.effect;
-    let found = Found {
+    let found = FittedEffect {
         who: list(&joint_names(model, &hypothesis.named_joints())),
         moved: list(&joint_names(model, &hypothesis.joints)),
         by: joint_names(model, hypothesis.other.as_slice()),

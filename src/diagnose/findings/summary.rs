@@ -5,8 +5,10 @@ use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::residuals::additive_model::AdditiveModel;
 use crate::diagnose::residuals::noise_level::UNEXPLAINED;
-use crate::estimate::figures::{Predictions, figures_by_recording, predictions_by_recording};
 use crate::estimate::fit::Fitted;
+use crate::estimate::goodness_of_fit::{
+    Predictions, figures_by_recording, predictions_by_recording,
+};
 use crate::outcome::diagnose::{Unattested, Verdict};
 use crate::outcome::finding::Finding;
 use crate::outcome::joint::JointFigures;

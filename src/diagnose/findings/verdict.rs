@@ -2,7 +2,7 @@
 
 use crate::diagnose::findings::compared::{LackOfFit, MOSTLY};
 use crate::diagnose::residuals::noise_level::LEAST_EXCESS;
-use crate::outcome::diagnose::{Spoiled, Unattested, Verdict};
+use crate::outcome::diagnose::{BiasedParameter, Unattested, Verdict};
 use crate::outcome::finding::Finding;
 use crate::outcome::parameter::Parameter;
 
@@ -32,16 +32,16 @@ pub fn verdict(findings: &[Finding], lack: LackOfFit, unattested: &[Unattested])
 }
 
 /// Parameters that both models determine and that moved by more than their uncertainty.
-pub fn biased(before: &[Parameter], after: &[Parameter]) -> Vec<Spoiled> {
+pub fn biased(before: &[Parameter], after: &[Parameter]) -> Vec<BiasedParameter> {
     /// Standard deviations of the later estimate beyond which a change is one.
     const MOVED: f64 = 3.0;
-    let mut biased: Vec<(f64, Spoiled)> = after
+    let mut biased: Vec<(f64, BiasedParameter)> = after
         .iter()
         .filter_map(|new| {
             let old = before.iter().find(|p| p.name == new.name)?;
             let (from, to, deviation) = (old.value?, new.value?, new.std_dev?);
             let moved = (to - from).abs() / deviation;
-            let entry = Spoiled {
+            let entry = BiasedParameter {
                 name: new.name.clone(),
                 unit: new.unit.clone(),
                 before: from,

@@ -70,7 +70,7 @@ impl Naming<'_> {
                 }
             }
         }
-        let remembers = hypothesis.effect.needs.memory == Memory::Course;
+        let remembers = hypothesis.effect.needs.memory == Memory::WholeMotion;
         let anew = if remembers {
             self.grid.anew()
         } else {

@@ -10,9 +10,9 @@ use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::fit::recording_parameters;
 use crate::diagnose::fit::start::{Start, WarmStart};
+use crate::estimate::canonical_sines;
 use crate::estimate::error::EstimateError;
 use crate::estimate::problem::FitProblem;
-use crate::estimate::sines;
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::Weights;
 use crate::problem::Problem;
@@ -100,7 +100,8 @@ pub fn fit_model_holding(
             Some((solution, ..)) => solution.x.clone(),
             None => problem.start(),
         };
-        let solution = sines::stated(&problem, solve(&problem, &from, context.control)?);
+        let solution =
+            canonical_sines::canonical(&problem, solve(&problem, &from, context.control)?);
         let values = problem.parameters(&solution.x);
         let train = ChannelSeries::of(&model, &values, &[], &recordings).residuals();
         let next = deviations(&train);

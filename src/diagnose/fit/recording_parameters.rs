@@ -12,7 +12,7 @@ use crate::diagnose::fit::channel_series::ChannelSeries;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::start_grid::Grid;
 use crate::estimate::error::EstimateError;
-use crate::estimate::reach::Motion;
+use crate::estimate::search_range::MotionRange;
 use crate::linalg::normal_equations::NormalSolution;
 use crate::problem::form::{Form, Objective, Structure, Variable};
 use crate::problem::view::LeastSquares;
@@ -134,7 +134,7 @@ impl<'a> OwnProblem<'a> {
                 continue;
             };
             let (effect, _) = self.model.joints()[joint].effects[effect];
-            let motion = Motion::of(&self.recordings, joint);
+            let motion = MotionRange::of(&self.recordings, joint);
             let grid = Grid::new(self.model, &own, effect, &motion);
             for point in grid.all(None) {
                 let mut values = self.values_at(&best);

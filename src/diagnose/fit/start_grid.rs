@@ -3,7 +3,7 @@
 use crate::chain::effect::{Effect, Linearity, Search};
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
-use crate::estimate::reach::Motion;
+use crate::estimate::search_range::MotionRange;
 
 /// A linear parameter at this share of its typical value lets the derivatives with respect to the nonlinear
 /// ones behind it be seen, and changes nothing else.
@@ -33,7 +33,7 @@ struct Kind {
 
 impl Grid {
     /// The grid of the `own` parameters of an effect, with the motion of its joint.
-    pub fn new(model: &Model, own: &[usize], effect: &Effect, motion: &Motion) -> Self {
+    pub fn new(model: &Model, own: &[usize], effect: &Effect, motion: &MotionRange) -> Self {
         let mut kinds: Vec<Kind> = Vec::new();
         let mut of = Vec::new();
         for &p in own {

@@ -25,7 +25,7 @@ pub fn brakes(context: &Context<'_>, fit: &ModelFit, channel: usize) -> bool {
         return true;
     };
     let of_joint = &model.joints()[joint];
-    if model.memory() == Memory::Course || of_joint.has_lag() || of_joint.delay.is_some() {
+    if model.memory() == Memory::WholeMotion || of_joint.has_lag() || of_joint.delay.is_some() {
         return true;
     }
     let recordings = context.recordings(Split::Train);

@@ -1,6 +1,6 @@
 //! A formula as a law of one's own: its text, the units of its parameters, and the table of a problem file.
 
-use crate::chain::effect::own::{ActsOn, LawText, ParameterText, SearchText};
+use crate::chain::effect::user_law::{ActsOn, LawText, ParameterText, SearchText};
 use crate::chain::model::Model;
 use crate::diagnose::formula::factor::{Factor, Shape};
 use crate::diagnose::formula::grammar::Grammar;

@@ -5,7 +5,7 @@
 //! misfit, a smooth correction or a name that resembles it, must not forecast what the formula leaves and leave less by what
 //! matters.
 
-use crate::chain::effect::own;
+use crate::chain::effect::user_law;
 use crate::diagnose::candidates::score_test::Linearised;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::fit::candidate::Candidate;
@@ -177,7 +177,7 @@ impl Proposing<'_> {
     fn fit(&self, channel: usize, formula: Formula) -> Option<FittedFormula> {
         let context = &self.contexts.selection;
         let hypothesis = Hypothesis {
-            effect: own::effect(&formula.text()).ok()?,
+            effect: user_law::effect(&formula.text()).ok()?,
             joints: vec![formula.joint],
             other: None,
         };

@@ -2,7 +2,7 @@
 //! signal shows of a torque.
 
 use crate::chain::dataset::Prepared;
-use crate::chain::effect::own::{self, ActsOn, LawText, ParameterText, SearchText};
+use crate::chain::effect::user_law::{self, ActsOn, LawText, ParameterText, SearchText};
 use crate::diagnose::fit::channel_series::ChannelSeries;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
@@ -161,7 +161,7 @@ fn probed(
     };
     let mut hypotheses = fit.hypotheses.clone();
     hypotheses.push(Hypothesis {
-        effect: own::effect(&text).ok()?,
+        effect: user_law::effect(&text).ok()?,
         joints: vec![joint],
         other: None,
     });

@@ -5,7 +5,7 @@ use crate::chain::model::Model;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::residuals::additive_model::{self, AdditiveModel};
-use crate::estimate::figures::noise_rms;
+use crate::estimate::goodness_of_fit::noise_rms;
 use crate::outcome::joint::JointFigures;
 use crate::stats::deviation::rms;
 use crate::stats::distribution::Distribution;

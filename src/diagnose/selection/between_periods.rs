@@ -8,7 +8,7 @@ use crate::diagnose::fit::fitting::fit_model;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::residuals::period_changes;
 use crate::diagnose::selection::stepwise::{Rules, Selection, Stepwise};
-use crate::recording::unrolled::unrolled as unrolled_experiment;
+use crate::recording::successive_periods::successive_periods as unrolled_experiment;
 
 /// Effects of time to look for where the recordings were averaged and change from period to period.
 pub fn sought(data: &Dataset, catalogue: &Catalogue, rules: Rules<'_>) -> Option<Vec<String>> {
@@ -33,7 +33,7 @@ pub fn sought(data: &Dataset, catalogue: &Catalogue, rules: Rules<'_>) -> Option
 
 /// The recordings with their periods one after another. The noise of samples as they were recorded is each row's own,
 /// so that every row is used; a filter leaves neighbours alike.
-pub fn unrolled(data: &Dataset) -> Dataset {
+pub fn successive_periods(data: &Dataset) -> Dataset {
     let of = |recording: &Prepared| match unrolled_experiment(&recording.experiment) {
         Some(experiment) => {
             let prepare = match experiment.parallel {

@@ -5,7 +5,7 @@ use crate::chain::effect::{Memory, Search};
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::ModelFit;
-use crate::estimate::reach::Motion;
+use crate::estimate::search_range::MotionRange;
 use crate::recording::split::Split;
 
 /// Whether a law of speed changes within the speeds of its joint, as fitted, and one that repeats does within its positions;
@@ -19,14 +19,14 @@ pub fn are_reached(context: &Context<'_>, fit: &ModelFit, hypothesis: &Hypothesi
     let train = context.recordings(Split::Train);
     let all: Vec<&Prepared> = context.data.recordings.iter().collect();
     hypothesis.joints.iter().all(|&joint| {
-        let [fitted, whole] = [&train, &all].map(|recordings| Motion::of(recordings, joint));
+        let [fitted, whole] = [&train, &all].map(|recordings| MotionRange::of(recordings, joint));
         let mut parameters = fit.model.joints()[joint].parameters_of(hypothesis.effect.id);
         parameters.all(|(info, at)| {
             let motion = match info.search {
                 Search::Cycles => &whole,
                 _ => &fitted,
             };
-            motion.shows(info.search, fit.values[at])
+            motion.covers(info.search, fit.values[at])
         })
     })
 }

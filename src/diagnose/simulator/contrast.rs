@@ -10,7 +10,7 @@
 use crate::chain::dataset::Dataset;
 use crate::diagnose::simulator::sentences;
 use crate::diagnose::simulator::side::{Determined, Named, Side};
-use crate::estimate::figures::predictions;
+use crate::estimate::goodness_of_fit::predictions;
 use crate::outcome::simulator::Contrast;
 use crate::recording::split::Split;
 use crate::stats::distribution::Distribution;

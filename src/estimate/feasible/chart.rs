@@ -1,4 +1,4 @@
-//! The same fit without constraints on bodies: in coordinates in which every body is possible.
+//! Feasible estimation without constraints: a chart of the bodies, coordinates in which every body is physically possible.
 //!
 //! ```text
 //! D J D = margin·1 + e^(2α) U Uᵀ,   U = [e^d1 s12 s13 t1; 0 e^d2 s23 t2; 0 0 e^d3 t3; 0 0 0 1]
@@ -13,7 +13,7 @@ use crate::estimate::error::EstimateError;
 use crate::estimate::feasible::compressed;
 use crate::estimate::feasible::program::{PULL, pull};
 use crate::estimate::feasible::solve::{self, Feasible, Setting};
-use crate::estimate::feasible::standard::{LENGTH, Standard, scaled_body};
+use crate::estimate::feasible::standard::{LENGTH, StandardParameters, scaled_body};
 use crate::estimate::problem::FitProblem;
 use crate::problem::form::{Form, Objective, Structure, Variable};
 use crate::problem::solution::Control;
@@ -153,7 +153,10 @@ impl<'a> Chart<'a> {
 }
 
 /// Positions among the unknowns of a body's ten parameters.
-fn whole_body(standard: &Standard<'_>, first: usize) -> Result<[usize; PER_LINK], EstimateError> {
+fn whole_body(
+    standard: &StandardParameters<'_>,
+    first: usize,
+) -> Result<[usize; PER_LINK], EstimateError> {
     let mut positions = [0; PER_LINK];
     for (entry, position) in positions.iter_mut().enumerate() {
         let found = standard.parameters.iter().position(|&p| p == first + entry);

@@ -15,34 +15,35 @@ use crate::chain::model::Model;
 use crate::chain::prior::Prior;
 use crate::estimate::error::EstimateError;
 use crate::estimate::estimator::Estimator;
-use crate::estimate::feasible::found::Found;
-pub use crate::estimate::feasible::found::MARGIN;
+use crate::estimate::feasible::feasible_fit::FeasibleFit;
+pub use crate::estimate::feasible::feasible_fit::MARGIN;
 use crate::estimate::feasible::prior::InertialPrior;
 use crate::estimate::feasible::program::Constraints;
 use crate::estimate::feasible::solve::{Feasible, Setting, compressed};
-use crate::estimate::feasible::standard::Standard;
+use crate::estimate::feasible::standard::StandardParameters;
 use crate::estimate::fit::{self, Fitted};
+use crate::estimate::least_squares;
 use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::unknowns::Unknowns;
+use crate::estimate::warm_start;
 use crate::estimate::weights::Weights;
-use crate::estimate::{coarse, least_squares};
 use crate::problem::solution::Control;
 use crate::problem_file::choices::{FeasibleBy, PriorKind};
-use crate::problem_file::fit::Strength;
+use crate::problem_file::fit::RegularisationWeight;
 use crate::recording::split::Split;
 use crate::setup::combined_limits::Limit;
 use nalgebra::DVector;
 
+mod active_bounds;
 pub mod chart;
-mod edge;
-mod found;
+mod feasible_fit;
 mod outcome;
 pub mod prior;
 pub mod program;
+mod regularisation_weight;
 mod sequential;
 pub mod solve;
 pub mod standard;
-mod strength;
 
 /// Rounds of reweighting.
 const MAX_ROUNDS: usize = 10;
@@ -67,7 +68,7 @@ pub struct Settings {
     /// How bodies are kept possible.
     pub by: FeasibleBy,
     /// What is preferred among bodies that explain the recordings as well, and by how much; none without a prior.
-    pub prior: Option<(PriorKind, Strength)>,
+    pub prior: Option<(PriorKind, RegularisationWeight)>,
     /// Limits on combinations of parameters beside those of single ones.
     pub limits: Vec<Limit>,
 }
@@ -90,14 +91,15 @@ pub fn fit(
     let unknowns = Unknowns::find(model, data, prior);
     fit::check_counts(model, &unknowns, &recordings)?;
     let training = (&recordings[..], prior);
-    let (first, mut problem) = coarse::minimise(model, &unknowns, training, (estimator, control))?;
-    let standard = Standard::new(model, &unknowns);
+    let (first, mut problem) =
+        warm_start::minimise(model, &unknowns, training, (estimator, control))?;
+    let standard = StandardParameters::new(model, &unknowns);
     let constraints = Constraints::new(&standard, &settings.limits);
     let bodies = settings
         .prior
         .map(|(kind, _)| InertialPrior::new(kind, &standard, MARGIN));
     let mut chosen = match (&bodies, settings.prior) {
-        (Some(bodies), Some((_, strength))) => {
+        (Some(bodies), Some((_, choice))) => {
             let at = (&problem, &first.x);
             let setting = Setting {
                 standard: &standard,
@@ -105,7 +107,12 @@ pub fn fit(
                 margin: MARGIN,
                 prior: Some((bodies, 1.0)),
             };
-            Some(strength::choose(setting, at, (strength, data), control)?)
+            Some(regularisation_weight::choose(
+                setting,
+                at,
+                (choice, data),
+                control,
+            )?)
         }
         _ => None,
     };
@@ -113,10 +120,10 @@ pub fn fit(
         standard: &standard,
         constraints: &constraints,
         margin: MARGIN,
-        prior: bodies.as_ref().zip(chosen.as_ref().map(|c| c.strength)),
+        prior: bodies.as_ref().zip(chosen.as_ref().map(|c| c.weight)),
     };
     let (feasible, free) = rounds(setting, &mut problem, (&first.x, settings), control)?;
-    let found = Found {
+    let found = FeasibleFit {
         problem,
         standard: &standard,
         constraints: &constraints,

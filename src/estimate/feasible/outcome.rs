@@ -1,17 +1,17 @@
-//! A feasible fit as it is reported: every parameter with its value and what that rests on, the certificate,
-//! and the cost of being possible.
+//! The report of a feasible fit: every parameter with its value and what that rests on, the certificate, and the cost of the
+//! constraints.
 //!
 //! Standard deviations are those of the data without constraints, which the constraints can only narrow. With
 //! a prior on the bodies, `C = A⁻¹ (Tᵀ A_β C_β A_β T + Λ) A⁻¹`, `A = Tᵀ A_β T + Λ`, A_β = RᵀR, Λ the prior's.
 
 use crate::chain::dataset::Dataset;
 use crate::estimate::covariance::of_unknowns;
-use crate::estimate::feasible::edge::{self, Edge};
+use crate::estimate::feasible::active_bounds::{self, ActiveBounds};
 use crate::estimate::feasible::program::{PULL, pull};
 use crate::estimate::feasible::standard::{LENGTH, scaled_body};
-use crate::estimate::feasible::{Found, MARGIN};
-use crate::estimate::figures::{figures, predictions};
+use crate::estimate::feasible::{FeasibleFit, MARGIN};
 use crate::estimate::fit::{self, Fitted};
+use crate::estimate::goodness_of_fit::{figures, predictions};
 use crate::estimate::physical::{self, Estimated};
 use crate::estimate::problem::FitProblem;
 use crate::linalg::triangular::{ColumnScaling, Triangular};
@@ -29,7 +29,7 @@ const HELD: f64 = 0.01;
 /// Weight of the pull while it is asked what constraints hold, per kg: undetermined directions move freely.
 const LOOSE: f64 = 1e-2;
 
-pub(super) fn report(found: &Found<'_>, data: &Dataset, control: &Control<'_>) -> Fitted {
+pub(super) fn report(found: &FeasibleFit<'_>, data: &Dataset, control: &Control<'_>) -> Fitted {
     let (problem, standard) = (&found.problem, found.standard);
     let model = problem.model;
     let x = &found.feasible.x;
@@ -38,10 +38,10 @@ pub(super) fn report(found: &Found<'_>, data: &Dataset, control: &Control<'_>) -
     let count = base.len();
     let of_base = of_unknowns(problem, &base)
         .unwrap_or_else(|| DMatrix::from_diagonal_element(count, count, f64::INFINITY));
-    let edge = edge::find(found, MARGIN);
+    let active = active_bounds::find(found, MARGIN);
     let unknowns = standard.unknowns();
     let (covariance, from_prior) = uncertainty(found, &of_base, data);
-    let at_bound = at_bound(found, &edge);
+    let at_bound = at_bound(found, &active);
     let estimated = Estimated {
         model,
         unknowns: &unknowns,
@@ -56,7 +56,7 @@ pub(super) fn report(found: &Found<'_>, data: &Dataset, control: &Control<'_>) -
     let predicted = predictions(model, &values, data);
     let factor = of_columns(problem, &base);
     let smallest = smallest_eigenvalue(&standard.bodies, &values);
-    let feasibility = feasibility(found, (&edge, &values), data, control);
+    let feasibility = feasibility(found, (&active, &values), data, control);
     let fit = Fit {
         base_parameters: fit::base_parameters(problem, &base, &of_base, &[]),
         rank: count,
@@ -86,7 +86,7 @@ pub(super) fn report(found: &Found<'_>, data: &Dataset, control: &Control<'_>) -
 }
 
 /// How the estimate was found.
-fn solver(found: &Found<'_>) -> Solver {
+fn solver(found: &FeasibleFit<'_>) -> Solver {
     let feasible = &found.feasible;
     Solver {
         name: match found.by {
@@ -101,8 +101,8 @@ fn solver(found: &Found<'_>) -> Solver {
     }
 }
 
-/// What the prior on the bodies is, how its strength came about, and what a lasso takes away.
-fn prior_note(found: &Found<'_>) -> Option<String> {
+/// What the prior on the bodies is, how its weight came about, and what a lasso takes away.
+fn prior_note(found: &FeasibleFit<'_>) -> Option<String> {
     let (prior, chosen) = found.prior.as_ref()?;
     let by = match chosen.by {
         "held_out" => format!(
@@ -118,7 +118,7 @@ fn prior_note(found: &Found<'_>) -> Option<String> {
     let mut note = format!(
         "The {} prior has the strength {:.3e}, which {by}.",
         prior.kind.word(),
-        chosen.strength
+        chosen.weight
     );
     if prior.kind == PriorKind::Lasso {
         let (counted, zero) = prior.counted(&found.feasible.x);
@@ -146,7 +146,7 @@ fn smallest_eigenvalue(bodies: &[usize], values: &DVector<f64>) -> Option<f64> {
 
 /// Covariance of the standard unknowns, and those that only a prior determines.
 fn uncertainty(
-    found: &Found<'_>,
+    found: &FeasibleFit<'_>,
     of_base: &DMatrix<f64>,
     data: &Dataset,
 ) -> (DMatrix<f64>, Vec<usize>) {
@@ -169,7 +169,7 @@ fn uncertainty(
     let data_information = information(found);
     let (weak, _) = pull(standard, &standard.reference(), PULL);
     let prior_information =
-        prior.information(chosen.strength, &found.feasible.x) + weak.tr_mul(&weak);
+        prior.information(chosen.weight, &found.feasible.x) + weak.tr_mul(&weak);
     let t = &standard.to_base;
     let whole = t.tr_mul(&(&data_information * t)) + &prior_information;
     let meat = t.tr_mul(&(&data_information * of_base * &data_information * t)) + prior_information;
@@ -189,7 +189,7 @@ fn uncertainty(
 }
 
 /// RᵀR over base unknowns.
-fn information(found: &Found<'_>) -> DMatrix<f64> {
+fn information(found: &FeasibleFit<'_>) -> DMatrix<f64> {
     let base = &found.standard.to_base * &found.feasible.x;
     let whole = found.problem.factor(&base).matrix();
     let matrix = whole.columns(0, base.len());
@@ -197,7 +197,7 @@ fn information(found: &Found<'_>) -> DMatrix<f64> {
 }
 
 /// The base unknown that an unknown is by itself.
-fn base_of(found: &Found<'_>, k: usize) -> Option<usize> {
+fn base_of(found: &FeasibleFit<'_>, k: usize) -> Option<usize> {
     let t = &found.standard.to_base;
     let rows: Vec<usize> = (0..t.nrows()).filter(|&r| t[(r, k)] != 0.0).collect();
     match rows[..] {
@@ -208,10 +208,10 @@ fn base_of(found: &Found<'_>, k: usize) -> Option<usize> {
 
 /// Unknowns whose value constraints decide: those that data and prior leave open, and those of whose variance
 /// the active constraints leave next to nothing.
-fn at_bound(found: &Found<'_>, edge: &Edge) -> Vec<usize> {
+fn at_bound(found: &FeasibleFit<'_>, active: &ActiveBounds) -> Vec<usize> {
     let size = found.standard.len();
     let open = |k: &usize| found.prior.is_none() && base_of(found, *k).is_none();
-    if edge.held.nrows() == 0 {
+    if active.held.nrows() == 0 {
         return (0..size).filter(open).collect();
     }
     let standard = found.standard;
@@ -223,8 +223,8 @@ fn at_bound(found: &Found<'_>, edge: &Edge) -> Vec<usize> {
         return (0..size).filter(open).collect();
     };
     let covariance = factor.inverse();
-    let across = &covariance * edge.held.transpose();
-    let own = &edge.held * &across;
+    let across = &covariance * active.held.transpose();
+    let own = &active.held * &across;
     let rounding = 1e-12 * own.amax();
     let gone = own
         .pseudo_inverse(rounding)
@@ -237,8 +237,8 @@ fn at_bound(found: &Found<'_>, edge: &Edge) -> Vec<usize> {
 }
 
 fn feasibility(
-    found: &Found<'_>,
-    (edge, values): (&Edge, &DVector<f64>),
+    found: &FeasibleFit<'_>,
+    (active, values): (&ActiveBounds, &DVector<f64>),
     data: &Dataset,
     control: &Control<'_>,
 ) -> Feasibility {
@@ -263,7 +263,7 @@ fn feasibility(
         cost: feasible.cost,
         prior: found.prior.as_ref().map(|(prior, chosen)| BodyPrior {
             kind: prior.kind.word().to_string(),
-            strength: chosen.strength,
+            strength: chosen.weight,
             chosen_by: chosen.by.to_string(),
             path: chosen.path.clone(),
         }),
@@ -279,8 +279,8 @@ fn feasibility(
         bodies: if feasible.inactive {
             Vec::new()
         } else {
-            edge::bodies(found, edge, control)
+            active_bounds::bodies(found, active, control)
         },
-        at_limit: edge.at_limit.clone(),
+        at_limit: active.at_limit.clone(),
     }
 }

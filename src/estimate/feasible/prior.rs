@@ -15,14 +15,14 @@
 //!
 //! All are convex in the parameters; the entropic one goes to infinity at the edge of what is possible.
 
-use crate::estimate::feasible::standard::{LENGTH, ROWS, Standard, svec4};
+use crate::estimate::feasible::standard::{LENGTH, ROWS, StandardParameters, svec4};
 use crate::linalg::svec::smat;
 use crate::problem_file::choices::PriorKind;
 use crate::robot::inertia::PER_LINK;
 use crate::solve::interior::Terms;
 use nalgebra::{DMatrix, DVector, Matrix4};
 
-/// The prior of unit strength over the unknowns of a fit.
+/// The prior of unit weight over the unknowns of a fit.
 #[derive(Debug, Clone)]
 pub struct InertialPrior {
     /// By what norm or divergence bodies are held to those of the robot file.
@@ -40,7 +40,7 @@ pub struct InertialPrior {
 impl InertialPrior {
     /// Lays out the prior about the bodies of the robot file; `margin` is the least eigenvalue of a scaled pseudo-inertia,
     /// kg.
-    pub fn new(kind: PriorKind, standard: &Standard<'_>, margin: f64) -> Self {
+    pub fn new(kind: PriorKind, standard: &StandardParameters<'_>, margin: f64) -> Self {
         let references = standard.references();
         let reference = standard.reference();
         let (_, slopes) = standard.pseudo_inertias();
@@ -79,42 +79,42 @@ impl InertialPrior {
         }
     }
 
-    /// Rows of a strength; none for the entropic kind.
-    pub fn rows(&self, strength: f64) -> (DMatrix<f64>, DVector<f64>) {
+    /// Rows of a weight; none for the entropic kind.
+    pub fn rows(&self, weight: f64) -> (DMatrix<f64>, DVector<f64>) {
         match self.kind {
             PriorKind::Entropic | PriorKind::Lasso => {
                 (DMatrix::zeros(0, self.rows.ncols()), DVector::zeros(0))
             }
-            _ => (&self.rows * strength.sqrt(), &self.offset * strength.sqrt()),
+            _ => (&self.rows * weight.sqrt(), &self.offset * weight.sqrt()),
         }
     }
 
-    /// What a strength adds to the cost beside rows.
-    pub fn terms(&self, strength: f64) -> Terms {
+    /// What a weight adds to the cost beside rows.
+    pub fn terms(&self, weight: f64) -> Terms {
         match self.kind {
             PriorKind::Entropic => Terms {
-                linear: &self.linear * strength,
-                log_det: vec![strength; self.bodies],
+                linear: &self.linear * weight,
+                log_det: vec![weight; self.bodies],
             },
             _ => Terms::default(),
         }
     }
 
     /// Weight of |x_j| in the cost; zeros for the kinds without absolute values.
-    pub fn absolute(&self, strength: f64) -> DVector<f64> {
+    pub fn absolute(&self, weight: f64) -> DVector<f64> {
         match self.kind {
-            PriorKind::Lasso => &self.inverse_units * strength,
+            PriorKind::Lasso => &self.inverse_units * weight,
             _ => DVector::zeros(self.inverse_units.len()),
         }
     }
 
     /// Curvature of the prior: that of the entropic one by its second-order form at the reference, that of the lasso
     /// as `|x| ~ x²/|x_0|` at the estimate (Tibshirani 1996, section 2.5).
-    pub fn information(&self, strength: f64, x: &DVector<f64>) -> DMatrix<f64> {
+    pub fn information(&self, weight: f64, x: &DVector<f64>) -> DMatrix<f64> {
         if self.kind != PriorKind::Lasso {
-            return self.rows.tr_mul(&self.rows) * strength;
+            return self.rows.tr_mul(&self.rows) * weight;
         }
-        let weights = self.absolute(strength);
+        let weights = self.absolute(weight);
         let curvature = |k: usize| match weights[k] {
             0.0 => 0.0,
             weight => weight / x[k].abs().max(ZERO / self.inverse_units[k]),
@@ -134,7 +134,7 @@ impl InertialPrior {
 const ZERO: f64 = 1e-5;
 
 /// 1/u_j: those of a body in kg, those of an effect by their scale; shapes are free.
-fn inverse_units(standard: &Standard<'_>) -> DVector<f64> {
+fn inverse_units(standard: &StandardParameters<'_>) -> DVector<f64> {
     let mut units = DVector::zeros(standard.len());
     for column in 0..standard.linear {
         let in_body = (0..standard.bodies.len())
@@ -161,7 +161,7 @@ fn whitened(root: &Matrix4<f64>, entries: &[f64]) -> Vec<f64> {
 }
 
 /// The standard parameters of a body in kg: moments over ℓ, inertias over ℓ².
-fn euclidean(standard: &Standard<'_>, body: usize, column: usize) -> Vec<f64> {
+fn euclidean(standard: &StandardParameters<'_>, body: usize, column: usize) -> Vec<f64> {
     let first = standard.bodies[body];
     let parameter = standard.parameters[column];
     let mut rows = vec![0.0; ROWS];

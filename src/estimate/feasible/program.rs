@@ -5,7 +5,7 @@
 //! minimise ½ ‖D (J_k(x) − J_k,ref) D‖²    over   x = x_0 + N z  (the same base parameters), same constraints
 //! ```
 
-use crate::estimate::feasible::standard::{ROWS, Standard, svec4};
+use crate::estimate::feasible::standard::{ROWS, StandardParameters, svec4};
 use crate::linalg::svec::smat;
 use crate::linalg::triangular::Triangular;
 use crate::problem::form::{Constraint, Form, Objective, Set, Structure, Variable};
@@ -47,7 +47,7 @@ pub struct Constraints {
 
 impl Constraints {
     /// Of the bodies with unknowns and of the limits given.
-    pub fn new(standard: &Standard<'_>, limits: &[Limit]) -> Self {
+    pub fn new(standard: &StandardParameters<'_>, limits: &[Limit]) -> Self {
         let (bodies, body_slopes) = standard.pseudo_inertias();
         let first = bodies.len();
         let mut constant = bodies.resize_vertically(first + limits.len(), 0.0);
@@ -190,7 +190,7 @@ impl Program {
 
 /// Rows that pull weakly towards a reference: `weight · (pseudo-inertias, others by their scale)`.
 pub fn pull(
-    standard: &Standard<'_>,
+    standard: &StandardParameters<'_>,
     reference: &DVector<f64>,
     weight: f64,
 ) -> (DMatrix<f64>, DVector<f64>) {
@@ -208,7 +208,7 @@ pub fn pull(
 }
 
 /// Members x = x_0 + N z of a class, within constraints.
-pub struct Class<'a> {
+pub struct EquivalenceClass<'a> {
     /// What members must satisfy.
     pub constraints: &'a Constraints,
     /// N, unknowns x directions.
@@ -217,7 +217,7 @@ pub struct Class<'a> {
     pub member: &'a DVector<f64>,
 }
 
-impl Class<'_> {
+impl EquivalenceClass<'_> {
     /// A member with the margin, closest to the reference in the scaled pseudo-inertias; `None` where the
     /// class has no member with twice the margin.
     pub fn closest(&self, margin: f64, reference: &DVector<f64>) -> Option<DVector<f64>> {
@@ -227,7 +227,7 @@ impl Class<'_> {
             .into_owned();
         // Around the closest member of all, possible or not: the given one may have huge entries that cancel.
         let member = self.member + self.null * self.towards(&slopes, reference);
-        let around = Class {
+        let around = EquivalenceClass {
             member: &member,
             ..*self
         };
@@ -261,7 +261,7 @@ impl Class<'_> {
         let x = found.solution.x;
         let at = |back: f64| &member + self.null * (&x + back * (&start - &x));
         let has_margin = |member: &DVector<f64>| {
-            let rows = Class { member, ..*self }.rows(margin);
+            let rows = EquivalenceClass { member, ..*self }.rows(margin);
             rows.is_some_and(|rows| rows.least() >= 0.0)
         };
         let mut tried = std::iter::once(0.0).chain(WAY_BACK).map(at);

@@ -1,4 +1,4 @@
-//! Sequential conic steps: the residual is linearised at the last point (Gauss and Newton), the cones are kept as they are,
+//! Sequential conic programming: the residual is linearised at the last point (Gauss and Newton), the cones are kept as they are,
 //! and the cost is searched along the way to the answer. Every point of the way is possible, as the cones are convex; and
 //! where residuals are large the linearised cost has too little curvature and its answer lies too far. A damping
 //! `λ ‖diag(R) (β − β_0)‖²` (Levenberg and Marquardt) shortens steps that the search finds nothing along. What the

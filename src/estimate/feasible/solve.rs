@@ -1,4 +1,4 @@
-//! One feasible estimate from a compressed residual `½ ‖R β + b‖²` of base unknowns.
+//! The solution of a feasible fit from a compressed residual `½ ‖R β + b‖²` of base unknowns.
 //!
 //! Without a prior on the bodies the least squares solution is kept where its class has a physical member;
 //! the member closest to the robot file's bodies is the answer. Otherwise the cone program decides, and the
@@ -7,8 +7,8 @@
 use crate::estimate::compress::stacked;
 use crate::estimate::error::EstimateError;
 use crate::estimate::feasible::prior::InertialPrior;
-use crate::estimate::feasible::program::{Class, Constraints, PULL, Program, pull};
-use crate::estimate::feasible::standard::{Standard, scaled_body};
+use crate::estimate::feasible::program::{Constraints, EquivalenceClass, PULL, Program, pull};
+use crate::estimate::feasible::standard::{StandardParameters, scaled_body};
 use crate::estimate::problem::FitProblem;
 use crate::problem::Problem;
 use crate::problem::solution::{Control, Stop};
@@ -46,7 +46,7 @@ impl Compressed {
 /// An estimate in the standard parameters with its certificate.
 #[derive(Debug, Clone)]
 pub struct Feasible {
-    /// The unknowns in the order of [`Standard`].
+    /// The unknowns in the order of [`StandardParameters`].
     pub x: DVector<f64>,
     /// ½ ‖R β + b‖² there and at the least squares solution.
     pub cost: f64,
@@ -69,12 +69,12 @@ pub struct Feasible {
 #[derive(Clone, Copy)]
 pub struct Setting<'a> {
     /// The unknowns and their way to base unknowns and bodies.
-    pub standard: &'a Standard<'a>,
+    pub standard: &'a StandardParameters<'a>,
     /// What the unknowns must satisfy.
     pub constraints: &'a Constraints,
     /// Smallest eigenvalue of a scaled pseudo-inertia, kg.
     pub margin: f64,
-    /// The prior with its strength; it may be none.
+    /// The prior with its weight; it may be none.
     pub prior: Strong<'a>,
 }
 
@@ -122,7 +122,7 @@ pub(super) fn active(
     found: InteriorSolution,
 ) -> Feasible {
     let base = &setting.standard.to_base * &found.solution.x;
-    let class = Class {
+    let class = EquivalenceClass {
         constraints: setting.constraints,
         null: &setting.standard.null,
         member: &found.solution.x,
@@ -162,7 +162,7 @@ pub fn member(setting: Setting<'_>, base: &DVector<f64>) -> Option<DVector<f64>>
         let kept = (0..standard.len()).find(leading)?;
         x[kept] = *value;
     }
-    let class = Class {
+    let class = EquivalenceClass {
         constraints: setting.constraints,
         null: &standard.null,
         member: &x,
@@ -217,9 +217,9 @@ fn pulled(
     let data = &residual.matrix * &standard.to_base;
     let (weak, weak_offset) = pull(standard, &start, weight);
     let (rows, offset, terms) = match setting.prior {
-        Some((prior, strength)) => {
-            let (rows, offset) = prior.rows(strength);
-            (rows, offset, prior.terms(strength))
+        Some((prior, weight)) => {
+            let (rows, offset) = prior.rows(weight);
+            (rows, offset, prior.terms(weight))
         }
         None => (
             DMatrix::zeros(0, standard.len()),
@@ -236,7 +236,7 @@ fn pulled(
     };
     let program = Program::fit(constraints, margin, (matrix, DVector::from_vec(whole)));
     let weights = match setting.prior {
-        Some((prior, strength)) => prior.absolute(strength),
+        Some((prior, weight)) => prior.absolute(weight),
         None => DVector::zeros(0),
     };
     if weights.iter().all(|w| *w == 0.0) {
@@ -271,20 +271,20 @@ fn sparse(
 
 /// What the prior on the bodies adds to the cost.
 pub fn prior_cost(setting: Setting<'_>, x: &DVector<f64>) -> f64 {
-    let Some((prior, strength)) = setting.prior else {
+    let Some((prior, weight)) = setting.prior else {
         return 0.0;
     };
-    let (rows, offset) = prior.rows(strength);
-    let terms = prior.terms(strength);
+    let (rows, offset) = prior.rows(weight);
+    let terms = prior.terms(weight);
     let mut cost = 0.5 * (rows * x + offset).norm_squared();
-    cost += prior.absolute(strength).dot(&x.abs());
+    cost += prior.absolute(weight).dot(&x.abs());
     if !terms.linear.is_empty() {
         cost += terms.linear.dot(x);
         let values = setting.standard.values(x);
         for &first in &setting.standard.bodies {
             let identity = nalgebra::Matrix4::identity() * setting.margin;
             let shifted = scaled_body(&values, first) - identity;
-            cost -= strength * shifted.determinant().max(f64::MIN_POSITIVE).ln();
+            cost -= weight * shifted.determinant().max(f64::MIN_POSITIVE).ln();
         }
     }
     cost

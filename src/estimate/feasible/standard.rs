@@ -1,4 +1,4 @@
-//! The unknowns of a feasible fit: every free linear parameter by itself, then the nonlinear ones, and the
+//! Standard parameters, the unknowns of a feasible fit: every free linear parameter by itself, then the nonlinear ones, and the
 //! base parameters as their combinations `β = T x`.
 
 use crate::chain::base_parameters::{BaseParameter, BaseParameters};
@@ -22,7 +22,7 @@ const LEAST_REFERENCE: f64 = 1e-3;
 
 /// Unknowns of a feasible fit in their order.
 #[derive(Debug)]
-pub struct Standard<'a> {
+pub struct StandardParameters<'a> {
     /// Whose parameters the unknowns are.
     pub model: &'a Model,
     /// Positions in the model: linear unknowns in the order of the scan, then nonlinear ones.
@@ -37,7 +37,7 @@ pub struct Standard<'a> {
     pub bodies: Vec<usize>,
 }
 
-impl<'a> Standard<'a> {
+impl<'a> StandardParameters<'a> {
     /// Of the unknowns of a fit: those that the data determine together with those that only their combinations determine.
     pub fn new(model: &'a Model, unknowns: &Unknowns) -> Self {
         let linear = crate::chain::base_parameters::scan_order(model);

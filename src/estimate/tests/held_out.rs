@@ -4,10 +4,10 @@ use crate::chain::dataset::Dataset;
 use crate::chain::effect;
 use crate::chain::model::{Model, ModelSettings, Payload, Signal};
 use crate::chain::prior::Prior;
-use crate::estimate::difference;
+use crate::estimate::errors_in_variables_fit;
 use crate::estimate::estimator::Estimator;
 use crate::estimate::fit::fit;
-use crate::estimate::noisy_fit;
+use crate::estimate::load_by_difference;
 use crate::estimate::tests::{
     DECLARED, PENDULUM, TRUE_FRICTION, USUAL, WAYS, pendulum, torque, valued,
 };
@@ -53,7 +53,7 @@ fn invariant_rows_that_are_held_out_take_no_part_in_fits_of_motions_and_loads() 
             USUAL.record(held_out, (2, Split::Validation)),
         ];
         let data = Dataset { recordings };
-        noisy_fit::fit(&model, &data, &none, &control)
+        errors_in_variables_fit::fit(&model, &data, &none, &control)
             .unwrap()
             .values
     };
@@ -85,9 +85,9 @@ fn invariant_rows_that_are_held_out_take_no_part_in_fits_of_motions_and_loads() 
             ],
         };
         let way = (Estimator::Weighted, &none);
-        let alone = difference::without_load(&loaded, &data).unwrap();
+        let alone = load_by_difference::without_load(&loaded, &data).unwrap();
         let first = fit(&loaded, &alone, way, &control).unwrap();
-        difference::second(first, &data, (Estimator::Weighted, &control))
+        load_by_difference::second(first, &data, (Estimator::Weighted, &control))
             .unwrap()
             .values
     };

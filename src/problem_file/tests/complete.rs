@@ -10,7 +10,7 @@ use crate::problem_file::choices::{
 use crate::problem_file::design::{DesignParameters, Harmonics};
 use crate::problem_file::diagnose::SoughtEffects;
 use crate::problem_file::drive::CurrentLaw;
-use crate::problem_file::fit::{Interval, PriorValue, Strength};
+use crate::problem_file::fit::{Interval, PriorValue, RegularisationWeight};
 use crate::problem_file::recordings::RecordingFiles;
 use crate::problem_file::robot::{PayloadPlace, RobotSource};
 use crate::problem_file::simulate::Trajectory;
@@ -142,7 +142,7 @@ fn fit_of_the_complete_file() {
     let fit = full().fit;
     assert_eq!(fit.estimator.value, Estimator::Feasible);
     assert_eq!(*given(&fit.prior.kind), PriorKind::Pullback);
-    assert_eq!(fit.prior.strength.value, Strength::Number(0.5));
+    assert_eq!(fit.prior.strength.value, RegularisationWeight::Number(0.5));
     let mass = PriorValue {
         value: 120.0,
         std_dev: 5.0,

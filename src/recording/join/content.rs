@@ -4,7 +4,7 @@ use crate::fault::Place;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::format::read_at;
 use crate::recording::join::columns::{Chosen, File, Files, Pick};
-use crate::recording::missing::{Bridged, MissingValues, Roles, bridge};
+use crate::recording::missing::{CompleteTable, MissingValues, Roles, bridge};
 use crate::stats::robust::median;
 use std::path::Path;
 
@@ -54,7 +54,7 @@ impl Content {
             mask: mask.first().map(String::as_str),
             slow: &slow,
         };
-        let Bridged {
+        let CompleteTable {
             mut table,
             valid,
             missing,

@@ -1,10 +1,10 @@
 //! Columns with factors, and columns in two files.
 
-use crate::recording::apart::read_apart;
 use crate::recording::column_map::{Column, ColumnMap, Factors};
 use crate::recording::columns::{RecordedJoint, read};
 use crate::recording::reading::Reading;
 use crate::recording::samples::{Commanded, SignalKind};
+use crate::recording::separate_encoder::read_with_separate_encoder;
 use crate::recording::tests::{joints, rows, write};
 
 #[test]
@@ -51,7 +51,9 @@ fn samples_that_a_sensor_left_out_are_none_of_its_spline() {
     let (_two, sensor) = write("b.csv", rows("t,q1,q2", &square).as_bytes());
     let joints = RecordedJoint::all(&joints());
     let read = (SignalKind::Torque, &Reading::default());
-    let found = read_apart((&signal, &sensor), &ColumnMap::default(), &joints, read).unwrap();
+    let found =
+        read_with_separate_encoder((&signal, &sensor), &ColumnMap::default(), &joints, read)
+            .unwrap();
     assert!((found.position[0][100] - 10_000.0).abs() < 1e-3);
     assert!((found.position[1][100] - 200.0).abs() < 1e-3);
 }

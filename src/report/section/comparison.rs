@@ -1,8 +1,8 @@
 //! The same fit with other lists of effects, side by side.
 
-use crate::outcome::contest::{Contest, ErrorFigure, ModelErrors};
 use crate::outcome::fit::Comparison;
 use crate::outcome::joint::JointFigures;
+use crate::outcome::model_comparison::{ErrorFigure, ModelComparison, ModelErrors};
 use crate::report::escape::{breakable, escape};
 use crate::report::number::{optional, significant};
 use crate::report::section::{Section, Source};
@@ -62,8 +62,8 @@ const MEASURES: [Measure; 4] = [
 ];
 
 /// Errors of every model with their 95 % intervals, joint by joint; empty where there are none.
-fn errors(contests: &[Contest], (title, of): Measure) -> String {
-    let joints = || contests.iter().filter(|c| c.joint.is_some());
+fn errors(comparisons: &[ModelComparison], (title, of): Measure) -> String {
+    let joints = || comparisons.iter().filter(|c| c.joint.is_some());
     let Some(first) = joints().next() else {
         return String::new();
     };
@@ -73,10 +73,10 @@ fn errors(contests: &[Contest], (title, of): Measure) -> String {
     let mut headers = vec!["Joint", "Unit"];
     headers.extend(first.models.iter().map(|model| model.name.as_str()));
     let mut table = Table::new(&headers);
-    for contest in joints() {
-        let joint = contest.joint.as_deref().unwrap_or_default();
-        let mut cells = vec![Cell::name(joint), Cell::text(&contest.unit)];
-        let figures = contest.models.iter().filter_map(of);
+    for comparison in joints() {
+        let joint = comparison.joint.as_deref().unwrap_or_default();
+        let mut cells = vec![Cell::name(joint), Cell::text(&comparison.unit)];
+        let figures = comparison.models.iter().filter_map(of);
         cells.extend(figures.map(|figure| Cell::Number(with_interval(figure))));
         table.row(cells);
     }
@@ -95,20 +95,20 @@ fn with_interval(figure: ErrorFigure) -> String {
 }
 
 /// Which model predicts best, joint by joint.
-fn verdicts(contests: &[Contest]) -> String {
-    let line = |contest: &Contest| {
-        let joint = contest.joint.as_deref().unwrap_or("all joints together");
+fn verdicts(comparisons: &[ModelComparison]) -> String {
+    let line = |comparison: &ModelComparison| {
+        let joint = comparison.joint.as_deref().unwrap_or("all joints together");
         format!(
             "<li>{}: {}</li>\n",
             escape(joint),
-            escape(&contest.sentence)
+            escape(&comparison.sentence)
         )
     };
-    match contests {
+    match comparisons {
         [] => String::new(),
         _ => format!(
             "<ul>\n{}</ul>\n",
-            contests.iter().map(line).collect::<String>()
+            comparisons.iter().map(line).collect::<String>()
         ),
     }
 }

@@ -32,7 +32,7 @@ pub(super) fn missing(source: &Source) -> Option<Section> {
         .map(|(k, finding)| card(k + 1, finding, diagnosis))
         .collect();
     let mut body = format!("<div class=\"cards\">\n{cards}</div>\n");
-    body.push_str(&spoiled(diagnosis));
+    body.push_str(&biased(diagnosis));
     if let Some(next) = &diagnosis.next_experiment {
         body.push_str(&format!(
             "<h3>What to record next</h3>\n<p>{}</p>\n<details><summary>next_experiment.toml</summary>\n\
@@ -227,7 +227,7 @@ fn told_apart(rival: &Rival) -> String {
 }
 
 /// What the missing physics had done to the other parameters.
-fn spoiled(diagnosis: &Diagnosis) -> String {
+fn biased(diagnosis: &Diagnosis) -> String {
     if diagnosis.spoiled.is_empty() {
         return String::new();
     }

@@ -200,10 +200,12 @@ fn charts(parameters: &[Parameter]) -> String {
 
 fn estimated(owner: &str, parameter: &Parameter) -> Option<Estimated> {
     let (value, std_dev) = (parameter.value?, parameter.std_dev?);
-    let reach = NORMAL_95 * std_dev;
+    let half_width = NORMAL_95 * std_dev;
     Some(Estimated {
         label: owner.to_string(),
         value,
-        interval: parameter.ci95.unwrap_or([value - reach, value + reach]),
+        interval: parameter
+            .ci95
+            .unwrap_or([value - half_width, value + half_width]),
     })
 }

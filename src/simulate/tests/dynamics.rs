@@ -1,7 +1,7 @@
 //! Dynamics: agreement of the two modes, of motion and torque, of power and losses; the integrator.
 
 use crate::simulate::plant::{Plant, State};
-use crate::simulate::random_path::{Course, torques};
+use crate::simulate::random_path::{RecordingConditions, torques};
 use crate::simulate::tests::{
     ALL_MOTION, FRICTION, arm, columns, motion_of, panda, parse, simulated, truth_of,
 };
@@ -9,7 +9,7 @@ use crate::simulate::truth::DEFAULT_WIDTH;
 use std::path::Path;
 
 /// Samples of a motion without a load; the rate does not matter to laws without memory.
-const ALONE: Course = Course {
+const ALONE: RecordingConditions = RecordingConditions {
     rate: 200.0,
     cyclic: false,
     loaded: false,

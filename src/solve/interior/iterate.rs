@@ -166,15 +166,15 @@ impl<'a> Iterate<'a> {
         let factor = Factor::of(&self.rows())?;
         let none = vec![Small::zeros(); self.states.len()];
         let predicted = self.direction(&factor, (0.0, &none));
-        let reach = self.reach(&predicted.1).min(1.0);
-        let sigma = (1.0 - reach).powi(2);
+        let longest = self.longest_step(&predicted.1).min(1.0);
+        let sigma = (1.0 - longest).powi(2);
         let corrections: Vec<Small> = predicted
             .1
             .iter()
             .map(|(ds, dz)| (ds * dz + dz * ds) * 0.5)
             .collect();
         let (step, changes) = self.direction(&factor, (sigma, &corrections));
-        let length = (TO_BOUNDARY * self.reach(&changes)).min(1.0);
+        let length = (TO_BOUNDARY * self.longest_step(&changes)).min(1.0);
         if !(length > LEAST_STEP && step.iter().all(|x| x.is_finite())) {
             return None;
         }
@@ -253,7 +253,7 @@ impl<'a> Iterate<'a> {
     }
 
     /// Longest step that keeps every S and Z inside.
-    fn reach(&self, changes: &[(Small, Small)]) -> f64 {
+    fn longest_step(&self, changes: &[(Small, Small)]) -> f64 {
         let cones = self.program.cones.iter().zip(&self.states).zip(changes);
         cones.fold(f64::INFINITY, |reach, ((cone, state), (ds, dz))| {
             let own = state

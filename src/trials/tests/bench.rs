@@ -12,7 +12,7 @@ use crate::recording::split::Split;
 use crate::setup::robot::{Robot, open};
 use crate::trials::files::{PROBLEM, prepare};
 use crate::trials::plan::{Plan, Scope};
-use crate::trials::reference_fits::Opened;
+use crate::trials::reference_fits::DeclaredModel;
 use std::sync::Arc;
 
 pub(super) const SIGNIFICANCE: f64 = 0.001;
@@ -33,7 +33,7 @@ pub(super) fn scope(effects: &[&'static str]) -> Scope {
 pub(super) struct Bench {
     pub problem: ProblemFile,
     pub robot: Robot,
-    pub opened: Opened,
+    pub opened: DeclaredModel,
     pub control: Control<'static>,
     pub plan: Plan,
 }
@@ -59,7 +59,7 @@ impl Bench {
         let problem = ProblemFile::read(&path, &[], &ids()).unwrap();
         Self {
             robot: open(&problem).unwrap(),
-            opened: Opened::read(&path, &control).unwrap(),
+            opened: DeclaredModel::read(&path, &control).unwrap(),
             problem,
             control,
             plan,

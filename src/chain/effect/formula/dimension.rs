@@ -1,4 +1,4 @@
-//! Dimensions of formulas: a sum of a torque and a speed is a slip of the pen.
+//! Dimensional analysis of formulas: a sum of a torque and a speed is a slip of the pen.
 //!
 //! Units are checked as far as they are stated: a parameter without a unit goes with everything. Angles have none.
 

@@ -1,4 +1,4 @@
-//! What can be wrong with a formula, where, and what to do about it.
+//! Errors in formulas: what, where, and the remedy.
 
 use super::words::names_of_functions;
 use std::fmt;

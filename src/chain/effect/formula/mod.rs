@@ -1,4 +1,4 @@
-//! Formulas that people write: read from text, differentiated exactly, checked for dimensions, and compiled once for many
+//! Formulas in text: parsed, differentiated exactly, checked for dimensions, and compiled once for many
 //! samples.
 //!
 //! A formula becomes an [`Expression`](crate::chain::effect::expression::Expression), the form that exported code is printed

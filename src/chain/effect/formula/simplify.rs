@@ -1,4 +1,4 @@
-//! Sums, products and quotients without what changes nothing: `0·x`, `1·x`, `x + 0`, and numbers worked out.
+//! Algebraic simplification: sums, products and quotients without what changes nothing: `0·x`, `1·x`, `x + 0`, constants folded.
 
 use crate::chain::effect::expression::{Expression, Function, Operator};
 

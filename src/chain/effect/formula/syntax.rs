@@ -1,4 +1,4 @@
-//! Reads a formula: numbers, parameters, variables of the motion, functions, comparisons.
+//! The parser of formulas: numbers, parameters, variables of the motion, functions, comparisons.
 //!
 //! ```text
 //! comparison  sum [("<" | ">" | "<=" | ">=") sum]      1 where it holds, 0 where not

@@ -1,4 +1,4 @@
-//! Formulas compiled to a list of instructions over lanes of samples.
+//! The compiler of formulas to a list of instructions over lanes of samples.
 //!
 //! What several formulas share, a law and its derivatives above all, is worked out once. Instructions that no variable enters
 //! are run once for all samples, those of the motion for [`LANES`] samples at a time, and those of a state, which has to be

@@ -1,0 +1,71 @@
+//! Positions from a separate encoder: in another file, at its own rate and with its own noise, on the same clock.
+//!
+//! The sensor's samples become positions at the times of the signal by the natural cubic spline through them, which
+//! bends no more than a motion within half the sensor's rate does: what lies above is for the low-pass of the positions
+//! (`recordings.differentiation`). Samples of the signal before the sensor's first or after its last are dropped.
+
+use std::path::Path;
+
+use crate::recording::column_map::ColumnMap;
+
+use crate::recording::columns::{Parts, RecordedJoint, read_parts};
+use crate::recording::error::RecordingError;
+use crate::recording::reading::Reading;
+use crate::recording::samples::{Recording, SignalKind};
+use crate::recording::spline::Spline;
+use crate::recording::table::require_rows;
+use crate::recording::timing::{examine, stamps};
+
+/// Reads the signal from one file and the positions of the joints from another, both with time stamps.
+///
+/// Errors: those of both files, time stamps that are missing or do not increase, no common time.
+pub fn read_with_separate_encoder(
+    (path, positions): (&Path, &Path),
+    map: &ColumnMap,
+    joints: &[RecordedJoint],
+    (kind, reading): (SignalKind, &Reading),
+) -> Result<Recording, RecordingError> {
+    let mut recording = read_parts((path, reading), map, joints, (kind, Parts::WithoutPosition))?;
+    let mut sensor = read_parts((positions, reading), map, joints, (kind, Parts::Position))?;
+    if let Some(mask) = sensor.mask.take() {
+        let there: Vec<usize> = (0..mask.len()).filter(|&k| mask[k]).collect();
+        sensor.keep(&there);
+    }
+    if let Some(missing) = &sensor.missing {
+        recording.remarks.push(missing.words(positions));
+    }
+    examine(&sensor, None)?;
+    let (time, knots) = (stamps(&recording)?, stamps(&sensor)?);
+    let inside = |t: &f64| (knots[0]..=knots[knots.len() - 1]).contains(t);
+    let kept: Vec<usize> = (0..time.len()).filter(|&k| inside(&time[k])).collect();
+    require_rows(path, kept.len())?;
+    let times: Vec<f64> = kept.iter().map(|&k| time[k]).collect();
+    let splines = (sensor.position.iter()).map(|q| Spline::new(knots, q).at(&times));
+    let position = splines.collect();
+    recording.keep(&kept);
+    recording.position = position;
+    Ok(recording)
+}
+
+impl Recording {
+    /// Keeps some samples.
+    pub(super) fn keep(&mut self, kept: &[usize]) {
+        let pick = |series: &mut Vec<f64>| *series = kept.iter().map(|&k| series[k]).collect();
+        let groups = [
+            &mut self.velocity,
+            &mut self.acceleration,
+            &mut self.temperature,
+        ];
+        groups.into_iter().flatten().flatten().for_each(pick);
+        self.position.iter_mut().for_each(pick);
+        self.signal.iter_mut().for_each(pick);
+        self.time.iter_mut().for_each(pick);
+        if let Some(mask) = &mut self.mask {
+            *mask = kept.iter().map(|&k| mask[k]).collect();
+        }
+        if let Some(lines) = &mut self.lines {
+            *lines = kept.iter().map(|&k| lines[k]).collect();
+        }
+        self.first_line += kept.first().copied().unwrap_or(0);
+    }
+}

@@ -1,0 +1,152 @@
+//! Physics that no effect of the vocabulary has, as a part of the current: what comes of it has to stay unnamed.
+
+use crate::simulate::sensors::Table;
+
+/// A law outside the vocabulary.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum UnmodelledLaw {
+    /// A channel also hears the current of another joint.
+    Crosstalk,
+    /// Dry friction that grows with the position of another joint: a hose that the neighbour pulls tight.
+    NeighbourFriction,
+    /// Resistance in proportion to the product of the speeds of two joints.
+    SpeedProduct,
+}
+
+impl UnmodelledLaw {
+    /// All of them, in the order in which trials draw them.
+    pub const ALL: [Self; 3] = [Self::Crosstalk, Self::NeighbourFriction, Self::SpeedProduct];
+
+    /// The name in results; no effect has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Crosstalk => "outside: crosstalk of channels",
+            Self::NeighbourFriction => "outside: friction by the neighbour's position",
+            Self::SpeedProduct => "outside: product of two speeds",
+        }
+    }
+
+    /// What the law adds to the current of a joint (its index, with that of its neighbour), up to a factor; positions
+    /// of the neighbour count from `least`. `None` where the table lacks a column.
+    fn shape(
+        self,
+        table: &Table,
+        (joint, neighbour): (usize, usize),
+        (rate, least): (f64, f64),
+    ) -> Option<Vec<f64>> {
+        let of = |prefix: &str, j: usize| Some(&table.data[column(table, prefix, j)?]);
+        let position = of("q", neighbour)?;
+        let speeds = [slope(of("q", joint)?, rate), slope(position, rate)];
+        Some(match self {
+            Self::Crosstalk => of("i", neighbour)?.clone(),
+            Self::NeighbourFriction => {
+                let wrap = |(v, x): (&f64, &f64)| v / (v.abs() + 0.004) * (x - least).max(0.0);
+                speeds[0].iter().zip(position).map(wrap).collect()
+            }
+            Self::SpeedProduct => {
+                let pairs = speeds[0].iter().zip(&speeds[1]);
+                pairs.map(|(a, b)| a * b).collect()
+            }
+        })
+    }
+}
+
+/// A law of one robot: the same in all of its recordings.
+#[derive(Debug, Clone, Copy)]
+pub struct UnmodelledTorque {
+    law: UnmodelledLaw,
+    joints: (usize, usize),
+    rate: f64,
+    /// Least position of the neighbour.
+    least: f64,
+    factor: f64,
+}
+
+impl UnmodelledTorque {
+    /// The law that adds `size` A of RMS to the current of a joint (its index, with that of its neighbour) in a
+    /// recording.
+    pub fn of_size(
+        (law, joints): (UnmodelledLaw, (usize, usize)),
+        table: &Table,
+        (size, rate): (f64, f64),
+    ) -> Option<Self> {
+        let position = &table.data[column(table, "q", joints.1)?];
+        let least = position.iter().copied().fold(f64::INFINITY, f64::min);
+        let shape = law.shape(table, joints, (rate, least))?;
+        let rms = (shape.iter().map(|x| x * x).sum::<f64>() / shape.len().max(1) as f64).sqrt();
+        Some(Self {
+            law,
+            joints,
+            rate,
+            least,
+            factor: size / rms,
+        })
+    }
+
+    /// Adds the law to a recording.
+    pub fn add_to(&self, table: &mut Table) {
+        let shape = self.law.shape(table, self.joints, (self.rate, self.least));
+        let current = column(table, "i", self.joints.0);
+        if let (Some(shape), Some(current)) = (shape, current) {
+            let pairs = table.data[current].iter_mut().zip(&shape);
+            pairs.for_each(|(to, x)| *to += self.factor * x);
+        }
+    }
+}
+
+fn column(table: &Table, prefix: &str, joint: usize) -> Option<usize> {
+    let name = format!("{prefix}{}", joint + 1);
+    table.header.iter().position(|h| *h == name)
+}
+
+/// Central differences over four samples to either side, which quantisation hardly enters.
+fn slope(series: &[f64], rate: f64) -> Vec<f64> {
+    const REACH: usize = 4;
+    let last = series.len() - 1;
+    let at = |k: usize| {
+        let (from, to) = (k.saturating_sub(REACH), (k + REACH).min(last));
+        (series[to] - series[from]) * rate / (to - from) as f64
+    };
+    (0..series.len()).map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RATE: f64 = 100.0;
+
+    /// Two joints, `rows` samples; speeds and currents in proportion to `scale`.
+    fn table(rows: usize, scale: f64) -> Table {
+        let wave = |by: f64| {
+            let of = |k: usize| scale * (by * k as f64 / RATE).sin();
+            (0..rows).map(of).collect::<Vec<f64>>()
+        };
+        Table {
+            header: ["q1", "q2", "i1", "i2"].map(String::from).to_vec(),
+            data: vec![wave(1.0), wave(2.0), wave(3.0), wave(5.0)],
+        }
+    }
+
+    #[test]
+    fn has_the_size_asked_for_in_one_recording_and_the_same_law_in_others() {
+        let first = table(2000, 1.0);
+        let added =
+            UnmodelledTorque::of_size((UnmodelledLaw::Crosstalk, (0, 1)), &first, (0.3, RATE))
+                .unwrap();
+        let change = |mut table: Table| {
+            let before = table.data[2].clone();
+            added.add_to(&mut table);
+            let pairs = table.data[2].iter().zip(before);
+            pairs.map(|(a, b)| a - b).collect::<Vec<f64>>()
+        };
+        let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64).sqrt();
+        assert!((rms(&change(first)) - 0.3).abs() < 1e-12);
+        let other = table(500, 4.0);
+        let heard = other.data[3].clone();
+        let factor = 0.3 / rms(&table(2000, 1.0).data[3]);
+        for (x, heard) in change(other).iter().zip(heard) {
+            assert!((x - factor * heard).abs() < 1e-12);
+        }
+    }
+}
