@@ -14,13 +14,14 @@
 //! | the criterion | `criterion/`: D-, A- and E-optimality, condition number, and T-optimality of rival models |
 //! | the constraints | `constraints/`: joints, torques, loops, workspace |
 //! | the inputs | `inputs/`: what the problem file states |
-//! | the optimum | `problem`; `verify` on a dense grid of instants; `search/` from many starts |
+//! | the optimum | `problem`, with its `context`; `verify` on a dense grid of instants; `search/` from many starts |
 //! | the results | `results/`: expected deviations, coverage, comparison, report |
 //!
 //! Imports follow this order upwards: a room uses those before `problem`, `search/` uses `verify`, `results/` uses both.
 
 pub mod constant_velocity;
 pub mod constraints;
+pub mod context;
 pub mod criterion;
 pub mod error;
 pub mod information;

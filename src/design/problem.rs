@@ -14,7 +14,7 @@ use crate::design::criterion::model_discrimination::{self, Rivals};
 use crate::design::criterion::parameters_of_interest::Target;
 use crate::design::information::columns::Columns;
 use crate::design::information::observation_matrix::{Observation, Workspace as Memory};
-use crate::design::information::torque_laws::SMOOTHING;
+use crate::design::information::torque_laws::{SMOOTHING, SpeedScale};
 use crate::design::trajectory::finite_differences::{self, AlongMotion};
 use crate::design::trajectory::fourier_series::Basis;
 use crate::design::trajectory::motion::{Joints, Motion};
@@ -73,11 +73,13 @@ pub struct Plan<'m> {
 impl<'m> Plan<'m> {
     /// Lays out the criterion, the torque rows and the Cartesian rows.
     pub fn experiment(self) -> Experiment<'m> {
-        let scales: Vec<f64> = self.bounds.iter().map(|b| b.velocity).collect();
-        let smoothing: Vec<f64> = scales.iter().map(|v| SMOOTHING * v).collect();
+        let of = |bounds: &JointLimits| SpeedScale {
+            largest: bounds.velocity,
+            transition: SMOOTHING * bounds.velocity,
+        };
+        let speeds: Vec<SpeedScale> = self.bounds.iter().map(of).collect();
         let values = self.values.as_slice();
-        let sizes = (&scales[..], &smoothing[..]);
-        let observation = Observation::new(self.model, self.columns, values, sizes);
+        let observation = Observation::new(self.model, self.columns, values, &speeds);
         let torque: Vec<Option<f64>> = self.bounds.iter().map(|b| b.torque).collect();
         Experiment {
             basis: Basis::new(self.joints.series, self.samples),
@@ -279,13 +281,19 @@ impl<'a> Excitation<'a> {
             let mut rows = Rows { excitation: self };
             let limits = &experiment.bounds;
             finite_differences::slopes(&mut rows, motion, joints, limits, |shifted, by| {
-                finite_differences::to_coefficients(&mut jacobian, (joints, basis), shifted, by);
+                finite_differences::to_coefficients(&mut jacobian, joints, basis, shifted, by);
             });
             return jacobian;
         }
         let torques = &experiment.torques;
-        torques.jacobian((motion, self.shrink), (joints, basis), (&mut jacobian, 0));
         let first = torques.rows(samples);
+        torques.jacobian(
+            motion,
+            self.shrink,
+            joints,
+            basis,
+            jacobian.rows_mut(0, first),
+        );
         for (r, slopes) in experiment.workspace.slopes(motion).iter().enumerate() {
             for trajectory in 0..joints.trajectories {
                 for (m, &i) in joints.moving.iter().enumerate() {
@@ -368,8 +376,9 @@ impl Problem for Excitation<'_> {
         }
         let (joints, basis) = (&experiment.joints, &experiment.basis);
         let (cost, gradient) = if let Some(rivals) = &experiment.rivals {
-            let graded = rivals.graded((joints, basis), x);
-            graded.ok_or_else(singular)?
+            let graded = rivals.graded(joints, basis, x);
+            let graded = graded.ok_or_else(singular)?;
+            (graded.value, graded.gradient)
         } else {
             let information = experiment.observation.information(motion, observation);
             let graded = experiment.target.graded(&information, self.exponent);

@@ -4,8 +4,9 @@ use std::time::Duration;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::design::constant_velocity::task;
+use crate::design::constant_velocity;
 use crate::design::constraints::joint_limits::{self, Ends};
+use crate::design::context::DesignContext;
 use crate::design::criterion::parameters_of_interest::{Scale, Target};
 use crate::design::error::{DesignError, Unsuitable};
 use crate::design::information::columns::Columns;
@@ -51,7 +52,11 @@ pub fn run(
     let columns = columns(problem, &prepared);
     let mut experiment = experiment(problem, &prepared, &columns)?;
     if problem.design.kind.value == DesignKind::ConstantVelocity {
-        return task::run(problem, &prepared, &experiment);
+        return constant_velocity::task::run(&DesignContext {
+            problem,
+            prepared: &prepared,
+            experiment: &experiment,
+        });
     }
     let ends = match problem.design.rest_to_rest.value {
         true => Ends::AtRest,
@@ -66,51 +71,49 @@ pub fn run(
         let place = &problem.design.criterion.place;
         return Err(DesignError::unsuitable(place, Unsuitable::SameRivals));
     }
-    let reference = reference(problem, &prepared, &experiment)?;
-    let settings = settings(
+    let context = DesignContext {
         problem,
-        (&prepared, &experiment),
-        (reference.as_ref(), seed),
-    )?;
+        prepared: &prepared,
+        experiment: &experiment,
+    };
+    let reference = reference(&context)?;
+    let settings = settings(&context, reference.as_ref(), seed)?;
     let search = Search {
         experiment: &experiment,
         rows: &rows,
         settings: &settings,
         shrink: 1.0,
     };
-    let held = inter_sample_limits::run(&search, control, on_improvement)?;
-    let mut designed = conclude(problem, (&prepared, &search), held, seed)?;
-    designed.design.reference =
-        reference.map(|r| comparison::outcome(problem, (&prepared, &experiment), &r));
+    let verified = inter_sample_limits::run(&search, control, on_improvement)?;
+    let mut designed = conclude(&context, &search, verified)?;
+    designed.design.reference = reference.map(|r| comparison::reference(&context, &r));
     Ok(designed)
 }
 
 /// The motion to compare with.
-fn reference(
-    problem: &ProblemFile,
-    prepared: &Prepared,
-    experiment: &Experiment<'_>,
-) -> Result<Option<StatedMotion>, DesignError> {
-    let path = problem.design.reference.as_ref();
-    path.map(|path| StatedMotion::read(path, &experiment.joints, &prepared.names()))
+fn reference(context: &DesignContext<'_>) -> Result<Option<StatedMotion>, DesignError> {
+    let path = context.problem.design.reference.as_ref();
+    let joints = &context.experiment.joints;
+    path.map(|path| StatedMotion::read(path, joints, &context.prepared.names()))
         .transpose()
 }
 
 fn settings(
-    problem: &ProblemFile,
-    (prepared, experiment): (&Prepared, &Experiment<'_>),
-    (reference, seed): (Option<&StatedMotion>, u64),
+    context: &DesignContext<'_>,
+    reference: Option<&StatedMotion>,
+    seed: u64,
 ) -> Result<Settings, DesignError> {
-    let table = &problem.design;
+    let table = &context.problem.design;
+    let joints = &context.experiment.joints;
     let mut given = Vec::new();
     if let Some(path) = &table.start_from {
-        let earlier = StatedMotion::read(path, &experiment.joints, &prepared.names())?;
-        let own = earlier.within(&experiment.joints);
+        let stated = StatedMotion::read(path, joints, &context.prepared.names())?;
+        let own = stated.within(joints);
         given.push(
             own.ok_or_else(|| DesignError::unsuitable(&path.place, Unsuitable::OtherSeries))?,
         );
     }
-    given.extend(reference.and_then(|r| r.within(&experiment.joints)));
+    given.extend(reference.and_then(|r| r.within(joints)));
     Ok(Settings {
         starts: table.starts.as_ref().map(|s| s.value),
         budget: table
@@ -225,23 +228,25 @@ fn columns_scale(experiment: &Experiment<'_>, rows: &LinearRows, seed: u64) -> S
 }
 
 fn conclude(
-    problem: &ProblemFile,
-    (prepared, search): (&Prepared, &Search<'_>),
-    held: VerifiedMotion,
-    seed: u64,
+    context: &DesignContext<'_>,
+    search: &Search<'_>,
+    verified: VerifiedMotion,
 ) -> Result<Designed, DesignError> {
-    let experiment = search.experiment;
-    let is_feasible = held.violation() <= verify::TOLERANCE;
-    let VerifiedMotion { found, margins } = held;
+    let experiment = context.experiment;
+    let is_feasible = verified.violation() <= verify::TOLERANCE;
+    let mut design = report::of_search(context, &verified);
+    let VerifiedMotion { found, margins } = verified;
     let end = match found.stop {
         Stop::Interrupted => End::Interrupted,
         _ if !is_feasible => End::Infeasible,
         _ => End::Feasible,
     };
     let motion = Motion::of(&experiment.joints, &experiment.basis, &found.x);
-    let (trajectories, with_ramps) = files(problem, (prepared, search), &found.x, seed)?;
-    let mut design = report::of(problem, (prepared, experiment), (&found, &margins));
-    prepared.judge(experiment, &motion, &mut design);
+    let Trajectories {
+        periods,
+        with_ramps,
+    } = trajectories(context, search, &found.x)?;
+    context.judge(&motion, &mut design);
     if end == End::Infeasible {
         design.notes.insert(0, report::obstacle(&margins));
     }
@@ -249,19 +254,29 @@ fn conclude(
         solver: report::solver(&found, end),
         design,
         end,
-        trajectories,
+        trajectories: periods,
         with_ramps,
     })
 }
 
-/// The trajectories, one for validation, and the same with ramps.
-fn files(
-    problem: &ProblemFile,
-    (prepared, search): (&Prepared, &Search<'_>),
+/// The trajectories of a design, one for validation among them.
+struct Trajectories {
+    /// One period of each.
+    periods: Vec<NamedTrajectory>,
+    /// The same between ramps from and to standstill.
+    with_ramps: Vec<NamedTrajectory>,
+}
+
+fn trajectories(
+    context: &DesignContext<'_>,
+    search: &Search<'_>,
     x: &DVector<f64>,
-    seed: u64,
-) -> Result<(Vec<NamedTrajectory>, Vec<NamedTrajectory>), DesignError> {
-    let experiment = search.experiment;
+) -> Result<Trajectories, DesignError> {
+    let DesignContext {
+        problem,
+        prepared,
+        experiment,
+    } = *context;
     let joints = &experiment.joints;
     let single = joints.single();
     let names = prepared.names();
@@ -275,27 +290,30 @@ fn files(
             (name, own.into_owned())
         })
         .collect();
-    if let Some(other) = validation_motion::far_from(search, x, seed) {
+    if let Some(other) = validation_motion::far_from(search, x) {
         pieces.push(("validation_trajectory".to_string(), other));
     }
     let rest = prepared.rest(problem)?;
     let holds = |motion: &Motion| {
         let mut motion = motion.clone();
         single.close(&mut motion);
-        let margins = verify::of_dynamics(experiment, (&motion, 0.0), 0);
+        let margins = verify::of_dynamics(experiment, &motion, 0.0, 0);
         verify::violation(&margins) <= verify::TOLERANCE
     };
-    let mut plain = Vec::new();
-    let mut ramped = Vec::new();
+    let mut periods = Vec::new();
+    let mut with_ramps = Vec::new();
     for (name, own) in pieces {
         let sampled = Sampled::period(&single, &own, rate(problem), &names);
-        ramped.push(NamedTrajectory {
+        with_ramps.push(NamedTrajectory {
             name: format!("{name}_with_ramps"),
             sampled: sampled
                 .with_ramps(&rest, &single.of_motors(&prepared.limits), holds)
                 .closed(&single),
         });
-        plain.push(NamedTrajectory { name, sampled });
+        periods.push(NamedTrajectory { name, sampled });
     }
-    Ok((plain, ramped))
+    Ok(Trajectories {
+        periods,
+        with_ramps,
+    })
 }

@@ -6,7 +6,7 @@
 
 use nalgebra::DVector;
 
-use crate::design::constraints::joint_limits::of_order;
+use crate::design::constraints::joint_limits::Band;
 use crate::design::problem::Experiment;
 use crate::design::trajectory::fourier_series::{Basis, ORDERS};
 use crate::design::trajectory::motion::{Joints, MOTION, Motion};
@@ -50,14 +50,14 @@ pub fn margins(experiment: &Experiment<'_>, x: &DVector<f64>) -> Vec<Margin> {
 /// The margins of another motion of the same joints.
 pub fn margins_of(experiment: &Experiment<'_>, joints: &Joints, x: &DVector<f64>) -> Vec<Margin> {
     let basis = Basis::new(joints.series, FINER * experiment.basis.samples);
-    let mut all = of_series(experiment, (joints, &basis), x);
+    let mut all = of_series(experiment, joints, &basis, x);
     let mut rest = Vec::new();
     let single = joints.single();
     for trajectory in 0..joints.trajectories {
         let first = trajectory * joints.of_trajectory();
         let own = x.rows(first, joints.of_trajectory()).into_owned();
         let motion = Motion::of(&single, &basis, &own);
-        rest.push(of_dynamics(experiment, (&motion, basis.step()), trajectory));
+        rest.push(of_dynamics(experiment, &motion, basis.step(), trajectory));
     }
     // The worst of all trajectories, limit by limit.
     let mut rest = rest.into_iter();
@@ -87,31 +87,32 @@ pub fn of_samples(experiment: &Experiment<'_>, motion: &Motion, step: f64) -> Ve
     let mut all = Vec::new();
     for order in 0..MOTION {
         for &j in &joints.moving {
-            let Some((centre, half)) = of_order(&experiment.bounds[j], order) else {
+            let Some(band) = Band::of_order(&experiment.bounds[j], order) else {
                 continue;
             };
             let joint = &model.tree().joints()[j];
             let series = &motion.values[order][j];
-            let (k, margin) = extreme(series.iter().map(|value| half - (value - centre).abs()));
+            let least = Least::of(series.iter().map(|value| band.margin(*value)));
             all.push(Margin {
                 constraint: ORDER_NAMES[order].to_string(),
                 joint: Some(joint.name.clone()),
                 trajectory: 0,
-                time: k as f64 * step,
-                margin,
-                relative: margin / half,
-                limit: centre + half.copysign(series[k] - centre),
+                time: least.sample as f64 * step,
+                margin: least.value,
+                relative: least.value / band.half_width,
+                limit: band.nearer_end(series[least.sample]),
                 unit: unit(joint.kind, order),
             });
         }
     }
-    all.extend(of_dynamics(experiment, (motion, step), 0));
+    all.extend(of_dynamics(experiment, motion, step, 0));
     all
 }
 
 fn of_series(
     experiment: &Experiment<'_>,
-    (joints, basis): (&Joints, &Basis),
+    joints: &Joints,
+    basis: &Basis,
     x: &DVector<f64>,
 ) -> Vec<Margin> {
     let model = experiment.observation.model();
@@ -119,16 +120,16 @@ fn of_series(
     let mut values = vec![0.0; basis.samples];
     for order in 0..ORDERS {
         for (m, &j) in joints.moving.iter().enumerate() {
-            let Some((centre, half)) = of_order(&experiment.bounds[j], order) else {
+            let Some(band) = Band::of_order(&experiment.bounds[j], order) else {
                 continue;
             };
             let joint = &model.tree().joints()[j];
             let mut worst: Option<Margin> = None;
             for trajectory in 0..joints.trajectories {
-                let own = coefficients(joints, x, (trajectory, m));
+                let own = joints.coefficients_of(x, trajectory, m);
                 basis.evaluate(order, own, &mut values);
                 for (k, value) in values.iter().enumerate() {
-                    let margin = half - (value - centre).abs();
+                    let margin = band.margin(*value);
                     if worst.as_ref().is_none_or(|w| margin < w.margin) {
                         worst = Some(Margin {
                             constraint: ORDER_NAMES[order].to_string(),
@@ -136,8 +137,8 @@ fn of_series(
                             trajectory,
                             time: k as f64 * basis.step(),
                             margin,
-                            relative: margin / half,
-                            limit: centre + half.copysign(value - centre),
+                            relative: margin / band.half_width,
+                            limit: band.nearer_end(*value),
                             unit: unit(joint.kind, order),
                         });
                     }
@@ -159,20 +160,11 @@ fn unit(kind: JointKind, order: usize) -> String {
     }
 }
 
-/// Coefficients of the m-th moving joint in a trajectory.
-pub fn coefficients<'a>(
-    joints: &Joints,
-    x: &'a DVector<f64>,
-    (trajectory, m): (usize, usize),
-) -> &'a [f64] {
-    let first = joints.first(trajectory, m);
-    &x.as_slice()[first..first + joints.series.width()]
-}
-
-/// The margins of torque and workspace at the samples of a motion.
+/// The margins of torque and workspace at the samples of a motion, `step` seconds apart.
 pub fn of_dynamics(
     experiment: &Experiment<'_>,
-    (motion, step): (&Motion, f64),
+    motion: &Motion,
+    step: f64,
     trajectory: usize,
 ) -> Vec<Margin> {
     let model = experiment.observation.model();
@@ -193,42 +185,42 @@ pub fn of_dynamics(
     let torques = experiment.torques.values(motion);
     for (limited, series) in experiment.torques.limited.iter().zip(&torques) {
         let joint = &model.tree().joints()[limited.joint];
-        let (k, peak) = extreme(series.iter().map(|t| -t.abs()));
+        let peak = Least::of(series.iter().map(|t| -t.abs()));
         all.push(Margin {
             constraint: "torque".to_string(),
             joint: Some(joint.name.clone()),
             trajectory,
-            time: k as f64 * step,
-            margin: limited.limit + peak,
-            relative: 1.0 + peak / limited.limit,
+            time: peak.sample as f64 * step,
+            margin: limited.limit + peak.value,
+            relative: 1.0 + peak.value / limited.limit,
             limit: limited.limit,
             unit: joint.kind.effort_unit().to_string(),
         });
     }
     let values = experiment.workspace.values(motion);
     for (rule, series) in experiment.workspace.rules.iter().zip(&values) {
-        let (k, least) = extreme(series.iter().copied());
+        let least = Least::of(series.iter().copied());
         all.push(Margin {
             constraint: rule.name(),
             joint: None,
             trajectory,
-            time: k as f64 * step,
-            margin: least,
-            relative: least,
+            time: least.sample as f64 * step,
+            margin: least.value,
+            relative: least.value,
             limit: rule.limit(),
             unit: rule.unit().to_string(),
         });
     }
     if let Some(loops) = &experiment.loops {
         for (series, of) in loops.values(motion).iter().zip(loops.limits()) {
-            let (k, least) = extreme(series.iter().copied());
+            let least = Least::of(series.iter().copied());
             all.push(Margin {
                 constraint: of.name.clone(),
                 joint: None,
                 trajectory,
-                time: k as f64 * step,
-                margin: least,
-                relative: least / of.limit,
+                time: least.sample as f64 * step,
+                margin: least.value,
+                relative: least.value / of.limit,
                 limit: of.limit,
                 unit: of.unit.to_string(),
             });
@@ -237,11 +229,25 @@ pub fn of_dynamics(
     all
 }
 
-/// The least of a series and where it is.
-fn extreme(series: impl Iterator<Item = f64>) -> (usize, f64) {
-    series
-        .enumerate()
-        .fold((0, f64::INFINITY), |least, (k, value)| {
-            if value < least.1 { (k, value) } else { least }
-        })
+/// The least value of a series and its sample.
+struct Least {
+    sample: usize,
+    value: f64,
+}
+
+impl Least {
+    fn of(series: impl Iterator<Item = f64>) -> Self {
+        let none = Self {
+            sample: 0,
+            value: f64::INFINITY,
+        };
+        let less = |least: Self, (sample, value): (usize, f64)| {
+            if value < least.value {
+                Self { sample, value }
+            } else {
+                least
+            }
+        };
+        series.enumerate().fold(none, less)
+    }
 }

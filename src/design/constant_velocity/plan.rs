@@ -111,14 +111,34 @@ fn fastest(length: f64, limits: &JointLimits) -> f64 {
     low
 }
 
+/// What a plan of constant velocities is made for.
+#[derive(Debug, Clone, Copy)]
+pub struct Request<'a> {
+    /// The robot.
+    pub tree: &'a Tree,
+    /// The joints that are moved, one after the other.
+    pub moving: &'a [usize],
+    /// Of every joint.
+    pub limits: &'a [JointLimits],
+    /// Where the joints stand.
+    pub rest: &'a [f64],
+    /// Number of speeds of each joint.
+    pub speeds: usize,
+    /// Share of the ranges of positions that is used.
+    pub share: f64,
+}
+
 impl ConstantVelocityPlan {
-    /// ConstantVelocityPlan at `speeds` speeds of every moving joint about `rest`, on a share of the ranges of positions.
-    /// The error is a joint without room.
-    pub fn new(
-        (tree, moving): (&Tree, &[usize]),
-        (limits, rest): (&[JointLimits], &[f64]),
-        (speeds, share): (usize, f64),
-    ) -> Result<Self, String> {
+    /// Strokes at every speed of every moving joint about where it stands. The error is a joint without room.
+    pub fn new(request: Request<'_>) -> Result<Self, String> {
+        let Request {
+            tree,
+            moving,
+            limits,
+            rest,
+            speeds,
+            share,
+        } = request;
         let mut strokes = Vec::new();
         for &j in moving {
             let bounds = &limits[j];
@@ -238,7 +258,15 @@ mod tests {
     fn plan() -> ConstantVelocityPlan {
         let tree = tree(&mut generator(1), 3);
         let bounds = vec![limits(); 3];
-        ConstantVelocityPlan::new((&tree, &[0, 2]), (&bounds, &[0.1, 0.4, -0.3]), (6, 1.0)).unwrap()
+        let request = Request {
+            tree: &tree,
+            moving: &[0, 2],
+            limits: &bounds,
+            rest: &[0.1, 0.4, -0.3],
+            speeds: 6,
+            share: 1.0,
+        };
+        ConstantVelocityPlan::new(request).unwrap()
     }
 
     #[test]

@@ -20,7 +20,8 @@ use crate::setup::robot::Robot;
 /// A link that the robot does not have, or one without a shape that a capsule encloses.
 pub fn of_link(
     robot: &Robot,
-    (name, place): (&str, &Place),
+    name: &str,
+    place: &Place,
     given: &[Shape],
 ) -> Result<Vec<Capsule>, DesignError> {
     let Some((link, frame)) = robot.tree.frame(name) else {

@@ -14,13 +14,41 @@ use crate::setup::limits::JointLimits;
 /// Instants of the linear rows per cycle of the highest harmonic: the factor exceeds one by 1.2e-4.
 pub const INSTANTS_PER_CYCLE: usize = 200;
 
-/// Centre and half width of what a derivative of position may be; `None` where it has no limit.
-pub fn of_order(limits: &JointLimits, order: usize) -> Option<(f64, f64)> {
-    match order {
-        0 => Some((limits.middle(), limits.half_range())),
-        1 => Some((0.0, limits.velocity)),
-        2 => Some((0.0, limits.acceleration)),
-        _ => limits.jerk.map(|jerk| (0.0, jerk)),
+/// What a derivative of position may be: `|x − centre| <= half_width`.
+#[derive(Debug, Clone, Copy)]
+pub struct Band {
+    /// In the derivative's unit.
+    pub centre: f64,
+    /// In the derivative's unit.
+    pub half_width: f64,
+}
+
+impl Band {
+    /// The band of a derivative of position; `None` where it has no limit.
+    pub fn of_order(limits: &JointLimits, order: usize) -> Option<Self> {
+        let about_zero = |half_width: f64| Self {
+            centre: 0.0,
+            half_width,
+        };
+        match order {
+            0 => Some(Self {
+                centre: limits.middle(),
+                half_width: limits.half_range(),
+            }),
+            1 => Some(about_zero(limits.velocity)),
+            2 => Some(about_zero(limits.acceleration)),
+            _ => limits.jerk.map(about_zero),
+        }
+    }
+
+    /// Distance of a value from the nearer end, negative outside.
+    pub fn margin(&self, value: f64) -> f64 {
+        self.half_width - (value - self.centre).abs()
+    }
+
+    /// The end that is nearer to a value.
+    pub fn nearer_end(&self, value: f64) -> f64 {
+        self.centre + self.half_width.copysign(value - self.centre)
     }
 }
 
@@ -79,8 +107,8 @@ pub fn rows(joints: &Joints, bounds: &[JointLimits], ends: Ends) -> LinearRows {
                 if ends == Ends::AtRest && (order == 1 || order == 2) {
                     rows.rows.push(row(0, 0.0, 0.0));
                 }
-                if let Some((centre, half)) = of_order(&bounds[j], order) {
-                    let half = half * within;
+                if let Some(Band { centre, half_width }) = Band::of_order(&bounds[j], order) {
+                    let half = half_width * within;
                     let all = (0..samples).map(|k| row(k, centre - half, centre + half));
                     rows.rows.extend(all);
                 }

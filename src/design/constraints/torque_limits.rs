@@ -5,12 +5,12 @@
 //! margin = 1 − |τ_M| / τ_max            as two rows, one for each sign
 //! ```
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DMatrixViewMut, DVector};
 
 use crate::chain::evaluate::{BLOCK, bodies};
 use crate::chain::model::Model;
 use crate::design::information::observation_matrix::Observation;
-use crate::design::information::torque_laws::{Evaluated, Laws};
+use crate::design::information::torque_laws::{CentralDifference, Evaluated, Laws};
 use crate::design::trajectory::fourier_series::Basis;
 use crate::design::trajectory::motion::{Joints, MOTION, Motion, of_motors};
 use crate::robot::batch;
@@ -136,12 +136,14 @@ impl<'m> Torques<'m> {
         margins
     }
 
-    /// Writes `∂margin/∂x` of all rows into the rows of `jacobian` from `first` on.
+    /// Writes `∂margin/∂x` of all rows into `jacobian`.
     pub fn jacobian(
         &self,
-        (motion, shrink): (&Motion, f64),
-        (joints, basis): (&Joints, &Basis),
-        (jacobian, first): (&mut DMatrix<f64>, usize),
+        motion: &Motion,
+        shrink: f64,
+        joints: &Joints,
+        basis: &Basis,
+        mut jacobian: DMatrixViewMut<'_, f64>,
     ) {
         if self.limited.is_empty() {
             return;
@@ -150,7 +152,7 @@ impl<'m> Torques<'m> {
         let samples = motion.len();
         let width = joints.series.width();
         for (l, limited) in self.limited.iter().enumerate() {
-            let base = first + 2 * l * samples;
+            let base = 2 * l * samples;
             let factor = -1.0 / (shrink * limited.limit);
             for trajectory in 0..joints.trajectories {
                 for (m, &i) in joints.moving.iter().enumerate() {
@@ -183,7 +185,7 @@ impl<'m> Torques<'m> {
                 derivatives.evaluate(self.model.tree(), bodies, states);
                 let own = self.limited.iter().zip(&mut all);
                 for (limited, slopes) in own.filter(|(l, _)| l.load == load) {
-                    self.carry_slopes(limited.joint, (&derivatives, part.clone()), slopes);
+                    self.carry_slopes(limited.joint, &derivatives, part.clone(), slopes);
                 }
             }
         }
@@ -198,7 +200,8 @@ impl<'m> Torques<'m> {
     fn carry_slopes(
         &self,
         motor: usize,
-        (derivatives, part): (&DerivativeBatch, Range<usize>),
+        derivatives: &DerivativeBatch,
+        part: Range<usize>,
         slopes: &mut [Vec<Vec<f64>>; MOTION],
     ) {
         let shares = self.coupling.column(motor);
@@ -219,14 +222,19 @@ impl<'m> Torques<'m> {
 
     fn law_slopes(&self, j: usize, motors: &Motion, slopes: &mut [Vec<Vec<f64>>; MOTION]) {
         let [q, dq, ddq] = &motors.values;
-        self.laws[j].differences([&q[j], &dq[j], &ddq[j]], |order, after, before, factor| {
+        self.laws[j].differences([&q[j], &dq[j], &ddq[j]], |difference| {
+            let CentralDifference { order, factor, .. } = difference;
             for i in 0..slopes[order].len() {
                 let turn = match &self.to_motors {
                     Some(inverse) => inverse[(j, i)],
                     None => f64::from(u8::from(i == j)),
                 };
                 if turn != 0.0 {
-                    let pairs = after.torque.iter().zip(&before.torque);
+                    let pairs = difference
+                        .after
+                        .torque
+                        .iter()
+                        .zip(&difference.before.torque);
                     for (to, (a, b)) in slopes[order][i].iter_mut().zip(pairs) {
                         *to += turn * factor * (a - b);
                     }

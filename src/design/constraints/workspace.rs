@@ -13,6 +13,13 @@ use nalgebra::{Isometry3, Matrix3xX, Point3, Vector3};
 use crate::design::trajectory::motion::Motion;
 use crate::robot::tree::{JointKind, Tree};
 
+/// The axis of a joint in the base frame.
+struct Axis {
+    direction: Vector3<f64>,
+    /// m.
+    origin: Vector3<f64>,
+}
+
 /// A point that is fixed to a link, or to the base.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Place {
@@ -130,20 +137,20 @@ impl Pose<'_> {
     }
 
     /// Axis of joint j and a point on it, in the base frame.
-    fn axis(&self, j: usize) -> (Vector3<f64>, Vector3<f64>) {
+    fn axis(&self, j: usize) -> Axis {
         let pose = &self.links[j];
-        (
-            pose.rotation * self.tree.joints()[j].axis,
-            pose.translation.vector,
-        )
+        Axis {
+            direction: pose.rotation * self.tree.joints()[j].axis,
+            origin: pose.translation.vector,
+        }
     }
 
     /// ∂p/∂q_j.
     fn column(&self, j: usize, p: &Point3<f64>) -> Vector3<f64> {
-        let (axis, origin) = self.axis(j);
+        let axis = self.axis(j);
         match self.tree.joints()[j].kind {
-            JointKind::Revolute => axis.cross(&(p.coords - origin)),
-            JointKind::Prismatic => axis,
+            JointKind::Revolute => axis.direction.cross(&(p.coords - axis.origin)),
+            JointKind::Prismatic => axis.direction,
         }
     }
 
@@ -176,7 +183,7 @@ impl Pose<'_> {
             let factor = -2.0 / (limit * limit);
             for j in self.moved_by(place.link) {
                 by_dq[j] += factor * velocity.dot(&jacobian.column(j));
-                let change = self.velocity_change(place, (&p, &jacobian), j);
+                let change = self.velocity_change(place, &p, &jacobian, j);
                 by_q[j] += factor * velocity.dot(&change);
             }
         }
@@ -188,10 +195,11 @@ impl Pose<'_> {
     fn velocity_change(
         &self,
         place: &Place,
-        (p, jacobian): (&Point3<f64>, &Matrix3xX<f64>),
+        p: &Point3<f64>,
+        jacobian: &Matrix3xX<f64>,
         j: usize,
     ) -> Vector3<f64> {
-        let (axis, _) = self.axis(j);
+        let axis = self.axis(j).direction;
         let turns = |k: usize| self.tree.joints()[k].kind == JointKind::Revolute;
         let mut change = Vector3::zeros();
         for k in self.moved_by(place.link) {
@@ -203,7 +211,7 @@ impl Pose<'_> {
                 }
             } else if turns(k) {
                 // Joint k comes before j: only the point moves.
-                change += self.axis(k).0.cross(&self.column(j, p)) * rate;
+                change += self.axis(k).direction.cross(&self.column(j, p)) * rate;
             }
         }
         change

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::design::criterion::eigenvalues::{assemble, decompose, eigenvalues, log_mean};
+use crate::design::criterion::eigenvalues::{Eigen, assemble, decompose, eigenvalues, log_mean};
 use crate::design::criterion::{Criterion, Graded};
 
 /// Smallest ratio of the largest to the least singular value (Gautier and Khalil 1992).
@@ -31,16 +31,16 @@ impl Criterion for Condition {
 
     fn minimised(&self, information: &DMatrix<f64>, exponent: f64) -> Option<f64> {
         let values = eigenvalues(information)?;
-        Some(0.5 * (log_mean(&values, exponent).0 - log_mean(&values, -exponent).0))
+        let [high, low] = [exponent, -exponent].map(|rho| log_mean(&values, rho).value);
+        Some(0.5 * (high - low))
     }
 
     fn graded(&self, information: &DMatrix<f64>, exponent: f64) -> Option<Graded> {
-        let (values, vectors) = decompose(information)?;
-        let (high, up) = log_mean(&values, exponent);
-        let (low, down) = log_mean(&values, -exponent);
+        let Eigen { values, vectors } = decompose(information)?;
+        let [high, low] = [exponent, -exponent].map(|rho| log_mean(&values, rho));
         Some(Graded {
-            value: 0.5 * (high - low),
-            gradient: assemble(&vectors, &((up - down) * 0.5)),
+            value: 0.5 * (high.value - low.value),
+            gradient: assemble(&vectors, &((high.slopes - low.slopes) * 0.5)),
         })
     }
 

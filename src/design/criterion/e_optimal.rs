@@ -2,7 +2,9 @@
 
 use nalgebra::DMatrix;
 
-use crate::design::criterion::eigenvalues::{assemble, decompose, eigenvalues, log_mean};
+use crate::design::criterion::eigenvalues::{
+    Eigen, LogMean, assemble, decompose, eigenvalues, log_mean,
+};
 use crate::design::criterion::{Criterion, Graded};
 
 /// Smallest longest axis of the confidence ellipsoid.
@@ -24,12 +26,12 @@ impl Criterion for EOptimal {
 
     fn minimised(&self, information: &DMatrix<f64>, exponent: f64) -> Option<f64> {
         let values = eigenvalues(information)?;
-        Some(-log_mean(&values, -exponent).0)
+        Some(-log_mean(&values, -exponent).value)
     }
 
     fn graded(&self, information: &DMatrix<f64>, exponent: f64) -> Option<Graded> {
-        let (values, vectors) = decompose(information)?;
-        let (low, slopes) = log_mean(&values, -exponent);
+        let Eigen { values, vectors } = decompose(information)?;
+        let LogMean { value: low, slopes } = log_mean(&values, -exponent);
         Some(Graded {
             value: -low,
             gradient: assemble(&vectors, &-slopes),

@@ -14,7 +14,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use crate::chain::effect::Memory;
 use crate::chain::evaluate::{Evaluator, Segment};
 use crate::chain::model::Model;
-use crate::design::criterion::eigenvalues::log_mean;
+use crate::design::criterion::eigenvalues::{LogMean, log_mean};
 use crate::design::trajectory::fourier_series::Basis;
 use crate::design::trajectory::motion::{Joints, MOTION, Motion, of_motors};
 use crate::robot::batch::Trajectory;
@@ -64,8 +64,14 @@ pub struct Rivals<'m> {
     pub noise: &'m [f64],
 }
 
-/// The least distance with its gradient with respect to the coefficients.
-pub type Graded = (f64, DVector<f64>);
+/// What is minimised, with its gradient with respect to the coefficients.
+#[derive(Debug, Clone)]
+pub struct GradedDistance {
+    /// Minus a mean of log D that lies near the least.
+    pub value: f64,
+    /// By the coefficients.
+    pub gradient: DVector<f64>,
+}
 
 /// Prediction and derivatives in units of the noise, sample after sample, in each all channels.
 struct Prediction {
@@ -106,26 +112,34 @@ impl Rivals<'_> {
 
     /// What is minimised: minus a mean of log D that lies near the least.
     pub fn minimised(&self, motion: &Motion, basis: &Basis) -> Option<f64> {
-        Some(-nearest(&self.pairs(motion, basis)?).0)
+        Some(-nearest(&self.pairs(motion, basis)?).value)
     }
 
     /// The same with its gradient.
-    pub fn graded(&self, (joints, basis): (&Joints, &Basis), x: &DVector<f64>) -> Option<Graded> {
+    pub fn graded(
+        &self,
+        joints: &Joints,
+        basis: &Basis,
+        x: &DVector<f64>,
+    ) -> Option<GradedDistance> {
         let motion = Motion::of(joints, basis, x);
         let pairs = self.pairs(&motion, basis)?;
-        let (mean, by_distance) = nearest(&pairs);
-        let weights: Vec<f64> = by_distance.iter().map(|d| -d).collect();
-        let along = |motion: &Motion| self.residuals(motion, basis, (&pairs, &weights));
+        let nearest = nearest(&pairs);
+        let weights: Vec<f64> = nearest.slopes.iter().map(|d| -d).collect();
+        let along = |motion: &Motion| self.residuals(motion, basis, &pairs, &weights);
         // Joints without a motor move with more than one of the others.
         let stand_alone =
             joints.loops.is_none() && self.models.iter().all(|r| r.model.memory() == Memory::None);
         let gradient = if stand_alone {
-            of_states(&motion, (joints, basis), along)
+            of_states(&motion, joints, basis, along)
         } else {
             let total = |x: &DVector<f64>| along(&Motion::of(joints, basis, x)).iter().sum::<f64>();
             of_coefficients(x, total)
         };
-        Some((-mean, gradient))
+        Some(GradedDistance {
+            value: -nearest.value,
+            gradient,
+        })
     }
 
     /// All pairs; `None` where two models predict the same.
@@ -138,7 +152,7 @@ impl Rivals<'_> {
         let mut pairs = Vec::new();
         for a in 0..all.len() {
             for b in 0..a {
-                let fits = [self.fitted(&all, (a, b))?, self.fitted(&all, (b, a))?];
+                let fits = [self.fitted(&all, a, b)?, self.fitted(&all, b, a)?];
                 let distance = 0.5 * (fits[0].distance + fits[1].distance);
                 let size = all[a].values.norm_squared() + all[b].values.norm_squared();
                 if distance.partial_cmp(&(ROUNDING * size)) != Some(std::cmp::Ordering::Greater) {
@@ -150,8 +164,8 @@ impl Rivals<'_> {
         Some(pairs)
     }
 
-    /// The second model fitted to the prediction of the first.
-    fn fitted(&self, all: &[Prediction], (truth, model): (usize, usize)) -> Option<Fitted> {
+    /// A model fitted to the prediction of another, which is taken for the truth.
+    fn fitted(&self, all: &[Prediction], truth: usize, model: usize) -> Option<Fitted> {
         let difference = &all[truth].values - &all[model].values;
         let (w, prior) = (&all[model].columns, &self.models[model].prior);
         let mut normal = w.tr_mul(w) + prior;
@@ -182,7 +196,8 @@ impl Rivals<'_> {
         &self,
         motion: &Motion,
         basis: &Basis,
-        (pairs, weights): (&[Pair], &[f64]),
+        pairs: &[Pair],
+        weights: &[f64],
     ) -> Vec<f64> {
         let all: Vec<Prediction> = self
             .models
@@ -257,7 +272,7 @@ impl Rivals<'_> {
 }
 
 /// A mean of log D near the least, and its derivatives with respect to the distances D.
-fn nearest(pairs: &[Pair]) -> (f64, DVector<f64>) {
+fn nearest(pairs: &[Pair]) -> LogMean {
     let distances = DVector::from_iterator(pairs.len(), pairs.iter().map(|p| p.distance));
     log_mean(&distances, NEAREST)
 }
@@ -274,7 +289,8 @@ fn cut(motion: &Motion, range: std::ops::Range<usize>) -> Motion {
 /// Gradient where a sample's signal follows from its state: every joint is moved at all samples at once.
 fn of_states(
     motion: &Motion,
-    (joints, basis): (&Joints, &Basis),
+    joints: &Joints,
+    basis: &Basis,
     along: impl Fn(&Motion) -> Vec<f64>,
 ) -> DVector<f64> {
     let mut slopes = motion.clone();

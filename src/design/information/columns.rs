@@ -4,9 +4,9 @@
 //! inertial parameter is a weighted sum of regressor entries, and with respect to a parameter of a law
 //! what the law says. Columns are the kept parameters of the base, rows are weighted by the noise.
 
-use nalgebra::{DMatrix, SMatrix};
+use nalgebra::DMatrix;
 
-use crate::chain::model::Model;
+use crate::chain::model::{Model, Payload};
 use crate::chain::parameter::Role;
 use crate::design::information::torque_laws::of_the_state;
 use crate::robot::inertia::PER_LINK;
@@ -83,7 +83,7 @@ struct Row {
 
 /// The rows of the tree that a motor bears: those of joints that it turns, and those of joints without a motor that loops
 /// carry to them.
-fn rows_of(model: &Model, (motor, weight): (usize, f64), coupling: &DMatrix<f64>) -> Vec<Row> {
+fn rows_of(model: &Model, motor: usize, weight: f64, coupling: &DMatrix<f64>) -> Vec<Row> {
     let mut rows = Vec::new();
     for joint in 0..model.joints().len() {
         let weight = weight * coupling[(joint, motor)];
@@ -158,7 +158,7 @@ impl Columns {
     pub fn new(model: &Model, parameters: Vec<usize>, loads: &[bool], noise: &[f64]) -> Self {
         let n = model.joints().len();
         let coupling = model.coupling(&model.values());
-        let transfer = model.payload().map(|(p, _)| (p.link, p.transfer()));
+        let payload = model.payload().map(|(payload, _)| payload);
         let mut entries = Entries::none(n);
         let mut channels = Vec::new();
         for (c, channel) in model.channels().iter().enumerate() {
@@ -172,19 +172,25 @@ impl Columns {
                 columns: Vec::new(),
                 recipes: Vec::new(),
             };
-            let rows = rows_of(model, (joint, weight), &coupling);
+            let rows = rows_of(model, joint, weight, &coupling);
             for (k, &parameter) in parameters.iter().enumerate() {
                 let parameter = of_joint(model, joint, parameter);
                 let recipe = match model.parameters()[parameter].role {
                     Role::Effect {
                         joint: of, effect, ..
-                    } if of == joint => of_law(model, (joint, effect), parameter),
+                    } if of == joint => of_law(model, joint, effect, parameter),
                     Role::Inertial { link, quantity } => {
-                        let parts = [(link, quantity, 1.0)];
+                        let parts = [Moment {
+                            link,
+                            quantity,
+                            weight: 1.0,
+                        }];
                         of_bodies(model, &mut entries, &rows, &parts)
                     }
                     Role::Payload { quantity } => {
-                        let parts = transfer.map(|t| seen(t, quantity)).unwrap_or_default();
+                        let parts = payload
+                            .map(|p| moments_of(&p, quantity))
+                            .unwrap_or_default();
                         of_bodies(model, &mut entries, &rows, &parts)
                     }
                     _ => None,
@@ -222,14 +228,23 @@ fn of_joint(model: &Model, joint: usize, parameter: usize) -> usize {
     own.unwrap_or(parameter)
 }
 
-/// A parameter of a load in terms of the link that carries it.
-fn seen(
-    (link, transfer): (usize, SMatrix<f64, PER_LINK, PER_LINK>),
+/// A multiple of an inertial parameter of a link.
+struct Moment {
+    link: usize,
     quantity: usize,
-) -> Vec<(usize, usize, f64)> {
+    weight: f64,
+}
+
+/// A parameter of a load in terms of the link that carries it.
+fn moments_of(load: &Payload, quantity: usize) -> Vec<Moment> {
+    let transfer = load.transfer();
     (0..PER_LINK)
-        .map(|entry| (link, entry, transfer[(entry, quantity)]))
-        .filter(|(_, _, weight)| *weight != 0.0)
+        .map(|entry| Moment {
+            link: load.link,
+            quantity: entry,
+            weight: transfer[(entry, quantity)],
+        })
+        .filter(|moment| moment.weight != 0.0)
         .collect()
 }
 
@@ -237,15 +252,15 @@ fn of_bodies(
     model: &Model,
     entries: &mut Entries,
     rows: &[Row],
-    parts: &[(usize, usize, f64)],
+    parts: &[Moment],
 ) -> Option<Recipe> {
     let mut sum = Vec::new();
     for row in rows {
-        for &(link, quantity, weight) in parts {
-            if model.tree().moves(row.joint, link) {
+        for part in parts {
+            if model.tree().moves(row.joint, part.link) {
                 sum.push(Part {
-                    entry: entries.number(row.joint, link, quantity),
-                    weight: row.weight * weight,
+                    entry: entries.number(row.joint, part.link, part.quantity),
+                    weight: row.weight * part.weight,
                     carried: row.carried,
                 });
             }
@@ -255,7 +270,7 @@ fn of_bodies(
 }
 
 /// The position of a law's effect among the motor laws of its joint.
-fn of_law(model: &Model, (joint, effect): (usize, usize), parameter: usize) -> Option<Recipe> {
+fn of_law(model: &Model, joint: usize, effect: usize, parameter: usize) -> Option<Recipe> {
     let effects = &model.joints()[joint].effects;
     let motor = |k: &usize| of_the_state(effects[*k].0);
     motor(&effect).then(|| Recipe::Law {

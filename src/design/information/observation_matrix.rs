@@ -11,7 +11,7 @@ use nalgebra::DMatrix;
 
 use crate::chain::model::Model;
 use crate::design::information::columns::{Channel, Columns, Entries, Recipe};
-use crate::design::information::torque_laws::{Evaluated, Laws};
+use crate::design::information::torque_laws::{Evaluated, Laws, SpeedScale};
 use crate::design::trajectory::finite_differences::AlongMotion;
 use crate::design::trajectory::motion::{Motion, of_motors};
 use crate::robot::batch::{LaneState, Trajectory};
@@ -48,12 +48,12 @@ pub struct Workspace {
 }
 
 impl<'m> Observation<'m> {
-    /// `scales` are the joints' largest velocities; `smoothing` the least transition speeds of signs.
+    /// The observation matrix of some columns, laws at parameter values; `speeds` are those of the joints.
     pub fn new(
         model: &'m Model,
         columns: &'m Columns,
         values: &'m [f64],
-        (scales, smoothing): (&[f64], &[f64]),
+        speeds: &[SpeedScale],
     ) -> Self {
         let n = model.joints().len();
         let to_motors = (!model.is_uncoupled())
@@ -64,7 +64,7 @@ impl<'m> Observation<'m> {
             columns,
             to_motors,
             laws: (0..n)
-                .map(|j| Laws::of(model, j, values, (scales[j], smoothing[j])))
+                .map(|j| Laws::of(model, j, values, speeds[j]))
                 .collect(),
         }
     }
@@ -301,17 +301,18 @@ impl<'m> Observation<'m> {
         let (stride, j) = (work.stride, channel.joint);
         let [q, dq, ddq] = &work.motors.values;
         let motion = [&q[j][..], &dq[j], &ddq[j]];
-        self.laws[j].differences(motion, |order, after, before, factor| {
+        self.laws[j].differences(motion, |difference| {
+            let factor = difference.factor;
             let mut by_motor = vec![0.0; work.samples];
             for &(k, effect, parameter) in &own {
                 let g = &work.slopes[k * stride..(k + 1) * stride];
-                let after = &after.by_parameter[effect][parameter];
-                let before = &before.by_parameter[effect][parameter];
+                let after = &difference.after.by_parameter[effect][parameter];
+                let before = &difference.before.by_parameter[effect][parameter];
                 for (s, to) in by_motor.iter_mut().enumerate() {
                     *to += channel.weight * factor * g[s] * (after[s] - before[s]);
                 }
             }
-            self.to_joints(j, order, &by_motor, slopes);
+            self.to_joints(j, difference.order, &by_motor, slopes);
         });
     }
 

@@ -20,6 +20,15 @@ pub fn of_the_state(effect: &Effect) -> bool {
     matches!(effect.law, Law::Motor(_)) && is_alone
 }
 
+/// Speeds of a motor, rad/s (m/s).
+#[derive(Debug, Clone, Copy)]
+pub struct SpeedScale {
+    /// The largest velocity that the joint may have.
+    pub largest: f64,
+    /// The least transition speed of the sign of the velocity.
+    pub transition: f64,
+}
+
 /// The laws of one motor.
 #[derive(Debug, Clone)]
 pub struct Laws<'m> {
@@ -40,17 +49,28 @@ pub struct Evaluated {
     pub by_parameter: Vec<Vec<Vec<f64>>>,
 }
 
+/// Torque and columns half a step further and back in one derivative of the motion.
+#[derive(Debug, Clone, Copy)]
+pub struct CentralDifference<'a> {
+    /// 0 of the position, 1 of the velocity, 2 of the acceleration.
+    pub order: usize,
+    /// Half a step further.
+    pub after: &'a Evaluated,
+    /// Half a step back.
+    pub before: &'a Evaluated,
+    /// The factor that makes a slope of the difference of both.
+    pub factor: f64,
+}
+
 impl<'m> Laws<'m> {
-    /// The laws of a joint at parameter values; `scale` is the joint's largest velocity, and `smoothing`
-    /// the least transition speed.
-    pub fn of(
-        model: &Model,
-        joint: usize,
-        values: &'m [f64],
-        (scale, smoothing): (f64, f64),
-    ) -> Self {
+    /// The laws of a joint at parameter values.
+    pub fn of(model: &Model, joint: usize, values: &'m [f64], speed: SpeedScale) -> Self {
+        let scale = speed.largest;
         let joint = &model.joints()[joint];
-        let width = joint.width.map_or(0.0, |at| values[at]).max(smoothing);
+        let width = joint
+            .width
+            .map_or(0.0, |at| values[at])
+            .max(speed.transition);
         Self {
             effects: joint
                 .effects
@@ -67,14 +87,6 @@ impl<'m> Laws<'m> {
     /// Whether the motor has no torque laws.
     pub fn is_empty(&self) -> bool {
         self.effects.is_empty()
-    }
-
-    /// Effect and parameter (positions here and in the effect) of a parameter of the model.
-    pub fn find(&self, parameter: usize) -> Option<(usize, usize)> {
-        self.effects.iter().enumerate().find_map(|(k, (e, first))| {
-            let own = *first..first + e.parameters.len();
-            own.contains(&parameter).then(|| (k, parameter - first))
-        })
     }
 
     /// Torque and columns along q, q̇, q̈ of the motor.
@@ -131,13 +143,8 @@ impl<'m> Laws<'m> {
         })
     }
 
-    /// For every order of motion that matters: torque and columns half a difference further and back, and
-    /// the factor that makes a slope of their difference.
-    pub fn differences(
-        &self,
-        motion: [&[f64]; 3],
-        mut visit: impl FnMut(usize, &Evaluated, &Evaluated, f64),
-    ) {
+    /// Central differences for every order of motion that matters.
+    pub fn differences(&self, motion: [&[f64]; 3], mut visit: impl FnMut(CentralDifference<'_>)) {
         let (mut after, mut before) = (Evaluated::default(), Evaluated::default());
         for order in (0..3).filter(|order| self.depends_on(*order)) {
             let half = STEP * self.scale[order];
@@ -148,7 +155,12 @@ impl<'m> Laws<'m> {
             from[order] = &back;
             self.evaluate(at, &mut after);
             self.evaluate(from, &mut before);
-            visit(order, &after, &before, 0.5 / half);
+            visit(CentralDifference {
+                order,
+                after: &after,
+                before: &before,
+                factor: 0.5 / half,
+            });
         }
     }
 }

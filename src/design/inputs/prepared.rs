@@ -269,7 +269,7 @@ impl Prepared {
         }
         for region in &table.boxes {
             let place = self.point(&region.frame.value, &region.frame.place)?;
-            rules.extend(walls(&place, (region.lower.value, region.upper.value)));
+            rules.extend(walls(&place, region.lower.value, region.upper.value));
         }
         for speed in &table.speed {
             rules.push(Rule::Speed {
@@ -280,7 +280,7 @@ impl Prepared {
         for clearance in &table.clearance {
             let names = clearance.links.value.clone();
             let shape = |name: &String| {
-                collision_shapes::of_link(&self.robot, (name, &clearance.links.place), &table.shape)
+                collision_shapes::of_link(&self.robot, name, &clearance.links.place, &table.shape)
             };
             rules.push(Rule::Clearance {
                 shapes: [shape(&names[0])?, shape(&names[1])?],
@@ -308,7 +308,7 @@ impl Prepared {
 }
 
 /// The finite walls of a box as half-spaces.
-fn walls(place: &Point, (lower, upper): ([f64; 3], [f64; 3])) -> Vec<Rule> {
+fn walls(place: &Point, lower: [f64; 3], upper: [f64; 3]) -> Vec<Rule> {
     let mut rules = Vec::new();
     for axis in 0..3 {
         let name = ["x", "y", "z"][axis];

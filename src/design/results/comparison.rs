@@ -4,6 +4,7 @@
 use nalgebra::Point3;
 
 use crate::design::constraints::workspace::Rule;
+use crate::design::context::DesignContext;
 use crate::design::inputs::prepared::Prepared;
 use crate::design::inputs::stated_motion::StatedMotion;
 use crate::design::problem::Experiment;
@@ -15,31 +16,34 @@ use crate::design::trajectory::motion::{Motion, of_motors};
 use crate::design::verify;
 use crate::outcome::design::{Design, ExpectedDeviation, Reference, Way};
 use crate::outcome::skeleton::{Skeleton, Wall};
-use crate::problem_file::ProblemFile;
 use crate::robot::batch;
 use crate::setup::skeleton;
 
 /// Points of a way, about.
 const POINTS: usize = 400;
 
-impl Prepared {
+impl DesignContext<'_> {
     /// Adds to a design what its motion is worth.
-    pub fn judge(&self, experiment: &Experiment<'_>, motion: &Motion, design: &mut Design) {
-        let motors = of_motors(
-            motion,
-            experiment.observation.to_motors(),
-            self.model.offset(),
-        );
-        let bodies = &self.values.as_slice()[..10 * self.model.tree().len()];
-        let torques = batch::torques(self.model.tree(), bodies, motion.trajectory());
-        let shown = coverage::of_motion(&self.model, (&motors, &torques), &self.limits);
-        design.expected_std_dev = self.deviations(&motors);
+    pub fn judge(&self, motion: &Motion, design: &mut Design) {
+        let Self {
+            prepared,
+            experiment,
+            ..
+        } = *self;
+        let model = &prepared.model;
+        let motors = of_motors(motion, experiment.observation.to_motors(), model.offset());
+        let bodies = &prepared.values.as_slice()[..10 * model.tree().len()];
+        let torques = batch::torques(model.tree(), bodies, motion.trajectory());
+        let shown = coverage::of_motion(model, &motors, &torques, &prepared.limits);
+        design.expected_std_dev = prepared.deviations(&motors);
         design.coverage = report::coverage(shown);
         design.ways = ways(experiment, motion);
-        design.skeleton = Some(self.skeleton(experiment));
-        design.notes.splice(0..0, self.notes.iter().cloned());
+        design.skeleton = Some(prepared.skeleton(experiment));
+        design.notes.splice(0..0, prepared.notes.iter().cloned());
     }
+}
 
+impl Prepared {
     /// The robot among the walls that its motion keeps away from.
     fn skeleton(&self, experiment: &Experiment<'_>) -> Skeleton {
         let walls = experiment
@@ -106,13 +110,14 @@ fn ways(experiment: &Experiment<'_>, motion: &Motion) -> Vec<Way> {
 }
 
 /// The motion to compare with, at as many samples per period as the design.
-pub fn outcome(
-    problem: &ProblemFile,
-    (prepared, experiment): (&Prepared, &Experiment<'_>),
-    earlier: &StatedMotion,
-) -> Reference {
-    let basis = Basis::new(earlier.joints.series, experiment.basis.samples);
-    let motion = Motion::of(&earlier.joints, &basis, &earlier.x);
+pub fn reference(context: &DesignContext<'_>, stated: &StatedMotion) -> Reference {
+    let DesignContext {
+        problem,
+        prepared,
+        experiment,
+    } = *context;
+    let basis = Basis::new(stated.joints.series, experiment.basis.samples);
+    let motion = Motion::of(&stated.joints, &basis, &stated.x);
     let mut memory = experiment.observation.workspace(motion.len());
     let information = experiment.observation.information(&motion, &mut memory);
     let matrix = experiment.target.matrix(&information);
@@ -121,7 +126,7 @@ pub fn outcome(
         experiment.observation.to_motors(),
         prepared.model.offset(),
     );
-    let margins = verify::margins_of(experiment, &earlier.joints, &earlier.x);
+    let margins = verify::margins_of(experiment, &stated.joints, &stated.x);
     Reference {
         file: problem
             .design

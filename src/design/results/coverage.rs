@@ -77,9 +77,9 @@ impl Figures {
     }
 
     /// Whether the motion varies a variable enough, and the figure that says so.
-    fn judge(&self, on: Dependence) -> (bool, String) {
+    fn judge(&self, on: Dependence) -> Variation {
         let percent = |x: f64| format!("{:.0} %", 100.0 * x);
-        match on {
+        let (is_enough, figure) = match on {
             Dependence::Direction => (
                 (EACH_WAY..=1.0 - EACH_WAY).contains(&self.forward),
                 format!(
@@ -128,14 +128,22 @@ impl Figures {
                 "no motion of one length makes a drive warm: record it cold and warm".to_string(),
             ),
             Dependence::Nothing => (true, "a constant needs no motion of its own".to_string()),
-        }
+        };
+        Variation { is_enough, figure }
     }
+}
+
+/// How far a motion varies a variable.
+struct Variation {
+    is_enough: bool,
+    figure: String,
 }
 
 /// What a motion shows of all effects; `torques` are the joint torques along it.
 pub fn of_motion(
     model: &Model,
-    (motors, torques): (&Motion, &[Vec<f64>]),
+    motors: &Motion,
+    torques: &[Vec<f64>],
     limits: &[JointLimits],
 ) -> Vec<EffectCoverage> {
     let mut all = Vec::new();
@@ -143,16 +151,16 @@ pub fn of_motion(
         let [q, dq, ddq] = &motors.values;
         let figures = Figures::of([&q[j], &dq[j], &ddq[j]], &torques[j], &limits[j]);
         for (effect, _) in &joint.effects {
-            let verdicts: Vec<(bool, String)> = effect
+            let variations: Vec<Variation> = effect
                 .depends_on
                 .iter()
                 .map(|on| figures.judge(*on))
                 .collect();
-            let shown = verdicts.iter().all(|(shown, _)| *shown);
-            let weak: Vec<String> = verdicts
-                .iter()
-                .filter(|(ok, _)| shown || !ok)
-                .map(|(_, text)| text.clone())
+            let shown = variations.iter().all(|v| v.is_enough);
+            let weak: Vec<String> = variations
+                .into_iter()
+                .filter(|v| shown || !v.is_enough)
+                .map(|v| v.figure)
                 .collect();
             all.push(EffectCoverage {
                 joint: joint.name.clone(),

@@ -1,6 +1,7 @@
 //! A finished design as the data of `result.json`.
 
 use crate::design::constraints::joint_limits::INSTANTS_PER_CYCLE;
+use crate::design::context::DesignContext;
 use crate::design::criterion::condition::Condition;
 use crate::design::criterion::d_optimal::DOptimal;
 use crate::design::criterion::parameters_of_interest::{Scale, Target};
@@ -9,6 +10,7 @@ use crate::design::problem::Experiment;
 use crate::design::results::coverage::EffectCoverage;
 use crate::design::results::designed::End;
 use crate::design::results::expected_deviations::Deviation;
+use crate::design::search::inter_sample_limits::VerifiedMotion;
 use crate::design::search::multistart::SearchResult;
 use crate::design::trajectory::motion::Motion;
 use crate::design::verify::{self, Margin};
@@ -26,11 +28,13 @@ const FORMULA: &str = "q(t) = q0 + sum_l a_l/(l w) sin(l w t) - b_l/(l w) cos(l 
                        sine_l sin(l w t) + cosine_l cos(l w t), w = 2 pi / period";
 
 /// What the motion is worth and how it keeps its limits; expected deviations and coverage come later.
-pub fn of(
-    problem: &ProblemFile,
-    (prepared, experiment): (&Prepared, &Experiment<'_>),
-    (found, margins): (&SearchResult, &[Margin]),
-) -> Design {
+pub fn of_search(context: &DesignContext<'_>, verified: &VerifiedMotion) -> Design {
+    let DesignContext {
+        problem,
+        prepared,
+        experiment,
+    } = *context;
+    let VerifiedMotion { found, margins } = verified;
     let information = experiment.information(&found.x);
     Design {
         criterion_value: found.value,
@@ -85,11 +89,13 @@ fn judged(
 }
 
 /// A plan of constant velocities; it is made, not searched for.
-pub fn of_steady(
-    problem: &ProblemFile,
-    experiment: &Experiment<'_>,
-    (motion, margins, step): (&Motion, &[Margin], f64),
-) -> Design {
+pub fn of_plan(context: &DesignContext<'_>, planned: &PlannedMotion) -> Design {
+    let experiment = context.experiment;
+    let PlannedMotion {
+        motion,
+        margins,
+        step,
+    } = planned;
     let mut memory = experiment.observation.workspace(motion.len());
     let information = experiment.observation.information(motion, &mut memory);
     let matrix = experiment.target.matrix(&information);
@@ -98,16 +104,27 @@ pub fn of_steady(
         criterion_value: value,
         worst_margins: margins.iter().map(margin).collect(),
         verification: format!(
-            "ConstantVelocityPlan keep the limits of position, velocity and acceleration by the way they are made. Margins are the \
+            "Strokes keep the limits of position, velocity and acceleration by the way they are made. Margins are the \
              least at the {} instants of the plan, {step} s apart.",
             motion.len()
         ),
-        ..judged(problem, experiment, &information)
+        ..judged(context.problem, experiment, &information)
     }
 }
 
+/// A plan of constant velocities with its margins.
+#[derive(Debug)]
+pub struct PlannedMotion {
+    /// The motion of all joints.
+    pub motion: Motion,
+    /// The least of every limit.
+    pub margins: Vec<Margin>,
+    /// s from one sample of the motion to the next.
+    pub step: f64,
+}
+
 /// How the making of a plan of constant velocities ended.
-pub fn solver_of_steady(cost: f64, end: End) -> Solver {
+pub fn solver_of_plan(cost: f64, end: End) -> Solver {
     Solver {
         name: "strokes about the posture of rest".to_string(),
         stop: match end {
@@ -160,7 +177,7 @@ fn coefficients(
     let omega = TAU / joints.series.period;
     let of = |trajectory: usize| {
         let one = |(m, j): (usize, &usize)| {
-            let own = verify::coefficients(joints, &found.x, (trajectory, m));
+            let own = joints.coefficients_of(&found.x, trajectory, m);
             let joint = &prepared.model.tree().joints()[*j];
             let limits = &prepared.limits[*j];
             let (a, b) = (own[1..=h].to_vec(), own[h + 1..].to_vec());

@@ -125,7 +125,7 @@ pub fn run(
         }
         shrink -= current.violation() + ROOM;
         let tighter = Search { shrink, ..*search };
-        let next = tighter.continued(&current.found.x, (control, left))?;
+        let next = tighter.continued(&current.found.x, control, left)?;
         current = current.moved_to(experiment, next);
         if current.violation() < best.violation() {
             best = current.clone();

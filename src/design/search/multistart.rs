@@ -143,16 +143,60 @@ struct Candidate {
 }
 
 impl Candidate {
-    /// Feasible before infeasible, then by what is minimised.
-    fn rank(&self) -> (bool, f64) {
-        let infeasible = self.infeasibility > FEASIBLE;
-        let key = if infeasible {
-            self.infeasibility
-        } else {
-            self.cost
-        };
-        (infeasible, key)
+    fn rank(&self) -> Rank {
+        match self.infeasibility > FEASIBLE {
+            true => Rank::Infeasible(self.infeasibility),
+            false => Rank::Feasible(self.cost),
+        }
     }
+}
+
+/// Feasible before infeasible, then by what is minimised.
+#[derive(Debug, Clone, Copy)]
+enum Rank {
+    /// What is minimised.
+    Feasible(f64),
+    /// Σ of violated shares.
+    Infeasible(f64),
+}
+
+impl Rank {
+    fn order(&self, other: &Self) -> std::cmp::Ordering {
+        match (self, other) {
+            (Self::Feasible(a), Self::Feasible(b)) | (Self::Infeasible(a), Self::Infeasible(b)) => {
+                a.total_cmp(b)
+            }
+            (Self::Feasible(_), Self::Infeasible(_)) => std::cmp::Ordering::Less,
+            (Self::Infeasible(_), Self::Feasible(_)) => std::cmp::Ordering::Greater,
+        }
+    }
+
+    /// Whether it is better by what counts as progress.
+    fn progresses_from(&self, before: &Self) -> bool {
+        match (before, self) {
+            (Self::Infeasible(_), Self::Feasible(_)) => true,
+            (Self::Feasible(_), Self::Infeasible(_)) => false,
+            (Self::Feasible(before), Self::Feasible(after))
+            | (Self::Infeasible(before), Self::Infeasible(after)) => {
+                *after < before - PROGRESS * (1.0 + before.abs())
+            }
+        }
+    }
+}
+
+/// Since when a search runs, and what its caller may do to it.
+#[derive(Clone, Copy)]
+struct Clock<'a> {
+    control: &'a Control<'a>,
+    began: Instant,
+}
+
+/// When a local search ends.
+struct LocalSearch {
+    /// Steps at most.
+    steps: usize,
+    /// Share of what is minimised that ten steps have to gain.
+    progress: f64,
 }
 
 /// Rounds that go on from one another: what the next one changes.
@@ -171,15 +215,11 @@ impl Chain {
 
     /// Takes what a round found, and ends after [`PATIENCE`] rounds without progress.
     fn learn(&mut self, carried: &[Candidate]) {
-        let first = carried.iter().min_by(|a, b| order(&a.rank(), &b.rank()));
+        let first = carried.iter().min_by(|a, b| a.rank().order(&b.rank()));
         let Some(first) = first else { return };
         let before = self.best.as_ref().map(Candidate::rank);
-        let progress = before.is_none_or(|(infeasible, key)| {
-            let (still, new) = first.rank();
-            (infeasible && !still)
-                || (infeasible == still && new < key - PROGRESS * (1.0 + key.abs()))
-        });
-        if before.is_none_or(|b| order(&first.rank(), &b).is_lt()) {
+        let progress = before.is_none_or(|before| first.rank().progresses_from(&before));
+        if before.is_none_or(|before| first.rank().order(&before).is_lt()) {
             self.best = Some(first.clone());
         }
         self.idle = if progress { 0 } else { self.idle + 1 };
@@ -187,10 +227,6 @@ impl Chain {
             *self = Self::default();
         }
     }
-}
-
-fn order(a: &(bool, f64), b: &(bool, f64)) -> std::cmp::Ordering {
-    a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
 }
 
 impl Search<'_> {
@@ -201,7 +237,10 @@ impl Search<'_> {
         control: &Control,
         on_improvement: impl Fn(&Improvement) + Sync,
     ) -> Result<SearchResult, SolveError> {
-        let began = Instant::now();
+        let clock = Clock {
+            control,
+            began: Instant::now(),
+        };
         let budget = self.settings.budget;
         let starts = match (self.settings.starts, budget) {
             (Some(starts), _) => starts,
@@ -218,18 +257,18 @@ impl Search<'_> {
             if made >= starts {
                 break Stop::IterationLimit;
             }
-            if budget.is_some_and(|b| began.elapsed() >= b) && found.is_some() {
+            if budget.is_some_and(|b| clock.began.elapsed() >= b) && found.is_some() {
                 break Stop::TimeLimit;
             }
             let round = made..(made + ROUND).min(starts);
             made = round.end;
-            let carried = self.round(round, chain.best(), (control, began))?;
+            let carried = self.round(round, chain.best(), clock)?;
             chain.learn(&carried);
             for candidate in carried {
                 iterations += candidate.iterations;
                 evaluations += candidate.evaluations;
                 let improvement = Improvement {
-                    elapsed: began.elapsed().as_secs_f64(),
+                    elapsed: clock.began.elapsed().as_secs_f64(),
                     starts: made,
                     value: self.value(&candidate.x),
                 };
@@ -309,13 +348,13 @@ impl Search<'_> {
         &self,
         round: std::ops::Range<usize>,
         best: Option<&DVector<f64>>,
-        (control, began): (&Control, Instant),
+        clock: Clock<'_>,
     ) -> Result<Vec<Candidate>, SolveError> {
         let mut screened: Vec<Candidate> = round
             .into_par_iter()
-            .map(|number| self.screen(number, best, (control, began)))
+            .map(|number| self.screen(number, best, clock))
             .collect::<Result<_, _>>()?;
-        screened.sort_by(|a, b| order(&a.rank(), &b.rank()));
+        screened.sort_by(|a, b| a.rank().order(&b.rank()));
         let rest: (usize, usize) = screened
             .iter()
             .skip(CARRIED)
@@ -323,7 +362,7 @@ impl Search<'_> {
         screened.truncate(CARRIED);
         let mut carried: Vec<Candidate> = screened
             .into_par_iter()
-            .map(|candidate| self.refine(candidate, (control, began)))
+            .map(|candidate| self.refine(candidate, clock))
             .collect::<Result<_, _>>()?;
         if let Some(first) = carried.first_mut() {
             first.iterations += rest.0;
@@ -344,7 +383,7 @@ impl Search<'_> {
         &self,
         number: usize,
         best: Option<&DVector<f64>>,
-        timing: (&Control, Instant),
+        clock: Clock<'_>,
     ) -> Result<Candidate, SolveError> {
         let exponent = self.experiment.exponents()[0];
         let problem = Excitation::new(self.experiment, exponent, self.shrink);
@@ -359,19 +398,23 @@ impl Search<'_> {
             },
             (None, None) => starts.random(&mut rng),
         };
-        self.improve(&problem, &x, (SCREENING, COMPARED), timing)
+        let until = LocalSearch {
+            steps: SCREENING,
+            progress: COMPARED,
+        };
+        self.improve(&problem, &x, until, clock)
     }
 
     /// A candidate carried through all exponents of the criterion.
-    fn refine(
-        &self,
-        candidate: Candidate,
-        timing: (&Control, Instant),
-    ) -> Result<Candidate, SolveError> {
+    fn refine(&self, candidate: Candidate, clock: Clock<'_>) -> Result<Candidate, SolveError> {
         let mut current = candidate;
         for &exponent in self.experiment.exponents() {
             let problem = Excitation::new(self.experiment, exponent, self.shrink);
-            let next = self.improve(&problem, &current.x, (REFINING, CARRIED_ON), timing)?;
+            let until = LocalSearch {
+                steps: REFINING,
+                progress: CARRIED_ON,
+            };
+            let next = self.improve(&problem, &current.x, until, clock)?;
             current = Candidate {
                 iterations: current.iterations + next.iterations,
                 evaluations: current.evaluations + next.evaluations,
@@ -385,7 +428,8 @@ impl Search<'_> {
     pub fn continued(
         &self,
         x: &DVector<f64>,
-        (control, limit): (&Control, Option<Duration>),
+        control: &Control,
+        limit: Option<Duration>,
     ) -> Result<SearchResult, SolveError> {
         let exponents = self.experiment.exponents();
         let exponent = exponents[exponents.len() - 1];
@@ -399,12 +443,15 @@ impl Search<'_> {
             settings: &settings,
             ..*self
         };
-        let end = limited.improve(
-            &problem,
-            &start,
-            (REFINING, COMPARED),
-            (control, Instant::now()),
-        )?;
+        let until = LocalSearch {
+            steps: REFINING,
+            progress: COMPARED,
+        };
+        let clock = Clock {
+            control,
+            began: Instant::now(),
+        };
+        let end = limited.improve(&problem, &start, until, clock)?;
         Ok(SearchResult {
             value: self.value(&end.x),
             infeasibility: end.infeasibility,
@@ -421,20 +468,20 @@ impl Search<'_> {
         &self,
         problem: &Excitation<'_>,
         x: &DVector<f64>,
-        (steps, progress): (usize, f64),
-        (control, began): (&Control, Instant),
+        until: LocalSearch,
+        clock: Clock<'_>,
     ) -> Result<Candidate, SolveError> {
         let view = Nlp::try_from(problem as &dyn Problem)?.within(self.rows);
         let settings = SqpSettings {
-            max_iterations: steps,
+            max_iterations: until.steps,
             cost_tolerance: 1e-7,
-            progress_tolerance: progress,
+            progress_tolerance: until.progress,
             ..SqpSettings::default()
         };
         let limit = self.settings.budget;
         let own = Control {
-            interrupt: control.interrupt.clone(),
-            time_limit: limit.map(|b| b.saturating_sub(began.elapsed())),
+            interrupt: clock.control.interrupt.clone(),
+            time_limit: limit.map(|b| b.saturating_sub(clock.began.elapsed())),
             progress: None,
         };
         let Constrained {

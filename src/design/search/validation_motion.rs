@@ -24,14 +24,14 @@ const SHARE: f64 = 0.98;
 const STREAM: u64 = 1 << 40;
 
 /// The farthest of many random motions that keep all limits; `None` where none does.
-pub fn far_from(search: &Search<'_>, x: &DVector<f64>, seed: u64) -> Option<DVector<f64>> {
+pub fn far_from(search: &Search<'_>, x: &DVector<f64>) -> Option<DVector<f64>> {
     let experiment = search.experiment;
     let problem = Excitation::new(experiment, 1.0, SHARE);
     let starts = Starts::of(experiment, &problem, search.rows);
     let states = states(experiment, &experiment.joints, x);
     let mut best: Option<(f64, DVector<f64>)> = None;
     for number in 0..CANDIDATES {
-        let mut rng = generator(seed);
+        let mut rng = generator(search.settings.seed);
         rng.set_stream(STREAM + number as u64);
         let candidate = starts.random(&mut rng);
         let margins = verify::margins(experiment, &candidate);

@@ -75,7 +75,8 @@ pub fn slopes(
 /// samples of one series after the other.
 pub fn to_coefficients(
     jacobian: &mut DMatrix<f64>,
-    (joints, basis): (&Joints, &Basis),
+    joints: &Joints,
+    basis: &Basis,
     Shifted { order, motor }: Shifted,
     slopes: &[Vec<f64>],
 ) {

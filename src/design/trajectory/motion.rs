@@ -47,6 +47,17 @@ impl Joints {
         trajectory * self.of_trajectory() + m * self.series.width()
     }
 
+    /// Coefficients of the m-th moving joint in a trajectory.
+    pub fn coefficients_of<'a>(
+        &self,
+        x: &'a DVector<f64>,
+        trajectory: usize,
+        m: usize,
+    ) -> &'a [f64] {
+        let first = self.first(trajectory, m);
+        &x.as_slice()[first..first + self.series.width()]
+    }
+
     /// Moves the joints without a motor with the others, trajectory by trajectory; a motion along which the loops do not
     /// close is open.
     pub fn close(&self, motion: &mut Motion) {
