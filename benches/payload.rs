@@ -10,6 +10,7 @@ use exid::chain::dataset::{Dataset, Prepared};
 use exid::chain::effect;
 use exid::chain::model::{Inertials, Model, ModelSettings, Payload, Signal};
 use exid::chain::prior::Prior;
+use exid::estimate::estimator::Training;
 use exid::estimate::problem::FitProblem;
 use exid::estimate::unknowns::Unknowns;
 use exid::estimate::weights::Weights;
@@ -134,7 +135,15 @@ fn fit((lossless, linear): &Case, (model, unknowns): &Case, data: &Dataset) -> S
     let recordings: Vec<&Prepared> = data.recordings.iter().collect();
     let deviations: Vec<f64> = [1.0, 1.0].into_iter().chain(NOISE).collect();
     let weights = Weights::by_deviation(&deviations);
-    let problem = FitProblem::new(model, unknowns, (&recordings, &prior), weights);
+    let problem = FitProblem::new(
+        model,
+        unknowns,
+        Training {
+            recordings: &recordings,
+            prior: &prior,
+        },
+        weights,
+    );
     let lossless = problem.with_unknowns(lossless, linear);
     let view = LeastSquares::try_from(&lossless as &dyn Problem).expect("a sum of squares");
     let start = linear::solve(view, &lossless.start(), &linear::Settings::default())

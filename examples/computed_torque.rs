@@ -234,7 +234,9 @@ fn follow(
         let torque = command(&state, &goal)?;
         for _ in 0..STEPS {
             let chain = plant.linearise(&state)?;
-            (state, _) = plant.step((&state, &chain), &torque, TICK / STEPS as f64)?;
+            state = plant
+                .step(&state, &chain, &torque, TICK / STEPS as f64)?
+                .state;
         }
     }
     Ok(squares.into_iter().map(f64::sqrt).collect())

@@ -227,8 +227,8 @@ fn coverage(colour: Colour) -> (f64, Vec<f64>) {
                     experiment,
                 )],
             };
-            let estimator = (Estimator::MaximumLikelihood, &prior);
-            let fitted = fit(&model, &data, estimator, &Control::default()).unwrap();
+            let estimator = Estimator::MaximumLikelihood;
+            let fitted = fit(&model, &data, estimator, &prior, &Control::default()).unwrap();
             let base = fitted.fit.base_parameters;
             assert_eq!(base.len(), truth.len());
             let inside = |(b, t): (&exid::outcome::fit::BaseParameter, &f64)| {
@@ -291,8 +291,8 @@ fn deviations(rows: usize) -> Vec<f64> {
     let data = Dataset {
         recordings: vec![train],
     };
-    let estimator = (Estimator::Weighted, &prior);
-    let fitted = fit(&model, &data, estimator, &Control::default()).unwrap();
+    let estimator = Estimator::Weighted;
+    let fitted = fit(&model, &data, estimator, &prior, &Control::default()).unwrap();
     let base = fitted.fit.base_parameters.iter();
     base.map(|b| b.std_dev.unwrap()).collect()
 }

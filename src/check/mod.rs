@@ -44,7 +44,7 @@ use crate::recording::format::columns_at;
 use crate::recording::samples::Recording;
 use crate::recording::split::Split;
 use crate::setup::error::SetupError;
-use crate::setup::recording_file::{NamedRecording, ReadRecording};
+use crate::setup::recording_file::{NamedRecording, ReadRecording, RecordedRobot};
 use crate::setup::recordings::{list, prepare_one, read_one};
 use crate::setup::shared_rows::shared_rows;
 use crate::setup::{model, prior, robot};
@@ -216,7 +216,12 @@ fn with_robot(
         let Some(model) = &model else {
             continue;
         };
-        match prepare_one(recording, &named, (table, robot, model)) {
+        let recorded = RecordedRobot {
+            table,
+            robot,
+            model,
+        };
+        match prepare_one(recording, &named, recorded) {
             // The regressions that look for mixed-up columns know trees alone.
             Ok(_) if robot.mechanism.is_some() => complete = false,
             Ok(prepared) => {

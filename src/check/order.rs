@@ -258,7 +258,7 @@ fn moved(sampled: &Sampled, hypothesis: Hypothesis) -> Sampled {
 }
 
 /// Nothing is known of the order of so many joints.
-fn not_tried(ready: &Ready<'_>, joints: usize) -> Finding {
+fn not_tried(ready: &PreparedRecording<'_>, joints: usize) -> Finding {
     finding(
         Severity::Note,
         ready.place(),

@@ -16,15 +16,15 @@ use crate::diagnose::fit::recording_parameters;
 use crate::diagnose::residuals::standstill;
 use crate::diagnose::selection::between_periods;
 use crate::diagnose::selection::explanation::{Explaining, Explanation};
-use crate::diagnose::selection::reached::Reached;
+use crate::diagnose::selection::last_selection::LastSelection;
 use crate::diagnose::selection::rival_models::Ambiguity;
 use crate::diagnose::selection::stepwise::{Rules, Selection};
 use crate::diagnose::simulator::{self, Side};
 use crate::diagnose::stage::Stage;
 use crate::estimate::bandwidth;
 use crate::estimate::estimator::Estimator;
-use crate::estimate::goodness_of_fit::{Predictions, noise_rms};
 use crate::estimate::fit::fit;
+use crate::estimate::goodness_of_fit::{Predictions, noise_rms};
 use crate::estimate::sharing::{self, Question};
 use crate::estimate::task::{machine, possible_machine};
 use crate::outcome::check::Finding as Mistake;
@@ -83,21 +83,21 @@ impl DiagnoseRun {
     }
 }
 
-/// Runs a diagnosis, of the simulator first where there are recordings of it; `watch` hears of every stage.
+/// Runs a diagnosis, of the simulator first where there are recordings of it; `on_stage` hears of every stage.
 pub fn run(
     problem: &ProblemFile,
     control: &Control<'_>,
-    watch: &(dyn Fn(Stage) + Sync),
+    on_stage: &(dyn Fn(Stage) + Sync),
 ) -> Result<DiagnoseRun, DiagnoseError> {
     let simulated = match problem.of_simulator() {
         Some(simulator) => {
-            watch(Stage::Simulator);
+            on_stage(Stage::Simulator);
             // Its steps are not those of the robot.
             Some(run(&simulator, control, &|_| {})?)
         }
         None => None,
     };
-    let mut found = of_robot(problem, control, watch)?;
+    let mut found = of_robot(problem, control, on_stage)?;
     found.diagnosis.simulator =
         simulated.map(|simulated| simulator::compare(&simulated.side(), &found.side()));
     Ok(found)
@@ -107,9 +107,9 @@ pub fn run(
 fn of_robot(
     problem: &ProblemFile,
     control: &Control<'_>,
-    watch: &(dyn Fn(Stage) + Sync),
+    on_stage: &(dyn Fn(Stage) + Sync),
 ) -> Result<DiagnoseRun, DiagnoseError> {
-    watch(Stage::Reading);
+    on_stage(Stage::Reading);
     let robot = setup::robot::open(problem)?;
     let (asked, separated) = (problem, setup::sharing::separated(problem));
     // A motor that is taken for the like of another would look like missing physics: every joint is searched by itself.
@@ -117,7 +117,7 @@ fn of_robot(
     let mut model = setup::model::build(problem, &robot)?;
     let prior = setup::prior::build(problem, &robot, &mut model)?;
     let data = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
-    watch(Stage::Checking);
+    on_stage(Stage::Checking);
     let mistakes = check::run(problem, control);
     let sought = sought(problem);
     let rules = Rules {
@@ -127,14 +127,14 @@ fn of_robot(
     let mut recorded = Recorded::of(&model, data);
     let mut motions = 1;
     let (found, defect, limits) = loop {
-        watch(Stage::Fitting);
+        on_stage(Stage::Fitting);
         let search = Search {
             problem,
             robot: &robot,
             rules,
             held_out: recorded.held_out,
             may_move: motions < MOTIONS,
-            watch,
+            on_stage,
         };
         let declared = search.declared(&recorded.halves, control)?;
         match search.guarded(&recorded.halves, &declared, control)? {
@@ -169,9 +169,9 @@ fn of_robot(
         }
     }
     if let Some(fit) = &mut reported.diagnosis.fit {
-        fit.machine = Some(machine((problem, &robot), &reported.fitted));
+        fit.machine = Some(machine(problem, &robot, &reported.fitted));
         if robot.mechanism.is_none() {
-            fit.possible_machine = possible_machine((problem, &robot), &reported.fitted);
+            fit.possible_machine = possible_machine(problem, &robot, &reported.fitted);
         }
     }
     Ok(DiagnoseRun {
@@ -206,8 +206,13 @@ fn shared(
         limits,
     };
     question.answers(&reported.fitted, &|model, prior| {
-        let by = (Estimator::MaximumLikelihood, prior);
-        Ok(fit(model, data, by, control)?)
+        Ok(fit(
+            model,
+            data,
+            Estimator::MaximumLikelihood,
+            prior,
+            control,
+        )?)
     })
 }
 
@@ -262,7 +267,7 @@ struct Search<'a> {
     held_out: bool,
     /// The motion may be estimated anew beside what is found.
     may_move: bool,
-    watch: &'a (dyn Fn(Stage) + Sync),
+    on_stage: &'a (dyn Fn(Stage) + Sync),
 }
 
 /// What a search comes to.
@@ -315,8 +320,8 @@ impl Search<'_> {
         declared: &Declared,
         control: &Control<'_>,
     ) -> Result<(Searched, Option<Defect>), DiagnoseError> {
-        let reached = Reached::default();
-        let search = || self.whole(halves, declared, (control, &reached));
+        let reached = LastSelection::default();
+        let search = || self.whole(halves, declared, control, &reached);
         let defect = match guarded(search) {
             Ok(found) => return Ok((found?, None)),
             Err(defect) => defect,
@@ -337,7 +342,8 @@ impl Search<'_> {
         &self,
         halves: &HeldOutHalves,
         declared: &Declared,
-        (control, reached): (&Control<'_>, &Reached),
+        control: &Control<'_>,
+        reached: &LastSelection,
     ) -> Result<Searched, DiagnoseError> {
         let contexts = self.contexts(halves, declared, control)?;
         let explaining = self.explaining(&contexts, reached);
@@ -349,13 +355,13 @@ impl Search<'_> {
         let changing =
             between_periods::sought(&halves.whole, declared.fit.model.catalogue(), self.rules);
         if let Some(effects) = changing.filter(|_| !control.is_interrupted()) {
-            (self.watch)(Stage::Drift);
+            (self.on_stage)(Stage::Drift);
             let successive_periods = between_periods::successive_periods(&halves.whole);
             let successive_periods = self::halves(successive_periods, self.held_out);
             let mut over_time = successive_periods.contexts(self.problem, self.robot, control);
             over_time.set(&declared.limits, declared.noise.as_deref());
             // What is selected there is of other rows than those that a defect leaves.
-            let apart = Reached::default();
+            let apart = LastSelection::default();
             let explaining = self.explaining(&over_time, &apart);
             if let Some(reported) = over_periods(&explaining, &explanation.full, &effects)? {
                 return Ok(Searched::Found(Box::new(Found {
@@ -400,7 +406,7 @@ impl Search<'_> {
     ) -> Result<Found, DiagnoseError> {
         let stopped = Control::stopped();
         let contexts = self.contexts(halves, declared, &stopped)?;
-        let reached = Reached::default();
+        let reached = LastSelection::default();
         let explaining = self.explaining(&contexts, &reached);
         let explanation = explaining.conclude(selection)?;
         Ok(Found {
@@ -426,12 +432,12 @@ impl Search<'_> {
     fn explaining<'c>(
         &'c self,
         contexts: &'c Contexts<'c>,
-        reached: &'c Reached,
+        reached: &'c LastSelection,
     ) -> Explaining<'c> {
         Explaining {
             contexts,
             rules: self.rules,
-            watch: self.watch,
+            on_stage: self.on_stage,
             reached,
         }
     }

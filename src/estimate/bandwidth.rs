@@ -14,10 +14,11 @@
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
 use crate::chain::prior::Prior;
-use crate::estimate::estimator::Estimator;
+use crate::estimate::estimator::{Estimator, Training};
+use crate::estimate::minimise::Minimisation;
 use crate::estimate::noise::counting_rows;
+use crate::estimate::optimum::Optimum;
 use crate::estimate::unknowns::Unknowns;
-use crate::estimate::warm_start::minimise;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::recording::experiment::Chosen;
@@ -170,9 +171,17 @@ impl Search<'_> {
         let thinned: Vec<Prepared> = all.iter().map(|r| r.thinned(every)).collect();
         let recordings: Vec<&Prepared> = thinned.iter().collect();
         let unknowns = Unknowns::find(self.model, data, self.prior);
-        let training = (&recordings[..], self.prior);
-        let how = (Estimator::Weighted, self.control);
-        let (solution, problem) = minimise(self.model, &unknowns, training, how).ok()?;
+        let minimisation = Minimisation {
+            model: self.model,
+            unknowns: &unknowns,
+            training: Training {
+                recordings: &recordings,
+                prior: self.prior,
+            },
+            estimator: Estimator::Weighted,
+            control: self.control,
+        };
+        let Optimum { solution, problem } = minimisation.run().ok()?;
         let residuals = problem.counted_residuals(&solution.x);
         let channels = self.model.channels().iter().enumerate();
         let of = |c: usize| {

@@ -24,6 +24,12 @@ const SAME_RATE: f64 = 1e-3;
 /// What is left of an innovation after this share of it is forgotten.
 const FORGOTTEN: f64 = 1e-3;
 
+/// Innovations of a series, zero in rows whose past does not count.
+pub(super) struct Innovations {
+    pub values: Vec<f64>,
+    pub known: Vec<bool>,
+}
+
 /// Autoregressions of the channels of recordings.
 #[derive(Debug, Clone)]
 pub(super) struct ColouredNoise {
@@ -138,9 +144,10 @@ impl ColouredNoise {
     pub fn innovations(
         &self,
         channel: usize,
-        (series, counts): (&[f64], &[bool]),
+        series: &[f64],
+        counts: &[bool],
         cyclic: bool,
-    ) -> (Vec<f64>, Vec<bool>) {
+    ) -> Innovations {
         let coefficients = &self.channels[channel].coefficients;
         let (n, order) = (series.len(), coefficients.len());
         let mut innovations = vec![0.0; n];
@@ -163,7 +170,10 @@ impl ColouredNoise {
             innovations[t] = series[t] - predicted;
             known[t] = true;
         }
-        (innovations, known)
+        Innovations {
+            values: innovations,
+            known,
+        }
     }
 }
 
@@ -207,9 +217,9 @@ mod tests {
         assert_eq!(colour.order(), 1);
         // The standard deviation of a coefficient is √((1 − a²)/N) = 0.0074.
         assert!((colour.channels[0].coefficients[0] - 0.9).abs() < 4.0 * 0.0074);
-        let (innovations, known) = colour.innovations(0, (&residuals[0], &counts[0]), false);
+        let Innovations { values, known } = colour.innovations(0, &residuals[0], &counts[0], false);
         assert_eq!(known.iter().filter(|k| !**k).count(), 502);
-        let squares: f64 = innovations.iter().map(|u| u * u).sum();
+        let squares: f64 = values.iter().map(|u| u * u).sum();
         // Uniform over ±1.7: a variance of 0.963.
         assert!((squares / 3498.0 / 0.963 - 1.0).abs() < 0.1);
     }

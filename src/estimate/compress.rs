@@ -177,7 +177,7 @@ fn compressed(request: &Request<'_>, rows: &[Row], recording: usize, task: &Task
             }
         }
         for (number, row) in rows.iter().enumerate() {
-            let part = part_of(&mut parts, (number, row), (block, wanted.len()));
+            let part = part_of(&mut parts, number, row, block, wanted.len());
             let Part {
                 columns, factor, ..
             } = &mut parts[part];
@@ -199,7 +199,7 @@ fn compressed(request: &Request<'_>, rows: &[Row], recording: usize, task: &Task
                         for &(c, weight) in &row.terms {
                             let factors = factors_of(request, recording, c, block);
                             if let Some(from) = series(c, k) {
-                                add(to, (weight, factors), from);
+                                add(to, weight, factors, from);
                             }
                         }
                         only(to, keep.as_deref());
@@ -216,8 +216,10 @@ fn compressed(request: &Request<'_>, rows: &[Row], recording: usize, task: &Task
 /// Position of the part of a row of W over the columns that it depends on in a block, appended where it is new.
 fn part_of(
     parts: &mut Vec<Part>,
-    (number, row): (usize, &Row),
-    (block, wanted): (&RowBlock<'_>, usize),
+    number: usize,
+    row: &Row,
+    block: &RowBlock<'_>,
+    wanted: usize,
 ) -> usize {
     let depends = |k: &usize| (row.terms.iter()).any(|&(c, _)| block.derivative(c, *k).is_some());
     let columns = (0..wanted).filter(depends);
@@ -235,7 +237,7 @@ fn part_of(
 }
 
 /// Adds a series times a weight and the factors of single rows.
-fn add(to: &mut [f64], (weight, factors): (f64, Option<&[f64]>), from: &[f64]) {
+fn add(to: &mut [f64], weight: f64, factors: Option<&[f64]>, from: &[f64]) {
     match factors {
         None => to
             .iter_mut()

@@ -10,7 +10,7 @@
 //! where the fit follows it; their power is divided by 1 − h(f), h the leverage `diag(X(f) B X(f)ᴴ)`, smoothed alike.
 
 use crate::chain::dataset::Prepared;
-use crate::estimate::coloured_noise::{self, ColouredNoise};
+use crate::estimate::coloured_noise::{self, ColouredNoise, Innovations};
 use crate::estimate::cross_spectra::MaskedResiduals;
 use crate::estimate::noise::ResidualSeries;
 use crate::estimate::problem::{FitProblem, NoiseSource};
@@ -179,10 +179,14 @@ impl Counted {
     fn innovations(&self, colour: &ColouredNoise, cyclic: bool) -> Self {
         let channels = self.residuals.iter().zip(&self.counts).enumerate();
         let of = |(c, (series, counts)): (usize, (&Vec<f64>, &Vec<bool>))| {
-            colour.innovations(c, (series, counts), cyclic)
+            colour.innovations(c, series, counts, cyclic)
         };
-        let (residuals, counts) = channels.map(of).unzip();
-        Self { residuals, counts }
+        let mut all = Self::default();
+        for Innovations { values, known } in channels.map(of) {
+            all.residuals.push(values);
+            all.counts.push(known);
+        }
+        all
     }
 }
 
@@ -204,7 +208,7 @@ impl Part<'_> {
         let length = rows.div_ceil(rows.div_ceil(SEGMENT).max(1)).max(1);
         let starts: Vec<usize> = (0..rows).step_by(length).collect();
         let cyclic = self.recording.segment().cyclic && starts.len() == 1;
-        let spectrum = self.spectrum((length, &starts), cyclic, inverse);
+        let spectrum = self.spectrum(length, &starts, cyclic, inverse);
         // What a residual owes to an innovation before its segment, or at its end to one of its beginning.
         let tail = if cyclic {
             0
@@ -226,7 +230,8 @@ impl Part<'_> {
     /// Spectrum of the innovations of the residuals.
     fn spectrum(
         &self,
-        (length, starts): (usize, &[usize]),
+        length: usize,
+        starts: &[usize],
         cyclic: bool,
         inverse: &DMatrix<f64>,
     ) -> Spectrum {

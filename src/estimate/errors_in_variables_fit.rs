@@ -6,13 +6,14 @@ use crate::chain::prior::Prior;
 use crate::estimate::covariance::of_unknowns;
 use crate::estimate::error::EstimateError;
 use crate::estimate::errors_in_variables::ErrorsInVariables;
-use crate::estimate::estimator::Estimator;
+use crate::estimate::estimator::{Estimator, Training};
 use crate::estimate::fit::{Fitted, check_counts, outcome_with};
 use crate::estimate::least_squares::{ITERATION_LIMIT, solve};
+use crate::estimate::minimise::Minimisation;
+use crate::estimate::optimum::Optimum;
 use crate::estimate::problem::NoiseSource;
 use crate::estimate::reweight::weights_of_periods;
 use crate::estimate::unknowns::Unknowns;
-use crate::estimate::warm_start::minimise;
 use crate::problem::solution::{Control, Solution};
 use crate::recording::split::Split;
 use nalgebra::DVector;
@@ -36,8 +37,20 @@ pub fn fit(
     }
     let unknowns = Unknowns::find(model, data, prior);
     check_counts(model, &unknowns, &recordings)?;
-    let estimator = (Estimator::MaximumLikelihood, control);
-    let (first, mut problem) = minimise(model, &unknowns, (&recordings, prior), estimator)?;
+    let exact = Minimisation {
+        model,
+        unknowns: &unknowns,
+        training: Training {
+            recordings: &recordings,
+            prior,
+        },
+        estimator: Estimator::MaximumLikelihood,
+        control,
+    };
+    let Optimum {
+        solution: first,
+        mut problem,
+    } = exact.run()?;
     if let Some(weights) = weights_of_periods(&problem)? {
         problem.reweigh(weights);
         problem.noise = NoiseSource::Periods;
@@ -45,7 +58,7 @@ pub fn fit(
     let noisy = ErrorsInVariables::new(&problem)?;
     let count = noisy.parameters();
     let start = first.x.clone().resize_vertically(noisy.unknowns(), 0.0);
-    let found = solve(&noisy, &start, (ITERATION_LIMIT, control))?;
+    let found = solve(&noisy, &start, ITERATION_LIMIT, control)?;
     let corrected = noisy.corrected(&found.x);
     let corrected: Vec<&Prepared> = corrected.iter().collect();
     let along = problem.along(&corrected);
@@ -60,5 +73,5 @@ pub fn fit(
         evaluations: first.evaluations + found.evaluations,
         ..found
     };
-    Ok(outcome_with(&along, (&solution, covariance), data))
+    Ok(outcome_with(&along, &solution, covariance, data))
 }

@@ -16,4 +16,11 @@ pub enum Estimator {
     MaximumLikelihood,
 }
 
-pub(crate) type Training<'a> = (&'a [&'a Prepared], &'a Prior);
+/// What parameters follow from.
+#[derive(Debug, Clone, Copy)]
+pub struct Training<'a> {
+    /// The recordings that are fitted.
+    pub recordings: &'a [&'a Prepared],
+    /// What is known beforehand.
+    pub prior: &'a Prior,
+}

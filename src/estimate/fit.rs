@@ -17,13 +17,14 @@ use crate::chain::parameter::{Parameter, Role};
 use crate::chain::prior::Prior;
 use crate::estimate::covariance::of_unknowns;
 use crate::estimate::error::EstimateError;
-use crate::estimate::estimator::Estimator;
+use crate::estimate::estimator::{Estimator, Training};
 use crate::estimate::goodness_of_fit::{Predictions, figures, predictions};
+use crate::estimate::minimise::Minimisation;
 use crate::estimate::noise::counting_rows;
-use crate::estimate::physical::{Estimated, report};
+use crate::estimate::optimum::Optimum;
+use crate::estimate::physical::{Estimated, PhysicalEstimate, report};
 use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::unknowns::Unknowns;
-use crate::estimate::warm_start::minimise;
 use crate::estimate::{gain_intervals, ratios, realization, torque_constants};
 use crate::linalg::triangular::{ColumnScaling, Triangular};
 use crate::outcome::estimate::{Estimate, Solver};
@@ -56,7 +57,8 @@ pub struct Fitted {
 pub fn fit(
     model: &Model,
     data: &Dataset,
-    (estimator, prior): (Estimator, &Prior),
+    estimator: Estimator,
+    prior: &Prior,
     control: &Control<'_>,
 ) -> Result<Fitted, EstimateError> {
     let recordings: Vec<&Prepared> = data.of(Split::Train).collect();
@@ -65,8 +67,17 @@ pub fn fit(
     }
     let unknowns = Unknowns::find(model, data, prior);
     check_counts(model, &unknowns, &recordings)?;
-    let (solution, problem) =
-        minimise(model, &unknowns, (&recordings, prior), (estimator, control))?;
+    let minimisation = Minimisation {
+        model,
+        unknowns: &unknowns,
+        training: Training {
+            recordings: &recordings,
+            prior,
+        },
+        estimator,
+        control,
+    };
+    let Optimum { solution, problem } = minimisation.run()?;
     Ok(outcome(&problem, &solution, data))
 }
 
@@ -93,14 +104,15 @@ pub(crate) fn check_counts(
 /// Everything that is reported of a fit at its optimum.
 pub fn outcome(problem: &FitProblem<'_>, solution: &Solution, data: &Dataset) -> Fitted {
     let covariance = of_unknowns(problem, &solution.x);
-    outcome_with(problem, (solution, covariance), data)
+    outcome_with(problem, solution, covariance, data)
 }
 
 /// The same where the covariance is known: `covariance` is that of the unknowns, absent where the
 /// derivatives do not determine them all.
 pub fn outcome_with(
     problem: &FitProblem<'_>,
-    (solution, covariance): (&Solution, Option<DMatrix<f64>>),
+    solution: &Solution,
+    covariance: Option<DMatrix<f64>>,
     data: &Dataset,
 ) -> Fitted {
     let (model, unknowns) = (problem.model, problem.unknowns);
@@ -135,7 +147,10 @@ pub fn outcome_with(
         at_bound: &at_bound,
         intervals: &intervals,
     };
-    let (parameters, reported_covariance) = report(&estimated);
+    let PhysicalEstimate {
+        parameters,
+        covariance: reported_covariance,
+    } = report(&estimated);
     let predicted = predictions(model, &values, data);
     let member = realization::find(model, unknowns, &values);
     let nearest = match &member {
@@ -168,7 +183,7 @@ pub fn outcome_with(
     };
     let estimate = Estimate {
         parameters,
-        joints: figures(model, &values, (data, &predicted)),
+        joints: figures(model, &values, data, &predicted),
         covariance: reported_covariance,
         solver: Some(Solver {
             name: solver_name(problem).to_string(),
@@ -251,7 +266,7 @@ fn load_from_currents(
     }
     let assumed = vec![torque_constants::OF_DATA_SHEETS; model.joints().len()];
     let of_constants = torque_constants::covariance(problem, x, &assumed)?;
-    let (parameters, _) = report(&Estimated {
+    let PhysicalEstimate { parameters, .. } = report(&Estimated {
         covariance: &(estimated.covariance + of_constants),
         ..*estimated
     });

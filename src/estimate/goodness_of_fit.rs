@@ -56,24 +56,38 @@ pub fn predictions_by_recording<'v>(
 pub fn figures(
     model: &Model,
     values: &DVector<f64>,
-    of: (&Dataset, &Predictions),
+    data: &Dataset,
+    predictions: &Predictions,
 ) -> Vec<JointFigures> {
-    figures_by_recording(model, (values, &|_| values), of)
+    let values = ValuesByRecording {
+        training: values,
+        own: &|_| values,
+    };
+    figures_by_recording(model, values, data, predictions)
 }
 
-/// Figures of all active channels, with values of the parameters for each recording by its number beside those of the
-/// training recordings.
-pub fn figures_by_recording<'v>(
+/// Values of the parameters where recordings have some of their own.
+#[derive(Clone, Copy)]
+pub struct ValuesByRecording<'a, 'v> {
+    /// Those of the training recordings.
+    pub training: &'a DVector<f64>,
+    /// Those of each recording by its number.
+    pub own: &'a dyn Fn(usize) -> &'v DVector<f64>,
+}
+
+/// Figures of all active channels, with values of the parameters for each recording.
+pub fn figures_by_recording(
     model: &Model,
-    (values, own): (&DVector<f64>, &dyn Fn(usize) -> &'v DVector<f64>),
-    (data, predictions): (&Dataset, &Predictions),
+    values: ValuesByRecording<'_, '_>,
+    data: &Dataset,
+    predictions: &Predictions,
 ) -> Vec<JointFigures> {
     let recordings = data.recordings.iter().enumerate();
     let raw: Vec<Vec<Vec<f64>>> = recordings
-        .map(|(k, r)| signals(model, own(k), r.whole()))
+        .map(|(k, r)| signals(model, (values.own)(k), r.whole()))
         .collect();
     let held_out = data.of(Split::Validation).next().is_some();
-    let noise = noise_rms(model, values, data);
+    let noise = noise_rms(model, values.training, data);
     let mut out = Vec::new();
     for (c, channel) in model.channels().iter().enumerate() {
         if !channel.active {
@@ -83,8 +97,8 @@ pub fn figures_by_recording<'v>(
             let (mut rows, mut samples) = (Sums::default(), Sums::default());
             for (k, recording) in data.recordings.iter().enumerate() {
                 if recording.split == split {
-                    add_rows(&mut rows, recording, (&predictions[k][c], c));
-                    add_raw(&mut samples, recording, (&raw[k][c], c));
+                    add_rows(&mut rows, recording, &predictions[k][c], c);
+                    add_raw(&mut samples, recording, &raw[k][c], c);
                 }
             }
             (rows, samples)
@@ -92,7 +106,7 @@ pub fn figures_by_recording<'v>(
         let (train, train_raw) = sums(Split::Train);
         let validation = held_out.then(|| sums(Split::Validation));
         let judged = validation.map_or(train.rmse(), |(rows, _)| rows.rmse());
-        let floor = noise.as_ref().map(|noise| noise[c]);
+        let level = noise.as_ref().map(|noise| noise[c]);
         let relative = |s: &Sums| (s.squares / s.signal).sqrt();
         out.push(JointFigures {
             joint: channel.name.clone(),
@@ -105,14 +119,14 @@ pub fn figures_by_recording<'v>(
             mae_validation: validation.map(|(rows, _)| rows.absolute / rows.rows),
             relative_train: relative(&train),
             relative_validation: validation.map(|(rows, _)| relative(&rows)),
-            noise_rms: floor,
-            lack_of_fit: floor.map(|floor| (judged / floor).powi(2)),
+            noise_rms: level,
+            lack_of_fit: level.map(|level| (judged / level).powi(2)),
         });
     }
     out
 }
 
-fn add_rows(sums: &mut Sums, recording: &Prepared, (predicted, channel): (&[f64], usize)) {
+fn add_rows(sums: &mut Sums, recording: &Prepared, predicted: &[f64], channel: usize) {
     let recorded = recording.signal(channel);
     for row in recording.counting() {
         sums.add(predicted[row], recorded[row]);
@@ -120,7 +134,7 @@ fn add_rows(sums: &mut Sums, recording: &Prepared, (predicted, channel): (&[f64]
 }
 
 /// Adds every recorded sample, unfiltered, against the prediction at its time.
-fn add_raw(sums: &mut Sums, recording: &Prepared, (predicted, channel): (&[f64], usize)) {
+fn add_raw(sums: &mut Sums, recording: &Prepared, predicted: &[f64], channel: usize) {
     let raw = &recording.experiment.raw;
     for (k, recorded) in raw.signal[channel].iter().enumerate() {
         if raw.mask.as_ref().is_some_and(|mask| !mask[k]) {

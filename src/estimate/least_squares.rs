@@ -27,7 +27,8 @@ pub(crate) fn covariance_at(problem: &FitProblem<'_>, x: &DVector<f64>) -> DMatr
 pub(super) fn solve(
     problem: &dyn Problem,
     start: &DVector<f64>,
-    (max_iterations, control): (usize, &Control<'_>),
+    max_iterations: usize,
+    control: &Control<'_>,
 ) -> Result<Solution, EstimateError> {
     let view = LeastSquares::try_from(problem)?;
     if problem.form().structure == Structure::Affine {

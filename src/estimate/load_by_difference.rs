@@ -18,12 +18,13 @@ use crate::chain::parameter::Role;
 use crate::chain::prior::Prior;
 use crate::estimate::covariance::of_unknowns;
 use crate::estimate::error::EstimateError;
-use crate::estimate::estimator::Estimator;
+use crate::estimate::estimator::{Estimator, Training};
 use crate::estimate::fit::{self, Fitted};
 use crate::estimate::goodness_of_fit::{figures, predictions};
+use crate::estimate::minimise::Minimisation;
+use crate::estimate::optimum::Optimum;
 use crate::estimate::problem::FitProblem;
 use crate::estimate::unknowns::Unknowns;
-use crate::estimate::warm_start;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::parameter::Parameter;
 use crate::problem::solution::{Control, Solution};
@@ -57,7 +58,8 @@ fn only(data: &Dataset, loaded: bool) -> Dataset {
 pub fn second(
     first: Fitted,
     data: &Dataset,
-    (estimator, control): (Estimator, &Control<'_>),
+    estimator: Estimator,
+    control: &Control<'_>,
 ) -> Result<Fitted, EstimateError> {
     let loaded = only(data, true);
     let model = all_but_load_known(&first)?;
@@ -65,12 +67,20 @@ pub fn second(
     let unknowns = Unknowns::find(&model, &loaded, &prior);
     let recordings: Vec<&Prepared> = loaded.of(Split::Train).collect();
     fit::check_counts(&model, &unknowns, &recordings)?;
-    let training = (&recordings[..], &prior);
-    let (solution, problem) =
-        warm_start::minimise(&model, &unknowns, training, (estimator, control))?;
+    let minimisation = Minimisation {
+        model: &model,
+        unknowns: &unknowns,
+        training: Training {
+            recordings: &recordings,
+            prior: &prior,
+        },
+        estimator,
+        control,
+    };
+    let Optimum { solution, problem } = minimisation.run()?;
     let inherited = inherited(&first, &problem, &solution);
     let covariance = of_unknowns(&problem, &solution.x).map(|own| own + inherited);
-    let load = fit::outcome_with(&problem, (&solution, covariance), &loaded);
+    let load = fit::outcome_with(&problem, &solution, covariance, &loaded);
     Ok(joined(first, load, data))
 }
 
@@ -133,7 +143,7 @@ fn joined(first: Fitted, load: Fitted, data: &Dataset) -> Fitted {
     Fitted {
         estimate: Estimate {
             parameters,
-            joints: figures(&first.model, &values, (data, &predicted)),
+            joints: figures(&first.model, &values, data, &predicted),
             covariance: first.estimate.covariance.and(load.estimate.covariance),
             solver: first.estimate.solver,
         },

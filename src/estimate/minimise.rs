@@ -5,7 +5,7 @@ use crate::chain::model::{Channel, Model};
 use crate::estimate::error::EstimateError;
 use crate::estimate::estimator::{Estimator, Training};
 use crate::estimate::least_squares::{ITERATIONS_PER_ROUND, covariance_at, solve};
-use crate::estimate::optimum::searched;
+use crate::estimate::optimum::{Optimum, searched};
 use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::reweight::{by_periods, reweighted, robust};
 use crate::estimate::unknowns::Unknowns;
@@ -15,8 +15,8 @@ use crate::problem::form::Form;
 use crate::problem::solution::{Control, Solution};
 use nalgebra::{DMatrix, DVector};
 
-/// What is searched for: unknowns of a model, by an estimator, from recordings.
-pub(super) struct Search<'a, 'c> {
+/// What is minimised: over unknowns of a model, by an estimator, from recordings.
+pub(super) struct Minimisation<'a, 'c> {
     pub model: &'a Model,
     pub unknowns: &'a Unknowns,
     pub training: Training<'a>,
@@ -24,12 +24,9 @@ pub(super) struct Search<'a, 'c> {
     pub control: &'c Control<'c>,
 }
 
-impl<'a> Search<'a, '_> {
+impl<'a> Minimisation<'a, '_> {
     /// The optimum, from where a search over fewer rows ended or else from the start that the recordings suggest.
-    pub fn from(
-        &self,
-        begun: Option<Solution>,
-    ) -> Result<(Solution, FitProblem<'a>), EstimateError> {
+    pub fn from(&self, begun: Option<Solution>) -> Result<Optimum<'a>, EstimateError> {
         let Self {
             model,
             unknowns,
@@ -38,19 +35,18 @@ impl<'a> Search<'a, '_> {
             control,
         } = *self;
         if estimator == Estimator::MaximumLikelihood
-            && let Some((solution, problem)) =
-                by_periods(model, unknowns, training, (begun.as_ref(), control))?
+            && let Some(optimum) = by_periods(model, unknowns, training, begun.as_ref(), control)?
         {
-            return match problem.noise {
-                NoiseSource::Periods => Ok((solution, problem)),
-                NoiseSource::Residuals => reweighted(problem, solution, control),
+            return match optimum.problem.noise {
+                NoiseSource::Periods => Ok(optimum),
+                NoiseSource::Residuals => reweighted(optimum, control),
             };
         }
         let ordinary = FitProblem::new(
             model,
             unknowns,
             training,
-            ordinary_weights(model, training.0),
+            ordinary_weights(model, training.recordings),
         );
         let first = match begun {
             Some(begun) if estimator != Estimator::Ordinary => begun,
@@ -60,7 +56,10 @@ impl<'a> Search<'a, '_> {
             let scale = residual_deviation(&ordinary, &first);
             let scaled = ordinary.weights().scaled(1.0 / scale);
             let problem = FitProblem::new(model, unknowns, training, scaled);
-            return Ok((first, problem));
+            return Ok(Optimum {
+                solution: first,
+                problem,
+            });
         }
         let covariance = covariance_at(&ordinary, &first.x);
         let deviations: Vec<f64> = covariance.diagonal().iter().map(|v| v.sqrt()).collect();
@@ -72,10 +71,20 @@ impl<'a> Search<'a, '_> {
         );
         match estimator {
             Estimator::Robust => {
-                let second = solve(&weighted, &first.x, (ITERATIONS_PER_ROUND, control))?;
-                robust(weighted, second, control)
+                let solution = solve(&weighted, &first.x, ITERATIONS_PER_ROUND, control)?;
+                let second = Optimum {
+                    solution,
+                    problem: weighted,
+                };
+                robust(second, control)
             }
-            _ => reweighted(weighted, first, control),
+            _ => {
+                let first = Optimum {
+                    solution: first,
+                    problem: weighted,
+                };
+                reweighted(first, control)
+            }
         }
     }
 }

@@ -48,7 +48,7 @@ pub fn comparisons(
     let channels = model.channels().iter().enumerate();
     let active: Vec<usize> = channels.filter(|(_, c)| c.active).map(|(k, _)| k).collect();
     let of = |split, channel| -> Vec<Segments> {
-        let errors = models.iter().map(|e| errors(data, split, (e, channel)));
+        let errors = models.iter().map(|e| errors(data, split, e, channel));
         errors.collect()
     };
     let mut comparisons = Vec::new();
@@ -82,13 +82,9 @@ pub fn comparisons(
 }
 
 /// Predicted minus recorded in the rows that count.
-fn errors(
-    data: &Dataset,
-    split: Split,
-    (entrant, channel): (&ComparedModel<'_>, usize),
-) -> Segments {
+fn errors(data: &Dataset, split: Split, model: &ComparedModel<'_>, channel: usize) -> Segments {
     let of = |(k, recording): (usize, &Prepared)| {
-        let predicted = &entrant.predictions[k][channel];
+        let predicted = &model.predictions[k][channel];
         let recorded = recording.signal(channel);
         let rows = recording.counting();
         rows.map(|row| predicted[row] - recorded[row]).collect()
@@ -128,7 +124,7 @@ fn total(segments: &Segments) -> f64 {
 /// Mean of a coloured series of positive numbers and its 95 % interval, even in the logarithm, as sums of
 /// squares are skew.
 fn mean(segments: &Segments) -> ErrorFigure {
-    let (value, deviation) = mean_and_deviation(segments);
+    let Mean { value, deviation } = Mean::of(segments);
     let factor = (Distribution::Normal.two_sided(0.95) * deviation / value).exp();
     ErrorFigure {
         value,
@@ -136,16 +132,24 @@ fn mean(segments: &Segments) -> ErrorFigure {
     }
 }
 
-fn mean_and_deviation(segments: &Segments) -> (f64, f64) {
-    let count: usize = segments.iter().map(Vec::len).sum();
-    let n = count as f64;
-    let value = segments.iter().flatten().sum::<f64>() / n;
-    let centred = map(segments, |x| x - value);
-    let parts: Vec<&[f64]> = centred.iter().map(Vec::as_slice).collect();
-    let order = MAX_ORDER.min(count / 10);
-    let deviation = Autoregression::fit(&parts, order, OrderCriterion::Bic)
-        .map_or(f64::INFINITY, |a| (a.long_run_variance() / n).sqrt());
-    (value, deviation)
+/// The mean of a coloured series, and its standard deviation.
+struct Mean {
+    value: f64,
+    deviation: f64,
+}
+
+impl Mean {
+    fn of(segments: &Segments) -> Self {
+        let count: usize = segments.iter().map(Vec::len).sum();
+        let n = count as f64;
+        let value = segments.iter().flatten().sum::<f64>() / n;
+        let centred = map(segments, |x| x - value);
+        let parts: Vec<&[f64]> = centred.iter().map(Vec::as_slice).collect();
+        let order = MAX_ORDER.min(count / 10);
+        let deviation = Autoregression::fit(&parts, order, OrderCriterion::Bic)
+            .map_or(f64::INFINITY, |a| (a.long_run_variance() / n).sqrt());
+        Self { value, deviation }
+    }
 }
 
 fn root(mean: ErrorFigure) -> ErrorFigure {
@@ -167,8 +171,8 @@ fn judge(
         ci95: None,
     };
     let square = |e: &Errors| root(mean(&rows(e, e, |a, _| a * a)));
-    let of = |(k, entrant): (usize, &ComparedModel<'_>)| ModelErrors {
-        name: entrant.name.to_string(),
+    let of = |(k, model): (usize, &ComparedModel<'_>)| ModelErrors {
+        name: model.name.to_string(),
         rmse_train: square(&train[k]),
         rmse_validation: held_out.then(|| square(&validation[k])),
         mae_train: none,
@@ -205,10 +209,10 @@ fn winner(models: &[ComparedModel<'_>], errors: &[Errors]) -> Verdict {
     // Any of the models may be the best by chance.
     let threshold = Distribution::Normal.upper_quantile(SIGNIFICANCE / models.len() as f64);
     let is_level = |other: &usize| {
-        let (difference, deviation) = excess(&errors[*other], &errors[least]);
+        let excess = excess(&errors[*other], &errors[least]);
         let share = 1.0 - (squares[least] / squares[*other]).sqrt();
         // Models that predict the same bits differ by nothing.
-        !(difference > threshold * deviation && share > NEGLIGIBLE)
+        !(excess.value > threshold * excess.deviation && share > NEGLIGIBLE)
     };
     let others = (0..models.len()).filter(|k| *k != least);
     let level: Vec<&str> = others.filter(is_level).map(|k| models[k].name).collect();
@@ -233,15 +237,20 @@ fn winner(models: &[ComparedModel<'_>], errors: &[Errors]) -> Verdict {
 }
 
 /// Mean of `e_A² − e_B²` and its deviation, that of `2 (e_A − e_B) u`, u = e_B + λ (e_A − e_B).
-fn excess(a: &Errors, b: &Errors) -> (f64, f64) {
+fn excess(a: &Errors, b: &Errors) -> Mean {
     let squares = total(&rows(a, b, |a, b| (a - b).powi(2)));
     if squares == 0.0 {
-        return (0.0, 0.0);
+        return Mean {
+            value: 0.0,
+            deviation: 0.0,
+        };
     }
     let share = -total(&rows(a, b, |a, b| (a - b) * b)) / squares;
     let chance = rows(a, b, |a, b| 2.0 * (a - b) * (b + share * (a - b)));
-    let difference = mean_and_deviation(&rows(a, b, |a, b| a * a - b * b)).0;
-    (difference, mean_and_deviation(&chance).1)
+    Mean {
+        value: Mean::of(&rows(a, b, |a, b| a * a - b * b)).value,
+        deviation: Mean::of(&chance).deviation,
+    }
 }
 
 #[cfg(test)]

@@ -7,6 +7,12 @@ use crate::estimate::smoothing_method::{accumulate, search};
 use crate::estimate::start;
 use crate::problem::solution::{Control, Solution};
 
+/// A solution and the problem that it solves, with the weights that go with it.
+pub(crate) struct Optimum<'a> {
+    pub solution: Solution,
+    pub problem: FitProblem<'a>,
+}
+
 /// The optimum from where another search ended, or else from the start that the recordings suggest.
 pub(super) fn searched(
     problem: &FitProblem<'_>,
@@ -15,12 +21,12 @@ pub(super) fn searched(
 ) -> Result<Solution, EstimateError> {
     match begun {
         Some(begun) => {
-            let next = search(problem, &begun.x, (ITERATION_LIMIT, control))?;
+            let next = search(problem, &begun.x, ITERATION_LIMIT, control)?;
             Ok(accumulate(begun.clone(), next))
         }
         None => {
             let start = start::find(problem, control)?;
-            search(problem, &start, (ITERATION_LIMIT, control))
+            search(problem, &start, ITERATION_LIMIT, control)
         }
     }
 }

@@ -56,8 +56,17 @@ impl Quantity {
     }
 }
 
-/// Every quantity with value, standard deviation, interval and source, and their covariance.
-pub fn report(estimated: &Estimated<'_>) -> (Vec<Reported>, Covariance) {
+/// Physical parameters with their covariance.
+#[derive(Debug, Clone)]
+pub struct PhysicalEstimate {
+    /// With value, standard deviation, interval and source.
+    pub parameters: Vec<Reported>,
+    /// Of those that have a standard deviation.
+    pub covariance: Covariance,
+}
+
+/// Every quantity that is reported, and their covariance.
+pub fn report(estimated: &Estimated<'_>) -> PhysicalEstimate {
     let quantities = quantities(estimated);
     let positions = estimated.unknowns.positions();
     let mut reported = Vec::with_capacity(quantities.len());
@@ -72,8 +81,8 @@ pub fn report(estimated: &Estimated<'_>) -> (Vec<Reported>, Covariance) {
                 from.push(k);
             }
         }
-        let (parameter, uncertain) = one(&quantity, &row, (&from, estimated));
-        if uncertain {
+        let parameter = one(&quantity, &row, &from, estimated);
+        if parameter.std_dev.is_some() {
             names.push(parameter.name.clone());
             gradients.push(row);
         }
@@ -90,7 +99,10 @@ pub fn report(estimated: &Estimated<'_>) -> (Vec<Reported>, Covariance) {
         parameters: names,
         matrix: rows.collect(),
     };
-    (reported, covariance)
+    PhysicalEstimate {
+        parameters: reported,
+        covariance,
+    }
 }
 
 /// The covariance without the infinite variances of what nothing determines, which has no quantity.
@@ -98,34 +110,34 @@ fn finite(covariance: &DMatrix<f64>) -> DMatrix<f64> {
     covariance.map(|v| if v.is_finite() { v } else { 0.0 })
 }
 
-/// One reported parameter, and whether it has a standard deviation.
+/// One reported parameter; it has a standard deviation where the data or a prior determine it.
 fn one(
     quantity: &Quantity,
     row: &RowDVector<f64>,
-    (from, estimated): (&[usize], &Estimated<'_>),
-) -> (Reported, bool) {
+    from: &[usize],
+    estimated: &Estimated<'_>,
+) -> Reported {
     let Some(value) = quantity.value else {
-        return (quantity.undetermined(), false);
+        return quantity.undetermined();
     };
     let known = Reported::known(&quantity.name, &quantity.unit, value)
         .described(&quantity.description)
         .shared_by(quantity.shared_by.clone());
     if from.is_empty() {
-        return (known, false);
+        return known;
     }
     let at_bound = from.iter().any(|k| estimated.at_bound.contains(k));
     if at_bound {
-        let bound = Reported {
+        return Reported {
             source: Source::Bound,
             ..known
         };
-        return (bound, false);
     }
     if from
         .iter()
         .any(|&k| !estimated.covariance[(k, k)].is_finite())
     {
-        return (quantity.undetermined(), false);
+        return quantity.undetermined();
     }
     let deviation = |covariance: &DMatrix<f64>| {
         let variance = (row * finite(covariance) * row.transpose())[(0, 0)];
@@ -138,14 +150,13 @@ fn one(
         _ => None,
     };
     let prior = from.iter().any(|k| estimated.from_prior.contains(k));
-    let parameter = Reported {
+    Reported {
         std_dev: Some(std_dev),
         std_dev_statistical: estimated.statistical.map(deviation),
         ci95: Some(own.unwrap_or([value - half, value + half])),
         source: if prior { Source::Prior } else { Source::Data },
         ..known
-    };
-    (parameter, true)
+    }
 }
 
 fn quantities(estimated: &Estimated<'_>) -> Vec<Quantity> {

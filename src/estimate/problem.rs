@@ -5,6 +5,7 @@ use crate::chain::evaluate::KnownBodies;
 use crate::chain::model::Model;
 use crate::chain::prior::Prior;
 use crate::estimate::compress::{Request, factor, sum_of_squares};
+use crate::estimate::estimator::Training;
 use crate::estimate::noise::{ResidualSeries, residuals};
 use crate::estimate::rows::whole_motion;
 use crate::estimate::standstill;
@@ -58,9 +59,10 @@ impl<'a> FitProblem<'a> {
     pub fn new(
         model: &'a Model,
         unknowns: &'a Unknowns,
-        (recordings, prior): (&'a [&'a Prepared], &'a Prior),
+        training: Training<'a>,
         weights: Weights,
     ) -> Self {
+        let Training { recordings, prior } = training;
         let columns = unknowns.positions();
         let moving = standstill::factors(model, recordings);
         let active = model.channels().iter().filter(|c| c.active).count();
@@ -154,7 +156,10 @@ impl<'a> FitProblem<'a> {
 
     /// The same fit of some of the unknowns, with `model` for the rest: the same bodies, other laws or values.
     pub fn with_unknowns<'b>(&'b self, model: &'b Model, unknowns: &'b Unknowns) -> FitProblem<'b> {
-        let training = (self.recordings, self.prior);
+        let training = Training {
+            recordings: self.recordings,
+            prior: self.prior,
+        };
         // From here: what moves the robot may be among the unknowns here and not there.
         self.bodies.get_or_init(|| self.known_bodies());
         FitProblem {

@@ -88,7 +88,7 @@ pub(crate) fn find(
     let open = |gain: usize| {
         let unknown = positions.iter().position(|&p| p == gain);
         let scaled = match unknown {
-            None => dependent(problem, x, (gain, values[gain])),
+            None => dependent(problem, x, gain, values[gain]),
             Some(k) => correlated(x, covariance, k)?,
         };
         Some(OpenGain {
@@ -102,11 +102,7 @@ pub(crate) fn find(
 }
 
 /// Unknowns that change along the direction in which nothing but the gain and they change, and the signal does not.
-fn dependent(
-    problem: &FitProblem<'_>,
-    x: &DVector<f64>,
-    (gain, value): (usize, f64),
-) -> Vec<Scaled> {
+fn dependent(problem: &FitProblem<'_>, x: &DVector<f64>, gain: usize, value: f64) -> Vec<Scaled> {
     let count = x.len();
     let whole = problem.factor_over(x, &[gain]).matrix();
     let own = whole.view((0, 0), (count, count)).into_owned();

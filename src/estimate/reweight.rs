@@ -13,7 +13,7 @@ use crate::estimate::error::EstimateError;
 use crate::estimate::estimator::Training;
 use crate::estimate::least_squares::{ITERATION_LIMIT, ITERATIONS_PER_ROUND, covariance_at, solve};
 use crate::estimate::noise::{ResidualSeries, counting_rows};
-use crate::estimate::optimum::searched;
+use crate::estimate::optimum::{Optimum, searched};
 use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::smoothing_method::{accumulate, search};
 use crate::estimate::unknowns::Unknowns;
@@ -31,21 +31,24 @@ const ROUND_TOLERANCE: f64 = 1e-2;
 
 /// Iteratively reweighted least squares: Tukey's biweight of every residual over its channel's robust scale.
 pub(super) fn robust<'a>(
-    mut problem: FitProblem<'a>,
-    mut solution: Solution,
+    from: Optimum<'a>,
     control: &Control<'_>,
-) -> Result<(Solution, FitProblem<'a>), EstimateError> {
+) -> Result<Optimum<'a>, EstimateError> {
+    let Optimum {
+        mut solution,
+        mut problem,
+    } = from;
     for _ in 0..MAX_ROUNDS {
         let series = problem.counted_residuals(&solution.x);
         problem = problem.with_factors(biweights(&series));
-        let next = search(&problem, &solution.x, (ITERATION_LIMIT, control))?;
+        let next = search(&problem, &solution.x, ITERATION_LIMIT, control)?;
         let settled = settled(&problem, &solution.x, &next.x);
         solution = accumulate(solution, next);
         if settled {
             break;
         }
     }
-    Ok((solution, problem))
+    Ok(Optimum { solution, problem })
 }
 
 /// Square roots of the biweights: factors of residuals.
@@ -75,9 +78,10 @@ pub(super) fn by_periods<'a>(
     model: &'a Model,
     unknowns: &'a Unknowns,
     training: Training<'a>,
-    (begun, control): (Option<&Solution>, &Control<'_>),
-) -> Result<Option<(Solution, FitProblem<'a>)>, EstimateError> {
-    let Some(covariance) = scatter_of_periods(model, training.0) else {
+    begun: Option<&Solution>,
+    control: &Control<'_>,
+) -> Result<Option<Optimum<'a>>, EstimateError> {
+    let Some(covariance) = scatter_of_periods(model, training.recordings) else {
         return Ok(None);
     };
     let weights = Weights::by_covariance(&covariance)?;
@@ -86,15 +90,18 @@ pub(super) fn by_periods<'a>(
     if agrees(&problem, &solution.x, &covariance) {
         problem.noise = NoiseSource::Periods;
     }
-    Ok(Some((solution, problem)))
+    Ok(Some(Optimum { solution, problem }))
 }
 
 /// Weights and optimum in turn until neither changes: the deviations of the residuals.
 pub(super) fn reweighted<'a>(
-    mut problem: FitProblem<'a>,
-    mut solution: Solution,
+    from: Optimum<'a>,
     control: &Control<'_>,
-) -> Result<(Solution, FitProblem<'a>), EstimateError> {
+) -> Result<Optimum<'a>, EstimateError> {
+    let Optimum {
+        mut solution,
+        mut problem,
+    } = from;
     for round in 0..MAX_ROUNDS {
         let covariance = covariance_at(&problem, &solution.x);
         let weights = Weights::by_deviation(covariance.diagonal().map(f64::sqrt).as_slice());
@@ -102,15 +109,18 @@ pub(super) fn reweighted<'a>(
             break;
         }
         problem.reweigh(weights);
-        let next = solve(&problem, &solution.x, (ITERATIONS_PER_ROUND, control))?;
+        let next = solve(&problem, &solution.x, ITERATIONS_PER_ROUND, control)?;
         let settled = settled(&problem, &solution.x, &next.x);
         solution = accumulate(solution, next);
         if settled || control.is_interrupted() {
             break;
         }
     }
-    let last = search(&problem, &solution.x, (ITERATION_LIMIT, control))?;
-    Ok((accumulate(solution, last), problem))
+    let last = search(&problem, &solution.x, ITERATION_LIMIT, control)?;
+    Ok(Optimum {
+        solution: accumulate(solution, last),
+        problem,
+    })
 }
 
 /// The weights that the scatter of the periods gives; `None` unless every recording is an average.

@@ -138,7 +138,7 @@ pub(crate) fn visit(
     let blocks = task.range.clone().step_by(BLOCK);
     let blocks = blocks.map(|start| start..task.range.end.min(start + BLOCK));
     if needs_all(model, recording) {
-        let stored = Stored::whole(model, values, columns, (recording, segment));
+        let stored = Stored::whole(model, values, columns, recording, segment);
         blocks.for_each(|range| show(range, Source::Stored(&stored)));
     } else {
         let mut evaluator = Evaluator::new(model, values, columns);
@@ -182,7 +182,7 @@ pub(crate) fn visit_errors(
         return visit(model, values, columns, task, visitor);
     }
     visit(model, values, columns, task, |block| {
-        let torques = Torques::of(block, (values, columns), &gains);
+        let torques = Torques::of(block, values, columns, &gains);
         visitor(&RowBlock {
             recording: block.recording,
             range: block.range.clone(),
@@ -201,7 +201,8 @@ struct Torques {
 impl Torques {
     fn of(
         block: &RowBlock<'_>,
-        (values, columns): (&DVector<f64>, &[usize]),
+        values: &DVector<f64>,
+        columns: &[usize],
         gains: &[Option<usize>],
     ) -> Self {
         let mut out = Self {
@@ -240,7 +241,8 @@ impl Stored {
         model: &Model,
         values: &DVector<f64>,
         columns: &[usize],
-        (recording, segment): (&Prepared, Segment<'_>),
+        recording: &Prepared,
+        segment: Segment<'_>,
     ) -> Self {
         let (channels, count) = (model.channels().len(), columns.len());
         let rows = recording.experiment.rows();

@@ -3,7 +3,7 @@
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::effect::Search;
 use crate::chain::model::Model;
-use crate::chain::parameter::Role;
+use crate::chain::parameter::{Parameter, Role};
 use crate::recording::split::Split;
 use std::f64::consts::{PI, TAU};
 
@@ -12,6 +12,28 @@ const CYCLES: f64 = 0.5;
 
 /// Orders that are scanned at most.
 const MOST_ORDERS: usize = 600;
+
+/// Where a parameter starts, and its limits.
+#[derive(Debug, Clone, Copy)]
+pub struct Bounded {
+    /// In the parameter's unit.
+    pub value: f64,
+    /// Its lower limit.
+    pub lower: f64,
+    /// Its upper limit.
+    pub upper: f64,
+}
+
+impl Bounded {
+    /// Of a parameter of a model.
+    pub fn of(parameter: &Parameter) -> Self {
+        Self {
+            value: parameter.value,
+            lower: parameter.lower,
+            upper: parameter.upper,
+        }
+    }
+}
 
 /// What a joint did in recordings, as far as searches depend on it.
 #[derive(Debug, Clone, Copy)]
@@ -70,8 +92,13 @@ impl MotionRange {
         }
     }
 
-    /// Values to try of a parameter that starts at `value` and stays between limits.
-    pub fn values(&self, search: Search, (value, lower, upper): (f64, f64, f64)) -> Vec<f64> {
+    /// Values to try of a parameter.
+    pub fn grid(&self, search: Search, parameter: Bounded) -> Vec<f64> {
+        let Bounded {
+            value,
+            lower,
+            upper,
+        } = parameter;
         let range = self.greatest - self.least;
         let shares = |shares: &[f64], of: f64, from: f64| -> Vec<f64> {
             shares.iter().map(|share| from + share * of).collect()
@@ -165,8 +192,12 @@ mod tests {
             duration: 10.0,
             longest_step: 0.0101,
         };
-        let open = (7.0, f64::NEG_INFINITY, f64::INFINITY);
-        let of = |search: Search| motion.values(search, open);
+        let open = Bounded {
+            value: 7.0,
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+        };
+        let of = |search: Search| motion.grid(search, open);
         assert_eq!(of(Search::Position(&[0.25, 1.0])), [0.0, 3.0]);
         assert_eq!(of(Search::Range(&[0.25, 1.0])), [1.0, 4.0]);
         assert_eq!(of(Search::Speed(&[0.25, 1.0])), [0.5, 2.0]);
@@ -180,7 +211,12 @@ mod tests {
         assert_eq!(orders.len(), 395);
         assert!((orders[0] - TAU / 4.0).abs() < 1e-12);
         assert!((orders[394] - 396.0 * TAU / 8.0).abs() < 1e-9);
-        let within = |search: Search| motion.values(search, (0.7, 0.5, 1.0));
+        let limited = Bounded {
+            value: 0.7,
+            lower: 0.5,
+            upper: 1.0,
+        };
+        let within = |search: Search| motion.grid(search, limited);
         assert_eq!(within(Search::Range(&[0.125, 0.2, 0.5])), [0.5, 0.8]);
         assert_eq!(within(Search::Range(&[0.5])), [0.7]);
     }

@@ -186,7 +186,12 @@ impl Tested {
                     value: shared.and_then(|p| p.value),
                     std_dev: shared.and_then(|p| p.std_dev),
                     ci95: shared.and_then(|p| p.ci95),
-                    separate: self.joints.iter().zip(row).map(separate_value).collect(),
+                    separate: self
+                        .joints
+                        .iter()
+                        .zip(row)
+                        .map(|(joint, own)| separate_value(joint, own))
+                        .collect(),
                 })
             })
             .collect();
@@ -242,9 +247,9 @@ impl Tested {
     }
 }
 
-fn separate_value((joint, own): (&String, &Parameter)) -> SeparateValue {
+fn separate_value(joint: &str, own: &Parameter) -> SeparateValue {
     SeparateValue {
-        joint: joint.clone(),
+        joint: joint.to_owned(),
         value: own.value,
         std_dev: own.std_dev,
     }

@@ -34,9 +34,10 @@ const NEAR: f64 = 0.03;
 pub(super) fn search(
     problem: &FitProblem<'_>,
     start: &DVector<f64>,
-    (max_iterations, control): (usize, &Control<'_>),
+    max_iterations: usize,
+    control: &Control<'_>,
 ) -> Result<Solution, EstimateError> {
-    let mut found = solve(problem, start, (max_iterations, control))?;
+    let mut found = solve(problem, start, max_iterations, control)?;
     let caught = matches!(found.stop, Stop::Stalled | Stop::IterationLimit);
     if !caught || !problem.model.has_switches() {
         return Ok(found);
@@ -50,7 +51,7 @@ pub(super) fn search(
         pairs.for_each(|(d, met)| *d = d.min(met));
         let widths: Vec<f64> = deviations.iter().map(|d| share * d).collect();
         let smoothed = problem.smoothed(&widths);
-        let next = minimise_smoothed(&smoothed, &from, (max_iterations, control))?;
+        let next = minimise_smoothed(&smoothed, &from, max_iterations, control)?;
         from.copy_from(&next.x);
         found = accumulate(found, next);
     }
@@ -65,7 +66,8 @@ pub(super) fn search(
 fn minimise_smoothed(
     problem: &FitProblem<'_>,
     start: &DVector<f64>,
-    (max_iterations, control): (usize, &Control<'_>),
+    max_iterations: usize,
+    control: &Control<'_>,
 ) -> Result<Solution, EstimateError> {
     let rows = match problem.form().objective {
         Objective::SumOfSquares { rows } => rows.max(1),

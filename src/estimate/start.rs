@@ -15,8 +15,8 @@ use crate::estimate::error::EstimateError;
 use crate::estimate::least_squares::{ITERATIONS_PER_ROUND, solve};
 use crate::estimate::noise::predict;
 use crate::estimate::problem::FitProblem;
-use crate::estimate::search_range::MotionRange;
-use crate::estimate::start_grid::{JointSearches, OtherUnknowns, Point};
+use crate::estimate::search_range::{Bounded, MotionRange};
+use crate::estimate::start_grid::{JointSearches, LocalOptimum, OtherUnknowns, Point};
 use crate::estimate::unknowns::Unknowns;
 use crate::problem::Problem;
 use crate::problem::form::Structure;
@@ -57,16 +57,17 @@ pub(super) fn find(
         return Ok(declared);
     }
     let laws: Vec<Vec<usize>> = joints.map(|joint| of_motor(problem, joint)).collect();
-    let alone = JointSearches::new(problem, &declared, (&laws, OtherUnknowns::Free));
-    let (_, mut best): (Vec<f64>, Vec<Point>) = best_ends(&alone, &grids).into_iter().unzip();
+    let alone = JointSearches::new(problem, &declared, &laws, OtherUnknowns::Free);
+    let ends = best_ends(&alone, &grids).into_iter();
+    let mut best: Vec<Point> = ends.map(|end| end.point).collect();
     best.push(gains);
     let mut x = at(problem, &best, control)?;
     for _ in 0..REVISIONS {
-        x = solve(problem, &x, (ITERATIONS_BETWEEN, control))?.x;
+        x = solve(problem, &x, ITERATIONS_BETWEEN, control)?.x;
         if control.is_interrupted() {
             break;
         }
-        let Some(mut better) = revised(problem, &x, (&laws, &grids)) else {
+        let Some(mut better) = revised(problem, &x, &laws, &grids) else {
             break;
         };
         better.push(gains_at(problem, &x));
@@ -75,11 +76,21 @@ pub(super) fn find(
     Ok(x)
 }
 
+/// The gain of a joint's controller, by its position in the model.
+#[derive(Clone, Copy)]
+struct ControllerGain {
+    joint: usize,
+    gain: usize,
+}
+
 /// Gains of controllers that are unknown and that nothing is known of beforehand.
-fn unknown_gains(problem: &FitProblem<'_>) -> Vec<(usize, usize)> {
+fn unknown_gains(problem: &FitProblem<'_>) -> Vec<ControllerGain> {
     let joints = problem.model.joints().iter().enumerate();
-    let gains = joints.filter_map(|(j, joint)| Some((j, joint.controller?)));
-    let open = |&(_, gain): &(usize, usize)| {
+    let gains = joints.filter_map(|(joint, description)| {
+        let gain = description.controller?;
+        Some(ControllerGain { joint, gain })
+    });
+    let open = |&ControllerGain { gain, .. }: &ControllerGain| {
         let prior = problem.prior.rows().column(gain);
         problem.unknowns.nonlinear.contains(&gain) && prior.iter().all(|row| *row == 0.0)
     };
@@ -104,7 +115,7 @@ fn gains(problem: &FitProblem<'_>) -> Point {
             sums[1] += squares(recording.signal(c));
         }
     }
-    let of = |(joint, gain): (usize, usize)| {
+    let of = |ControllerGain { joint, gain }: ControllerGain| {
         let [predicted, recorded] = sums[joint];
         let factor = 0.5 * (predicted / recorded).sqrt();
         let usable = factor.is_finite() && factor > 0.0;
@@ -117,7 +128,7 @@ fn gains(problem: &FitProblem<'_>) -> Point {
 fn gains_at(problem: &FitProblem<'_>, x: &DVector<f64>) -> Point {
     let positions = problem.unknowns.positions();
     let gains = unknown_gains(problem).into_iter();
-    let value = |(_, gain): (usize, usize)| {
+    let value = |ControllerGain { gain, .. }: ControllerGain| {
         let k = positions.iter().position(|&p| p == gain)?;
         Some((gain, x[k]))
     };
@@ -129,26 +140,27 @@ fn gains_at(problem: &FitProblem<'_>, x: &DVector<f64>) -> Point {
 fn revised(
     problem: &FitProblem<'_>,
     x: &DVector<f64>,
-    (laws, grids): (&[Vec<usize>], &[Vec<Point>]),
+    laws: &[Vec<usize>],
+    grids: &[Vec<Point>],
 ) -> Option<Vec<Point>> {
     let unknowns = problem.unknowns.positions();
     let value = |p: &usize| Some((*p, x[unknowns.iter().position(|u| u == p)?]));
     let point = |law: &Vec<usize>| law.iter().filter_map(value).collect();
     let here: Vec<Point> = laws.iter().map(point).collect();
-    let whole = JointSearches::new(problem, x, (laws, OtherUnknowns::AsElsewhere));
+    let whole = JointSearches::new(problem, x, laws, OtherUnknowns::AsElsewhere);
     let mut points = whole.search(&here, STEPS);
     let mut any = false;
     for (point, end) in points.iter_mut().zip(best_ends(&whole, grids)) {
-        if end.0 < point.0 - SETTLED {
+        if end.squares < point.squares - SETTLED {
             *point = end;
             any = true;
         }
     }
-    any.then(|| points.into_iter().map(|(_, point)| point).collect())
+    any.then(|| points.into_iter().map(|end| end.point).collect())
 }
 
-/// The best end of every joint of searches from all points of its grid, and what it leaves.
-fn best_ends(shapes: &JointSearches<'_>, grids: &[Vec<Point>]) -> Vec<(f64, Point)> {
+/// The best end of every joint of searches from all points of its grid.
+fn best_ends(shapes: &JointSearches<'_>, grids: &[Vec<Point>]) -> Vec<LocalOptimum> {
     let mut points = grids.to_vec();
     let mut best = Vec::new();
     for (steps, kept) in ROUNDS {
@@ -157,18 +169,18 @@ fn best_ends(shapes: &JointSearches<'_>, grids: &[Vec<Point>]) -> Vec<(f64, Poin
             let from = points.iter().map(|own| own[k.min(own.len() - 1)].clone());
             shapes.search(&from.collect::<Vec<Point>>(), steps)
         };
-        let ends: Vec<Vec<(f64, Point)>> = (0..count).into_par_iter().map(of).collect();
+        let ends: Vec<Vec<LocalOptimum>> = (0..count).into_par_iter().map(of).collect();
         best.clear();
         for (joint, points) in points.iter_mut().enumerate() {
             let own = ends
                 .iter()
                 .take(points.len())
                 .map(|ends| ends[joint].clone());
-            let mut own: Vec<(f64, Point)> = own.collect();
-            own.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let mut own: Vec<LocalOptimum> = own.collect();
+            own.sort_by(|a, b| a.squares.total_cmp(&b.squares));
             own.truncate(kept);
             best.push(own[0].clone());
-            *points = own.into_iter().map(|(_, point)| point).collect();
+            *points = own.into_iter().map(|end| end.point).collect();
         }
     }
     best
@@ -176,7 +188,7 @@ fn best_ends(shapes: &JointSearches<'_>, grids: &[Vec<Point>]) -> Vec<(f64, Poin
 
 /// Unknowns of the laws at a joint's motor.
 fn of_motor(problem: &FitProblem<'_>, joint: usize) -> Vec<usize> {
-    let own = |p: &usize| motor_law(problem.model, *p).is_some_and(|(of, _)| of == joint);
+    let own = |p: &usize| motor_law(problem.model, *p).is_some_and(|law| law.joint == joint);
     let unknowns = problem.unknowns.positions().into_iter();
     unknowns.filter(own).collect()
 }
@@ -196,7 +208,7 @@ fn at(
         nonlinear: Vec::new(),
     };
     let frozen = problem.with_unknowns(&model, &linear);
-    let solved = solve(&frozen, &frozen.start(), (ITERATIONS_PER_ROUND, control))?;
+    let solved = solve(&frozen, &frozen.start(), ITERATIONS_PER_ROUND, control)?;
     let values = model.values();
     let all = problem.unknowns.positions();
     let mut start = DVector::from_iterator(all.len(), all.iter().map(|&p| values[p]));
@@ -211,12 +223,12 @@ fn grid(problem: &FitProblem<'_>, joint: usize) -> Vec<Point> {
     let mut points = vec![Vec::new()];
     let mut declared = Vec::new();
     for &p in &problem.unknowns.nonlinear {
-        let Some(search) = search(model, (joint, p)) else {
+        let Some(search) = search(model, joint, p) else {
             continue;
         };
         let parameter = &model.parameters()[p];
         declared.push((p, parameter.value));
-        let values = motion.values(search, (parameter.value, parameter.lower, parameter.upper));
+        let values = motion.grid(search, Bounded::of(parameter));
         let longer = |point: Point| -> Vec<Point> {
             let with = |x: &f64| point.iter().copied().chain([(p, *x)]).collect();
             values.iter().map(with).collect()
@@ -231,17 +243,22 @@ fn grid(problem: &FitProblem<'_>, joint: usize) -> Vec<Point> {
 }
 
 /// How a parameter is looked for, where it shapes a friction law of the joint's motor.
-fn search(model: &Model, (joint, parameter): (usize, usize)) -> Option<Search> {
-    let (own, info) = motor_law(model, parameter)?;
+fn search(model: &Model, joint: usize, parameter: usize) -> Option<Search> {
+    let law = motor_law(model, parameter)?;
     let has_grid = matches!(
-        info.search,
+        law.info.search,
         Search::Values(_) | Search::Speed(_) | Search::OverSpeed(_)
     );
-    (own == joint && has_grid).then_some(info.search)
+    (law.joint == joint && has_grid).then_some(law.info.search)
 }
 
-/// The joint of a parameter of a law at a motor, and what is known of the parameter.
-fn motor_law(model: &Model, parameter: usize) -> Option<(usize, &'static ParameterInfo)> {
+/// A parameter of a law at a motor.
+struct MotorLaw {
+    joint: usize,
+    info: &'static ParameterInfo,
+}
+
+fn motor_law(model: &Model, parameter: usize) -> Option<MotorLaw> {
     let Role::Effect {
         joint,
         effect,
@@ -252,5 +269,5 @@ fn motor_law(model: &Model, parameter: usize) -> Option<(usize, &'static Paramet
     };
     let effect = model.joints()[joint].effects.get(effect)?.0;
     let info = effect.parameters.get(parameter)?;
-    matches!(effect.law, Law::Motor(_)).then_some((joint, info))
+    matches!(effect.law, Law::Motor(_)).then_some(MotorLaw { joint, info })
 }

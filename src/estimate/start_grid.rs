@@ -22,6 +22,14 @@ use nalgebra::{DMatrix, DVector};
 /// Values of some parameters, by their positions in the model.
 pub(super) type Point = Vec<(usize, f64)>;
 
+/// Where the search on a joint ends.
+#[derive(Debug, Clone)]
+pub(super) struct LocalOptimum {
+    /// Sum of the squared residuals.
+    pub squares: f64,
+    pub point: Point,
+}
+
 /// Rows of a joint that are looked at, about: a hundred for each of forty unknowns.
 const ROWS: usize = 4000;
 
@@ -64,6 +72,13 @@ struct Search {
     norms: DVector<f64>,
 }
 
+/// Derivatives with respect to all unknowns and the residual of a channel, with their weight.
+struct ChannelSystem {
+    channel: usize,
+    weight: f64,
+    system: DMatrix<f64>,
+}
+
 /// A channel and columns among those that are computed.
 struct Pick {
     channel: usize,
@@ -87,7 +102,8 @@ impl<'a> JointSearches<'a> {
     pub fn new(
         problem: &'a FitProblem<'a>,
         x: &DVector<f64>,
-        (shapes, others): (&[Vec<usize>], OtherUnknowns),
+        shapes: &[Vec<usize>],
+        others: OtherUnknowns,
     ) -> Self {
         let rows: usize = problem.recordings.iter().map(|r| r.rows()).sum();
         let mut all = Self {
@@ -105,14 +121,14 @@ impl<'a> JointSearches<'a> {
         all.bodies = problem.recordings.iter().map(known).collect();
         let joints = shapes.iter().enumerate();
         all.joints = joints
-            .map(|(joint, shapes)| all.own(&channels, (joint, shapes), others))
+            .map(|(joint, shapes)| all.own(&channels, joint, shapes, others))
             .collect();
         all
     }
 
     /// Derivatives with respect to all unknowns and the residual of every active channel, in deviations of its residual
     /// where channels are compared.
-    fn channels(&self, others: OtherUnknowns) -> Vec<(Pick, f64, DMatrix<f64>)> {
+    fn channels(&self, others: OtherUnknowns) -> Vec<ChannelSystem> {
         let unknowns = self.problem.unknowns.positions();
         let channels = self.problem.model.channels().iter().enumerate();
         let picks: Vec<Option<Pick>> = channels
@@ -131,7 +147,11 @@ impl<'a> JointSearches<'a> {
                 OtherUnknowns::AsElsewhere if deviation > 0.0 => 1.0 / deviation,
                 _ => 1.0,
             };
-            Some((pick?, weight, weight * system))
+            Some(ChannelSystem {
+                channel: pick?.channel,
+                weight,
+                system: weight * system,
+            })
         };
         let all = picks.into_iter().zip(systems).filter_map(weighted);
         all.collect()
@@ -139,20 +159,21 @@ impl<'a> JointSearches<'a> {
 
     fn own(
         &self,
-        channels: &[(Pick, f64, DMatrix<f64>)],
-        (joint, shapes): (usize, &[usize]),
+        channels: &[ChannelSystem],
+        joint: usize,
+        shapes: &[usize],
         others: OtherUnknowns,
     ) -> Option<JointShapes> {
         let of = |channel: usize| self.problem.model.channels()[channel].joint;
         let position = channels
             .iter()
-            .position(|(pick, ..)| of(pick.channel) == Some(joint));
-        let (pick, weight, own) = &channels[position.filter(|_| !shapes.is_empty())?];
+            .position(|own| of(own.channel) == Some(joint));
+        let own = &channels[position.filter(|_| !shapes.is_empty())?];
         let unknowns = self.problem.unknowns.positions();
         let count = unknowns.len();
         let mut elsewhere = Triangular::new(count + 1);
         if others == OtherUnknowns::AsElsewhere {
-            for (k, (.., system)) in channels.iter().enumerate() {
+            for (k, ChannelSystem { system, .. }) in channels.iter().enumerate() {
                 if Some(k) != position {
                     elsewhere.absorb(system.as_slice());
                 }
@@ -164,19 +185,19 @@ impl<'a> JointSearches<'a> {
         let columns: Vec<usize> = (0..count)
             .filter(|&k| !shapes.contains(&unknowns[k]))
             .collect();
-        let free = [own, &elsewhere].map(|rows| rows.select_columns(&columns));
+        let free = [&own.system, &elsewhere].map(|rows| rows.select_columns(&columns));
         Some(JointShapes {
-            channel: pick.channel,
-            weight: *weight,
+            channel: own.channel,
+            weight: own.weight,
             shapes: shapes.to_vec(),
             elsewhere: elsewhere.column(count).into_owned(),
             others: orthonormal(&stacked(&free, columns.len())),
         })
     }
 
-    /// Where searches end that begin at one point of every joint, and what they leave of the squares; what the points
+    /// Where searches end that begin at one point of every joint; what the points
     /// do not name begins at the reference. Infinite where there is nothing to search.
-    pub fn search(&self, from: &[Point], steps: usize) -> Vec<(f64, Point)> {
+    pub fn search(&self, from: &[Point], steps: usize) -> Vec<LocalOptimum> {
         let mut searches: Vec<Option<Search>> = (self.joints.iter().zip(from))
             .map(|(own, point)| Some(self.begun(own.as_ref()?, point)))
             .collect();
@@ -196,9 +217,15 @@ impl<'a> JointSearches<'a> {
                 |((own, search), from)| match (own, search.and_then(|s| s.at)) {
                     (Some(own), Some((x, system))) => {
                         let point = own.shapes.iter().copied().zip(x.iter().copied());
-                        (residual_squares(&system), point.collect())
+                        LocalOptimum {
+                            squares: residual_squares(&system),
+                            point: point.collect(),
+                        }
                     }
-                    _ => (f64::INFINITY, from.clone()),
+                    _ => LocalOptimum {
+                        squares: f64::INFINITY,
+                        point: from.clone(),
+                    },
                 },
             )
             .collect()
@@ -272,12 +299,7 @@ impl<'a> JointSearches<'a> {
                     for (pick, series) in picks.iter().zip(&mut series) {
                         let Some(pick) = pick else { continue };
                         let factors = problem.factors.as_ref().map(|f| &f[k][pick.channel]);
-                        append(
-                            series,
-                            pick,
-                            (block, factors.map(Vec::as_slice)),
-                            self.every,
-                        );
+                        append(series, pick, block, factors.map(Vec::as_slice), self.every);
                     }
                 });
             }
@@ -318,7 +340,7 @@ impl<'a> JointSearches<'a> {
 }
 
 impl Search {
-    /// Goes where it was tried if less is residual_squares there.
+    /// Goes where it was tried if the residual is smaller there.
     fn take(&mut self, system: Triangular) {
         let better = match &self.at {
             None => true,
@@ -350,7 +372,8 @@ fn residual_squares(system: &Triangular) -> f64 {
 fn append(
     series: &mut [Vec<f64>],
     pick: &Pick,
-    (block, factors): (&RowBlock<'_>, Option<&[f64]>),
+    block: &RowBlock<'_>,
+    factors: Option<&[f64]>,
     every: usize,
 ) {
     let keep = block.counting();

@@ -4,14 +4,16 @@ use crate::chain::dataset::Dataset;
 use crate::chain::model::{Model, Signal};
 use crate::chain::prior::Prior;
 use crate::chain::transition_limits::TransitionLimits;
-use crate::estimate::model_comparison::{self, ComparedModel};
 use crate::estimate::error::EstimateError;
 use crate::estimate::estimator::Estimator;
 use crate::estimate::feasible::{self, Form};
 use crate::estimate::fit::{Fitted, fit, in_full};
+use crate::estimate::model_comparison::{self, ComparedModel};
 use crate::estimate::remarks::{misfit, notes, preprocessing, undetermined_load};
 use crate::estimate::sharing::{self, Question};
-use crate::estimate::{bandwidth, errors_in_variables_fit, load, load_by_difference, reactions, search_range};
+use crate::estimate::{
+    bandwidth, errors_in_variables_fit, load, load_by_difference, reactions, search_range,
+};
 use crate::fault::Place;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::fit::Comparison;
@@ -99,7 +101,7 @@ pub fn run(
         model.limit_transitions(&limits);
         search_range::start_within_motion(&mut model, &data);
         let (fitted, defect) = or_before_defect(control, |control| {
-            fitted_by(problem, &model, (&data, &prior), control)
+            fitted_by(problem, &model, &data, &prior, control)
         })?;
         let deviation = |p: usize| {
             let name = &fitted.model.parameters()[p].name;
@@ -122,9 +124,9 @@ pub fn run(
         let theta_d = reactions::joint_torque_parameters(&fitted.model, &fitted.fit.posterior);
         fitted.fit.joint_torque_parameters = theta_d;
     }
-    fitted.fit.machine = Some(machine((problem, &robot), &fitted));
+    fitted.fit.machine = Some(machine(problem, &robot, &fitted));
     if robot.mechanism.is_none() {
-        fitted.fit.possible_machine = possible_machine((problem, &robot), &fitted);
+        fitted.fit.possible_machine = possible_machine(problem, &robot, &fitted);
     }
     fitted.fit.model = Some(in_full(&fitted.model, &fitted.values));
     let others = OtherModels {
@@ -207,7 +209,7 @@ impl OtherModels<'_> {
             let prior = setup::prior::build(problem, self.robot, &mut other)?;
             other.limit_transitions(self.limits);
             search_range::start_within_motion(&mut other, data);
-            let result = estimate(problem, &other, (data, &prior), self.control)?
+            let result = estimate(problem, &other, data, &prior, self.control)?
                 .map_err(|error| failed(problem, error))?;
             fitted.fit.comparison.push(Comparison {
                 name: compared.name.value.clone(),
@@ -245,7 +247,7 @@ impl OtherModels<'_> {
             limits: self.limits,
         };
         question.answers(fitted, &|model, prior| {
-            fitted_by(self.problem, model, (self.data, prior), self.control)
+            fitted_by(self.problem, model, self.data, prior, self.control)
         })
     }
 }
@@ -254,12 +256,13 @@ impl OtherModels<'_> {
 fn fitted_by(
     problem: &ProblemFile,
     model: &Model,
-    (data, prior): (&Dataset, &Prior),
+    data: &Dataset,
+    prior: &Prior,
     control: &Control<'_>,
 ) -> Result<Fitted, FitError> {
     let fitted = match problem.fit.load.value {
-        LoadFrom::Together => estimate(problem, model, (data, prior), control)?,
-        LoadFrom::Difference => by_difference(problem, model, (data, prior), control)?,
+        LoadFrom::Together => estimate(problem, model, data, prior, control)?,
+        LoadFrom::Difference => by_difference(problem, model, data, prior, control)?,
     };
     fitted.map_err(|error| failed(problem, error))
 }
@@ -280,7 +283,7 @@ fn stopped(estimate: &mut Estimate, stop: Stop) {
 }
 
 /// The identified robot, with the bodies of the realization where there is one.
-pub fn machine(described: (&ProblemFile, &Robot), fitted: &Fitted) -> Machine {
+pub fn machine(problem: &ProblemFile, robot: &Robot, fitted: &Fitted) -> Machine {
     let mut values = fitted.values.clone();
     for realized in &fitted.fit.realization {
         if let Ok(position) = fitted.model.find(&realized.name) {
@@ -288,11 +291,11 @@ pub fn machine(described: (&ProblemFile, &Robot), fitted: &Fitted) -> Machine {
         }
     }
     let feasible = fitted.fit.feasible;
-    setup::machine::record(described, &fitted.model, &values, feasible)
+    setup::machine::record(problem, robot, &fitted.model, &values, feasible)
 }
 
 /// The nearest possible robot, where that of the realization is none.
-pub fn possible_machine(described: (&ProblemFile, &Robot), fitted: &Fitted) -> Option<Machine> {
+pub fn possible_machine(problem: &ProblemFile, robot: &Robot, fitted: &Fitted) -> Option<Machine> {
     let mut values = fitted.values.clone();
     for realized in &fitted.fit.nearest {
         if let Ok(position) = fitted.model.find(&realized.name) {
@@ -300,17 +303,18 @@ pub fn possible_machine(described: (&ProblemFile, &Robot), fitted: &Fitted) -> O
         }
     }
     let has_one = !fitted.fit.nearest.is_empty();
-    has_one.then(|| setup::machine::record(described, &fitted.model, &values, Some(true)))
+    has_one.then(|| setup::machine::record(problem, robot, &fitted.model, &values, Some(true)))
 }
 
 /// Fits by the estimator of the problem file.
 fn estimate(
     problem: &ProblemFile,
     model: &Model,
-    (data, prior): (&Dataset, &Prior),
+    data: &Dataset,
+    prior: &Prior,
     control: &Control<'_>,
 ) -> Result<Result<Fitted, EstimateError>, SetupError> {
-    let plain = |estimator| Ok(fit(model, data, (estimator, prior), control));
+    let plain = |estimator| Ok(fit(model, data, estimator, prior, control));
     let form = match problem.fit.estimator.value {
         choices::Estimator::OrdinaryLeastSquares => return plain(Estimator::Ordinary),
         choices::Estimator::WeightedLeastSquares => return plain(Estimator::Weighted),
@@ -342,14 +346,15 @@ fn estimate(
             .map(|kind| (kind.value, chosen.strength.value)),
         limits: setup::combined_limits::build(problem, model)?,
     };
-    Ok(feasible::fit(model, data, (prior, &settings), control))
+    Ok(feasible::fit(model, data, prior, &settings, control))
 }
 
 /// Fits the recordings without the load, then the load on top.
 fn by_difference(
     problem: &ProblemFile,
     model: &Model,
-    (data, prior): (&Dataset, &Prior),
+    data: &Dataset,
+    prior: &Prior,
     control: &Control<'_>,
 ) -> Result<Result<Fitted, EstimateError>, SetupError> {
     let unloaded = match load_by_difference::without_load(model, data) {
@@ -364,6 +369,6 @@ fn by_difference(
         choices::Estimator::IterativelyReweightedLeastSquares => Estimator::Robust,
         _ => Estimator::MaximumLikelihood,
     };
-    let first = estimate(problem, model, (&unloaded, prior), control)?;
-    Ok(first.and_then(|first| load_by_difference::second(first, data, (estimator, control))))
+    let first = estimate(problem, model, &unloaded, prior, control)?;
+    Ok(first.and_then(|first| load_by_difference::second(first, data, estimator, control)))
 }

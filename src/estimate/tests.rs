@@ -7,12 +7,12 @@ use crate::chain::evaluate::{Evaluator, Segment};
 use crate::chain::model::{Model, ModelSettings, Signal};
 use crate::chain::prior::Prior;
 use crate::estimate::error::EstimateError;
-use crate::estimate::estimator::Estimator;
+use crate::estimate::estimator::{Estimator, Training};
 use crate::estimate::feasible::{self, Form, Settings};
 use crate::estimate::fit::{Fitted, fit};
+use crate::estimate::minimise::Minimisation;
 use crate::estimate::problem::NoiseSource;
 use crate::estimate::unknowns::Unknowns;
-use crate::estimate::warm_start::minimise;
 use crate::outcome::parameter::Source;
 use crate::problem::solution::Control;
 use crate::problem_file::choices::FeasibleBy;
@@ -62,7 +62,7 @@ impl Way {
         let prior = Prior::none(model.parameters().len());
         let control = Control::default();
         match self {
-            Self::Free(estimator) => fit(model, data, (estimator, &prior), &control),
+            Self::Free(estimator) => fit(model, data, estimator, &prior, &control),
             Self::Feasible(form) => {
                 let settings = Settings {
                     form,
@@ -70,7 +70,7 @@ impl Way {
                     prior: None,
                     limits: Vec::new(),
                 };
-                feasible::fit(model, data, (&prior, &settings), &control)
+                feasible::fit(model, data, &prior, &settings, &control)
             }
         }
         .unwrap()
@@ -351,8 +351,14 @@ fn nothing_to_estimate_and_too_few_rows_are_errors() {
     let data = Dataset { recordings };
     let fitted = |model: &Model, data: &Dataset| {
         let prior = Prior::none(model.parameters().len());
-        let way = (Estimator::Ordinary, &prior);
-        fit(model, data, way, &Control::default()).map(|_| ())
+        fit(
+            model,
+            data,
+            Estimator::Ordinary,
+            &prior,
+            &Control::default(),
+        )
+        .map(|_| ())
     };
     assert!(fitted(&model, &data).is_ok());
     let few = |rows: usize| {
@@ -394,10 +400,17 @@ fn noise_is_that_of_periods_where_residuals_agree_with_it() {
         let prior = Prior::none(model.parameters().len());
         let unknowns = Unknowns::find(&model, &data, &prior);
         let training: Vec<&Prepared> = data.recordings.iter().collect();
-        let (estimator, control) = (Estimator::MaximumLikelihood, Control::default());
-        let how = (estimator, &control);
-        let (_, problem) = minimise(&model, &unknowns, (&training, &prior), how).unwrap();
-        problem.noise
+        let minimisation = Minimisation {
+            model: &model,
+            unknowns: &unknowns,
+            training: Training {
+                recordings: &training,
+                prior: &prior,
+            },
+            estimator: Estimator::MaximumLikelihood,
+            control: &Control::default(),
+        };
+        minimisation.run().unwrap().problem.noise
     };
     assert_eq!(source(&DECLARED), NoiseSource::Periods);
     assert_eq!(source(&["torque_offset"]), NoiseSource::Residuals);

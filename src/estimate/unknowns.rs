@@ -6,6 +6,7 @@ use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
 use crate::chain::prior::Prior;
 use crate::estimate::compress::{Request, factor};
+use crate::estimate::estimator::Training;
 use crate::estimate::weights::Weights;
 use crate::linalg::triangular::Triangular;
 use crate::recording::split::Split;
@@ -43,7 +44,14 @@ impl Unknowns {
         );
         let moved = of_motion(&recorded, &columns, prior, STILL);
         let base = compose(&structural, &moved);
-        let nonlinear = determined_nonlinear(model, &base.kept(), (&training, prior));
+        let nonlinear = determined_nonlinear(
+            model,
+            &base.kept(),
+            Training {
+                recordings: &training,
+                prior,
+            },
+        );
         Self { base, nonlinear }
     }
 
@@ -80,11 +88,7 @@ impl Unknowns {
 
 /// Nonlinear unknowns whose columns are independent of those before them. Factors of the whole torque come
 /// last: where nothing fixes the scale, the declared one stays.
-fn determined_nonlinear(
-    model: &Model,
-    kept: &[usize],
-    (training, prior): (&[&Prepared], &Prior),
-) -> Vec<usize> {
+fn determined_nonlinear(model: &Model, kept: &[usize], training: Training<'_>) -> Vec<usize> {
     let mut nonlinear: Vec<usize> = (0..model.parameters().len())
         .filter(|&p| model.parameters()[p].is_nonlinear_unknown())
         .collect();
@@ -102,7 +106,13 @@ fn determined_nonlinear(
         factors: None,
         bodies: &[],
     };
-    let independent = of_motion(&factor(&request, training), &columns, prior, NEGLIGIBLE).kept();
+    let independent = of_motion(
+        &factor(&request, training.recordings),
+        &columns,
+        training.prior,
+        NEGLIGIBLE,
+    )
+    .kept();
     nonlinear.retain(|p| independent.contains(p));
     nonlinear.sort_unstable();
     nonlinear

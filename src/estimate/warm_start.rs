@@ -5,16 +5,14 @@
 //! its optimum, which takes an iteration or two. Estimate, weights and intervals are those of all rows.
 
 use crate::chain::dataset::Prepared;
-use crate::chain::model::Model;
 use crate::estimate::canonical_sines;
 use crate::estimate::error::EstimateError;
-use crate::estimate::estimator::{Estimator, Training};
-use crate::estimate::minimise::Search;
+use crate::estimate::estimator::Training;
+use crate::estimate::minimise::Minimisation;
 use crate::estimate::noise::counting_rows;
-use crate::estimate::problem::FitProblem;
+use crate::estimate::optimum::Optimum;
 use crate::estimate::rows::needs_all;
-use crate::estimate::unknowns::Unknowns;
-use crate::problem::solution::{Control, Solution};
+use crate::problem::solution::Solution;
 
 /// Rows below which a search takes them all at once: a hundred for each unknown of an arm with every effect.
 const FEW_ROWS: usize = 20_000;
@@ -22,41 +20,37 @@ const FEW_ROWS: usize = 20_000;
 /// The search before takes every n-th row.
 const EVERY: usize = 8;
 
-/// The optimum of an estimator, begun from that of a few of the rows where there are many.
-pub(crate) fn minimise<'a>(
-    model: &'a Model,
-    unknowns: &'a Unknowns,
-    training: Training<'a>,
-    (estimator, control): (Estimator, &Control<'_>),
-) -> Result<(Solution, FitProblem<'a>), EstimateError> {
-    let begun = end(model, unknowns, training, (estimator, control));
-    let search = Search {
-        model,
-        unknowns,
-        training,
-        estimator,
-        control,
-    };
-    let (solution, problem) = search.from(begun)?;
-    Ok((canonical_sines::canonical(&problem, solution), problem))
-}
-
-/// Where the search over fewer rows ends; `None` for few rows, for what one solution of linear equations settles,
-/// and for models and filters that need every row.
-fn end(
-    model: &Model,
-    unknowns: &Unknowns,
-    (recordings, prior): Training<'_>,
-    (estimator, control): (Estimator, &Control<'_>),
-) -> Option<Solution> {
-    let linear = unknowns.nonlinear.is_empty() && model.is_affine();
-    let whole = recordings.iter().any(|r| needs_all(model, r));
-    if linear || whole || counting_rows(recordings) < FEW_ROWS {
-        return None;
+impl<'a> Minimisation<'a, '_> {
+    /// The optimum of the estimator, begun from that of a few of the rows where there are many.
+    pub fn run(&self) -> Result<Optimum<'a>, EstimateError> {
+        let Optimum { solution, problem } = self.from(self.optimum_of_fewer_rows())?;
+        Ok(Optimum {
+            solution: canonical_sines::canonical(&problem, solution),
+            problem,
+        })
     }
-    let thinned: Vec<Prepared> = recordings.iter().map(|r| r.thinned(EVERY)).collect();
-    let fewer: Vec<&Prepared> = thinned.iter().collect();
-    let found = minimise(model, unknowns, (&fewer, prior), (estimator, control));
-    // Rows that do not suffice for a start leave it to the whole.
-    found.ok().map(|(solution, _)| solution)
+
+    /// Where the search over fewer rows ends; `None` for few rows, for what one solution of linear equations settles,
+    /// and for models and filters that need every row.
+    fn optimum_of_fewer_rows(&self) -> Option<Solution> {
+        let recordings = self.training.recordings;
+        let linear = self.unknowns.nonlinear.is_empty() && self.model.is_affine();
+        let whole = recordings.iter().any(|r| needs_all(self.model, r));
+        if linear || whole || counting_rows(recordings) < FEW_ROWS {
+            return None;
+        }
+        let thinned: Vec<Prepared> = recordings.iter().map(|r| r.thinned(EVERY)).collect();
+        let fewer = Minimisation {
+            model: self.model,
+            unknowns: self.unknowns,
+            training: Training {
+                recordings: &thinned.iter().collect::<Vec<_>>(),
+                prior: self.training.prior,
+            },
+            estimator: self.estimator,
+            control: self.control,
+        };
+        // Rows that do not suffice for a start leave it to the whole.
+        Some(fewer.run().ok()?.solution)
+    }
 }

@@ -36,7 +36,7 @@ pub struct Settings {
 pub struct Counts {
     /// Items of the manifest, or of the part of it.
     pub items: u64,
-    /// AttemptedItem on by this run; the others were done by earlier ones.
+    /// Worked on by this run; the others were done by earlier ones.
     pub now: u64,
     /// Items of which there is no result.
     pub set_aside: u64,

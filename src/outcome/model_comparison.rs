@@ -49,7 +49,7 @@ impl ModelErrors {
 /// An error, and where that of another recording of the same length and kind is expected.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ErrorFigure {
-    /// In the unit of the contest.
+    /// In the unit of the comparison.
     #[serde(with = "number::nullable")]
     pub value: f64,
     /// Absent where the residual has too few independent blocks to tell.

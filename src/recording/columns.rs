@@ -44,7 +44,7 @@ pub fn read(
     joints: &[RecordedJoint],
     kind: SignalKind,
 ) -> Result<Recording, RecordingError> {
-    read_within(path, map, joints, (kind, &Reading::default()))
+    read_within(path, map, joints, kind, &Reading::default())
 }
 
 /// As [`read`], within bounds.
@@ -54,9 +54,14 @@ pub fn read_within(
     path: &Path,
     map: &ColumnMap,
     joints: &[RecordedJoint],
-    (kind, reading): (SignalKind, &Reading),
+    kind: SignalKind,
+    reading: &Reading,
 ) -> Result<Recording, RecordingError> {
-    read_parts((path, reading), map, joints, (kind, Parts::All))
+    let file = File {
+        path,
+        parts: Parts::All,
+    };
+    file.read(map, joints, kind, reading)
 }
 
 /// Which channels a file holds.
@@ -69,37 +74,48 @@ pub(super) enum Parts {
     Position,
 }
 
-pub(super) fn read_parts(
-    (path, reading): (&Path, &Reading),
-    map: &ColumnMap,
-    joints: &[RecordedJoint],
-    (kind, parts): (SignalKind, Parts),
-) -> Result<Recording, RecordingError> {
-    let present = columns_at(path, reading)?;
-    let finder = Finder {
-        path,
-        joints,
-        present: &present,
-        conventional: *map == ColumnMap::default(),
-    };
-    let names = match parts {
-        Parts::All => finder.choose(map, kind)?,
-        Parts::WithoutPosition => Names {
-            signal: finder.signal(map, kind)?,
-            commanded: finder.commanded(map, kind),
-            mask: finder.one(&map.mask, "mask")?,
-            ..Names::empty(finder.time(map)?)
-        },
-        Parts::Position => Names {
-            position: finder.required(&map.position, POSITION, "position")?,
-            ..Names::empty(finder.time(map)?)
-        },
-    };
-    let table = read_at(path, &names.all(path)?, reading)?;
-    let mut recording = names.assemble(path, bridge(path, table, names.roles())?);
-    recording.commanded = names.commanded;
-    into_si(&mut recording, map, joints, kind);
-    Ok(recording)
+/// A file and the channels that are read of it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct File<'a> {
+    pub path: &'a Path,
+    pub parts: Parts,
+}
+
+impl File<'_> {
+    pub fn read(
+        self,
+        map: &ColumnMap,
+        joints: &[RecordedJoint],
+        kind: SignalKind,
+        reading: &Reading,
+    ) -> Result<Recording, RecordingError> {
+        let File { path, parts } = self;
+        let present = columns_at(path, reading)?;
+        let finder = Finder {
+            path,
+            joints,
+            present: &present,
+            conventional: *map == ColumnMap::default(),
+        };
+        let names = match parts {
+            Parts::All => finder.choose(map, kind)?,
+            Parts::WithoutPosition => Names {
+                signal: finder.signal(map, kind)?,
+                commanded: finder.commanded(map, kind),
+                mask: finder.one(&map.mask, "mask")?,
+                ..Names::empty(finder.time(map)?)
+            },
+            Parts::Position => Names {
+                position: finder.required(&map.position, POSITION, "position")?,
+                ..Names::empty(finder.time(map)?)
+            },
+        };
+        let table = read_at(path, &names.all(path)?, reading)?;
+        let mut recording = names.assemble(path, bridge(path, table, names.roles())?);
+        recording.commanded = names.commanded;
+        into_si(&mut recording, map, joints, kind);
+        Ok(recording)
+    }
 }
 
 /// Turns what a file holds into SI units.

@@ -222,7 +222,7 @@ fn runs(pair: [&Compared<'_>; 2], shift: isize) -> Vec<Run> {
         let length = (row..end)
             .take_while(|&k| is_same(pair, [k, (k as isize + shift) as usize]))
             .count();
-        if length > 0 && chance(pair, (row, shift), length) < SURE {
+        if length > 0 && chance(pair, row, shift, length) < SURE {
             found.push(Run {
                 row,
                 shift,
@@ -247,7 +247,7 @@ fn is_same(pair: [&Compared<'_>; 2], rows: [usize; 2]) -> bool {
 
 /// Natural logarithm of the chance that another run of the same motion has these rows, by the recording whose numbers are
 /// written more coarsely.
-fn chance(pair: [&Compared<'_>; 2], (row, shift): (usize, isize), rows: usize) -> f64 {
+fn chance(pair: [&Compared<'_>; 2], row: usize, shift: isize, rows: usize) -> f64 {
     let [a, b] = pair;
     let other = (row as isize + shift) as usize;
     let of_channel = |(c, (x, y)): (usize, (&&[f64], &&[f64]))| {

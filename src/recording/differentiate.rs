@@ -9,7 +9,7 @@ use crate::recording::experiment::{Bandwidth, Chosen, Motion, MotionError};
 use crate::recording::filter::filter;
 use crate::recording::samples::Recording;
 use crate::recording::settings::{Method, Preparation};
-use crate::recording::smoother::{Channel, smooth};
+use crate::recording::smoother::{Band, Channel, smooth};
 use crate::recording::timing::Timing;
 use crate::recording::zero_phase::{ZeroPhase, edge_s};
 use rayon::prelude::*;
@@ -155,7 +155,11 @@ impl Smoothing<'_> {
                     variance: spectrum.variance(c.order, cutoff),
                 });
                 let own: Vec<Channel<'_>> = own.collect();
-                smooth(&own, self.recording.mask.as_deref(), (cutoff, rate_hz))
+                let band = Band {
+                    cutoff_hz: cutoff,
+                    rate_hz,
+                };
+                smooth(&own, self.recording.mask.as_deref(), band)
             };
         let with = spectra.par_iter().zip(&bandwidth);
         let all: Vec<_> = self.channels.par_iter().zip(with).map(joint).collect();

@@ -129,9 +129,9 @@ pub(super) fn series(
     mean: &[Complex<f64>],
     errors: &[f64],
     harmonics: usize,
-    rows: (usize, f64),
+    samples: usize,
+    period: f64,
 ) -> Series {
-    let (samples, period) = rows;
     let omega = TAU / period;
     let derivative = |order: i32| {
         let factor = |h: usize| Complex::new(0.0, h as f64 * omega).powi(order);
@@ -203,12 +203,12 @@ mod tests {
     fn chooses_nearly_the_best_number_of_harmonics() {
         let (truth, _) = noisy(0.0, 1001, 1);
         let exact = coefficients(&truth);
-        let clean = series(&exact, &vec![0.0; 501], 30, (1001, PERIOD));
+        let clean = series(&exact, &vec![0.0; 501], 30, 1001, PERIOD);
         for (sd, periods) in [(1e-6, 6), (1e-5, 6), (1e-4, 4), (1e-3, 6), (1e-5, 1)] {
             let (mean, all) = noisy(sd, 1001, periods);
             let (c, noise) = analyse(&mean, &all);
             let of = |harmonics| {
-                let fit = series(&c, &noise[..=harmonics], harmonics, (1001, PERIOD));
+                let fit = series(&c, &noise[..=harmonics], harmonics, 1001, PERIOD);
                 error(&fit.acceleration, &clean.acceleration)
             };
             let chosen = choose_harmonics(&c, &noise, 1001);
@@ -223,7 +223,7 @@ mod tests {
         let (sd, samples, periods) = (1e-4, 1000, 6);
         let (mean, all) = noisy(sd, samples, periods);
         let (c, noise) = analyse(&mean, &all);
-        let fit = series(&c, &noise[..=10], 10, (samples, PERIOD));
+        let fit = series(&c, &noise[..=10], 10, samples, PERIOD);
         let per_harmonic = sd * sd / (samples * periods) as f64;
         let omega = TAU / PERIOD;
         let sum: f64 = (1..=10).map(|h| (h as f64 * omega).powi(4)).sum();
@@ -237,12 +237,12 @@ mod tests {
     fn shrinking_lowers_the_error_and_announces_it() {
         let (truth, _) = noisy(0.0, 1001, 1);
         let exact = coefficients(&truth);
-        let clean = series(&exact, &[0.0], 30, (1001, PERIOD));
+        let clean = series(&exact, &[0.0], 30, 1001, PERIOD);
         let (mut plain, mut shrunk, mut announced) = (0.0, 0.0, 0.0);
         for periods in 4..24 {
             let (mean, all) = noisy(3e-3, 1001, periods);
             let (mut c, noise) = analyse(&mean, &all);
-            let of = |c: &[Complex<f64>], noise: &[f64]| series(c, noise, 30, (1001, PERIOD));
+            let of = |c: &[Complex<f64>], noise: &[f64]| series(c, noise, 30, 1001, PERIOD);
             plain += error(&of(&c, &noise[..=30]).acceleration, &clean.acceleration).powi(2);
             let errors = shrink(&mut c, &noise, 30);
             let fit = of(&c, &errors[..=30]);
@@ -260,7 +260,7 @@ mod tests {
             let sine = |k: usize| (TAU * 3.0 * k as f64 / samples as f64).sin();
             let position: Vec<f64> = (0..samples).map(sine).collect();
             let c = coefficients(&position);
-            let fit = series(&c, &vec![0.0; c.len()], 5, (samples, PERIOD));
+            let fit = series(&c, &vec![0.0; c.len()], 5, samples, PERIOD);
             let omega = TAU * 3.0 / PERIOD;
             for k in 0..samples {
                 let cosine = (TAU * 3.0 * k as f64 / samples as f64).cos();

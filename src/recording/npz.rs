@@ -38,7 +38,7 @@ pub fn read(path: &Path, wanted: &[String], reading: &Reading) -> Result<Table, 
     let arrays = list(path, &mut archive)?;
     let layouts: Vec<Layout> = arrays.iter().map(|array| array.layout.clone()).collect();
     assemble(path, &layouts, wanted, |at| {
-        load((path, reading), &mut archive, &arrays[at]).map(Cow::Owned)
+        load(path, reading, &mut archive, &arrays[at]).map(Cow::Owned)
     })
 }
 
@@ -106,7 +106,8 @@ fn list(path: &Path, archive: &mut Archive) -> Result<Vec<Array>, RecordingError
 }
 
 fn load(
-    (path, reading): (&Path, &Reading),
+    path: &Path,
+    reading: &Reading,
     archive: &mut Archive,
     array: &Array,
 ) -> Result<Vec<f64>, RecordingError> {

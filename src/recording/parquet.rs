@@ -35,7 +35,7 @@ pub fn columns(path: &Path, reading: &Reading) -> Result<Vec<String>, RecordingE
         match channel.slot {
             None => names.push(channel.name),
             Some(slot) => {
-                let length = first_length(&reader, (&channel, slot));
+                let length = first_length(&reader, &channel, slot);
                 let length = length.map_err(|error| {
                     corrupt(Place::file(path).key(&channel.name), &error.to_string())
                 })?;
@@ -79,9 +79,7 @@ pub fn read(path: &Path, wanted: &[String], reading: &Reading) -> Result<Table, 
         };
         let list = match lists.entry(channel.index) {
             Slot::Occupied(list) => list.into_mut(),
-            Slot::Vacant(empty) => {
-                empty.insert(read_list(&reader, (channel, slot)).map_err(fault)?)
-            }
+            Slot::Vacant(empty) => empty.insert(read_list(&reader, channel, slot).map_err(fault)?),
         };
         let column = list.get_mut(element).map(std::mem::take);
         data.push(column.ok_or_else(|| corrupt(place(), "the element is gone"))?);
@@ -218,40 +216,40 @@ impl Channel {
 const MOST_ELEMENTS: usize = 10_000;
 
 /// Elements of the first list of a column.
-fn first_length(reader: &Reader, (channel, slot): (&Channel, i16)) -> Result<usize, ParquetError> {
+fn first_length(reader: &Reader, channel: &Channel, slot: i16) -> Result<usize, ParquetError> {
     let mut length = 0;
     for group in 0..reader.num_row_groups().min(1) {
-        let rows = read_slots(reader, (channel, slot), (group, 1), |row, _| {
-            length += usize::from(row == 1)
-        });
+        let slots = Slots {
+            channel,
+            slot,
+            most: 1,
+        };
+        let rows = slots.read_group(reader, group, |row, _| length += usize::from(row == 1));
         rows?;
     }
     Ok(length.min(MOST_ELEMENTS))
 }
 
 /// The elements of a column of lists, one series for each; a list that is absent lacks all of them.
-fn read_list(
-    reader: &Reader,
-    (channel, slot): (&Channel, i16),
-) -> Result<Vec<Vec<f64>>, ParquetError> {
+fn read_list(reader: &Reader, channel: &Channel, slot: i16) -> Result<Vec<Vec<f64>>, ParquetError> {
     let mut rows: Vec<(usize, usize)> = Vec::new();
     let mut values: Vec<f64> = Vec::new();
     let mut before = 0;
     for group in 0..reader.num_row_groups() {
-        let count = read_slots(
-            reader,
-            (channel, slot),
-            (group, usize::MAX),
-            |row, value| {
-                let row = before + row;
-                if rows.len() < row {
-                    rows.resize(row, (values.len(), values.len()));
-                    rows[row - 1] = (values.len(), values.len());
-                }
-                values.push(value);
-                rows[row - 1].1 = values.len();
-            },
-        )?;
+        let slots = Slots {
+            channel,
+            slot,
+            most: usize::MAX,
+        };
+        let count = slots.read_group(reader, group, |row, value| {
+            let row = before + row;
+            if rows.len() < row {
+                rows.resize(row, (values.len(), values.len()));
+                rows[row - 1] = (values.len(), values.len());
+            }
+            values.push(value);
+            rows[row - 1].1 = values.len();
+        })?;
         before += count;
         rows.resize(before, (values.len(), values.len()));
     }
@@ -277,40 +275,39 @@ fn read_list(
     Ok((0..length.min(MOST_ELEMENTS)).map(element).collect())
 }
 
-/// Hands over the elements of the lists of one row group, of at most so many rows, with the number of their row from 1;
-/// gives the number of rows.
-fn read_slots(
-    reader: &Reader,
-    (channel, slot): (&Channel, i16),
-    (group, most): (usize, usize),
-    mut take: impl FnMut(usize, f64),
-) -> Result<usize, ParquetError> {
-    let group = reader.get_row_group(group)?;
-    let slots = Slots {
-        deepest: channel.deepest,
-        slot,
-        most,
-    };
-    match group.get_column_reader(channel.index)? {
-        ColumnReader::BoolColumnReader(c) => slots.read(c, |x| f64::from(u8::from(x)), &mut take),
-        ColumnReader::Int32ColumnReader(c) => {
-            slots.read(c, |x| channel.number(x.into()), &mut take)
-        }
-        ColumnReader::Int64ColumnReader(c) => slots.read(c, |x| channel.number(x), &mut take),
-        ColumnReader::FloatColumnReader(c) => slots.read(c, f64::from, &mut take),
-        ColumnReader::DoubleColumnReader(c) => slots.read(c, |x| x, &mut take),
-        _ => Err(ParquetError::General("the column holds no numbers".into())),
-    }
-}
-
 /// How the elements of lists are told from lists that are empty or absent.
-struct Slots {
-    deepest: i16,
+struct Slots<'a> {
+    channel: &'a Channel,
     slot: i16,
+    /// Rows that are read at most.
     most: usize,
 }
 
-impl Slots {
+impl Slots<'_> {
+    /// Hands over the elements of the lists of one row group with the number of their row from 1; gives the number of
+    /// rows.
+    fn read_group(
+        &self,
+        reader: &Reader,
+        group: usize,
+        mut take: impl FnMut(usize, f64),
+    ) -> Result<usize, ParquetError> {
+        let group = reader.get_row_group(group)?;
+        let channel = self.channel;
+        match group.get_column_reader(channel.index)? {
+            ColumnReader::BoolColumnReader(c) => {
+                self.read(c, |x| f64::from(u8::from(x)), &mut take)
+            }
+            ColumnReader::Int32ColumnReader(c) => {
+                self.read(c, |x| channel.number(x.into()), &mut take)
+            }
+            ColumnReader::Int64ColumnReader(c) => self.read(c, |x| channel.number(x), &mut take),
+            ColumnReader::FloatColumnReader(c) => self.read(c, f64::from, &mut take),
+            ColumnReader::DoubleColumnReader(c) => self.read(c, |x| x, &mut take),
+            _ => Err(ParquetError::General("the column holds no numbers".into())),
+        }
+    }
+
     fn read<T: DataType>(
         &self,
         mut column: ColumnReaderImpl<T>,
@@ -332,7 +329,7 @@ impl Slots {
             let mut present = present.drain(..).map(&number);
             for (&level, &start) in levels.iter().zip(&starts) {
                 rows += usize::from(start == 0);
-                if level == self.deepest {
+                if level == self.channel.deepest {
                     take(rows, present.next().unwrap_or(f64::NAN));
                 } else if level >= self.slot {
                     take(rows, f64::NAN);

@@ -10,7 +10,7 @@ use crate::recording::interpolation::{Ends, fill};
 use crate::recording::samples::Recording;
 
 /// The whole periods: sample `first + p N + k` is row k of period p.
-pub(super) struct Layout {
+pub(super) struct PeriodAverage {
     pub first: usize,
     /// Periods P.
     pub count: usize,
@@ -20,9 +20,9 @@ pub(super) struct Layout {
     mask: Option<Vec<bool>>,
 }
 
-impl Layout {
+impl PeriodAverage {
     /// The periods, each of so many seconds.
-    pub fn periods(&self, (period, chosen): (f64, Chosen)) -> Periods {
+    pub fn periods(&self, period: f64, chosen: Chosen) -> Periods {
         Periods {
             count: self.count,
             samples: self.samples,
@@ -134,11 +134,11 @@ mod tests {
         let series = vec![1.0, 2.0, 3.0, 99.0, 5.0, 4.0, 3.0];
         let mask = vec![true, true, true, false, true, true, true];
         let recording = recording(series, Some(mask));
-        let layout = Layout::new(&recording, 3, 1.0).unwrap();
-        assert_eq!(layout.count, 2);
-        assert_eq!(layout.mean(&recording.position[0]), [1.0, 3.5, 3.5]);
-        assert_eq!(layout.degrees(), 2);
-        assert_eq!(layout.row_mask(), None);
+        let average = PeriodAverage::new(&recording, 3, 1.0).unwrap();
+        assert_eq!(average.count, 2);
+        assert_eq!(average.mean(&recording.position[0]), [1.0, 3.5, 3.5]);
+        assert_eq!(average.degrees(), 2);
+        assert_eq!(average.row_mask(), None);
     }
 
     #[test]
@@ -146,17 +146,17 @@ mod tests {
         let series = vec![1.0, 2.0, 9.0, 1.0, 2.0, 9.0];
         let mask = vec![true, true, false, true, true, false];
         let recording = recording(series, Some(mask));
-        let layout = Layout::new(&recording, 3, 1.0).unwrap();
-        assert_eq!(layout.row_mask(), Some(vec![true, true, false]));
-        assert_eq!(layout.mean(&recording.position[0]), [1.0, 2.0, 1.5]);
+        let average = PeriodAverage::new(&recording, 3, 1.0).unwrap();
+        assert_eq!(average.row_mask(), Some(vec![true, true, false]));
+        assert_eq!(average.mean(&recording.position[0]), [1.0, 2.0, 1.5]);
     }
 
     #[test]
     fn periods_start_at_the_first_valid_sample() {
         let mask = (0..10).map(|k| k >= 3).collect();
         let recording = recording((0..10).map(f64::from).collect(), Some(mask));
-        let layout = Layout::new(&recording, 3, 1.0).unwrap();
-        assert_eq!((layout.first, layout.count), (3, 2));
+        let average = PeriodAverage::new(&recording, 3, 1.0).unwrap();
+        assert_eq!((average.first, average.count), (3, 2));
     }
 
     #[test]
@@ -164,7 +164,7 @@ mod tests {
         let of = |samples: usize, first: usize| {
             let mask = (0..10).map(|k| k >= first).collect();
             let recording = recording((0..10).map(f64::from).collect(), Some(mask));
-            Layout::new(&recording, samples, 1.0)
+            PeriodAverage::new(&recording, samples, 1.0)
         };
         assert_eq!(of(10, 0).unwrap().count, 1);
         assert!(of(11, 0).is_err());

@@ -13,7 +13,7 @@ use crate::recording::experiment::{
 };
 use crate::recording::filter::parallel;
 use crate::recording::fourier::{self, Series};
-use crate::recording::period_average::Layout;
+use crate::recording::period_average::PeriodAverage;
 use crate::recording::samples::Recording;
 use crate::recording::settings::{Method, Preparation};
 use crate::recording::spectrum::{coefficients, synthesis};
@@ -32,7 +32,8 @@ pub(super) fn prepare(
     mut recording: Recording,
     preparation: &Preparation,
     timing: Timing,
-    (period, chosen): (f64, Chosen),
+    period: f64,
+    chosen: Chosen,
 ) -> Result<Experiment, RecordingError> {
     let samples = rows_of(&recording, &timing, period)?;
     let rate_hz = samples as f64 / period;
@@ -45,19 +46,19 @@ pub(super) fn prepare(
         recording.time = Some(t.clone());
         recording = resample(recording, Grid::spanning(&t, rate_hz));
     }
-    let layout = Layout::new(&recording, samples, period)?;
-    let (first, at) = (layout.first, layout.first as f64 / rate_hz);
+    let average = PeriodAverage::new(&recording, samples, period)?;
+    let (first, at) = (average.first, average.first as f64 / rate_hz);
     let (start, map) = match aligned {
         true => (t[first], RowMap::Periodic { first }),
         false => (at, RowMap::PeriodicGrid { start: at, rate_hz }),
     };
     let parallel = parallel(&recording.file, preparation, rate_hz)?;
     let positions = std::mem::take(&mut recording.position);
-    let joints = Joints::new(&positions, &layout, preparation, period);
+    let joints = Joints::new(&positions, &average, preparation, period);
     let recorded_signal = &recording.signal;
-    let noise = noise(&layout, recorded_signal, &positions, parallel.as_ref());
+    let noise = noise(&average, recorded_signal, &positions, parallel.as_ref());
     drop(positions);
-    let signal = averages(&layout, recorded_signal, parallel.as_ref());
+    let signal = averages(&average, recorded_signal, parallel.as_ref());
     Ok(Experiment {
         t: (0..samples).map(|k| start + k as f64 / rate_hz).collect(),
         rate_hz,
@@ -68,7 +69,7 @@ pub(super) fn prepare(
             _ => Method::Fourier,
         },
         signal,
-        mask: layout.row_mask(),
+        mask: average.row_mask(),
         noise,
         white_noise: Vec::new(),
         raw: Raw {
@@ -82,7 +83,7 @@ pub(super) fn prepare(
         file: recording.file,
         bandwidth: joints.bandwidth,
         timing,
-        periods: Some(layout.periods((period, chosen))),
+        periods: Some(average.periods(period, chosen)),
         edge_s: 0.0,
         parallel,
         remarks: Vec::new(),
@@ -96,8 +97,12 @@ fn is_aligned(timing: &Timing, rate_hz: f64, samples: usize) -> bool {
 }
 
 /// Period averages of all channels, filtered.
-fn averages(layout: &Layout, signal: &[Vec<f64>], filter: Option<&ZeroPhase>) -> Vec<Vec<f64>> {
-    let mut means: Vec<Vec<f64>> = signal.iter().map(|s| layout.mean(s)).collect();
+fn averages(
+    average: &PeriodAverage,
+    signal: &[Vec<f64>],
+    filter: Option<&ZeroPhase>,
+) -> Vec<Vec<f64>> {
+    let mut means: Vec<Vec<f64>> = signal.iter().map(|s| average.mean(s)).collect();
     if let Some(filter) = filter {
         means
             .iter_mut()
@@ -150,7 +155,7 @@ struct Joints {
 impl Joints {
     fn new(
         positions: &[Vec<f64>],
-        layout: &Layout,
+        average: &PeriodAverage,
         preparation: &Preparation,
         period: f64,
     ) -> Self {
@@ -160,7 +165,7 @@ impl Joints {
             variances: Vec::new(),
         };
         for recorded in positions {
-            let (series, bandwidth) = differentiate(recorded, layout, preparation, period);
+            let (series, bandwidth) = differentiate(recorded, average, preparation, period);
             joints.motion.position.push(series.position);
             joints.motion.velocity.push(series.velocity);
             joints.motion.acceleration.push(series.acceleration);
@@ -186,13 +191,13 @@ impl Joints {
 /// The mean position of one joint with its derivatives, by the method asked for.
 fn differentiate(
     recorded: &[f64],
-    layout: &Layout,
+    average: &PeriodAverage,
     preparation: &Preparation,
     period: f64,
 ) -> (Series, Bandwidth) {
-    let n = layout.samples;
-    let mean = layout.mean(recorded);
-    let differences = layout.differences(recorded, &mean);
+    let n = average.samples;
+    let mean = average.mean(recorded);
+    let differences = average.differences(recorded, &mean);
     let (mut coefficients, mut noise) = fourier::analyse(&mean, &differences);
     let settings = &preparation.differentiation;
     let chosen = match settings.cutoff_hz {
@@ -231,37 +236,37 @@ fn differentiate(
         // What a given bandwidth leaves out is left out on purpose.
         noise.truncate(harmonics + 1);
     }
-    let series = fourier::series(&coefficients, &noise, summed, (n, period));
+    let series = fourier::series(&coefficients, &noise, summed, n, period);
     (series, bandwidth)
 }
 
 /// Noise of the means of all channels; None without two valid periods.
 fn noise(
-    layout: &Layout,
+    average: &PeriodAverage,
     signal: &[Vec<f64>],
     positions: &[Vec<f64>],
     parallel: Option<&ZeroPhase>,
 ) -> Option<Noise> {
-    let degrees = layout.degrees() as f64;
-    if layout.count < 2 || degrees == 0.0 {
+    let degrees = average.degrees() as f64;
+    if average.count < 2 || degrees == 0.0 {
         return None;
     }
-    let differences = |series: &Vec<f64>| layout.differences(series, &layout.mean(series));
+    let differences = |series: &Vec<f64>| average.differences(series, &average.mean(series));
     let mut scatter: Vec<Vec<f64>> = signal.iter().map(differences).collect();
     if let Some(filter) = parallel {
         // Filtered means are means of filtered periods, so their scatter is that of the differences
         // after the filter.
         let periods = scatter
             .iter_mut()
-            .flat_map(|e| e.chunks_mut(layout.samples));
+            .flat_map(|e| e.chunks_mut(average.samples));
         periods.for_each(|period| filter.apply_periodic(period));
     }
-    let per_mean = 1.0 / layout.count as f64;
+    let per_mean = 1.0 / average.count as f64;
     let product = |a: usize, b: usize| -> f64 {
         let pairs = scatter[a].iter().zip(&scatter[b]);
         pairs.map(|(x, y)| x * y).sum::<f64>() / degrees * per_mean
     };
-    let lags = MOST_LAGS.min(layout.samples / 2);
+    let lags = MOST_LAGS.min(average.samples / 2);
     let spread = |series: &Vec<f64>| {
         let squares: f64 = differences(series).iter().map(|e| e * e).sum();
         (squares / degrees).sqrt()
@@ -270,7 +275,7 @@ fn noise(
         signal_covariance: DMatrix::from_fn(signal.len(), signal.len(), product),
         autocovariance: scatter
             .iter()
-            .map(|e| autocovariance(e, lags, degrees * layout.count as f64))
+            .map(|e| autocovariance(e, lags, degrees * average.count as f64))
             .collect(),
         recorded_position_sd: positions.iter().map(spread).collect(),
     })

@@ -30,7 +30,7 @@ pub fn prepare(
     let missing = recording.missing.as_ref();
     let missing = missing.map(|missing| missing.words(&recording.file));
     let mut experiment = match settled.period {
-        Some(period) => periodic::prepare(recording, preparation, timing, period),
+        Some((period, chosen)) => periodic::prepare(recording, preparation, timing, period, chosen),
         None => aperiodic::prepare(recording, preparation, timing),
     }?;
     experiment.remarks.extend(

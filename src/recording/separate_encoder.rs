@@ -7,8 +7,7 @@
 use std::path::Path;
 
 use crate::recording::column_map::ColumnMap;
-
-use crate::recording::columns::{Parts, RecordedJoint, read_parts};
+use crate::recording::columns::{File, Parts, RecordedJoint};
 use crate::recording::error::RecordingError;
 use crate::recording::reading::Reading;
 use crate::recording::samples::{Recording, SignalKind};
@@ -16,17 +15,39 @@ use crate::recording::spline::Spline;
 use crate::recording::table::require_rows;
 use crate::recording::timing::{examine, stamps};
 
+/// The two files of a recording with an encoder of its own.
+#[derive(Debug, Clone, Copy)]
+pub struct EncoderFiles<'a> {
+    /// Of the signal.
+    pub signal: &'a Path,
+    /// Of the encoder.
+    pub positions: &'a Path,
+}
+
 /// Reads the signal from one file and the positions of the joints from another, both with time stamps.
 ///
 /// Errors: those of both files, time stamps that are missing or do not increase, no common time.
 pub fn read_with_separate_encoder(
-    (path, positions): (&Path, &Path),
+    files: EncoderFiles<'_>,
     map: &ColumnMap,
     joints: &[RecordedJoint],
-    (kind, reading): (SignalKind, &Reading),
+    kind: SignalKind,
+    reading: &Reading,
 ) -> Result<Recording, RecordingError> {
-    let mut recording = read_parts((path, reading), map, joints, (kind, Parts::WithoutPosition))?;
-    let mut sensor = read_parts((positions, reading), map, joints, (kind, Parts::Position))?;
+    let EncoderFiles {
+        signal: path,
+        positions,
+    } = files;
+    let signal = File {
+        path,
+        parts: Parts::WithoutPosition,
+    };
+    let encoder = File {
+        path: positions,
+        parts: Parts::Position,
+    };
+    let mut recording = signal.read(map, joints, kind, reading)?;
+    let mut sensor = encoder.read(map, joints, kind, reading)?;
     if let Some(mask) = sensor.mask.take() {
         let there: Vec<usize> = (0..mask.len()).filter(|&k| mask[k]).collect();
         sensor.keep(&there);

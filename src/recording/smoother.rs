@@ -40,14 +40,18 @@ const SAME: f64 = 1e-9;
 /// Variance of the state at the first sample, in units of what is usual: it is all but unknown.
 const UNKNOWN: f64 = 1e6;
 
+/// The band that a smoother passes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Band {
+    pub cutoff_hz: f64,
+    /// Of the samples.
+    pub rate_hz: f64,
+}
+
 /// Smooths channels of even samples; `valid` says which samples count.
-pub(super) fn smooth(
-    channels: &[Channel<'_>],
-    valid: Option<&[bool]>,
-    (cutoff_hz, rate_hz): (f64, f64),
-) -> Smoothed {
+pub(super) fn smooth(channels: &[Channel<'_>], valid: Option<&[bool]>, band: Band) -> Smoothed {
     let rows = channels.first().map_or(0, |c| c.series.len());
-    let smoother = Smoother::new(channels, cutoff_hz, rate_hz);
+    let smoother = Smoother::new(channels, band.cutoff_hz, band.rate_hz);
     let counts = |k: usize| valid.is_none_or(|valid| valid[k]);
     let forward = smoother.forward(rows, &counts);
     smoother.backward(&forward)
@@ -289,7 +293,14 @@ mod tests {
     #[test]
     fn invariant_it_is_the_zero_phase_low_pass_far_from_the_ends() {
         let series = noisy(4000, 0, 1e-3, 1);
-        let smoothed = smooth(&[position(&series, 1e-3)], None, (5.0, RATE));
+        let smoothed = smooth(
+            &[position(&series, 1e-3)],
+            None,
+            Band {
+                cutoff_hz: 5.0,
+                rate_hz: RATE,
+            },
+        );
         let mut filtered = series.clone();
         ZeroPhase::new(5.0, RATE).unwrap().apply(&mut filtered);
         for k in 600..3400 {
@@ -302,13 +313,27 @@ mod tests {
     fn velocities_that_are_measured_lower_the_error() {
         let series = noisy(4000, 0, 1e-3, 3);
         let speeds = noisy(4000, 1, 1e-3, 4);
-        let alone = smooth(&[position(&series, 1e-3)], None, (8.0, RATE));
+        let alone = smooth(
+            &[position(&series, 1e-3)],
+            None,
+            Band {
+                cutoff_hz: 8.0,
+                rate_hz: RATE,
+            },
+        );
         let speed = Channel {
             series: &speeds,
             order: 1,
             variance: 1e-6,
         };
-        let both = smooth(&[position(&series, 1e-3), speed], None, (8.0, RATE));
+        let both = smooth(
+            &[position(&series, 1e-3), speed],
+            None,
+            Band {
+                cutoff_hz: 8.0,
+                rate_hz: RATE,
+            },
+        );
         assert!(errors(&both)[2] < 0.5 * errors(&alone)[2]);
     }
 
@@ -318,7 +343,14 @@ mod tests {
         let mut series = noisy(4000, 0, sd, 5);
         let valid: Vec<bool> = (0..4000).map(|k| !(2000..2040).contains(&k)).collect();
         series[2000..2040].fill(1e6);
-        let smoothed = smooth(&[position(&series, sd)], Some(&valid), (8.0, RATE));
+        let smoothed = smooth(
+            &[position(&series, sd)],
+            Some(&valid),
+            Band {
+                cutoff_hz: 8.0,
+                rate_hz: RATE,
+            },
+        );
         assert!(!smoothed.settled[2020] && smoothed.settled[1980] && smoothed.settled[2060]);
         assert!(errors(&smoothed)[0] < sd);
         let dropped = smoothed.settled[..1000].iter().filter(|s| !**s).count();

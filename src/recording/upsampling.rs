@@ -50,7 +50,7 @@ struct Pattern {
 }
 
 impl Pattern {
-    fn every(manner: Manner, (every, phase): (usize, usize), length: usize) -> Self {
+    fn every(manner: Manner, every: usize, phase: usize, length: usize) -> Self {
         Self {
             manner,
             factor: every as f64,
@@ -126,8 +126,8 @@ fn repeated(series: &[f64]) -> Option<Pattern> {
         let most = (0..every).max_by_key(|p| phases[*p])?;
         (phases[most] as f64 >= (1.0 - ELSEWHERE) * count as f64).then_some((every, most))
     };
-    if let Some(found) = (2..=MOST_ROWS).rev().find_map(|every| at_every(&every)) {
-        return Some(Pattern::every(Manner::Repeated, found, length));
+    if let Some((every, phase)) = (2..=MOST_ROWS).rev().find_map(|every| at_every(&every)) {
+        return Some(Pattern::every(Manner::Repeated, every, phase, length));
     }
     by_two_clocks(&changed, length)
 }
@@ -195,11 +195,11 @@ fn interpolated(series: &[f64]) -> Option<Pattern> {
         return None;
     }
     let most = (end.saturating_sub(begin) / LEAST_CHANGES).min(MOST_ROWS);
-    let found = (2..=most)
+    let (every, phase) = (2..=most)
         .rev()
         .find_map(|every| largest((begin, end), every))?;
-    let whole = largest((1, length - 1), found.0)?;
-    (whole == found).then(|| Pattern::every(Manner::Interpolated, found, length))
+    let whole = largest((1, length - 1), every)?;
+    (whole == (every, phase)).then(|| Pattern::every(Manner::Interpolated, every, phase, length))
 }
 
 fn quantile(values: &mut [f64], share: f64) -> f64 {

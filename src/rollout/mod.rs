@@ -60,7 +60,7 @@ pub fn run(
         .iter()
         .enumerate()
         .map(|(number, recording)| {
-            SimulatedWindows::of(&candidates, (number, recording), task.seed, control)
+            SimulatedWindows::of(&candidates, number, recording, task.seed, control)
         })
         .collect::<Result<Vec<_>, _>>()?;
     let rolled: Vec<SimulatedWindows<'_>> = rolled.into_iter().flatten().collect();

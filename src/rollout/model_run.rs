@@ -1,4 +1,4 @@
-//! A recording as a model sees it: motion and torques of its motors, and the state of what lags and remembers.
+//! A model along a recording: motion and torques of its motors, and its internal states.
 
 use crate::chain::dataset::Prepared;
 use crate::chain::evaluate::Evaluator;
@@ -28,6 +28,15 @@ pub struct ModelRun<'a> {
     starts: Vec<usize>,
 }
 
+/// A joint among those that move.
+#[derive(Debug, Clone, Copy)]
+pub struct MovingJoint {
+    /// Its place among them.
+    pub index: usize,
+    /// How many there are.
+    pub count: usize,
+}
+
 /// A window as a model goes through it.
 #[derive(Debug, Clone, Default)]
 pub struct Track {
@@ -39,7 +48,8 @@ pub struct Track {
 impl<'a> ModelRun<'a> {
     /// The run of a model along a recording whose windows begin at rows `starts`, under `signal` by channel.
     pub fn new(
-        (candidate, recording): (&'a Candidate, &'a Prepared),
+        candidate: &'a Candidate,
+        recording: &'a Prepared,
         signal: &[Vec<f64>],
         starts: &[usize],
         accuracy: Accuracy,
@@ -153,7 +163,8 @@ impl<'a> ModelRun<'a> {
     /// Goes through the window that begins at a start, over so many rows, from a state with errors of position and velocity.
     pub fn roll(
         &self,
-        (window, rows): (usize, usize),
+        window: usize,
+        rows: usize,
         accuracy: Accuracy,
         errors: Option<&[Vec<f64>; 2]>,
     ) -> Result<Track, NotForward> {
@@ -233,9 +244,9 @@ impl<'a> ModelRun<'a> {
 
 impl Track {
     /// The error of a joint so many rows after the start; not a number where the model is lost.
-    pub fn error(&self, row: usize, (joint, joints): (usize, usize)) -> f64 {
+    pub fn error(&self, row: usize, joint: MovingJoint) -> f64 {
         self.errors
-            .get(row * joints + joint)
+            .get(row * joint.count + joint.index)
             .copied()
             .unwrap_or(f64::NAN)
     }

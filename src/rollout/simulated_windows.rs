@@ -1,11 +1,11 @@
-//! The windows of one recording, rolled out by the models before and after.
+//! The windows of one recording, simulated forward by the declared and the final model.
 
 use crate::chain::dataset::Prepared;
 use crate::chain::forward::{Accuracy, Forward, NotForward};
 use crate::problem::solution::Control;
 use crate::rollout::candidate::{Candidate, Candidates};
 use crate::rollout::error::RolloutError;
-use crate::rollout::model_run::{ModelRun, Track, predicted};
+use crate::rollout::model_run::{ModelRun, MovingJoint, Track, predicted};
 use crate::rollout::noise::{ChannelNoise, draw, stream};
 use crate::rollout::window::{Window, WindowJoint};
 use crate::stats::range::within;
@@ -81,7 +81,8 @@ impl<'a> SimulatedWindows<'a> {
     /// `None` where no window fits.
     pub(super) fn of(
         candidates: &'a Candidates,
-        (number, recording): (usize, &'a Prepared),
+        number: usize,
+        recording: &'a Prepared,
         seed: u64,
         control: &Control<'_>,
     ) -> Result<Option<Self>, RolloutError> {
@@ -95,7 +96,7 @@ impl<'a> SimulatedWindows<'a> {
         let accuracy = Accuracy::default();
         let experiment = &recording.experiment;
         let of = |candidate: &'a Candidate, signal: &[Vec<f64>]| {
-            ModelRun::new((candidate, recording), signal, &starts.rows, accuracy)
+            ModelRun::new(candidate, recording, signal, &starts.rows, accuracy)
         };
         let roll =
             |run: &ModelRun<'a>, errors: &[[Vec<f64>; 2]]| -> Result<Vec<Track>, RolloutError> {
@@ -106,8 +107,7 @@ impl<'a> SimulatedWindows<'a> {
                         if control.is_interrupted() {
                             return Err(RolloutError::Interrupted);
                         }
-                        let window = (k, starts.lengths[k]);
-                        Ok(run.roll(window, accuracy, errors.get(k))?)
+                        Ok(run.roll(k, starts.lengths[k], accuracy, errors.get(k))?)
                     })
                     .collect()
             };
@@ -151,12 +151,7 @@ impl<'a> SimulatedWindows<'a> {
         let step = starts.rows.len().div_ceil(CHECKED);
         let halved = (0..starts.rows.len())
             .step_by(step)
-            .map(|k| {
-                Ok((
-                    k,
-                    run.roll((k, starts.lengths[k]), accuracy.halved(), None)?,
-                ))
-            })
+            .map(|k| Ok((k, run.roll(k, starts.lengths[k], accuracy.halved(), None)?)))
             .collect::<Result<_, NotForward>>()?;
         Ok(Some(Self {
             recording,
@@ -203,7 +198,8 @@ impl SimulatedWindows<'_> {
     pub(super) fn window(
         &self,
         kind: &'static str,
-        (k, horizon): (usize, f64),
+        k: usize,
+        horizon: f64,
         joints: &[Named],
     ) -> Result<Window, NotForward> {
         let (start, rows) = (self.run.starts()[k], self.row(horizon));
@@ -211,9 +207,13 @@ impl SimulatedWindows<'_> {
             .map(|row| self.run.recorded(row))
             .collect::<Result<Vec<_>, _>>()?;
         let of = |(j, named): (usize, &Named)| {
+            let joint = MovingJoint {
+                index: j,
+                count: joints.len(),
+            };
             let along = |track: Option<&Track>| -> Vec<f64> {
                 let at = |row: usize| {
-                    let error = track.map_or(f64::NAN, |t| t.error(row, (j, joints.len())));
+                    let error = track.map_or(f64::NAN, |t| t.error(row, joint));
                     recorded[row][j] + error
                 };
                 (0..=rows).map(at).collect()

@@ -1,4 +1,4 @@
-//! What the windows of all recordings say.
+//! Summary of the forward simulations of all recordings.
 
 use crate::chain::effect::{Effect, Lasts};
 use crate::chain::forward;
@@ -11,7 +11,7 @@ use crate::outcome::skeleton::Skeleton;
 use crate::rollout::candidate::Candidates;
 use crate::rollout::error::RolloutError;
 use crate::rollout::error_statistics::spread;
-use crate::rollout::model_run::Track;
+use crate::rollout::model_run::{MovingJoint, Track};
 use crate::rollout::simulated_windows::{HORIZONS, Named, SimulatedWindows};
 use crate::rollout::task::{RolloutRun, Task};
 use crate::rollout::window::Window;
@@ -74,7 +74,7 @@ impl Summary<'_> {
         &'t self,
         tracks: impl Fn(&'t SimulatedWindows<'t>) -> &'t [Track],
         time: f64,
-        joint: (usize, usize),
+        joint: MovingJoint,
     ) -> Vec<f64> {
         let mut errors = Vec::new();
         for rolled in self.rolled {
@@ -86,7 +86,7 @@ impl Summary<'_> {
         errors
     }
 
-    pub(super) fn before<'t>(&'t self, time: f64, joint: (usize, usize)) -> Option<Spread> {
+    pub(super) fn before<'t>(&'t self, time: f64, joint: MovingJoint) -> Option<Spread> {
         self.candidates.before.as_ref()?;
         let tracks = |r: &'t SimulatedWindows<'t>| r.before.as_deref().unwrap_or(&[]);
         Some(spread(&self.errors(tracks, time, joint)))
@@ -99,13 +99,14 @@ impl Summary<'_> {
             self.rolled.iter().any(reaches)
         });
         let at = |&horizon: &f64| {
-            let of = |(k, named): (usize, &Named)| JointErrors {
+            let count = joints.len();
+            let of = |(index, named): (usize, &Named)| JointErrors {
                 joint: named.name.clone(),
                 unit: named.unit.to_string(),
-                before: self.before(horizon, (k, joints.len())),
-                after: spread(&self.errors(|r| &r.after, horizon, (k, joints.len()))),
-                noise: spread(&self.errors(|r| &r.noise, horizon, (k, joints.len()))),
-                integration: self.integration(horizon, (k, joints.len())),
+                before: self.before(horizon, MovingJoint { index, count }),
+                after: spread(&self.errors(|r| &r.after, horizon, MovingJoint { index, count })),
+                noise: spread(&self.errors(|r| &r.noise, horizon, MovingJoint { index, count })),
+                integration: self.integration(horizon, MovingJoint { index, count }),
             };
             Horizon {
                 horizon,
@@ -116,7 +117,7 @@ impl Summary<'_> {
     }
 
     /// RMS change of a position by half of the steps.
-    pub(super) fn integration(&self, time: f64, joint: (usize, usize)) -> f64 {
+    pub(super) fn integration(&self, time: f64, joint: MovingJoint) -> f64 {
         let mut changes = Vec::new();
         for rolled in self.rolled {
             let row = rolled.row(time);
@@ -135,7 +136,10 @@ impl Summary<'_> {
         let times = (0..=CURVE_POINTS).map(|k| longest * k as f64 / CURVE_POINTS as f64);
         let times: Vec<f64> = times.collect();
         let of = |(k, named): (usize, &Named)| {
-            let joint = (k, joints.len());
+            let joint = MovingJoint {
+                index: k,
+                count: joints.len(),
+            };
             let along = |of: &dyn Fn(f64) -> Spread| times.iter().map(|t| of(*t)).collect();
             ErrorCurve {
                 joint: named.name.clone(),
@@ -183,7 +187,11 @@ impl Summary<'_> {
                     continue;
                 }
                 let sizes = (0..joints.len()).map(|j| {
-                    let error = rolled.after[k].error(row, (j, joints.len())).abs() / scale[j];
+                    let joint = MovingJoint {
+                        index: j,
+                        count: joints.len(),
+                    };
+                    let error = rolled.after[k].error(row, joint).abs() / scale[j];
                     if error.is_nan() { f64::INFINITY } else { error }
                 });
                 scored.push((sizes.fold(0.0, f64::max), r, k));
@@ -196,7 +204,7 @@ impl Summary<'_> {
         let chosen = [("median", worst / 2), ("worst", worst)];
         let of = |(kind, at): (&'static str, usize)| {
             let (_, r, k) = scored[at];
-            self.rolled[r].window(kind, (k, last.horizon), joints)
+            self.rolled[r].window(kind, k, last.horizon, joints)
         };
         Ok(chosen.into_iter().map(of).collect::<Result<_, _>>()?)
     }

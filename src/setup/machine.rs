@@ -1,4 +1,4 @@
-//! The identified robot as a record: geometry of the tree, bodies and drives at parameter values.
+//! The identified robot as a record of numbers: geometry of the tree, bodies and drives at parameter values.
 
 use crate::chain::effect::tilt::tilted;
 use crate::chain::model::{Model, Signal};
@@ -15,7 +15,8 @@ use nalgebra::DVector;
 
 /// The robot of a model at parameter `values`; bodies are those of `values`, whether possible or not.
 pub fn record(
-    (problem, robot): (&ProblemFile, &Robot),
+    problem: &ProblemFile,
+    robot: &Robot,
     model: &Model,
     values: &DVector<f64>,
     feasible: Option<bool>,

@@ -128,7 +128,7 @@ fn build_with(
         }
         model.close(mechanism.clone());
     }
-    keep_declared_entries(&mut model, problem, (robot, freed))?;
+    keep_declared_entries(&mut model, problem, robot, freed)?;
     declared::apply(problem, robot, &mut model);
     zero_parameters(&mut model, problem)?;
     fix_all(&mut model, &problem.drive.values)?;
@@ -293,7 +293,8 @@ fn with_entries(
 fn keep_declared_entries(
     model: &mut Model,
     problem: &ProblemFile,
-    (robot, freed): (&Robot, &[(usize, usize)]),
+    robot: &Robot,
+    freed: &[(usize, usize)],
 ) -> Result<(), SetupError> {
     if freed.is_empty() {
         return Ok(());

@@ -13,7 +13,7 @@ use crate::problem_file::choices::{PositionSide, Signal};
 use crate::recording::experiment::{Bandwidth, Experiment, Noise};
 use crate::recording::samples::Commanded;
 use crate::setup::error::{Mismatch, SetupError};
-use crate::setup::robot::Robot;
+use crate::setup::recording_file::RecordedRobot;
 use nalgebra::{DMatrix, DVector};
 
 /// Factors from recorded positions and signals to joint scale.
@@ -50,13 +50,18 @@ fn scale(table: &RecordingsTable, ratio: Option<Vec<f64>>, n: usize) -> Result<S
 
 /// Takes what controllers are told beside the position out of the signal of an experiment of the moving joints, for all
 /// motors at joint scale.
-pub fn without_commands(
-    mut experiment: Experiment,
+pub fn take_commands(
+    experiment: &mut Experiment,
     commanded: Commanded,
-    (table, robot, model): (&RecordingsTable, &Robot, &Model),
-) -> Result<(Experiment, Option<Commands>), SetupError> {
+    recorded: RecordedRobot<'_>,
+) -> Result<Option<Commands>, SetupError> {
+    let RecordedRobot {
+        table,
+        robot,
+        model,
+    } = recorded;
     if table.signal.value != Signal::PositionCommand || commanded == Commanded::default() {
-        return Ok((experiment, None));
+        return Ok(None);
     }
     let n = robot.tree.len();
     let moving: Vec<usize> = (0..n).filter(|&k| robot.locked[k].is_none()).collect();
@@ -92,14 +97,19 @@ pub fn without_commands(
     {
         mix(&mut commands.velocity, &inverse);
     }
-    Ok((experiment, Some(commands)))
+    Ok(Some(commands))
 }
 
 /// Brings an experiment of the moving joints to all motors at joint scale; locked ones stand at zero.
 pub fn to_motors(
     mut experiment: Experiment,
-    (table, robot, model): (&RecordingsTable, &Robot, &Model),
+    recorded: RecordedRobot<'_>,
 ) -> Result<Experiment, SetupError> {
+    let RecordedRobot {
+        table,
+        robot,
+        model,
+    } = recorded;
     let n = robot.tree.len();
     let scale = scale(table, robot.ratio.clone(), n)?;
     let moving: Vec<usize> = (0..n).filter(|&k| robot.locked[k].is_none()).collect();

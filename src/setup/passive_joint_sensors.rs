@@ -1,4 +1,4 @@
-//! Joints without a motor: their sensors, and the motion that the loops ask of them.
+//! Sensors of joints without a motor, and the motion of these joints that the loops determine.
 
 use crate::chain::model::Model;
 use crate::fault::Place;
@@ -21,7 +21,8 @@ use crate::setup::preparation::preparation;
 pub fn sensed(
     recording: &Recording,
     table: &RecordingsTable,
-    (model, bandwidth): (&Model, &[Bandwidth]),
+    model: &Model,
+    bandwidth: &[Bandwidth],
     experiment: &Experiment,
 ) -> Result<SensorReadings, SetupError> {
     let mut sensed = SensorReadings::default();

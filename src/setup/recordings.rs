@@ -13,15 +13,15 @@ use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::join::{Source, read_joined};
 use crate::recording::preprocess::prepare;
 use crate::recording::samples::Recording;
-use crate::recording::separate_encoder::read_with_separate_encoder;
+use crate::recording::separate_encoder::{EncoderFiles, read_with_separate_encoder};
 use crate::recording::settings::Preparation;
 use crate::recording::split::Split;
 use crate::recording::upsampling::thinned;
 use crate::setup::error::SetupError;
-use crate::setup::motor_side::{to_motors, without_commands};
+use crate::setup::motor_side::{take_commands, to_motors};
 use crate::setup::passive_joint_sensors;
 use crate::setup::preparation::preparation;
-use crate::setup::recording_file::{NamedRecording, ReadRecording};
+use crate::setup::recording_file::{NamedRecording, ReadRecording, RecordedRobot};
 use crate::setup::robot::Robot;
 use crate::setup::shared_rows::shared_rows;
 
@@ -56,9 +56,14 @@ pub fn prepare_all(
     let table = problem.recordings()?;
     let mut settings = preparation(table);
     settings.differentiation.common_hz = common_hz;
+    let recorded = RecordedRobot {
+        table,
+        robot,
+        model,
+    };
     let mut dataset = Dataset::default();
     for ReadRecording { named, recording } in read {
-        let ready = prepared(recording, &named, &settings, (table, robot, model))?;
+        let ready = prepared(recording, &named, &settings, recorded)?;
         dataset.recordings.push(ready);
     }
     Ok(dataset)
@@ -73,27 +78,33 @@ pub fn open(problem: &ProblemFile, robot: &Robot, model: &Model) -> Result<Datas
 pub fn prepare_one(
     recording: Recording,
     named: &NamedRecording<'_>,
-    (table, robot, model): (&RecordingsTable, &Robot, &Model),
+    recorded: RecordedRobot<'_>,
 ) -> Result<Prepared, SetupError> {
-    prepared(recording, named, &preparation(table), (table, robot, model))
+    prepared(recording, named, &preparation(recorded.table), recorded)
 }
 
 fn prepared(
     recording: Recording,
     named: &NamedRecording<'_>,
     settings: &Preparation,
-    (table, robot, model): (&RecordingsTable, &Robot, &Model),
+    recorded: RecordedRobot<'_>,
 ) -> Result<Prepared, SetupError> {
+    let RecordedRobot {
+        table,
+        robot,
+        model,
+    } = recorded;
     let commanded = recording.commanded;
     let kept = robot.mechanism.is_some().then(|| recording.clone());
-    let experiment = prepare(recording, settings).map_err(|e| at_request(table, named.path, e))?;
-    let (experiment, commands) = without_commands(experiment, commanded, (table, robot, model))?;
-    let mut experiment = to_motors(experiment, (table, robot, model))?;
+    let prepared = prepare(recording, settings);
+    let mut experiment = prepared.map_err(|e| at_request(table, named.path, e))?;
+    let commands = take_commands(&mut experiment, commanded, recorded)?;
+    let mut experiment = to_motors(experiment, recorded)?;
     let mut forces = Vec::new();
     if let (Some(mechanism), Some(recording)) = (&robot.mechanism, kept) {
         let bandwidth = experiment.bandwidth.clone();
         let sensed =
-            passive_joint_sensors::sensed(&recording, table, (model, &bandwidth), &experiment)?;
+            passive_joint_sensors::sensed(&recording, table, model, &bandwidth, &experiment)?;
         passive_joint_sensors::complete(&mut experiment, mechanism, &sensed)?;
         forces = sensed.forces;
     }
@@ -167,23 +178,23 @@ pub fn read_one(
         columns.check_one_per_joint(&robot.order)?;
         maps.push(column_map(columns));
     }
-    let apart = table.positions.iter().find(|p| p.name == path.written);
+    let separate = table.positions.iter().find(|p| p.name == path.written);
     let sources: Vec<Source<'_>> = (path.files.iter().zip(&maps))
         .map(|(file, map)| Source {
             path: &file.path.resolved,
             map,
         })
         .collect();
-    let recording = match (apart, &sources[..]) {
+    let recording = match (separate, &sources[..]) {
         (Some(positions), [Source { map, .. }, ..]) => {
-            let files = (
-                path.resolved.as_path(),
-                positions.value.value.resolved.as_path(),
-            );
-            read_with_separate_encoder(files, map, &joints, (kind, reading))
+            let files = EncoderFiles {
+                signal: &path.resolved,
+                positions: &positions.value.value.resolved,
+            };
+            read_with_separate_encoder(files, map, &joints, kind, reading)
         }
-        (None, [Source { path, map }]) => read_within(path, map, &joints, (kind, reading)),
-        _ => read_joined(&sources, &joints, (kind, reading)),
+        (None, [Source { path, map }]) => read_within(path, map, &joints, kind, reading),
+        _ => read_joined(&sources, &joints, kind, reading),
     };
     let rate = table.rate.as_ref().map(|rate| rate.value);
     let recording = recording.map(|recording| match kind {

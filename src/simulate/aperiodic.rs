@@ -1,4 +1,4 @@
-//! Motions that do not repeat, per joint, about a common centre.
+//! Aperiodic motions: each joint about a centre by sums of sines, point-to-point moves or sweeps.
 //!
 //! ```text
 //! x(t) = A u(t) + b,   u_j = Σ_k a_k sin(ω_k t + φ_k)                          tones
@@ -9,7 +9,7 @@
 //! The amplitude of a sweep is that of the range, r⁻¹, where it is slow, of the speed v in between and of the acceleration
 //! a where it is fast.
 
-use crate::simulate::path::Motion;
+use crate::simulate::path::{Instants, Motion};
 use nalgebra::{DMatrix, DVector};
 
 /// A path whose joints each follow a waveform of their own.
@@ -37,7 +37,8 @@ impl Aperiodic {
         }
     }
 
-    pub(super) fn sample(&self, (start, rate): (f64, f64), count: usize) -> Motion {
+    pub(super) fn sample(&self, instants: Instants) -> Motion {
+        let Instants { start, rate, count } = instants;
         let n = self.shift.len();
         let mut motion: Motion = std::array::from_fn(|_| vec![Vec::with_capacity(count); n]);
         for k in 0..count {

@@ -13,8 +13,8 @@ use crate::chain::model::Model;
 use crate::fault::Place;
 use crate::problem::solution::Control;
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
-use crate::simulate::path::{Motion, Path};
-use crate::simulate::plant::{Linearised, NoAcceleration, Plant, State};
+use crate::simulate::path::{Instants, Motion, Path};
+use crate::simulate::plant::{Linearised, NoAcceleration, Plant, State, Step};
 use crate::simulate::truth::DEFAULT_WIDTH;
 
 /// Lowest rate of the controller, Hz: that of usual position loops.
@@ -86,7 +86,11 @@ impl Loop<'_> {
                 return Err(self.fault(SimulateErrorKind::Interrupted));
             }
             let count = CHUNK.min(ticks - start);
-            let desired = self.path.sample((start as f64 / rate, rate), count);
+            let desired = self.path.sample(Instants {
+                start: start as f64 / rate,
+                rate,
+                count,
+            });
             for tick in start..start + count {
                 let at = |order: usize| -> Vec<f64> {
                     desired[order]
@@ -103,7 +107,7 @@ impl Loop<'_> {
                 }
                 let time = tick as f64 / rate;
                 let acceleration = runner.tick(&goal).map_err(|e| self.stopped(e, time))?;
-                self.check(&runner, (&goal[0], time))?;
+                self.check(&runner, &goal[0], time)?;
                 if tick >= before && (tick - before).is_multiple_of(every) {
                     runner.record(&acceleration, &mut motion);
                 }
@@ -134,7 +138,7 @@ impl Loop<'_> {
         })
     }
 
-    fn check(&self, runner: &Runner, (goal, time): (&[f64], f64)) -> Result<(), SimulateError> {
+    fn check(&self, runner: &Runner, goal: &[f64], time: f64) -> Result<(), SimulateError> {
         let distance = |j: usize| (runner.state.position[j] - goal[j]).abs();
         // Also found where the position is not a number.
         let lost = (0..goal.len()).find(|&j| {
@@ -244,7 +248,8 @@ impl<'m> Runner<'m> {
             };
             let share = whole >> halvings;
             let h = self.interval * f64::from(share) / f64::from(whole);
-            let (next, error) = self.plant.step((&self.state, &chain), &self.command, h)?;
+            let Step { state: next, error } =
+                self.plant.step(&self.state, &chain, &self.command, h)?;
             if error > self.tolerance && halvings < MOST_HALVINGS {
                 halvings += 1;
                 self.chain = Some(chain);

@@ -39,11 +39,11 @@ use crate::setup::limits::{self, JointLimits};
 use crate::setup::robot;
 use crate::simulate::closed_loop::{Loop, Schedule};
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
-use crate::simulate::path::{Motion, Path};
+use crate::simulate::path::{Instants, Motion, Path};
 use crate::simulate::random_aperiodic::Kind;
 use crate::simulate::random_frame::{Frame, Shape};
 use crate::simulate::random_path::{RecordingConditions, torques};
-use crate::simulate::sensors::{Sensors, Table, joints_of};
+use crate::simulate::sensors::{NoisyTable, Sensors, Table, joints_of};
 use crate::simulate::truth::Truth;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -259,9 +259,9 @@ impl Task<'_> {
         let model = &self.truth.recorded;
         let signals = self.signals(&path, &motion, plan.loaded)?;
         let streams = |channel: usize| self.generator(number, 1 + channel as u64);
-        let (table, noise) = self
+        let NoisyTable { table, noise } = self
             .sensors
-            .record((model, self.rate), &motion, signals, streams);
+            .record(model, self.rate, &motion, signals, streams);
         Ok(Made {
             recording: SimulatedRecording {
                 name: plan.name.clone(),
@@ -297,7 +297,14 @@ impl Task<'_> {
             return Ok(torques(model, motion, conditions, &channels));
         }
         let count = finer * motion[0].first().map_or(0, Vec::len);
-        let fine = self.closed(path.sample((0.0, conditions.rate), count), conditions.rate)?;
+        let fine = self.closed(
+            path.sample(Instants {
+                start: 0.0,
+                rate: conditions.rate,
+                count,
+            }),
+            conditions.rate,
+        )?;
         let signals = torques(model, &fine, conditions, &channels);
         let thin = |series: Vec<f64>| series.into_iter().step_by(finer).collect();
         Ok(signals.into_iter().map(thin).collect())
@@ -361,7 +368,14 @@ impl Task<'_> {
             return Err(SimulateError::new(&table.periods.place, kind));
         }
         if table.mode.value == SimulationMode::Inverse {
-            return self.closed(path.sample((0.0, self.rate), samples), self.rate);
+            return self.closed(
+                path.sample(Instants {
+                    start: 0.0,
+                    rate: self.rate,
+                    count: samples,
+                }),
+                self.rate,
+            );
         }
         let warmup = match path.repeats() {
             true => table.warmup_periods.value as f64 * path.duration(),
@@ -402,7 +416,11 @@ impl Task<'_> {
         let passive = model.mechanism().map_or(&[][..], |m| m.passive());
         let count = (path.duration() * self.rate).round().max(1.0) as usize;
         let rate = count as f64 / path.duration();
-        let motion = path.sample((0.0, rate), count);
+        let motion = path.sample(Instants {
+            start: 0.0,
+            rate,
+            count,
+        });
         let mut table = Table::default();
         table.push("t".into(), (0..count).map(|k| k as f64 / rate).collect());
         for (order, prefix) in ["q", "dq", "ddq"].into_iter().enumerate() {

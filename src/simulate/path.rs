@@ -7,7 +7,7 @@
 use crate::chain::model::Model;
 use crate::mechanism::error::OpenLoop;
 use crate::simulate::aperiodic::Aperiodic;
-pub use crate::simulate::motion::Motion;
+pub use crate::simulate::motion::{Instants, Motion};
 use crate::stats::range::within;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -36,12 +36,12 @@ pub enum Path {
 }
 
 impl Path {
-    /// The motion at `count` instants from `start` (s) on at `rate` (Hz).
-    pub fn sample(&self, (start, rate): (f64, f64), count: usize) -> Motion {
+    /// The motion at even instants.
+    pub fn sample(&self, instants: Instants) -> Motion {
         match self {
-            Self::Fourier(series) => series.sample((start, rate), count),
-            Self::Spline(spline) => spline.sample((start, rate), count),
-            Self::Aperiodic(free) => free.sample((start, rate), count),
+            Self::Fourier(series) => series.sample(instants),
+            Self::Spline(spline) => spline.sample(instants),
+            Self::Aperiodic(free) => free.sample(instants),
         }
     }
 
@@ -106,7 +106,8 @@ impl Fourier {
         self.cosine.first().map_or(0, Vec::len)
     }
 
-    fn sample(&self, (start, rate): (f64, f64), count: usize) -> Motion {
+    fn sample(&self, instants: Instants) -> Motion {
+        let Instants { start, rate, count } = instants;
         let n = self.centre.len();
         let omega = TAU / self.period;
         let mut motion: Motion = std::array::from_fn(|_| vec![Vec::with_capacity(count); n]);
@@ -185,7 +186,8 @@ impl Spline {
         }
     }
 
-    fn sample(&self, (start, rate): (f64, f64), count: usize) -> Motion {
+    fn sample(&self, instants: Instants) -> Motion {
+        let Instants { start, rate, count } = instants;
         let n = self.position.len();
         let mut motion: Motion = std::array::from_fn(|_| vec![Vec::with_capacity(count); n]);
         let last = self.time.len() - 2;
@@ -241,7 +243,11 @@ mod tests {
     #[test]
     fn invariant_derivatives_match_differences_of_the_series() {
         let h = 1e-4;
-        let motion = example().sample((0.3, 1.0 / h), 5);
+        let motion = example().sample(Instants {
+            start: 0.3,
+            rate: 1.0 / h,
+            count: 5,
+        });
         let [position, velocity, acceleration] = &motion;
         for ((q, dq), ddq) in position.iter().zip(velocity).zip(acceleration) {
             // Third and fourth derivatives stay below 10 and 100 here.
@@ -257,12 +263,25 @@ mod tests {
         let shift = DVector::from_vec(vec![0.1, 0.2]);
         let series = Path::Fourier(example());
         let time: Vec<f64> = (0..30).map(|k| 0.1 * k as f64).collect();
-        let points = series.sample((0.0, 10.0), 30)[0].clone();
+        let points = series.sample(Instants {
+            start: 0.0,
+            rate: 10.0,
+            count: 30,
+        })[0]
+            .clone();
         let spline = Path::Spline(Spline::through(&time, points));
         for path in [series, spline] {
             let (from, to) = (
-                path.sample((0.05, 9.0), 20),
-                path.mapped(&matrix, &shift).sample((0.05, 9.0), 20),
+                path.sample(Instants {
+                    start: 0.05,
+                    rate: 9.0,
+                    count: 20,
+                }),
+                path.mapped(&matrix, &shift).sample(Instants {
+                    start: 0.05,
+                    rate: 9.0,
+                    count: 20,
+                }),
             );
             for order in 0..3 {
                 let constant = if order == 0 { 0.1 } else { 0.0 };
@@ -276,7 +295,11 @@ mod tests {
     fn matches_closed_form_of_a_line_through_uneven_knots() {
         let time = [0.0, 0.4, 1.0, 1.5];
         let line = time.iter().map(|t| 2.0 - 3.0 * t).collect();
-        let motion = Spline::through(&time, vec![line]).sample((0.0, 10.0), 16);
+        let motion = Spline::through(&time, vec![line]).sample(Instants {
+            start: 0.0,
+            rate: 10.0,
+            count: 16,
+        });
         let [q, dq, _] = motion;
         for k in 0..16 {
             assert!((q[0][k] - (2.0 - 0.3 * k as f64)).abs() < 1e-14);
@@ -289,7 +312,11 @@ mod tests {
         let step = 0.01;
         let time: Vec<f64> = (0..=628).map(|k| step * k as f64).collect();
         let sine = time.iter().map(|t| t.sin()).collect();
-        let motion = Spline::through(&time, vec![sine]).sample((2.0, 333.0), 400);
+        let motion = Spline::through(&time, vec![sine]).sample(Instants {
+            start: 2.0,
+            rate: 333.0,
+            count: 400,
+        });
         let [q, _, ddq] = motion;
         for k in 0..400 {
             let t = 2.0 + k as f64 / 333.0;

@@ -72,7 +72,7 @@ pub(super) fn read(
         })
         .collect();
     let period = problem.recordings.as_ref().and_then(|r| r.period.clone());
-    to_path(&time, position, (&Place::file(file).key("t"), period))
+    to_path(&time, position, &Place::file(file).key("t"), period)
 }
 
 fn missing(path: &FilePath, name: &str, present: Vec<String>) -> RecordingError {
@@ -91,7 +91,8 @@ fn missing(path: &FilePath, name: &str, present: Vec<String>) -> RecordingError 
 fn to_path(
     time: &[f64],
     mut position: Vec<Vec<f64>>,
-    (place, stated): (&Place, Option<Located<f64>>),
+    place: &Place,
+    stated: Option<Located<f64>>,
 ) -> Result<Path, SimulateError> {
     let rows = time.len();
     let step = (time[rows - 1] - time[0]) / (rows - 1) as f64;
@@ -204,6 +205,7 @@ fn coefficients(series: &[f64]) -> Vec<Complex<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulate::path::Instants;
 
     fn place() -> Place {
         Place::file("made.csv")
@@ -229,13 +231,26 @@ mod tests {
             (401, stated(8.0)),
         ] {
             let time: Vec<f64> = (0..rows).map(|k| 0.02 * k as f64).collect();
-            let mut q = truth.sample((0.0, 50.0), rows)[0].clone();
+            let mut q = truth.sample(Instants {
+                start: 0.0,
+                rate: 50.0,
+                count: rows,
+            })[0]
+                .clone();
             q[0].iter_mut().for_each(|x| *x = (*x * 1e7).round() / 1e7);
-            let path = to_path(&time, q, (&place(), period)).unwrap();
+            let path = to_path(&time, q, &place(), period).unwrap();
             assert!((path.duration() - 8.0).abs() < 1e-12);
             let (a, b) = (
-                truth.sample((0.0, 33.0), 300),
-                path.sample((0.0, 33.0), 300),
+                truth.sample(Instants {
+                    start: 0.0,
+                    rate: 33.0,
+                    count: 300,
+                }),
+                path.sample(Instants {
+                    start: 0.0,
+                    rate: 33.0,
+                    count: 300,
+                }),
             );
             let omega = std::f64::consts::TAU / 8.0;
             for k in 0..300 {
@@ -250,9 +265,9 @@ mod tests {
     fn an_open_motion_is_a_spline_and_contradicts_a_period_of_another_length() {
         let time: Vec<f64> = (0..100).map(|k| 0.01 * k as f64).collect();
         let ramp = vec![time.clone()];
-        let path = to_path(&time, ramp.clone(), (&place(), None)).unwrap();
+        let path = to_path(&time, ramp.clone(), &place(), None).unwrap();
         assert!(!path.repeats());
         assert!((path.duration() - 0.99).abs() < 1e-12);
-        assert!(to_path(&time, ramp, (&place(), stated(2.0))).is_err());
+        assert!(to_path(&time, ramp, &place(), stated(2.0)).is_err());
     }
 }

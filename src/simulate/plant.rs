@@ -1,4 +1,4 @@
-//! Forward dynamics of the whole chain, by asking the chain itself.
+//! Forward dynamics of the whole chain, linearised at each state.
 //!
 //! ```text
 //! u = H(m) m̈ + b(m, ṁ)        u: commanded torque, m: motors at joint scale
@@ -81,6 +81,14 @@ pub struct Plant<'m> {
     /// Last known acceleration of the joints that move: where the chain is linearised.
     about: Vec<f64>,
     states: [Vec<Vec<f64>>; 3],
+}
+
+/// A step of the integration.
+pub struct Step {
+    /// At its end.
+    pub state: State,
+    /// Largest difference of a speed from the method of order one, h |k₁ + k₂|/2, which bounds its error.
+    pub error: f64,
 }
 
 impl<'m> Plant<'m> {
@@ -212,17 +220,17 @@ impl<'m> Plant<'m> {
         Ok(right.iter().zip(&chain.at).map(|(d, a)| a + d).collect())
     }
 
-    /// One step of length `h` (s) under commanded torques held constant, and the largest difference of a
-    /// speed from the method of order one, h |k₁ + k₂|/2, which bounds its error.
+    /// One step of length `h` (s) under commanded torques held constant.
     ///
     /// With A = −H⁻¹D in the speeds and zero in the positions, `(1 − γhA) k₁ = F(y)`,
     /// `(1 − γhA) k₂ = F(y + h k₁) − 2 k₁` and `y⁺ = y + h (3 k₁ + k₂)/2`.
     pub fn step(
         &mut self,
-        (state, chain): (&State, &Linearised),
+        state: &State,
+        chain: &Linearised,
         command: &[f64],
         h: f64,
-    ) -> Result<(State, f64), NoAcceleration> {
+    ) -> Result<Step, NoAcceleration> {
         let count = self.moving.len();
         let mut implicit = chain.mass.clone();
         for k in 0..count {
@@ -249,7 +257,7 @@ impl<'m> Plant<'m> {
             next.position[j] += 0.5 * h * (state.velocity[j] + trial.velocity[j]);
             next.velocity[j] += 0.5 * h * (3.0 * k1[k] + k2[k]);
         }
-        Ok((next, error))
+        Ok(Step { state: next, error })
     }
 
     /// Gaussian elimination without pivoting: the matrix is positive definite, or nearly symmetric where

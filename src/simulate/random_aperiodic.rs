@@ -1,4 +1,4 @@
-//! Random motions that do not repeat, within the same limits and the same band of frequencies as the Fourier series.
+//! Random aperiodic motions within the limits and the band of frequencies of the Fourier series.
 //!
 //! ```text
 //! tones    f_h = (h + u)/T, h = 1 … H, u uniform in (−1/2, 1/2) for every joint: no common period
@@ -33,7 +33,8 @@ const SHORTEST: f64 = 0.2;
 /// A motion of the joints of `duration` s that keeps to 80 % of the limits of positions, speeds, accelerations and jerks.
 pub(super) fn draw(
     frame: &Frame<'_>,
-    (kind, duration): (Kind, f64),
+    kind: Kind,
+    duration: f64,
     rng: &mut ChaCha8Rng,
 ) -> Aperiodic {
     let n = frame.limits.len();
@@ -42,7 +43,7 @@ pub(super) fn draw(
         Kind::Sweeps => frame
             .limits
             .iter()
-            .map(|of| sweep(frame, (of, duration), rng))
+            .map(|of| sweep(frame, of, duration, rng))
             .collect(),
         Kind::Moves => moves(frame, duration, rng),
     };
@@ -78,11 +79,7 @@ fn tones(frame: &Frame<'_>, rng: &mut ChaCha8Rng) -> Waveform {
     Waveform::Tones((1..=frame.harmonics).map(tone).collect())
 }
 
-fn sweep(
-    frame: &Frame<'_>,
-    (limits, duration): (&JointLimits, f64),
-    rng: &mut ChaCha8Rng,
-) -> Waveform {
+fn sweep(frame: &Frame<'_>, limits: &JointLimits, duration: f64, rng: &mut ChaCha8Rng) -> Waveform {
     let lowest = TAU / frame.period;
     let from = lowest * between(rng, 0.5, 1.0);
     let to = lowest * frame.harmonics as f64 * between(rng, 0.6, 1.0);

@@ -12,7 +12,7 @@ use crate::fault::Place;
 use crate::robot::batch::Trajectory;
 use crate::setup::limits::JointLimits;
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
-use crate::simulate::path::{self, Fourier, Motion, Path};
+use crate::simulate::path::{self, Fourier, Instants, Motion, Path};
 use crate::simulate::random_aperiodic::{self, LOOK_RATE};
 use crate::simulate::random_frame::Frame;
 
@@ -44,7 +44,7 @@ impl Frame<'_> {
         let joints = match self.shape {
             Shape::Fourier => Path::Fourier(self.joints(rng)),
             Shape::Aperiodic { kind, duration } => {
-                Path::Aperiodic(random_aperiodic::draw(self, (kind, duration), rng))
+                Path::Aperiodic(random_aperiodic::draw(self, kind, duration, rng))
             }
         };
         let mut factor = 1.0;
@@ -150,7 +150,14 @@ impl Frame<'_> {
                 ((duration * LOOK_RATE).ceil() as usize, LOOK_RATE)
             }
         };
-        let Ok(motion) = path::with_loops(self.plant, path.sample((0.0, rate), count)) else {
+        let Ok(motion) = path::with_loops(
+            self.plant,
+            path.sample(Instants {
+                start: 0.0,
+                rate,
+                count,
+            }),
+        ) else {
             return (0, f64::INFINITY);
         };
         let conditions = RecordingConditions {

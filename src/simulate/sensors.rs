@@ -39,6 +39,14 @@ const ROOM_TEMPERATURE: f64 = 25.0;
 /// Names of the components of a wrench.
 const WRENCH: [&str; 6] = ["fx", "fy", "fz", "mx", "my", "mz"];
 
+/// A table as sensors record it, and the noise in it by channel.
+pub struct NoisyTable {
+    /// With noise.
+    pub table: Table,
+    /// `[channel][row]`.
+    pub noise: Vec<Vec<f64>>,
+}
+
 /// A joint that is recorded: its index in the tree, its name and its number from 1 in the problem's order.
 #[derive(Debug, Clone)]
 struct Recorded {
@@ -180,16 +188,17 @@ impl Sensors {
         Ok(channels)
     }
 
-    /// Records a motion of the motors: the table, and the noise that was added, per channel.
+    /// Records a motion of the motors.
     ///
     /// `signals` are those of the channels along the motion; `noise` gives the generator of each channel.
     pub fn record(
         &self,
-        (model, rate): (&Model, f64),
+        model: &Model,
+        rate: f64,
         motion: &Motion,
         signals: Vec<Vec<f64>>,
         noise: impl Fn(usize) -> ChaCha8Rng,
-    ) -> (Table, Vec<Vec<f64>>) {
+    ) -> NoisyTable {
         let rows = motion[0].first().map_or(0, Vec::len);
         let columns = self.columns.as_ref();
         let mut table = Table::default();
@@ -207,7 +216,7 @@ impl Sensors {
             errors
         };
         let added: Vec<Vec<f64>> = self.channels.iter().enumerate().map(errors).collect();
-        let positions = self.position(model, (&motion[0], &added));
+        let positions = self.position(model, &motion[0], &added);
         self.push_motion(&mut table, &position, positions);
         let rates = [named(|c| &c.velocity), named(|c| &c.acceleration)];
         for (asked, series) in rates.into_iter().zip(&motion[1..]) {
@@ -233,7 +242,10 @@ impl Sensors {
             let name = column.value.label("", 1).unwrap_or_default();
             table.push(name, vec![1.0; rows]);
         }
-        (table, added)
+        NoisyTable {
+            table,
+            noise: added,
+        }
     }
 
     fn push_motion(&self, table: &mut Table, column: &Column, mut series: Vec<Vec<f64>>) {
@@ -248,11 +260,7 @@ impl Sensors {
     }
 
     /// Positions as the encoders give them, with noise where the signal is an error of the position.
-    fn position(
-        &self,
-        model: &Model,
-        (motors, noise): (&[Vec<f64>], &[Vec<f64>]),
-    ) -> Vec<Vec<f64>> {
+    fn position(&self, model: &Model, motors: &[Vec<f64>], noise: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let mut out = self.exact_position(model, motors);
         for (channel, errors) in self.channels.iter().zip(noise) {
             if let (Some(_), Some(joint)) =

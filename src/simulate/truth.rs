@@ -1,4 +1,4 @@
-//! The truth of a simulation: models of which every parameter is known.
+//! The true models of a simulation, of which every parameter is known.
 //!
 //! Values come, later ones before earlier ones, from the robot file, an earlier result under
 //! `robot.parameters`, `robot.zero`, `drive` and `[simulate.values]`.
@@ -81,7 +81,7 @@ pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateErro
     let mut parameters = named(&plant);
     for entry in &acting.currents {
         if let Reference::Parameter(p) = resolve(&recorded, &entry.name, &entry.value.place)? {
-            fix(&mut recorded, (p, entry.value.value), &entry.value.place)?;
+            fix(&mut recorded, p, entry.value.value, &entry.value.place)?;
             let known = &recorded.parameters()[p];
             parameters.push(Parameter::known(&known.name, &known.unit, known.value));
         }
@@ -226,7 +226,7 @@ fn assign(
         let (value, place) = (entry.value.value, &entry.value.place);
         match resolve(model, &entry.name, place)? {
             Reference::Parameter(p) => {
-                fix(model, (p, value), place)?;
+                fix(model, p, value, place)?;
                 assigned[p] = true;
             }
             Reference::Body(first, quantity) => {
@@ -249,7 +249,7 @@ fn assign(
             return Err(SimulateError::new(place, kind));
         }
         for k in 0..PER_LINK {
-            fix(model, (first + k, body.0[k]), place)?;
+            fix(model, first + k, body.0[k], place)?;
             assigned[first + k] = true;
         }
     }
@@ -277,7 +277,7 @@ fn share(
                 .filter(|p| !assigned[*p])
                 .collect::<Vec<_>>()
             {
-                fix(plant, (other, value), &place)?;
+                fix(plant, other, value, &place)?;
                 assigned[other] = true;
             }
         }
@@ -285,7 +285,7 @@ fn share(
     Ok(())
 }
 
-fn fix(model: &mut Model, (p, value): (usize, f64), place: &Place) -> Result<(), SimulateError> {
+fn fix(model: &mut Model, p: usize, value: f64, place: &Place) -> Result<(), SimulateError> {
     let (lower, upper) = (model.parameters()[p].lower, model.parameters()[p].upper);
     model.fix(p, value).map_err(|_| {
         let found = value;
@@ -336,7 +336,7 @@ fn complete(
                 } else {
                     model.parameters()[p].scale
                 };
-                fix(model, (p, value), place)?;
+                fix(model, p, value, place)?;
                 let parameter = &model.parameters()[p];
                 notes.push(format!("{} is {value} by default", parameter.name));
             }
@@ -382,7 +382,7 @@ fn without_coupling_value(
 fn copy_values(from: &Model, to: &mut Model) -> Result<(), SimulateError> {
     for p in 0..to.parameters().len() {
         if let Ok(source) = from.find(&to.parameters()[p].name) {
-            fix(to, (p, from.parameters()[source].value), &Place::default())?;
+            fix(to, p, from.parameters()[source].value, &Place::default())?;
         }
     }
     Ok(())

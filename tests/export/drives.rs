@@ -109,7 +109,7 @@ fn robot(effects: &[&str], head: &str) -> Robot {
             _ => {}
         }
     }
-    let machine = setup::machine::record((&problem, &robot), &model, &values, None);
+    let machine = setup::machine::record(&problem, &robot, &model, &values, None);
     Robot {
         model,
         values,

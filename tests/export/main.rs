@@ -62,7 +62,7 @@ impl Case {
         fs::write(&path, problem).unwrap();
         let (problem, robot, model) = open(&path);
         let values = drawn_values(&model, seed);
-        let machine = setup::machine::record((&problem, &robot), &model, &values, None);
+        let machine = setup::machine::record(&problem, &robot, &model, &values, None);
         Self {
             folder,
             model,

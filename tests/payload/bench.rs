@@ -10,6 +10,7 @@ use exid::recording::samples::Recording;
 use exid::robot::batch::Trajectory;
 use exid::robot::random::generator;
 use exid::setup;
+use exid::setup::recording_file::RecordedRobot;
 use exid::setup::robot::Robot;
 use exid::simulate::truth;
 use nalgebra::DVector;
@@ -149,8 +150,12 @@ impl Bench {
         );
         let table = self.problem.recordings().unwrap();
         let named = &setup::recordings::list(table)[0];
-        let from = (table, &self.robot, &self.model);
-        let prepared = setup::recordings::prepare_one(recording, named, from).unwrap();
+        let recorded = RecordedRobot {
+            table,
+            robot: &self.robot,
+            model: &self.model,
+        };
+        let prepared = setup::recordings::prepare_one(recording, named, recorded).unwrap();
         Dataset {
             recordings: vec![prepared],
         }

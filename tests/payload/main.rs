@@ -7,7 +7,7 @@ mod sequence;
 
 use bench::{Bench, NAMES, Payload, SEEDS};
 use exid::chain::prior::Prior;
-use exid::estimate::estimator::Estimator;
+use exid::estimate::estimator::{Estimator, Training};
 use exid::estimate::fit::{Fitted, fit};
 use exid::estimate::problem::FitProblem;
 use exid::estimate::unknowns::Unknowns;
@@ -26,8 +26,8 @@ const MOST_ITERATIONS: u64 = 20;
 fn estimate(bench: &Bench, seed: u64) -> Fitted {
     let data = bench.data(seed);
     let prior = Prior::none(bench.model.parameters().len());
-    let estimator = (Estimator::MaximumLikelihood, &prior);
-    fit(&bench.model, &data, estimator, &Control::default()).unwrap()
+    let estimator = Estimator::MaximumLikelihood;
+    fit(&bench.model, &data, estimator, &prior, &Control::default()).unwrap()
 }
 
 #[test]
@@ -86,7 +86,15 @@ fn random_starts_reach_the_optimum_of_the_linear_start() {
     let unknowns = Unknowns::find(&bench.model, &data, &prior);
     let recordings: Vec<_> = data.recordings.iter().collect();
     let weights = Weights::by_deviation(&bench.deviation_of_means());
-    let problem = FitProblem::new(&bench.model, &unknowns, (&recordings, &prior), weights);
+    let problem = FitProblem::new(
+        &bench.model,
+        &unknowns,
+        Training {
+            recordings: &recordings,
+            prior: &prior,
+        },
+        weights,
+    );
     let search = |start: &DVector<f64>| -> Solution {
         let view = LeastSquares::try_from(&problem as &dyn Problem).unwrap();
         let settings = Settings {
@@ -138,8 +146,8 @@ fn a_motion_of_the_wrist_alone_leaves_one_direction_open_and_names_what_it_touch
     let bench = Bench::new(&locked);
     let prior = Prior::none(bench.model.parameters().len());
     let data = bench.data(1);
-    let estimator = (Estimator::MaximumLikelihood, &prior);
-    let fitted = fit(&bench.model, &data, estimator, &Control::default()).unwrap();
+    let estimator = Estimator::MaximumLikelihood;
+    let fitted = fit(&bench.model, &data, estimator, &prior, &Control::default()).unwrap();
     assert_eq!((fitted.fit.rank, fitted.fit.unknowns), (18, 19));
     let load = exid::estimate::load::describe(&fitted.estimate).unwrap();
     let all: Vec<String> = NAMES.iter().map(|name| format!("payload.{name}")).collect();

@@ -43,8 +43,8 @@ fn recovers_known_truth_from_noisy_angles_better_than_by_taking_them_for_exact()
         .into_par_iter()
         .map(|seed| {
             let data = bench.data(seed);
-            let estimator = (Estimator::MaximumLikelihood, &prior);
-            let exact = fit(&bench.model, &data, estimator, &control).unwrap();
+            let estimator = Estimator::MaximumLikelihood;
+            let exact = fit(&bench.model, &data, estimator, &prior, &control).unwrap();
             let noisy =
                 errors_in_variables_fit::fit(&bench.model, &data, &prior, &control).unwrap();
             assert!(noisy.estimate.solver.as_ref().unwrap().converged);

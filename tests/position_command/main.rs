@@ -195,8 +195,8 @@ fn recorded(seed: u64, told: Option<Told>, setting: Setting) -> Dataset {
 
 fn fitted(model: &Model, data: &Dataset) -> Fitted {
     let prior = Prior::none(model.parameters().len());
-    let estimator = (Estimator::MaximumLikelihood, &prior);
-    fit(model, data, estimator, &Control::default()).unwrap()
+    let estimator = Estimator::MaximumLikelihood;
+    fit(model, data, estimator, &prior, &Control::default()).unwrap()
 }
 
 /// Interval of a parameter, or of a base parameter.
@@ -366,9 +366,9 @@ fn a_gain_with_a_standard_deviation_widens_the_intervals() {
     let share = 0.1;
     let variance = DMatrix::from_element(1, 1, (share * KP).powi(2));
     let prior = Prior::new(&row, &mean, &variance);
-    let estimator = (Estimator::MaximumLikelihood, &prior);
+    let estimator = Estimator::MaximumLikelihood;
     let data = recorded(3, None, USUAL);
-    let fitted = fit(&model, &data, estimator, &Control::default()).unwrap();
+    let fitted = fit(&model, &data, estimator, &prior, &Control::default()).unwrap();
     let base = fitted
         .fit
         .base_parameters

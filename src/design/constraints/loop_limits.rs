@@ -28,13 +28,13 @@ impl LoopRows {
             unit: joints[*joint].kind.position_unit(),
             limit: 0.5 * (high - low),
         });
-        let held = LoopLimit {
+        let regular = LoopLimit {
             name: "distance from a singularity".to_string(),
             unit: "1",
             limit: WELL_HELD,
         };
         Self {
-            limits: std::iter::once(held).chain(of_range).collect(),
+            limits: std::iter::once(regular).chain(of_range).collect(),
             ranges,
             mechanism: mechanism.clone(),
         }

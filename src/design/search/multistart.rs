@@ -199,16 +199,16 @@ struct LocalSearch {
     progress: f64,
 }
 
-/// Rounds that go on from one another: what the next one changes.
+/// Iterated local search: rounds that change the best motion of those before.
 #[derive(Debug, Default)]
-struct Chain {
+struct IteratedSearch {
     best: Option<Candidate>,
     /// Rounds since it improved by what matters.
     idle: usize,
 }
 
-impl Chain {
-    /// What the next round changes; nothing where the chain has come to its end.
+impl IteratedSearch {
+    /// What the next round changes; nothing where the search has come to its end.
     fn best(&self) -> Option<&DVector<f64>> {
         self.best.as_ref().map(|b| &b.x)
     }
@@ -248,7 +248,7 @@ impl Search<'_> {
             (None, None) => DEFAULT_STARTS,
         };
         let mut found: Option<SearchResult> = None;
-        let mut chain = Chain::default();
+        let mut iterated = IteratedSearch::default();
         let (mut made, mut iterations, mut evaluations) = (0, 0, 0);
         let stop = loop {
             if control.is_interrupted() {
@@ -262,8 +262,8 @@ impl Search<'_> {
             }
             let round = made..(made + ROUND).min(starts);
             made = round.end;
-            let carried = self.round(round, chain.best(), clock)?;
-            chain.learn(&carried);
+            let carried = self.round(round, iterated.best(), clock)?;
+            iterated.learn(&carried);
             for candidate in carried {
                 iterations += candidate.iterations;
                 evaluations += candidate.evaluations;

@@ -75,7 +75,7 @@ impl Reporting<'_> {
         let of_full = full.problem(&recordings);
         let covariance = of_unknowns(&of_full, &full.solution.x);
         let predicted = PredictionError::of(context, full, covariance.as_ref());
-        let mut after = outcome_with(&of_full, (&full.solution, covariance), context.data);
+        let mut after = outcome_with(&of_full, &full.solution, covariance, context.data);
         let confirmed = Corrections::of(self.contexts, &explanation.full, self.rules);
         let corrections: Vec<AdditiveModel> = confirmed.on(context, full);
         let corrections: Vec<&AdditiveModel> = corrections.iter().collect();

@@ -7,7 +7,7 @@ use crate::diagnose::residuals::additive_model::AdditiveModel;
 use crate::diagnose::residuals::noise_level::UNEXPLAINED;
 use crate::estimate::fit::Fitted;
 use crate::estimate::goodness_of_fit::{
-    Predictions, figures_by_recording, predictions_by_recording,
+    Predictions, ValuesByRecording, figures_by_recording, predictions_by_recording,
 };
 use crate::outcome::diagnose::{Unattested, Verdict};
 use crate::outcome::finding::Finding;
@@ -40,8 +40,11 @@ pub fn correct(
         }
     }
     if !corrections.is_empty() || !fit.own.is_empty() {
-        let of = (context.data, &predictions);
-        fitted.estimate.joints = figures_by_recording(&fit.model, (&fit.values, &values), of);
+        let own = ValuesByRecording {
+            training: &fit.values,
+            own: &values,
+        };
+        fitted.estimate.joints = figures_by_recording(&fit.model, own, context.data, &predictions);
     }
     predictions
 }

@@ -1,4 +1,4 @@
-//! What all fits of a diagnosis share: the problem, the recordings, the way to a model with further physics.
+//! The context of all fits of a diagnosis: problem, recordings, and models with further effects.
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;

@@ -12,6 +12,7 @@ use crate::diagnose::fit::recording_parameters;
 use crate::diagnose::fit::start::{Start, WarmStart};
 use crate::estimate::canonical_sines;
 use crate::estimate::error::EstimateError;
+use crate::estimate::estimator::Training;
 use crate::estimate::problem::FitProblem;
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::Weights;
@@ -95,7 +96,15 @@ pub fn fit_model_holding(
     let mut done: Option<(Solution, DVector<f64>, Vec<Vec<f64>>)> = None;
     for _ in 0..ROUNDS {
         let weights = Weights::by_deviation(&scale);
-        let problem = FitProblem::new(&model, &unknowns, (&recordings, &prior), weights);
+        let problem = FitProblem::new(
+            &model,
+            &unknowns,
+            Training {
+                recordings: &recordings,
+                prior: &prior,
+            },
+            weights,
+        );
         let from = match &done {
             Some((solution, ..)) => solution.x.clone(),
             None => problem.start(),

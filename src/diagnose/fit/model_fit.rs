@@ -1,4 +1,4 @@
-//! A fitted model with hypotheses in it, and what it leaves.
+//! A fitted model with hypotheses, and its residuals.
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
@@ -6,6 +6,7 @@ use crate::chain::prior::Prior;
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::start::{Start, WarmStart};
 use crate::estimate::covariance::of_unknowns;
+use crate::estimate::estimator::Training;
 use crate::estimate::problem::FitProblem;
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::Weights;
@@ -109,7 +110,10 @@ impl ModelFit {
         FitProblem::new(
             &self.model,
             &self.unknowns,
-            (recordings, &self.prior),
+            Training {
+                recordings,
+                prior: &self.prior,
+            },
             Weights::by_deviation(&self.deviations()),
         )
     }

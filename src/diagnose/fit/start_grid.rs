@@ -1,9 +1,9 @@
-//! Points of the nonlinear parameters from which a hypothesis is examined.
+//! Grid of initial values of the nonlinear parameters of a hypothesis.
 
 use crate::chain::effect::{Effect, Linearity, Search};
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
-use crate::estimate::search_range::MotionRange;
+use crate::estimate::search_range::{Bounded, MotionRange};
 
 /// A linear parameter at this share of its typical value lets the derivatives with respect to the nonlinear
 /// ones behind it be seen, and changes nothing else.
@@ -58,9 +58,7 @@ impl Grid {
                 linear: linear.then_some(GLIMPSE * parameter.scale),
                 values: match linear {
                     true => vec![0.0],
-                    false => {
-                        motion.values(search, (parameter.value, parameter.lower, parameter.upper))
-                    }
+                    false => motion.grid(search, Bounded::of(parameter)),
                 },
                 scanned: search == Search::Cycles,
                 rising: matches!(search, Search::Rising(_)),

@@ -1,4 +1,4 @@
-//! The formula that is proposed for what has no name in a channel, if one earns it.
+//! The formula that is proposed for the unexplained residual of a channel, if one is significant.
 //!
 //! Formulas are chosen by the rows that choose models and tested by rows that no choice has seen: one has to forecast what the
 //! model leaves there, at the stated significance for as many tests as there are channels without a name, and what else takes the
@@ -253,8 +253,7 @@ impl Proposing<'_> {
         let recordings = context.recordings(Split::Train);
         let problem = fitted.fit.problem(&recordings);
         let covariance = of_unknowns(&problem, &fitted.fit.solution.x);
-        let solved = (&fitted.fit.solution, covariance);
-        let all = outcome_with(&problem, solved, context.data)
+        let all = outcome_with(&problem, &fitted.fit.solution, covariance, context.data)
             .estimate
             .parameters;
         let prefix = full_name(&fitted.formula, "");

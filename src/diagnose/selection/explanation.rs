@@ -10,7 +10,7 @@ use crate::diagnose::selection::confirmation;
 use crate::diagnose::selection::confounding;
 use crate::diagnose::selection::exact_fit::fit_without;
 use crate::diagnose::selection::hypothesis_test::HypothesisTest;
-use crate::diagnose::selection::reached::Reached;
+use crate::diagnose::selection::last_selection::LastSelection;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::diagnose::selection::stepwise::{Rules, Selection, SelectionStep, Stepwise};
 use crate::diagnose::selection::weak_findings;
@@ -46,9 +46,9 @@ pub struct Explaining<'a> {
     /// What is sought, and how sure a finding has to be.
     pub rules: Rules<'a>,
     /// Hears of every stage.
-    pub watch: &'a (dyn Fn(Stage) + Sync),
+    pub on_stage: &'a (dyn Fn(Stage) + Sync),
     /// Keeps what was selected, should a defect end the search.
-    pub reached: &'a Reached,
+    pub reached: &'a LastSelection,
 }
 
 impl Explaining<'_> {
@@ -61,7 +61,7 @@ impl Explaining<'_> {
     fn step(&self, selection: &Selection) {
         self.reached.set(&selection.fit, selection.examined);
         let found = selection.steps.len();
-        (self.watch)(Stage::Searching { found });
+        (self.on_stage)(Stage::Searching { found });
     }
 
     fn stepwise<'b>(&'b self, progress: &'b (dyn Fn(&Selection) + Sync)) -> Stepwise<'b> {
@@ -80,7 +80,7 @@ impl Explaining<'_> {
         let searching = |selection: &Selection| self.step(selection);
         let stepwise = self.stepwise(&searching);
         let examined = selection.examined;
-        (self.watch)(Stage::Comparing);
+        (self.on_stage)(Stage::Comparing);
         let mut tried = selection.steps.clone();
         let mut round = 0;
         let mut withdrawn = Vec::new();

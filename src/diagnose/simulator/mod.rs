@@ -12,7 +12,7 @@ mod contrast;
 mod one_sided;
 mod sentences;
 mod side;
-mod who;
+mod subject;
 
 pub use side::Side;
 

@@ -1,9 +1,9 @@
-//! What differs, what agrees, and physics that one of the two has and the other has not.
+//! Differences and agreements of robot and simulator, and physics that only one of them has.
 
 use crate::diagnose::simulator::contrast::{LEVEL, Tested};
 use crate::diagnose::simulator::sentences;
 use crate::diagnose::simulator::side::{Named, Side};
-use crate::diagnose::simulator::who::Who;
+use crate::diagnose::simulator::subject::Subject;
 use crate::outcome::finding::Finding;
 use crate::outcome::simulator::{Contrast, OneSided};
 
@@ -38,40 +38,40 @@ pub(super) fn sort(tested: Vec<Tested>, simulator: &Side<'_>, robot: &Side<'_>) 
             named
                 .as_ref()
                 .and_then(|named| match (simulator.shows(named), robot.shows(named)) {
-                    (false, true) => Some(Who::Robot),
-                    (true, false) => Some(Who::Simulator),
+                    (false, true) => Some(Subject::Robot),
+                    (true, false) => Some(Subject::Simulator),
                     _ => None,
                 });
         match (alone, &named) {
-            (Some(who), Some(named)) => {
-                let (list, side) = match who {
-                    Who::Robot => (&mut sorted.only_robot, robot),
-                    Who::Simulator => (&mut sorted.only_simulator, simulator),
+            (Some(subject), Some(named)) => {
+                let (list, side) = match subject {
+                    Subject::Robot => (&mut sorted.only_robot, robot),
+                    Subject::Simulator => (&mut sorted.only_simulator, simulator),
                 };
-                add(list, (who, side), named, contrast);
+                add(list, subject, side, named, contrast);
             }
             _ => sorted.differences.push(contrast),
         }
     }
     let sides = [
-        (Who::Robot, robot, simulator),
-        (Who::Simulator, simulator, robot),
+        (Subject::Robot, robot, simulator),
+        (Subject::Simulator, simulator, robot),
     ];
-    for (who, own, other) in sides {
+    for (subject, own, other) in sides {
         for finding in own.findings {
-            let lists = match who {
-                Who::Robot => &mut sorted.only_robot,
-                Who::Simulator => &mut sorted.only_simulator,
+            let lists = match subject {
+                Subject::Robot => &mut sorted.only_robot,
+                Subject::Simulator => &mut sorted.only_simulator,
             };
             if lists.iter().any(|l| is_same(l, finding)) {
                 continue;
             }
             match counterpart(finding, other) {
-                Counterpart::None => lists.push(of_finding(who, finding)),
+                Counterpart::None => lists.push(of_finding(subject, finding)),
                 Counterpart::Same => {}
                 Counterpart::Alike(effect) => sorted
                     .notes
-                    .push(sentences::not_told_apart(who, finding, &effect)),
+                    .push(sentences::not_told_apart(subject, finding, &effect)),
             }
         }
     }
@@ -81,7 +81,8 @@ pub(super) fn sort(tested: Vec<Tested>, simulator: &Side<'_>, robot: &Side<'_>) 
 /// A contrast of an effect that one side has.
 fn add(
     list: &mut Vec<OneSided>,
-    (who, side): (Who, &Side<'_>),
+    subject: Subject,
+    side: &Side<'_>,
     named: &Named<'_>,
     contrast: Contrast,
 ) {
@@ -95,20 +96,20 @@ fn add(
     }
     list.push(OneSided {
         effect: named.effect.id.to_string(),
-        sentence: sentences::alone(who, &contrast),
+        sentence: sentences::alone(subject, &contrast),
         joints,
         parameters: side.of_effect(named).into_iter().cloned().collect(),
         contrasts: vec![contrast],
     });
 }
 
-fn of_finding(who: Who, finding: &Finding) -> OneSided {
+fn of_finding(subject: Subject, finding: &Finding) -> OneSided {
     OneSided {
         effect: finding.effect.clone(),
         joints: finding.joints.clone(),
         parameters: finding.parameters.clone(),
         contrasts: Vec::new(),
-        sentence: sentences::finding_alone(who, finding),
+        sentence: sentences::finding_alone(subject, finding),
     }
 }
 

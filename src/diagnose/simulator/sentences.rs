@@ -1,7 +1,7 @@
 //! What the comparison of a simulator with the robot means, in sentences.
 
 use crate::diagnose::simulator::side::Side;
-use crate::diagnose::simulator::who::Who;
+use crate::diagnose::simulator::subject::Subject;
 use crate::outcome::finding::Finding;
 use crate::outcome::simulator::{Contrast, Simulator};
 
@@ -70,10 +70,10 @@ pub(super) fn contrast(contrast: &Contrast, robot: &Side<'_>) -> String {
 }
 
 /// Of an effect whose size one of the two has at none.
-pub(super) fn alone(who: Who, contrast: &Contrast) -> String {
-    let (one, other) = match who {
-        Who::Robot => ("the robot", "the simulation has none of it"),
-        Who::Simulator => ("the simulation", "the robot has none of it"),
+pub(super) fn alone(subject: Subject, contrast: &Contrast) -> String {
+    let (one, other) = match subject {
+        Subject::Robot => ("the robot", "the simulation has none of it"),
+        Subject::Simulator => ("the simulation", "the robot has none of it"),
     };
     format!(
         "Only {one} has {}: in the simulation it is {}, so that {other} that shows.",
@@ -82,21 +82,23 @@ pub(super) fn alone(who: Who, contrast: &Contrast) -> String {
     )
 }
 
-pub(super) fn finding_alone(who: Who, finding: &Finding) -> String {
+pub(super) fn finding_alone(subject: Subject, finding: &Finding) -> String {
     let what = finding.sentence.split(';').next().unwrap_or_default();
     let what = what.trim_end_matches('.');
-    match who {
-        Who::Robot => format!("Only on the robot: {what}; in the simulation nothing of it shows."),
-        Who::Simulator => {
+    match subject {
+        Subject::Robot => {
+            format!("Only on the robot: {what}; in the simulation nothing of it shows.")
+        }
+        Subject::Simulator => {
             format!("Only in the simulation: {what}; on the robot nothing of it shows.")
         }
     }
 }
 
-pub(super) fn not_told_apart(who: Who, finding: &Finding, other: &str) -> String {
-    let (here, there) = match who {
-        Who::Robot => ("robot", "simulation"),
-        Who::Simulator => ("simulation", "robot"),
+pub(super) fn not_told_apart(subject: Subject, finding: &Finding, other: &str) -> String {
+    let (here, there) = match subject {
+        Subject::Robot => ("robot", "simulation"),
+        Subject::Simulator => ("simulation", "robot"),
     };
     format!(
         "{} of {} in the {here} and {other} in the {there} are physics that the recordings do not tell apart, and count as \

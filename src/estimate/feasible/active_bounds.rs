@@ -27,7 +27,7 @@ pub(super) struct ActiveBounds {
 pub(super) fn find(found: &FeasibleFit<'_>, margin: f64) -> ActiveBounds {
     let x = &found.feasible.x;
     let values = found.standard.values(x);
-    let (_, slopes) = found.standard.pseudo_inertias();
+    let slopes = found.standard.pseudo_inertias().matrix;
     let mut active = ActiveBounds {
         bodies: Vec::new(),
         held: DMatrix::zeros(0, x.len()),
@@ -91,7 +91,7 @@ pub(super) fn bodies(
         let fewer = found.constraints.without(body);
         let mut setting = found.setting();
         setting.prior = None;
-        let answer = constrained(setting, &fewer, (&residual, control)).ok()?;
+        let answer = constrained(setting, &fewer, &residual, control).ok()?;
         let x = answer.solution.x;
         let cost = residual.cost(&(&found.standard.to_base * &x));
         let first = found.standard.bodies[body];

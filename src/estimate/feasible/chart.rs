@@ -13,7 +13,7 @@ use crate::estimate::error::EstimateError;
 use crate::estimate::feasible::compressed;
 use crate::estimate::feasible::program::{PULL, pull};
 use crate::estimate::feasible::solve::{self, Feasible, Setting};
-use crate::estimate::feasible::standard::{LENGTH, StandardParameters, scaled_body};
+use crate::estimate::feasible::standard::{AffineRows, LENGTH, StandardParameters, scaled_body};
 use crate::estimate::problem::FitProblem;
 use crate::problem::form::{Form, Objective, Structure, Variable};
 use crate::problem::solution::Control;
@@ -63,7 +63,7 @@ pub struct Chart<'a> {
     bodies: Vec<[usize; PER_LINK]>,
     /// Positions among the unknowns of the others.
     others: Vec<usize>,
-    pull: (DMatrix<f64>, DVector<f64>),
+    pull: AffineRows,
     form: Form,
 }
 
@@ -99,8 +99,8 @@ impl<'a> Chart<'a> {
         variables.extend(others.iter().map(|&k| all[k].clone()));
         let pull = pull(standard, &standard.reference(), PULL);
         let rows = match problem.form().objective {
-            Objective::SumOfSquares { rows } => rows + pull.1.len(),
-            Objective::Smooth => pull.1.len(),
+            Objective::SumOfSquares { rows } => rows + pull.offset.len(),
+            Objective::Smooth => pull.offset.len(),
         };
         Ok(Self {
             form: Form {
@@ -226,12 +226,11 @@ impl Problem for Chart<'_> {
         if x.iter().any(|v| !v.is_finite()) {
             return Err(OutsideDomain::new("a body without finite parameters"));
         }
-        let (rows, offset) = &self.pull;
         let inner = self
             .problem
             .values(&(&self.setting.standard.to_base * &x))?;
         Ok(Values {
-            cost: inner.cost + 0.5 * (rows * x + offset).norm_squared(),
+            cost: inner.cost + 0.5 * self.pull.at(&x).norm_squared(),
             constraints: DVector::zeros(0),
         })
     }
@@ -241,13 +240,13 @@ impl Problem for Chart<'_> {
         let to_base = &self.setting.standard.to_base;
         let root = self.problem.linearize(&(to_base * &x))?.square_root;
         let root = root.ok_or_else(|| OutsideDomain::new("a fit without a residual"))?;
-        let (rows, offset) = &self.pull;
-        let (data, weak) = (root.matrix * (to_base * &slopes), rows * slopes);
+        let data = root.matrix * (to_base * &slopes);
+        let weak = &self.pull.matrix * slopes;
         let mut matrix = data.resize_vertically(root.residual.len() + weak.nrows(), 0.0);
         matrix
             .rows_mut(root.residual.len(), weak.nrows())
             .copy_from(&weak);
-        let behind = rows * x + offset;
+        let behind = self.pull.at(&x);
         let whole = root.residual.iter().chain(behind.iter()).copied();
         let residual = DVector::from_iterator(matrix.nrows(), whole);
         Ok(Linearization {

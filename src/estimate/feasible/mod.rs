@@ -14,18 +14,20 @@ use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
 use crate::chain::prior::Prior;
 use crate::estimate::error::EstimateError;
-use crate::estimate::estimator::Estimator;
+use crate::estimate::estimator::{Estimator, Training};
 use crate::estimate::feasible::feasible_fit::FeasibleFit;
 pub use crate::estimate::feasible::feasible_fit::MARGIN;
 use crate::estimate::feasible::prior::InertialPrior;
 use crate::estimate::feasible::program::Constraints;
+use crate::estimate::feasible::regularisation_weight::FitPoint;
 use crate::estimate::feasible::solve::{Feasible, Setting, compressed};
 use crate::estimate::feasible::standard::StandardParameters;
 use crate::estimate::fit::{self, Fitted};
 use crate::estimate::least_squares;
+use crate::estimate::minimise::Minimisation;
+use crate::estimate::optimum::Optimum;
 use crate::estimate::problem::{FitProblem, NoiseSource};
 use crate::estimate::unknowns::Unknowns;
-use crate::estimate::warm_start;
 use crate::estimate::weights::Weights;
 use crate::problem::solution::Control;
 use crate::problem_file::choices::{FeasibleBy, PriorKind};
@@ -77,7 +79,8 @@ pub struct Settings {
 pub fn fit(
     model: &Model,
     data: &Dataset,
-    (prior, settings): (&Prior, &Settings),
+    prior: &Prior,
+    settings: &Settings,
     control: &Control<'_>,
 ) -> Result<Fitted, EstimateError> {
     let estimator = match settings.form {
@@ -90,9 +93,20 @@ pub fn fit(
     }
     let unknowns = Unknowns::find(model, data, prior);
     fit::check_counts(model, &unknowns, &recordings)?;
-    let training = (&recordings[..], prior);
-    let (first, mut problem) =
-        warm_start::minimise(model, &unknowns, training, (estimator, control))?;
+    let minimisation = Minimisation {
+        model,
+        unknowns: &unknowns,
+        training: Training {
+            recordings: &recordings,
+            prior,
+        },
+        estimator,
+        control,
+    };
+    let Optimum {
+        solution: first,
+        mut problem,
+    } = minimisation.run()?;
     let standard = StandardParameters::new(model, &unknowns);
     let constraints = Constraints::new(&standard, &settings.limits);
     let bodies = settings
@@ -100,7 +114,10 @@ pub fn fit(
         .map(|(kind, _)| InertialPrior::new(kind, &standard, MARGIN));
     let mut chosen = match (&bodies, settings.prior) {
         (Some(bodies), Some((_, choice))) => {
-            let at = (&problem, &first.x);
+            let point = FitPoint {
+                problem: &problem,
+                at: &first.x,
+            };
             let setting = Setting {
                 standard: &standard,
                 constraints: &constraints,
@@ -108,10 +125,7 @@ pub fn fit(
                 prior: Some((bodies, 1.0)),
             };
             Some(regularisation_weight::choose(
-                setting,
-                at,
-                (choice, data),
-                control,
+                setting, point, choice, data, control,
             )?)
         }
         _ => None,
@@ -122,7 +136,7 @@ pub fn fit(
         margin: MARGIN,
         prior: bodies.as_ref().zip(chosen.as_ref().map(|c| c.weight)),
     };
-    let (feasible, free) = rounds(setting, &mut problem, (&first.x, settings), control)?;
+    let Settled { feasible, free } = rounds(setting, &mut problem, &first.x, settings, control)?;
     let found = FeasibleFit {
         problem,
         standard: &standard,
@@ -135,13 +149,20 @@ pub fn fit(
     Ok(outcome::report(&found, data, control))
 }
 
+/// The estimate with settled weights, and the base unknowns of least squares with the same weights.
+struct Settled {
+    feasible: Feasible,
+    free: DVector<f64>,
+}
+
 /// Estimate and weights in turn until the weights settle.
 fn rounds(
     setting: Setting<'_>,
     problem: &mut FitProblem<'_>,
-    (first, settings): (&DVector<f64>, &Settings),
+    first: &DVector<f64>,
+    settings: &Settings,
     control: &Control<'_>,
-) -> Result<(Feasible, DVector<f64>), EstimateError> {
+) -> Result<Settled, EstimateError> {
     let minimise = match settings.by {
         FeasibleBy::Cones => sequential::minimise,
         FeasibleBy::LogCholesky => chart::minimise,
@@ -168,5 +189,8 @@ fn rounds(
         };
     }
     let free = compressed(problem, &at)?.least_squares();
-    Ok((feasible, free.unwrap_or_else(|| first.clone())))
+    Ok(Settled {
+        feasible,
+        free: free.unwrap_or_else(|| first.clone()),
+    })
 }

@@ -7,12 +7,13 @@
 use crate::chain::dataset::Dataset;
 use crate::estimate::covariance::of_unknowns;
 use crate::estimate::feasible::active_bounds::{self, ActiveBounds};
+use crate::estimate::feasible::prior::Sparsity;
 use crate::estimate::feasible::program::{PULL, pull};
 use crate::estimate::feasible::standard::{LENGTH, scaled_body};
 use crate::estimate::feasible::{FeasibleFit, MARGIN};
 use crate::estimate::fit::{self, Fitted};
 use crate::estimate::goodness_of_fit::{figures, predictions};
-use crate::estimate::physical::{self, Estimated};
+use crate::estimate::physical::{self, Estimated, PhysicalEstimate};
 use crate::estimate::problem::FitProblem;
 use crate::linalg::triangular::{ColumnScaling, Triangular};
 use crate::outcome::estimate::{Estimate, Solver};
@@ -40,7 +41,10 @@ pub(super) fn report(found: &FeasibleFit<'_>, data: &Dataset, control: &Control<
         .unwrap_or_else(|| DMatrix::from_diagonal_element(count, count, f64::INFINITY));
     let active = active_bounds::find(found, MARGIN);
     let unknowns = standard.unknowns();
-    let (covariance, from_prior) = uncertainty(found, &of_base, data);
+    let Uncertainty {
+        covariance,
+        from_prior,
+    } = uncertainty(found, &of_base, data);
     let at_bound = at_bound(found, &active);
     let estimated = Estimated {
         model,
@@ -52,11 +56,14 @@ pub(super) fn report(found: &FeasibleFit<'_>, data: &Dataset, control: &Control<
         at_bound: &at_bound,
         intervals: &[],
     };
-    let (parameters, reported_covariance) = physical::report(&estimated);
+    let PhysicalEstimate {
+        parameters,
+        covariance: reported_covariance,
+    } = physical::report(&estimated);
     let predicted = predictions(model, &values, data);
     let factor = of_columns(problem, &base);
     let smallest = smallest_eigenvalue(&standard.bodies, &values);
-    let feasibility = feasibility(found, (&active, &values), data, control);
+    let feasibility = feasibility(found, &active, &values, data, control);
     let fit = Fit {
         base_parameters: fit::base_parameters(problem, &base, &of_base, &[]),
         rank: count,
@@ -72,7 +79,7 @@ pub(super) fn report(found: &FeasibleFit<'_>, data: &Dataset, control: &Control<
     };
     let estimate = Estimate {
         parameters,
-        joints: figures(model, &values, (data, &predicted)),
+        joints: figures(model, &values, data, &predicted),
         covariance: reported_covariance,
         solver: Some(solver(found)),
     };
@@ -121,7 +128,7 @@ fn prior_note(found: &FeasibleFit<'_>) -> Option<String> {
         chosen.weight
     );
     if prior.kind == PriorKind::Lasso {
-        let (counted, zero) = prior.counted(&found.feasible.x);
+        let Sparsity { counted, zero } = prior.sparsity(&found.feasible.x);
         note.push_str(&format!(
             " It takes {zero} of {counted} parameters to zero; standard deviations do not count how it shrinks the others."
         ));
@@ -144,12 +151,14 @@ fn smallest_eigenvalue(bodies: &[usize], values: &DVector<f64>) -> Option<f64> {
     bodies.iter().map(of).reduce(f64::min)
 }
 
-/// Covariance of the standard unknowns, and those that only a prior determines.
-fn uncertainty(
-    found: &FeasibleFit<'_>,
-    of_base: &DMatrix<f64>,
-    data: &Dataset,
-) -> (DMatrix<f64>, Vec<usize>) {
+/// How well the standard unknowns are known.
+struct Uncertainty {
+    covariance: DMatrix<f64>,
+    /// Unknowns that only a prior determines.
+    from_prior: Vec<usize>,
+}
+
+fn uncertainty(found: &FeasibleFit<'_>, of_base: &DMatrix<f64>, data: &Dataset) -> Uncertainty {
     let standard = found.standard;
     let size = standard.len();
     let determined: Vec<Option<usize>> = (0..size).map(|k| base_of(found, k)).collect();
@@ -164,27 +173,30 @@ fn uncertainty(
             }
         }
         let from = |k: &usize| determined[*k].is_some_and(|b| by_prior.contains(&b));
-        return (covariance, (0..size).filter(from).collect());
+        return Uncertainty {
+            covariance,
+            from_prior: (0..size).filter(from).collect(),
+        };
     };
     let data_information = information(found);
-    let (weak, _) = pull(standard, &standard.reference(), PULL);
+    let weak = pull(standard, &standard.reference(), PULL).matrix;
     let prior_information =
         prior.information(chosen.weight, &found.feasible.x) + weak.tr_mul(&weak);
     let t = &standard.to_base;
     let whole = t.tr_mul(&(&data_information * t)) + &prior_information;
     let meat = t.tr_mul(&(&data_information * of_base * &data_information * t)) + prior_information;
     let from = (0..size).filter(|&k| determined[k].is_none_or(|b| by_prior.contains(&b)));
-    let from = from.collect();
-    match whole.cholesky() {
+    let covariance = match whole.cholesky() {
         Some(factor) => {
             let half = factor.solve(&meat);
             let covariance = factor.solve(&half.transpose());
-            ((&covariance + covariance.transpose()) * 0.5, from)
+            (&covariance + covariance.transpose()) * 0.5
         }
-        None => (
-            DMatrix::from_diagonal_element(size, size, f64::INFINITY),
-            from,
-        ),
+        None => DMatrix::from_diagonal_element(size, size, f64::INFINITY),
+    };
+    Uncertainty {
+        covariance,
+        from_prior: from.collect(),
     }
 }
 
@@ -215,7 +227,7 @@ fn at_bound(found: &FeasibleFit<'_>, active: &ActiveBounds) -> Vec<usize> {
         return (0..size).filter(open).collect();
     }
     let standard = found.standard;
-    let (weak, _) = pull(standard, &standard.reference(), PULL);
+    let weak = pull(standard, &standard.reference(), PULL).matrix;
     let weak = &weak * (LOOSE / weak.amax());
     let t = &standard.to_base;
     let whole = t.tr_mul(&(information(found) * t)) + weak.tr_mul(&weak);
@@ -238,7 +250,8 @@ fn at_bound(found: &FeasibleFit<'_>, active: &ActiveBounds) -> Vec<usize> {
 
 fn feasibility(
     found: &FeasibleFit<'_>,
-    (active, values): (&ActiveBounds, &DVector<f64>),
+    active: &ActiveBounds,
+    values: &DVector<f64>,
     data: &Dataset,
     control: &Control<'_>,
 ) -> Feasibility {
@@ -251,7 +264,7 @@ fn feasibility(
             .min()
     };
     let bodies = found.standard.bodies.iter();
-    let unconstrained = figures(model, &free, (data, &predictions(model, &free, data)));
+    let unconstrained = figures(model, &free, data, &predictions(model, &free, data));
     Feasibility {
         margin: MARGIN,
         length: LENGTH,

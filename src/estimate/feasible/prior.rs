@@ -15,7 +15,7 @@
 //!
 //! All are convex in the parameters; the entropic one goes to infinity at the edge of what is possible.
 
-use crate::estimate::feasible::standard::{LENGTH, ROWS, StandardParameters, svec4};
+use crate::estimate::feasible::standard::{AffineRows, LENGTH, ROWS, StandardParameters, svec4};
 use crate::linalg::svec::smat;
 use crate::problem_file::choices::PriorKind;
 use crate::robot::inertia::PER_LINK;
@@ -43,7 +43,7 @@ impl InertialPrior {
     pub fn new(kind: PriorKind, standard: &StandardParameters<'_>, margin: f64) -> Self {
         let references = standard.references();
         let reference = standard.reference();
-        let (_, slopes) = standard.pseudo_inertias();
+        let slopes = standard.pseudo_inertias().matrix;
         let bodies = references.len();
         let mut rows = DMatrix::zeros(ROWS * bodies, standard.len());
         let mut linear = DVector::zeros(standard.len());
@@ -80,12 +80,16 @@ impl InertialPrior {
     }
 
     /// Rows of a weight; none for the entropic kind.
-    pub fn rows(&self, weight: f64) -> (DMatrix<f64>, DVector<f64>) {
+    pub fn rows(&self, weight: f64) -> AffineRows {
         match self.kind {
-            PriorKind::Entropic | PriorKind::Lasso => {
-                (DMatrix::zeros(0, self.rows.ncols()), DVector::zeros(0))
-            }
-            _ => (&self.rows * weight.sqrt(), &self.offset * weight.sqrt()),
+            PriorKind::Entropic | PriorKind::Lasso => AffineRows {
+                matrix: DMatrix::zeros(0, self.rows.ncols()),
+                offset: DVector::zeros(0),
+            },
+            _ => AffineRows {
+                matrix: &self.rows * weight.sqrt(),
+                offset: &self.offset * weight.sqrt(),
+            },
         }
     }
 
@@ -122,12 +126,24 @@ impl InertialPrior {
         DMatrix::from_diagonal(&DVector::from_fn(x.len(), |k, _| curvature(k)))
     }
 
-    /// Unknowns that a lasso counts, and those among them that it takes to zero.
-    pub fn counted(&self, x: &DVector<f64>) -> (usize, usize) {
+    /// How sparse a lasso makes the unknowns.
+    pub fn sparsity(&self, x: &DVector<f64>) -> Sparsity {
         let counted = (0..x.len()).filter(|&k| self.inverse_units[k] > 0.0);
         let small = |k: &usize| x[*k].abs() * self.inverse_units[*k] < ZERO;
-        (counted.clone().count(), counted.filter(small).count())
+        Sparsity {
+            counted: counted.clone().count(),
+            zero: counted.filter(small).count(),
+        }
     }
+}
+
+/// How sparse a lasso makes the unknowns.
+#[derive(Debug, Clone, Copy)]
+pub struct Sparsity {
+    /// Unknowns that it counts.
+    pub counted: usize,
+    /// Those among them that it takes to zero.
+    pub zero: usize,
 }
 
 /// A parameter below this share of its unit is zero: a few margins of the bodies.

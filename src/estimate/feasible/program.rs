@@ -5,7 +5,7 @@
 //! minimise ½ ‖D (J_k(x) − J_k,ref) D‖²    over   x = x_0 + N z  (the same base parameters), same constraints
 //! ```
 
-use crate::estimate::feasible::standard::{ROWS, StandardParameters, svec4};
+use crate::estimate::feasible::standard::{AffineRows, ROWS, StandardParameters, svec4};
 use crate::linalg::svec::smat;
 use crate::linalg::triangular::Triangular;
 use crate::problem::form::{Constraint, Form, Objective, Set, Structure, Variable};
@@ -48,10 +48,10 @@ pub struct Constraints {
 impl Constraints {
     /// Of the bodies with unknowns and of the limits given.
     pub fn new(standard: &StandardParameters<'_>, limits: &[Limit]) -> Self {
-        let (bodies, body_slopes) = standard.pseudo_inertias();
-        let first = bodies.len();
-        let mut constant = bodies.resize_vertically(first + limits.len(), 0.0);
-        let mut slopes = body_slopes.resize_vertically(first + limits.len(), 0.0);
+        let bodies = standard.pseudo_inertias();
+        let first = bodies.offset.len();
+        let mut constant = bodies.offset.resize_vertically(first + limits.len(), 0.0);
+        let mut slopes = bodies.matrix.resize_vertically(first + limits.len(), 0.0);
         let known = standard.values(&DVector::zeros(standard.len()));
         for (k, limit) in limits.iter().enumerate() {
             constant[first + k] = limit.constant;
@@ -119,11 +119,8 @@ pub struct Program {
 
 impl Program {
     /// `½ ‖matrix x + offset‖²` under constraints with a margin.
-    pub fn fit(
-        constraints: &Constraints,
-        margin: f64,
-        (matrix, offset): (DMatrix<f64>, DVector<f64>),
-    ) -> Self {
+    pub fn fit(constraints: &Constraints, margin: f64, rows: AffineRows) -> Self {
+        let AffineRows { matrix, offset } = rows;
         Self {
             form: Form {
                 variables: constraints.variables.clone(),
@@ -176,7 +173,8 @@ impl Program {
     pub fn solve(
         &self,
         start: &DVector<f64>,
-        (terms, shortfall): (&Terms, f64),
+        terms: &Terms,
+        shortfall: f64,
         control: &Control<'_>,
     ) -> Result<InteriorSolution, SolveError> {
         let view = ConeProgram::try_from(self as &dyn Problem)?;
@@ -193,8 +191,8 @@ pub fn pull(
     standard: &StandardParameters<'_>,
     reference: &DVector<f64>,
     weight: f64,
-) -> (DMatrix<f64>, DVector<f64>) {
-    let (_, slopes) = standard.pseudo_inertias();
+) -> AffineRows {
+    let slopes = standard.pseudo_inertias().matrix;
     let first = slopes.nrows();
     let mut rows = slopes.resize_vertically(first + standard.len(), 0.0);
     for (k, variable) in standard.variables().iter().enumerate() {
@@ -203,8 +201,10 @@ pub fn pull(
         }
     }
     rows *= weight;
-    let offset = -&rows * reference;
-    (rows, offset)
+    AffineRows {
+        offset: -&rows * reference,
+        matrix: rows,
+    }
 }
 
 /// Members x = x_0 + N z of a class, within constraints.
@@ -238,7 +238,7 @@ impl EquivalenceClass<'_> {
         let away = (&self.constraints.slopes * (&member - reference))
             .rows(0, bodies)
             .into_owned();
-        let start = rows.interior(margin, (&slopes, &away))?;
+        let start = rows.interior(margin, &slopes, &away)?;
         let program = Program {
             form: Form {
                 variables: free(slopes.ncols()),
@@ -253,7 +253,7 @@ impl EquivalenceClass<'_> {
             slopes: rows.slopes,
         };
         let found = program
-            .solve(&start, (&Terms::default(), 0.0), &Control::default())
+            .solve(&start, &Terms::default(), 0.0, &Control::default())
             .ok()?;
         if !found.gap.is_finite() {
             return None;
@@ -289,10 +289,10 @@ impl EquivalenceClass<'_> {
         let mut rows = Rows::default();
         let mut first = 0;
         for block in &constraints.blocks {
-            let part = (
-                whole.rows(first, block.rows).into_owned(),
-                moved.rows(first, block.rows).into_owned(),
-            );
+            let part = AffineRows {
+                offset: whole.rows(first, block.rows).into_owned(),
+                matrix: moved.rows(first, block.rows).into_owned(),
+            };
             first += block.rows;
             rows.add(block.clone(), part)?;
         }
@@ -305,9 +305,11 @@ impl EquivalenceClass<'_> {
                         rows: 1,
                         set: Set::Nonnegative,
                     };
-                    let room = DVector::from_element(1, sign * (self.member[k] - limit));
-                    let slopes = self.null.rows(k, 1) * sign;
-                    rows.add(block, (room, slopes))?;
+                    let room = AffineRows {
+                        offset: DVector::from_element(1, sign * (self.member[k] - limit)),
+                        matrix: self.null.rows(k, 1) * sign,
+                    };
+                    rows.add(block, room)?;
                 }
             }
         }
@@ -350,7 +352,8 @@ impl Rows {
     fn interior(
         &self,
         margin: f64,
-        (slopes, away): (&DMatrix<f64>, &DVector<f64>),
+        slopes: &DMatrix<f64>,
+        away: &DVector<f64>,
     ) -> Option<DVector<f64>> {
         let (count, bodies) = (slopes.ncols(), slopes.nrows());
         let mut with_margin = self.slopes.clone().resize_horizontally(count + 1, 0.0);
@@ -385,18 +388,18 @@ impl Rows {
         let least = self.least();
         start[count] = least - least.abs().max(LARGEST_MARGIN);
         let found = program
-            .solve(&start, (&Terms::default(), 0.0), &Control::default())
+            .solve(&start, &Terms::default(), 0.0, &Control::default())
             .ok()?;
         let x = found.solution.x;
         (found.gap.is_finite() && x[count] >= margin).then(|| x.rows(0, count).into_owned())
     }
 
     /// `None` where a row that nothing moves is violated.
-    fn add(
-        &mut self,
-        block: Constraint,
-        (constant, slopes): (DVector<f64>, DMatrix<f64>),
-    ) -> Option<()> {
+    fn add(&mut self, block: Constraint, own: AffineRows) -> Option<()> {
+        let AffineRows {
+            matrix: slopes,
+            offset: constant,
+        } = own;
         if slopes.amax() == 0.0 && block.set == Set::Nonnegative {
             return (constant[0] >= 0.0).then_some(());
         }
@@ -486,7 +489,7 @@ mod tests {
 
     /// What is closest to a reference among (2, z).
     fn closest(least: f64, reference: f64) -> Option<DVector<f64>> {
-        let class = Class {
+        let class = EquivalenceClass {
             constraints: &constraints(2, least),
             null: &DMatrix::from_row_slice(2, 1, &[0.0, 1.0]),
             member: &DVector::from_vec(vec![2.0, -1.0]),

@@ -31,11 +31,19 @@ pub struct ChosenWeight {
     pub path: Vec<HeldOut>,
 }
 
+/// Base unknowns at which a problem is linearised.
+#[derive(Clone, Copy)]
+pub struct FitPoint<'a> {
+    pub problem: &'a FitProblem<'a>,
+    pub at: &'a DVector<f64>,
+}
+
 /// The weight of the prior of a setting, for weights and a linearisation at base unknowns.
 pub fn choose(
     setting: Setting<'_>,
-    (problem, at): (&FitProblem<'_>, &DVector<f64>),
-    (choice, data): (RegularisationWeight, &Dataset),
+    point: FitPoint<'_>,
+    choice: RegularisationWeight,
+    data: &Dataset,
     control: &Control<'_>,
 ) -> Result<ChosenWeight, EstimateError> {
     match choice {
@@ -44,8 +52,8 @@ pub fn choose(
             by: "number",
             path: Vec::new(),
         }),
-        RegularisationWeight::HeldOut => held_out(setting, (problem, at), control),
-        RegularisationWeight::Noise => by_noise(setting, (problem, at), data, control),
+        RegularisationWeight::HeldOut => held_out(setting, point, control),
+        RegularisationWeight::Noise => by_noise(setting, point, data, control),
     }
 }
 
@@ -58,7 +66,7 @@ fn with(setting: Setting<'_>, weight: f64) -> Setting<'_> {
 
 fn held_out(
     setting: Setting<'_>,
-    (problem, at): (&FitProblem<'_>, &DVector<f64>),
+    FitPoint { problem, at }: FitPoint<'_>,
     control: &Control<'_>,
 ) -> Result<ChosenWeight, EstimateError> {
     let blocks = blocks(problem, at);
@@ -137,7 +145,7 @@ fn system(factor: &Triangular, at: &DVector<f64>) -> Compressed {
 /// makes it, found between the ends of the path by halving.
 fn by_noise(
     setting: Setting<'_>,
-    (problem, at): (&FitProblem<'_>, &DVector<f64>),
+    FitPoint { problem, at }: FitPoint<'_>,
     data: &Dataset,
     control: &Control<'_>,
 ) -> Result<ChosenWeight, EstimateError> {

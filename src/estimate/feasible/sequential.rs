@@ -38,7 +38,7 @@ const STEPS: usize = 100;
 
 impl Compressed {
     /// The same with a damping towards base unknowns, from a column on.
-    fn damped(&self, (damping, first): (f64, usize), at: &DVector<f64>) -> Self {
+    fn damped(&self, damping: f64, first: usize, at: &DVector<f64>) -> Self {
         let rows = self.matrix.nrows();
         let mut matrix = self.matrix.clone().resize_vertically(rows + at.len(), 0.0);
         let mut offset = self.offset.clone().resize_vertically(rows + at.len(), 0.0);
@@ -51,8 +51,14 @@ impl Compressed {
     }
 }
 
+/// A point that a line search has tried.
+struct Trial {
+    point: DVector<f64>,
+    cost: f64,
+}
+
 /// A step from one possible point to another.
-struct Way<'a> {
+struct LineSearch<'a> {
     from: &'a DVector<f64>,
     to: &'a DVector<f64>,
     /// Cost where it begins, and its slope there per whole step.
@@ -60,22 +66,22 @@ struct Way<'a> {
     slope: f64,
 }
 
-impl Way<'_> {
+impl LineSearch<'_> {
     fn point(&self, share: f64) -> DVector<f64> {
         self.from + (self.to - self.from) * share
     }
 
     /// The lowest point met: the end, then minima of the parabola through the last one. `None` where none is lower
     /// than the beginning.
-    fn lowest(&self, cost: impl Fn(&DVector<f64>) -> f64) -> Option<(DVector<f64>, f64)> {
-        let mut best: Option<(DVector<f64>, f64)> = None;
+    fn lowest(&self, cost: impl Fn(&DVector<f64>) -> f64) -> Option<Trial> {
+        let mut best: Option<Trial> = None;
         let mut share = 1.0;
         for _ in 0..TRIALS {
             let point = self.point(share);
             let found = cost(&point);
-            let bar = best.as_ref().map_or(self.least, |b| b.1);
+            let bar = best.as_ref().map_or(self.least, |b| b.cost);
             if found < bar {
-                best = Some((point, found));
+                best = Some(Trial { point, cost: found });
             } else if best.is_some() {
                 break;
             }
@@ -113,8 +119,8 @@ pub(super) fn minimise(
     }
     // The first point is possible: the answer of the linearised fit with the nonlinear unknowns where they are.
     let nonlinear = problem.unknowns.base.base.len();
-    let held = model.damped((HOLDING, nonlinear), first);
-    let best = solve::constrained(setting, setting.constraints, (&held, control))?;
+    let held = model.damped(HOLDING, nonlinear, first);
+    let best = solve::constrained(setting, setting.constraints, &held, control)?;
     let mut search = Search {
         setting,
         problem,
@@ -164,13 +170,13 @@ impl Search<'_> {
         let setting = self.setting;
         let at = &setting.standard.to_base * &self.best.solution.x;
         let model = compressed(self.problem, &at)?;
-        let damped = model.damped((self.damping, 0), &at);
-        let mut tried = solve::constrained(setting, setting.constraints, (&damped, control))?;
+        let damped = model.damped(self.damping, 0, &at);
+        let mut tried = solve::constrained(setting, setting.constraints, &damped, control)?;
         self.iterations += tried.solution.iterations;
         let x = &tried.solution.x;
         let base = &setting.standard.to_base * x;
         let promise = self.least - model.cost(&base) - solve::prior_cost(setting, x);
-        let way = Way {
+        let line = LineSearch {
             from: &self.best.solution.x,
             to: x,
             least: self.least,
@@ -180,10 +186,10 @@ impl Search<'_> {
             && tried.solution.stop.converged()
             && self.damping <= NEARLY_UNDAMPED;
         let gap = promise.max(0.0) + tried.gap;
-        match way.lowest(|x| self.cost(x)) {
-            Some((point, found)) => {
+        match line.lowest(|x| self.cost(x)) {
+            Some(Trial { point, cost }) => {
                 tried.solution.x = point;
-                self.least = found;
+                self.least = cost;
                 self.best = tried;
                 self.damping = (self.damping * LESS).max(LEAST_DAMPING);
             }

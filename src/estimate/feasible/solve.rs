@@ -8,7 +8,7 @@ use crate::estimate::compress::stacked;
 use crate::estimate::error::EstimateError;
 use crate::estimate::feasible::prior::InertialPrior;
 use crate::estimate::feasible::program::{Constraints, EquivalenceClass, PULL, Program, pull};
-use crate::estimate::feasible::standard::{StandardParameters, scaled_body};
+use crate::estimate::feasible::standard::{AffineRows, StandardParameters, scaled_body};
 use crate::estimate::problem::FitProblem;
 use crate::problem::Problem;
 use crate::problem::solution::{Control, Stop};
@@ -89,7 +89,7 @@ pub fn estimate(
     {
         return Ok(inactive);
     }
-    let found = constrained(setting, setting.constraints, (residual, control))?;
+    let found = constrained(setting, setting.constraints, residual, control)?;
     Ok(active(setting, residual, found))
 }
 
@@ -184,20 +184,21 @@ const LEAST_PULL: f64 = 1e-9;
 pub fn constrained(
     setting: Setting<'_>,
     constraints: &Constraints,
-    data: (&Compressed, &Control<'_>),
+    residual: &Compressed,
+    control: &Control<'_>,
 ) -> Result<InteriorSolution, SolveError> {
     let start = setting.standard.reference();
-    let allowed = COST_OF_PULL * data.0.offset.norm_squared();
+    let allowed = COST_OF_PULL * residual.offset.norm_squared();
     let mut weight = PULL;
-    let mut found = pulled(setting, constraints, data, weight)?;
+    let mut found = pulled(setting, constraints, residual, weight, control)?;
     loop {
-        let (rows, offset) = pull(setting.standard, &start, weight);
-        let cost = 0.5 * (rows * &found.solution.x + offset).norm_squared();
+        let pulling = pull(setting.standard, &start, weight);
+        let cost = 0.5 * pulling.at(&found.solution.x).norm_squared();
         weight *= 0.1;
         if cost <= allowed || weight < LEAST_PULL || found.solution.stop != Stop::Optimal {
             return Ok(found);
         }
-        let next = pulled(setting, constraints, data, weight)?;
+        let next = pulled(setting, constraints, residual, weight, control)?;
         if next.solution.stop != Stop::Optimal {
             return Ok(found);
         }
@@ -209,46 +210,49 @@ pub fn constrained(
 fn pulled(
     setting: Setting<'_>,
     constraints: &Constraints,
-    (residual, control): (&Compressed, &Control<'_>),
+    residual: &Compressed,
     weight: f64,
+    control: &Control<'_>,
 ) -> Result<InteriorSolution, SolveError> {
     let standard = setting.standard;
     let start = standard.reference();
     let data = &residual.matrix * &standard.to_base;
-    let (weak, weak_offset) = pull(standard, &start, weight);
-    let (rows, offset, terms) = match setting.prior {
-        Some((prior, weight)) => {
-            let (rows, offset) = prior.rows(weight);
-            (rows, offset, prior.terms(weight))
-        }
-        None => (
-            DMatrix::zeros(0, standard.len()),
-            DVector::zeros(0),
-            Default::default(),
-        ),
+    let weak = pull(standard, &start, weight);
+    let none = || AffineRows {
+        matrix: DMatrix::zeros(0, standard.len()),
+        offset: DVector::zeros(0),
     };
-    let matrix = stacked(&[data, rows, weak], standard.len());
-    let parts = [&residual.offset, &offset, &weak_offset];
+    let rows = setting.prior.map(|(prior, weight)| prior.rows(weight));
+    let rows = rows.unwrap_or_else(none);
+    let terms = setting.prior.map(|(prior, weight)| prior.terms(weight));
+    let terms = terms.unwrap_or_default();
+    let matrix = stacked(&[data, rows.matrix, weak.matrix], standard.len());
+    let parts = [&residual.offset, &rows.offset, &weak.offset];
     let whole: Vec<f64> = parts.iter().flat_map(|p| p.iter().copied()).collect();
     let (margin, shortfall) = match setting.prior {
         Some(_) => (setting.margin, 0.0),
         None => (3.0 * setting.margin, setting.margin),
     };
-    let program = Program::fit(constraints, margin, (matrix, DVector::from_vec(whole)));
+    let rows = AffineRows {
+        matrix,
+        offset: DVector::from_vec(whole),
+    };
+    let program = Program::fit(constraints, margin, rows);
     let weights = match setting.prior {
         Some((prior, weight)) => prior.absolute(weight),
         None => DVector::zeros(0),
     };
     if weights.iter().all(|w| *w == 0.0) {
-        return program.solve(&start, (&terms, shortfall), control);
+        return program.solve(&start, &terms, shortfall, control);
     }
-    sparse(program, (&weights, &start), control)
+    sparse(program, &weights, &start, control)
 }
 
 /// The program with a penalty `Σ w_j |x_j|`, its answer without the variables that stand for the absolute values.
 fn sparse(
     program: Program,
-    (weights, start): (&DVector<f64>, &DVector<f64>),
+    weights: &DVector<f64>,
+    start: &DVector<f64>,
     control: &Control<'_>,
 ) -> Result<crate::solve::interior::InteriorSolution, SolveError> {
     let counted = (0..weights.len()).filter(|&j| weights[j] > 0.0);
@@ -263,7 +267,7 @@ fn sparse(
         ..Terms::default()
     };
     let program = program.with_absolute(weights);
-    let mut found = program.solve(&DVector::from_vec(whole), (&terms, 0.0), control)?;
+    let mut found = program.solve(&DVector::from_vec(whole), &terms, 0.0, control)?;
     let x = &found.solution.x;
     found.solution.x = x.rows(0, weights.len()).into_owned();
     Ok(found)
@@ -274,9 +278,8 @@ pub fn prior_cost(setting: Setting<'_>, x: &DVector<f64>) -> f64 {
     let Some((prior, weight)) = setting.prior else {
         return 0.0;
     };
-    let (rows, offset) = prior.rows(weight);
     let terms = prior.terms(weight);
-    let mut cost = 0.5 * (rows * x + offset).norm_squared();
+    let mut cost = 0.5 * prior.rows(weight).at(x).norm_squared();
     cost += prior.absolute(weight).dot(&x.abs());
     if !terms.linear.is_empty() {
         cost += terms.linear.dot(x);

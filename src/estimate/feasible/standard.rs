@@ -20,6 +20,22 @@ pub const ROWS: usize = 10;
 /// Smallest eigenvalue of a reference body's scaled pseudo-inertia, kg: a robot file may leave a body out.
 const LEAST_REFERENCE: f64 = 1e-3;
 
+/// `matrix x + offset`.
+#[derive(Debug, Clone)]
+pub struct AffineRows {
+    /// Rows x unknowns.
+    pub matrix: DMatrix<f64>,
+    /// Of every row.
+    pub offset: DVector<f64>,
+}
+
+impl AffineRows {
+    /// The rows at x.
+    pub fn at(&self, x: &DVector<f64>) -> DVector<f64> {
+        &self.matrix * x + &self.offset
+    }
+}
+
 /// Unknowns of a feasible fit in their order.
 #[derive(Debug)]
 pub struct StandardParameters<'a> {
@@ -122,7 +138,7 @@ impl<'a> StandardParameters<'a> {
     }
 
     /// svec of the scaled pseudo-inertias of all bodies at x = 0, and per unit of every unknown.
-    pub fn pseudo_inertias(&self) -> (DVector<f64>, DMatrix<f64>) {
+    pub fn pseudo_inertias(&self) -> AffineRows {
         let rows = |values: &DVector<f64>| {
             let stacked = self.bodies.iter().flat_map(|&b| scaled_rows(values, b));
             DVector::from_iterator(ROWS * self.bodies.len(), stacked)
@@ -139,7 +155,10 @@ impl<'a> StandardParameters<'a> {
                 slopes.set_column(k, &rows(&unit));
             }
         }
-        (constant, slopes)
+        AffineRows {
+            matrix: slopes,
+            offset: constant,
+        }
     }
 
     /// Scaled pseudo-inertias of the robot file's bodies, made definite where they are not, in the order of

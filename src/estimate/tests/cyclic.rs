@@ -2,9 +2,10 @@
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::prior::Prior;
-use crate::estimate::coarse::minimise;
 use crate::estimate::covariance::of_unknowns;
-use crate::estimate::estimator::Estimator;
+use crate::estimate::estimator::{Estimator, Training};
+use crate::estimate::minimise::Minimisation;
+use crate::estimate::optimum::Optimum;
 use crate::estimate::problem::NoiseSource;
 use crate::estimate::tests::{DECLARED, RED, TRUE_FRICTION, pendulum, torque, valued};
 use crate::estimate::unknowns::Unknowns;
@@ -22,8 +23,17 @@ fn covariance(recording: Prepared) -> DMatrix<f64> {
     let prior = Prior::none(model.parameters().len());
     let unknowns = Unknowns::find(&model, &data, &prior);
     let training: Vec<&Prepared> = data.recordings.iter().collect();
-    let how = (Estimator::MaximumLikelihood, &Control::default());
-    let (solution, problem) = minimise(&model, &unknowns, (&training, &prior), how).unwrap();
+    let minimisation = Minimisation {
+        model: &model,
+        unknowns: &unknowns,
+        training: Training {
+            recordings: &training,
+            prior: &prior,
+        },
+        estimator: Estimator::MaximumLikelihood,
+        control: &Control::default(),
+    };
+    let Optimum { solution, problem } = minimisation.run().unwrap();
     assert_eq!(problem.noise, NoiseSource::Periods);
     of_unknowns(&problem, &solution.x).unwrap()
 }

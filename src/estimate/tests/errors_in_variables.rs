@@ -3,6 +3,7 @@
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::prior::Prior;
 use crate::estimate::errors_in_variables::ErrorsInVariables;
+use crate::estimate::estimator::Training;
 use crate::estimate::problem::FitProblem;
 use crate::estimate::tests::{
     DECLARED, NOISE, Recorder, TRUE_FRICTION, USUAL, pendulum, torque, valued,
@@ -30,7 +31,15 @@ fn matches_the_cost_and_its_differences() {
     let unknowns = Unknowns::find(&model, &data, &prior);
     let training: Vec<&Prepared> = data.recordings.iter().collect();
     let weights = Weights::by_deviation(&[NOISE]);
-    let inner = FitProblem::new(&model, &unknowns, (&training, &prior), weights);
+    let inner = FitProblem::new(
+        &model,
+        &unknowns,
+        Training {
+            recordings: &training,
+            prior: &prior,
+        },
+        weights,
+    );
     let problem = ErrorsInVariables::new(&inner).unwrap();
     assert!(problem.unknowns() > problem.parameters() + 12);
     let mut rng = generator(5);

@@ -84,10 +84,9 @@ fn invariant_rows_that_are_held_out_take_no_part_in_fits_of_motions_and_loads() 
                 with_load(held_out, (3, Split::Validation)),
             ],
         };
-        let way = (Estimator::Weighted, &none);
         let alone = load_by_difference::without_load(&loaded, &data).unwrap();
-        let first = fit(&loaded, &alone, way, &control).unwrap();
-        load_by_difference::second(first, &data, (Estimator::Weighted, &control))
+        let first = fit(&loaded, &alone, Estimator::Weighted, &none, &control).unwrap();
+        load_by_difference::second(first, &data, Estimator::Weighted, &control)
             .unwrap()
             .values
     };

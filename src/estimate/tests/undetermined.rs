@@ -5,6 +5,7 @@ use crate::chain::effect;
 use crate::chain::model::{Inertials, Model, ModelSettings, Signal};
 use crate::chain::prior::Prior;
 use crate::estimate::covariance::of_unknowns;
+use crate::estimate::estimator::Training;
 use crate::estimate::problem::FitProblem;
 use crate::estimate::tests::{PENDULUM, TRUE_FRICTION, USUAL, pendulum, torque, valued};
 use crate::estimate::unknowns::Unknowns;
@@ -75,7 +76,15 @@ fn the_shape_of_a_law_without_a_size_has_no_interval() {
     let variances = |model: &Model, excess: f64| {
         let unknowns = Unknowns::find(model, &data, &prior);
         let weights = Weights::PerChannel(DVector::from_element(1, 1.0));
-        let problem = FitProblem::new(model, &unknowns, (&training, &prior), weights);
+        let problem = FitProblem::new(
+            model,
+            &unknowns,
+            Training {
+                recordings: &training,
+                prior: &prior,
+            },
+            weights,
+        );
         let mut x = problem.start();
         let positions = unknowns.positions();
         for (x, p) in x.iter_mut().zip(&positions) {

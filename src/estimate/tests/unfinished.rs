@@ -2,10 +2,11 @@
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::prior::Prior;
+use crate::estimate::estimator::Training;
 use crate::estimate::feasible::MARGIN;
 use crate::estimate::feasible::program::Constraints;
 use crate::estimate::feasible::solve::{Compressed, Setting, constrained, estimate};
-use crate::estimate::feasible::standard::Standard;
+use crate::estimate::feasible::standard::StandardParameters;
 use crate::estimate::problem::FitProblem;
 use crate::estimate::tests::{DECLARED, NOISE, TRUE_FRICTION, USUAL, pendulum, torque, valued};
 use crate::estimate::unknowns::Unknowns;
@@ -31,14 +32,22 @@ fn with_residual(weight: f64, test: impl Fn(Setting<'_>, &Compressed)) {
     let unknowns = Unknowns::find(&model, &data, &prior);
     let training: Vec<&Prepared> = data.recordings.iter().collect();
     let weights = Weights::PerChannel(DVector::from_element(1, weight));
-    let problem = FitProblem::new(&model, &unknowns, (&training, &prior), weights);
+    let problem = FitProblem::new(
+        &model,
+        &unknowns,
+        Training {
+            recordings: &training,
+            prior: &prior,
+        },
+        weights,
+    );
     let count = unknowns.positions().len();
     let factor = problem.factor(&DVector::zeros(count)).matrix();
     let residual = Compressed {
         matrix: factor.columns(0, count).into_owned(),
         offset: factor.column(count).into_owned(),
     };
-    let standard = Standard::new(&model, &unknowns);
+    let standard = StandardParameters::new(&model, &unknowns);
     let setting = Setting {
         standard: &standard,
         constraints: &Constraints::new(&standard, &[]),
@@ -85,7 +94,7 @@ fn an_answer_is_kept_until_the_next_is_found() {
                 progress: Some(&progress),
                 ..Control::default()
             };
-            let found = constrained(setting, setting.constraints, (residual, &control));
+            let found = constrained(setting, setting.constraints, residual, &control);
             found.unwrap().solution
         };
         assert_eq!(until(usize::MAX).stop, Stop::Optimal);

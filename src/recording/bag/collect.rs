@@ -158,7 +158,8 @@ pub(super) fn columns(
 /// Errors: those of the container, columns of two topics, a message with some of the wanted joints
 /// only, too few rows.
 pub(super) fn read(
-    (path, reading): (&Path, &Reading),
+    path: &Path,
+    reading: &Reading,
     wanted: &[String],
     container: Container,
 ) -> Result<Table, RecordingError> {
@@ -182,7 +183,7 @@ pub(super) fn read(
         of_name.map_or("", |column| column.1.as_str())
     };
     let stamped = contents.surveys.get(topic).is_some_and(|s| s.stamped);
-    let rows = collect_rows((path, reading), container, topic, &names)?;
+    let rows = collect_rows(path, reading, container, topic, &names)?;
     require_rows(path, rows.len())?;
     let data = (0..names.len()).map(|c| match names[c] {
         TIME if stamped => seconds(rows.iter().map(|row| row.stamp)),
@@ -230,7 +231,8 @@ struct Row {
 /// The messages of a topic with the wanted joints. A topic may have several senders, such as an arm
 /// and its gripper: messages with none of the wanted joints are passed over.
 fn collect_rows(
-    (path, reading): (&Path, &Reading),
+    path: &Path,
+    reading: &Reading,
     container: Container,
     topic: &str,
     names: &[&str],

@@ -36,7 +36,7 @@ pub fn columns(path: &Path, reading: &Reading) -> Result<Vec<String>, RecordingE
 
 /// The wanted columns of a bag.
 pub fn read(path: &Path, wanted: &[String], reading: &Reading) -> Result<Table, RecordingError> {
-    collect::read((path, reading), wanted, container)
+    collect::read(path, reading, wanted, container)
 }
 
 fn container(path: &Path, reading: &Reading, take: &mut Take) -> Result<(), RecordingError> {

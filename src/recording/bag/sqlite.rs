@@ -33,12 +33,12 @@ pub fn columns(path: &Path, reading: &Reading) -> Result<Vec<String>, RecordingE
 
 /// The wanted columns of a bag.
 pub fn read(path: &Path, wanted: &[String], reading: &Reading) -> Result<Table, RecordingError> {
-    collect::read((path, reading), wanted, container)
+    collect::read(path, reading, wanted, container)
 }
 
 fn container(path: &Path, reading: &Reading, take: &mut Take) -> Result<(), RecordingError> {
     let mut messages = 0;
-    match read_database((path, reading), take, &mut messages) {
+    match read_database(path, reading, take, &mut messages) {
         Ok(()) => Ok(()),
         Err(Stop::Message(reason)) => Err(bad_message(path, messages, reason)),
         Err(Stop::Reading(error)) => Err(error),
@@ -67,7 +67,8 @@ impl From<Error> for Stop {
 }
 
 fn read_database(
-    (path, reading): (&Path, &Reading),
+    path: &Path,
+    reading: &Reading,
     take: &mut Take,
     messages: &mut usize,
 ) -> Result<(), Stop> {

@@ -34,7 +34,8 @@ const SAME_INSTANT: f64 = 0.01;
 pub fn read_joined(
     sources: &[Source<'_>],
     joints: &[RecordedJoint],
-    (kind, reading): (SignalKind, &Reading),
+    kind: SignalKind,
+    reading: &Reading,
 ) -> Result<Recording, RecordingError> {
     let files = sources
         .iter()

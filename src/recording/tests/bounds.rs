@@ -22,7 +22,8 @@ fn code(path: &Path, reading: &Reading) -> &'static str {
         path,
         &ColumnMap::default(),
         &joints,
-        (SignalKind::Torque, reading),
+        SignalKind::Torque,
+        reading,
     );
     found.err().map_or("", |fault| fault.describe().code)
 }

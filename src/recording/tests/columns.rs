@@ -4,7 +4,7 @@ use crate::recording::column_map::{Column, ColumnMap, Factors};
 use crate::recording::columns::{RecordedJoint, read};
 use crate::recording::reading::Reading;
 use crate::recording::samples::{Commanded, SignalKind};
-use crate::recording::separate_encoder::read_with_separate_encoder;
+use crate::recording::separate_encoder::{EncoderFiles, read_with_separate_encoder};
 use crate::recording::tests::{joints, rows, write};
 
 #[test]
@@ -50,10 +50,13 @@ fn samples_that_a_sensor_left_out_are_none_of_its_spline() {
     );
     let (_two, sensor) = write("b.csv", rows("t,q1,q2", &square).as_bytes());
     let joints = RecordedJoint::all(&joints());
-    let read = (SignalKind::Torque, &Reading::default());
-    let found =
-        read_with_separate_encoder((&signal, &sensor), &ColumnMap::default(), &joints, read)
-            .unwrap();
+    let files = EncoderFiles {
+        signal: &signal,
+        positions: &sensor,
+    };
+    let (map, reading) = (ColumnMap::default(), Reading::default());
+    let found = read_with_separate_encoder(files, &map, &joints, SignalKind::Torque, &reading);
+    let found = found.unwrap();
     assert!((found.position[0][100] - 10_000.0).abs() < 1e-3);
     assert!((found.position[1][100] - 200.0).abs() < 1e-3);
 }

@@ -53,7 +53,7 @@ fn join(files: &[&Path], maps: &[ColumnMap]) -> Result<Recording, RecordingError
         .map(|(path, map)| Source { path, map })
         .collect();
     let joints = RecordedJoint::all(&joints());
-    read_joined(&sources, &joints, (SignalKind::Torque, &Reading::default()))
+    read_joined(&sources, &joints, SignalKind::Torque, &Reading::default())
 }
 
 fn plain(files: &[&Path]) -> Result<Recording, RecordingError> {
@@ -193,12 +193,12 @@ fn stamps_with_dates_are_brought_to_one_origin() {
     let joints = RecordedJoint::all(&["shoulder".into(), "elbow".into()]);
     let map = ColumnMap::default();
     let sources = [&bag, &table].map(|path| Source { path, map: &map });
-    let reading = (SignalKind::Current, &Reading::default());
-    let joined = read_joined(&sources, &joints, reading).unwrap();
+    let (kind, reading) = (SignalKind::Current, &Reading::default());
+    let joined = read_joined(&sources, &joints, kind, reading).unwrap();
     let alone = read(&bag, &map, &joints, SignalKind::Current).unwrap();
     assert_eq!(joined.position, alone.position);
     let (_c, seconds) = write("s.csv", positions((0.0, 5.0, 100.0)).as_bytes());
     let sources = [&bag, &seconds].map(|path| Source { path, map: &map });
-    let fault = read_joined(&sources, &joints, reading).unwrap_err();
+    let fault = read_joined(&sources, &joints, kind, reading).unwrap_err();
     assert_eq!(fault.describe().code, "clocks-differ");
 }

@@ -33,10 +33,10 @@ pub(in crate::report) fn curves(
     x_title: &str,
     label: &str,
 ) -> String {
-    draw(SIZE, label, |area| paint(area, (curves, levels), x_title))
+    draw(SIZE, label, |area| paint(area, curves, levels, x_title))
 }
 
-fn paint(area: &Area, (curves, levels): (&[Curve], &[f64]), x_title: &str) -> Drawn {
+fn paint(area: &Area, curves: &[Curve], levels: &[f64], x_title: &str) -> Drawn {
     let points = || curves.iter().flat_map(|c| &c.points);
     let x = padded_range(points().map(|p| p.0));
     let y = padded_range(points().map(|p| p.1).chain(levels.iter().copied()));

@@ -15,10 +15,10 @@ pub(in crate::report) fn law(
     x_title: &str,
     label: &str,
 ) -> String {
-    draw(SIZE, label, |area| paint(area, (dots, lines), x_title))
+    draw(SIZE, label, |area| paint(area, dots, lines, x_title))
 }
 
-fn paint(area: &Area, (dots, lines): (&[Point], &[Vec<Point>]), x_title: &str) -> Drawn {
+fn paint(area: &Area, dots: &[Point], lines: &[Vec<Point>], x_title: &str) -> Drawn {
     let all = || dots.iter().chain(lines.iter().flatten());
     let x = padded_range(all().map(|p| p.0));
     let y = padded_range(all().map(|p| p.1));

@@ -50,9 +50,9 @@ pub(in crate::report) fn bars(rows: &[Bars], reference: Option<f64>, title: &str
     draw(layout.size(), title, |area| {
         layout.frame(area, &labels, title)?;
         for (index, row) in rows.iter().enumerate() {
-            layout.bar(area, (index, 8..30), row.train, RECORDED)?;
+            layout.bar(area, index, 8..30, row.train, RECORDED)?;
             if let Some(validation) = row.validation {
-                layout.bar(area, (index, 32..54), validation, PREDICTED)?;
+                layout.bar(area, index, 32..54, validation, PREDICTED)?;
             }
         }
         match reference {
@@ -75,8 +75,7 @@ pub(in crate::report) fn estimates(rows: &[Estimated], title: &str) -> String {
             layout.vertical(area, 0.0, RECORDED)?;
         }
         for (index, row) in rows.iter().enumerate() {
-            let [low, high] = row.interval;
-            layout.interval(area, index, (low, row.value, high))?;
+            layout.interval(area, index, row)?;
         }
         Ok(())
     })
@@ -155,7 +154,8 @@ impl Layout {
     fn bar(
         &self,
         area: &Area,
-        (index, rows): (usize, std::ops::Range<i32>),
+        index: usize,
+        rows: std::ops::Range<i32>,
         value: f64,
         colour: RGBColor,
     ) -> Drawn {
@@ -168,7 +168,8 @@ impl Layout {
         Ok(())
     }
 
-    fn interval(&self, area: &Area, index: usize, (low, value, high): (f64, f64, f64)) -> Drawn {
+    fn interval(&self, area: &Area, index: usize, estimated: &Estimated) -> Drawn {
+        let [low, high] = estimated.interval;
         let y = index as i32 * self.row + self.row / 2;
         let style = ShapeStyle::from(&PREDICTED).stroke_width(4);
         let (low, high) = (self.x(low), self.x(high));
@@ -179,7 +180,11 @@ impl Layout {
         ] {
             area.draw(&PathElement::new(ends, style))?;
         }
-        area.draw(&Circle::new((self.x(value), y), 7, PREDICTED.filled()))?;
+        area.draw(&Circle::new(
+            (self.x(estimated.value), y),
+            7,
+            PREDICTED.filled(),
+        ))?;
         Ok(())
     }
 }

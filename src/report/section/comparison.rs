@@ -52,17 +52,34 @@ fn error(joint: &JointFigures) -> String {
 }
 
 /// What a table of errors shows, and the error of a model.
-type Measure = (&'static str, fn(&ModelErrors) -> Option<ErrorFigure>);
+/// A figure of the errors of a model.
+struct Measure {
+    title: &'static str,
+    of: fn(&ModelErrors) -> Option<ErrorFigure>,
+}
 
 const MEASURES: [Measure; 4] = [
-    ("RMSE, identification", |m| Some(m.rmse_train)),
-    ("RMSE, validation", |m| m.rmse_validation),
-    ("MAE, identification", |m| Some(m.mae_train)),
-    ("MAE, validation", |m| m.mae_validation),
+    Measure {
+        title: "RMSE, identification",
+        of: |m| Some(m.rmse_train),
+    },
+    Measure {
+        title: "RMSE, validation",
+        of: |m| m.rmse_validation,
+    },
+    Measure {
+        title: "MAE, identification",
+        of: |m| Some(m.mae_train),
+    },
+    Measure {
+        title: "MAE, validation",
+        of: |m| m.mae_validation,
+    },
 ];
 
 /// Errors of every model with their 95 % intervals, joint by joint; empty where there are none.
-fn errors(comparisons: &[ModelComparison], (title, of): Measure) -> String {
+fn errors(comparisons: &[ModelComparison], measure: Measure) -> String {
+    let Measure { title, of } = measure;
     let joints = || comparisons.iter().filter(|c| c.joint.is_some());
     let Some(first) = joints().next() else {
         return String::new();

@@ -145,18 +145,17 @@ fn by_kind(groups: &[Group]) -> String {
         let cells = facts::group_row(group).into_iter().enumerate();
         table.row(
             cells
-                .map(|(k, text)| cell((k == 1 || k == 2, text)))
+                .map(|(k, text)| {
+                    if k == 1 || k == 2 {
+                        Cell::Number(text)
+                    } else {
+                        Cell::text(text)
+                    }
+                })
                 .collect(),
         );
     }
     table.html()
-}
-
-fn cell((is_number, text): (bool, String)) -> Cell {
-    match is_number {
-        true => Cell::Number(text),
-        false => Cell::text(text),
-    }
 }
 
 fn calibration(rows: &[Calibration]) -> String {
@@ -188,7 +187,17 @@ fn calibration(rows: &[Calibration]) -> String {
         }
         before = Some(&row.motion);
         let cells = facts::calibration_row(row).into_iter().enumerate();
-        table.row(cells.map(|(k, text)| cell((k == 2, text))).collect());
+        table.row(
+            cells
+                .map(|(k, text)| {
+                    if k == 2 {
+                        Cell::Number(text)
+                    } else {
+                        Cell::text(text)
+                    }
+                })
+                .collect(),
+        );
     }
     format!(
         "<div class=\"plots small\">{figures}</div>\n{}",

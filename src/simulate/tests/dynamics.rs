@@ -182,7 +182,7 @@ fn matches_closed_form_of_a_rotor_in_stiff_viscous_friction() {
         let mut state = rest.clone();
         for _ in 0..steps {
             let chain = plant.linearise(&state).unwrap();
-            state = plant.step((&state, &chain), &[10.0], h).unwrap().0;
+            state = plant.step(&state, &chain, &[10.0], h).unwrap().state;
         }
         errors.push((state.velocity[0] - 10.0 / 500.0 * (1.0 - (-2.0_f64).exp())).abs());
     }
@@ -192,8 +192,9 @@ fn matches_closed_form_of_a_rotor_in_stiff_viscous_friction() {
     }
     // L-stable: one step over many time constants ends at the equilibrium.
     let chain = plant.linearise(&rest).unwrap();
-    let (after, _) = plant
-        .step((&rest, &chain), &[10.0], 1e4 * inertia / 500.0)
-        .unwrap();
+    let after = plant
+        .step(&rest, &chain, &[10.0], 1e4 * inertia / 500.0)
+        .unwrap()
+        .state;
     assert!((after.velocity[0] / 0.02 - 1.0).abs() < 1e-3);
 }

@@ -14,7 +14,7 @@ use crate::diagnose::selection::confirmation;
 use crate::diagnose::selection::explanation::Explaining;
 use crate::diagnose::selection::forecast::under_way;
 use crate::diagnose::selection::hypothesis_test::HypothesisTest;
-use crate::diagnose::selection::reached::Reached;
+use crate::diagnose::selection::last_selection::LastSelection;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::diagnose::selection::stepwise::{Rules, Stepwise};
 use crate::diagnose::selection::weak_findings;
@@ -256,8 +256,8 @@ fn a_search_withdraws_what_it_found_beside_something_larger() {
             sought: Some(&sought),
             significance: SIGNIFICANCE,
         },
-        watch: &|_| (),
-        reached: &Reached::default(),
+        on_stage: &|_| (),
+        reached: &LastSelection::default(),
     };
     let declared = bench.declared(contexts.selection.data);
     let selection = explaining.select(declared).unwrap();

@@ -79,7 +79,7 @@ impl Formulas {
     }
 
     /// Whether the torque is affine in each parameter, together with those before it that are: its derivative has none of
-    /// them in it. The load depends on what else is estimated, and a state on the trajectory of a motion, so that a law of either
+    /// them in it. The load depends on what else is estimated, and a state on the whole motion, so that a law of either
     /// is affine in nothing.
     pub fn linear(&self, text: &LawText) -> Vec<Linearity> {
         let of_load = [Variable::Load, Variable::Current];

@@ -1,8 +1,8 @@
-//! Which of the two is spoken of.
+//! The subject of a sentence: robot or simulator.
 
 /// The robot or the simulator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Who {
+pub(super) enum Subject {
     Robot,
     Simulator,
 }

@@ -1,4 +1,4 @@
-//! The model that a search has come to, kept apart from the search: a defect that ends it leaves that model.
+//! The last model that a search selected, kept apart from the search: a defect that ends it leaves that model.
 
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::selection::stepwise::Selection;
@@ -6,11 +6,11 @@ use std::sync::{Mutex, PoisonError};
 
 /// The latest selected model, without what was tried on the way.
 #[derive(Debug, Default)]
-pub struct Reached {
+pub struct LastSelection {
     selection: Mutex<Option<Selection>>,
 }
 
-impl Reached {
+impl LastSelection {
     /// Keeps a model that has come out of `examined` hypotheses in the place of the one before.
     pub fn set(&self, fit: &ModelFit, examined: usize) {
         let selection = Selection {
