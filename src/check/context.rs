@@ -1,4 +1,4 @@
-//! What a check is shown: the problem, a recording as it was read, a recording made ready.
+//! The context of checks: the problem, a recording as it was read, a prepared recording.
 
 use crate::chain::dataset::Prepared;
 use crate::chain::model::Model;

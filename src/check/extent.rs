@@ -1,4 +1,4 @@
-//! Between what two values some numbers lie.
+//! The range of some numbers.
 
 /// Lowest and highest of some values; (∞, −∞) of none.
 pub(super) fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {

@@ -1,4 +1,4 @@
-//! Whether the training motion shows what the model's friction asks: range, both directions, several speeds.
+//! Excitation of friction by the training motion: range, both directions, several speeds.
 
 use crate::chain::dataset::Dataset;
 use crate::chain::effect::knowledge::JointTerm;

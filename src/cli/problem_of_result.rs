@@ -1,4 +1,4 @@
-//! The problem of an earlier result, run again.
+//! The problem of a result, to be run again with its inputs as they were.
 
 use crate::cli::error::CliError;
 use crate::outcome::Outcome;

@@ -1,4 +1,4 @@
-//! Steps of a diagnosis, as progress shows them.
+//! The stages of a diagnosis, as progress shows them.
 
 /// A step of a diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

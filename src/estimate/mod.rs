@@ -4,11 +4,11 @@
 //!
 //! | step | files |
 //! |---|---|
-//! | the task | `task` chooses the fit: `fit`, `errors_in_variables_fit`, `feasible/`, `load_by_difference` of a load |
+//! | the task | `task` chooses the fit: `fit`, `errors_in_variables_fit` (by `errors_in_variables`), `feasible/`, `load_by_difference` |
 //! | bandwidth of the motion | `bandwidth` |
 //! | the problem that solvers take | `problem` over the `unknowns`, its rows from `rows` and `weights`, compressed by `compress` |
-//! | where it starts | `start`, `search_range`, `start_grid` |
-//! | the optimum | `warm_start`, `minimise`, `optimum`, `smoothing_method`; a single search is `least_squares` |
+//! | initial values | `start`, by local searches from a `start_grid` within a `search_range` |
+//! | the optimum | `minimise` for each estimator, from a `warm_start`; `optimum` of one problem by `least_squares`, or by the `smoothing_method` where the model has kinks |
 //! | weights from residuals | `reweight`, `noise`, `coloured_noise`, `cross_spectra` |
 //! | covariance and intervals | `covariance`, with `torque_constants` |
 //! | what is reported | `physical`, `realization`, `load`, `reactions`, `goodness_of_fit`, `model_comparison`, `remarks` |

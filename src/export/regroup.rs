@@ -1,4 +1,4 @@
-//! Bodies with the same joint torques and as few parameters as possible: every parameter that is not a base
+//! Regrouped bodies with the same joint torques and as few parameters as possible: every parameter that is not a base
 //! parameter moves into those that are, `π_kept ← π_kept + C π_dependent` (Khalil and Kleinfinger 1987).
 //!
 //! They are no bodies any more, but their inverse dynamics takes about half the operations.

@@ -1,4 +1,4 @@
-//! What a robot description has no place for, as a problem file of this program: drives with their values,
+//! The parts of a model that a robot description has no place for, as a problem file of this program: drives with their values,
 //! gravity, coupling, load. `exid simulate` and `exid fit` read it as it is.
 
 use crate::export::File;

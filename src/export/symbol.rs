@@ -1,4 +1,4 @@
-//! Arithmetic that is written down instead of done: the recursions of the robot run on [`Symbol`]s, and the
+//! Symbolic arithmetic: the recursions of the robot run on [`Symbol`]s, and the
 //! tape of this thread keeps every operation once.
 //!
 //! Constants fold, products with 0 and 1 vanish, and an operation on the same operands is the same symbol,

@@ -1,4 +1,4 @@
-//! TOML: bodies, drives and load as engineers and robot controllers ask for them, with their intervals.
+//! Parameters as TOML: bodies, drives and load as engineers and robot controllers ask for them, with their intervals.
 //!
 //! The load stands in the fields of a controller's tool data: mass, centre of mass in the flange's frame,
 //! inertia about the centre of mass, and its principal moments and axes.

@@ -1,4 +1,4 @@
-//! A URDF with other inertials and losses: the text of the file stays, elements are replaced in it.
+//! Editing a URDF: the text of the file stays, inertials and losses are replaced in it.
 
 use crate::chain::effect::knowledge::JointTerm;
 use crate::export::error::ExportError;

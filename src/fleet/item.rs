@@ -1,4 +1,4 @@
-//! What is kept of one item: what it came to, under the hash of all that it depends on.
+//! The stored result of one item, under the hash of all that it depends on.
 
 use crate::fleet::manifest::Entry;
 use crate::outcome::number;

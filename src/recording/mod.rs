@@ -6,10 +6,11 @@
 //! |---|---|
 //! | a file becomes a table | `format` chooses among `csv`, `parquet`, `hdf5`, `mat`, `npz` and `bag/`; arrays of a program: `memory` |
 //! | columns become channels in SI units | `columns`, by `column_map` and `column_names`; `join/` from several files |
-//! | flaws of rows | `missing`, `upsampling`, `spikes`, `copies` |
+//! | flaws of rows | `missing`, `upsampling`, `spikes`, `copies`; `separate_encoder` where positions are in another file |
 //! | the time base | `timing`, `clock` |
 //! | positions become velocities and accelerations | `preprocess` begins: `periodic` (by `fourier`) where the motion repeats, else `aperiodic` (`differentiate`, by `smoother` or `zero_phase`) |
-//! | the noise | `periodic` from the scatter of periods, `noise_level` from differences of samples |
+//! | the noise | `periodic` from the scatter about the `period_average`, `noise_level` from differences of samples |
+//! | single periods | `sample_by_sample`, `successive_periods` in place of the average |
 //! | what comes out | `experiment` |
 
 pub mod aperiodic;

@@ -1,4 +1,4 @@
-//! Sizes of errors over windows.
+//! Statistics of errors over windows.
 
 use crate::outcome::rollout::Spread;
 

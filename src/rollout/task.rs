@@ -1,4 +1,4 @@
-//! What is rolled out, and what comes of it.
+//! The settings of a rollout, and its result.
 
 use crate::outcome::Outcome;
 use crate::outcome::rollout::Rollout;

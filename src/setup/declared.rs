@@ -1,4 +1,4 @@
-//! What the robot file says of drives, as effects and values of the model.
+//! Effects and parameter values of the drives that the robot file declares.
 //!
 //! Rotor inertias are known unless they are listed as an effect. Friction and springs are effects of the model whose
 //! estimates start from what the file says; `drive.values` makes them known, and `drive.effects_of` takes their place.

@@ -1,4 +1,4 @@
-//! What a problem file says of single parameters of a model: zero, known, bounded.
+//! Constraints on single parameters from a problem file: zero, known, bounded.
 
 use crate::chain::model::Model;
 use crate::fault::Place;

@@ -1,4 +1,4 @@
-//! What motions keep to: `[design.limits]`, else the robot file, else usual figures.
+//! Limits of motions: `[design.limits]`, else the robot file, else usual figures.
 
 use crate::fault::Place;
 use crate::problem_file::ProblemFile;

@@ -1,4 +1,4 @@
-//! What a problem file knows beforehand: an earlier fit and single values with their uncertainty.
+//! Priors of a problem file: an earlier fit, and single values with their uncertainty.
 
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;

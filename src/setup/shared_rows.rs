@@ -1,4 +1,4 @@
-//! Recordings of one problem that have rows in common: what was fitted is not held out, and what is given twice counts twice.
+//! Duplicate rows among the recordings of a problem: what was fitted is not held out, and what is given twice counts twice.
 
 use crate::fault::Place;
 use crate::problem_file::RecordingsTable;

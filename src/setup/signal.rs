@@ -1,4 +1,4 @@
-//! What the signal of a problem is.
+//! The kind of signal of a problem.
 
 use crate::chain::model;
 use crate::problem_file::ProblemFile;

@@ -1,4 +1,4 @@
-//! What a random path is drawn from.
+//! Inputs of a random path: limits, period, harmonics.
 
 use crate::chain::model::Model;
 use crate::setup::limits::JointLimits;

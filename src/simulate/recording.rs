@@ -1,4 +1,4 @@
-//! One simulated recording, or one trajectory.
+//! A simulated recording, or a simulated trajectory.
 
 use crate::outcome::simulation::RealisedNoise;
 use crate::simulate::sensors::Table;

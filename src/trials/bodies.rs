@@ -1,4 +1,4 @@
-//! How far the bodies of a fitted model are from the robot's: inertial parameters one by one depend on how they are grouped,
+//! Distance of the bodies of a fitted model from the robot's: inertial parameters one by one depend on how they are grouped,
 //! the torque that links and rotors ask for does not.
 
 use crate::chain::dataset::Dataset;

@@ -1,4 +1,4 @@
-//! Whether what is stated with a probability is right as often as it says.
+//! Calibration: whether stated probabilities are right as often as they say.
 //!
 //! ```text
 //! (p̂ + z²/2n ∓ z √(p̂(1 − p̂)/n + z²/4n²)) / (1 + z²/n)      interval of a share p̂ of n cases (Wilson 1927), z = 1.96

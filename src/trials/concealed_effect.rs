@@ -1,4 +1,4 @@
-//! What is concealed in a trial: an effect of the vocabulary on a joint, with values of physical size.
+//! The concealed effect of a trial: an effect of the vocabulary on a joint, with values of physical size.
 //!
 //! Sizes are a share `f` of the torque that the joint usually bears, so that all effects are swept over the same
 //! range; what the declared model cannot absorb of them is measured, not assumed.

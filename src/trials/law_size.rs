@@ -1,4 +1,4 @@
-//! Sizes of laws that are not of the vocabulary, from their formulas.
+//! Typical sizes of user-defined laws, from their formulas.
 //!
 //! Shapes are drawn from where a search begins; what is linear is scaled until the torque of a sine over the joint's range has
 //! the size that is asked for.

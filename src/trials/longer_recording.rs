@@ -1,4 +1,4 @@
-//! Whether a longer recording of the same robot tells apart what a diagnosis said it could not.
+//! Whether a longer recording of the same robot separates rivals that a diagnosis could not separate.
 
 use crate::chain::dataset::Dataset;
 use crate::chain::effect::Memory;

@@ -1,4 +1,4 @@
-//! What is tried in which trial: follows from the seed and the number of the trial.
+//! The plan of a trial, which follows from the seed and the number of the trial.
 
 use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::{Catalogue, Law};

@@ -1,4 +1,4 @@
-//! What a trial came to: whether the findings are what was concealed.
+//! The score of a trial: whether the findings are what was concealed.
 
 use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::term_name;

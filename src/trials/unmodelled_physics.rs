@@ -1,4 +1,4 @@
-//! Physics that no effect of the vocabulary has, as a part of the current: what comes of it has to stay unnamed.
+//! Physics outside the vocabulary, as a part of the current: a diagnosis must leave it without a name.
 
 use crate::simulate::sensors::Table;
 

@@ -1,4 +1,4 @@
-//! Points of a grid in the order of what they gain.
+//! Grid search: points of a grid in the order of the variance that they explain.
 
 use crate::diagnose::fit::candidate::Point;
 use rayon::prelude::*;

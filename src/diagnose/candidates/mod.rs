@@ -1,4 +1,4 @@
-//! Which hypotheses are worth fitting, and from where: the score test of each of them.
+//! Candidates: the hypotheses worth fitting, ranked by score tests, and their initial values.
 
 pub mod grid_search;
 pub mod score_test;

@@ -1,4 +1,4 @@
-//! What each hypothesis could take from the residual beyond what all other parameters can take.
+//! Score test of each candidate effect, the fitted parameters projected out.
 //!
 //! ```text
 //! gain = ‖r‖² − min_{δ, γ} ‖r_g + J δ + C γ‖²

@@ -1,4 +1,4 @@
-//! Reuse of the screening of a model that is poorer by one hypothesis, where it still stands.
+//! Reuse of the score tests of a model that is poorer by one hypothesis, where they still hold.
 //!
 //! What a hypothesis explains of a joint does not move where the residual of that joint has not moved: its best point
 //! stays the best, and only what it gains there is worked out anew.

@@ -1,4 +1,4 @@
-//! How the torque of a joint becomes the signal of a channel, and what a hypothesis leaves as it is on the way.
+//! The signal path from the torque of a joint to the signal of a channel, and which part of it a hypothesis leaves unchanged.
 
 use crate::chain::effect::Law;
 use crate::chain::model::{Channel, JointModel, Model};

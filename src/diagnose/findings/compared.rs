@@ -1,4 +1,4 @@
-//! The declared and the final model side by side, over all rows that were held out.
+//! Comparison of the declared and the final model over all held-out rows.
 
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};

@@ -1,4 +1,4 @@
-//! Smooth corrections in the place of what has no name, chosen and tested by different rows.
+//! Additive models as corrections of what no effect explains, chosen and tested on different rows.
 
 use crate::diagnose::findings::unexplained::SearchState;
 use crate::diagnose::findings::{probability, sentences};

@@ -1,4 +1,4 @@
-//! How probable it is that a finding, and not a rival of it, something without a name or nothing, is what is there.
+//! Posterior probabilities of a finding, of its rivals, of an effect outside the vocabulary, and of none.
 //!
 //! Held-out rows that took no part in the choice give the ratio Λ of the likelihood of a finding to that of a rival in its place, or
 //! of nothing (`stats/encompassing.rs`), and by the theorem of Bayes each of them has the probability `w_i / Σ w`, with

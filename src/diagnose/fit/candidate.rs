@@ -1,4 +1,4 @@
-//! A hypothesis that promises something, and from where it is to be fitted.
+//! A candidate: a hypothesis with the initial values of its fit.
 
 use crate::chain::effect::Memory;
 use crate::diagnose::fit::hypothesis::Hypothesis;

@@ -1,4 +1,4 @@
-//! One problem over the held-out rows that choose a model, over those that test what was chosen, and over both.
+//! Contexts over the two halves of the held-out rows, one that chooses a model and one that tests it, and over both.
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::effect::Lasts;

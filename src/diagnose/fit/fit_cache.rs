@@ -1,4 +1,4 @@
-//! What a diagnosis has worked out once: fits by the hypotheses in them, and what each of them leads to.
+//! Cache of fits and score tests, by the hypotheses of a model.
 
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::fit::candidate::Screening;

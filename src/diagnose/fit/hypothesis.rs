@@ -1,4 +1,4 @@
-//! What may be missing: an effect of the vocabulary on a joint, on a pair of joints, or on all of them.
+//! Hypotheses: an effect of the vocabulary on a joint, on a pair of joints, or on all of them.
 
 use crate::chain::assemble::has_others;
 use crate::chain::effect::{Effect, Law, Memory};

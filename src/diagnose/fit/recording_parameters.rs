@@ -1,4 +1,4 @@
-//! Parameters that belong to one recording: a push, a temperature at the start.
+//! Parameters of single recordings: an external contact, a temperature at the start.
 //!
 //! In a recording that is held out they are fitted on every other row, with everything else as the training recordings
 //! have it; the rows between judge the model.

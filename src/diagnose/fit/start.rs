@@ -1,4 +1,4 @@
-//! Where a fit begins.
+//! Initial values of a fit.
 
 /// Parameter values by name.
 pub type Start = Vec<(String, f64)>;

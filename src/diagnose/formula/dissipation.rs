@@ -1,4 +1,4 @@
-//! Whether what turns over with the speed of a joint brakes it.
+//! Whether a term that is odd in the speed of a joint dissipates power.
 //!
 //! ```text
 //! P = ½ (τ(q, v, a) − τ(q, −v, a)) v,   Σ max(−P, 0) ≤ Σ |P| / 20

@@ -1,4 +1,4 @@
-//! A formula as a law of one's own: its text, the units of its parameters, and the table of a problem file.
+//! A formula as a user-defined law: its text, the units of its parameters, and the table of a problem file.
 
 use crate::chain::effect::user_law::{ActsOn, LawText, ParameterText, SearchText};
 use crate::chain::model::Model;

@@ -1,4 +1,4 @@
-//! The search for formulas: terms one after the other, several formulas at a time, then their parts exchanged.
+//! Beam search for formulas: terms one after the other, several formulas at a time, then their parts exchanged.
 
 use crate::diagnose::candidates::score_test::dot;
 use crate::diagnose::formula::factor::{Factor, Shape};

@@ -1,4 +1,4 @@
-//! Sizes of the terms of a formula and its score, by what it takes from the fitted rows beyond what a model can.
+//! Least-squares sizes of the terms of a formula, and its score by the variance that it explains beyond a model.
 //!
 //! ```text
 //! x = −(C⊥ᵀC⊥)⁻¹ C⊥ᵀ r,   gain = −rᵀC⊥ x,   score = N ln(1 − gain/‖r‖²) + p ln N + 2 Σ ln M

@@ -1,4 +1,4 @@
-//! Formulas in words: as the torque of a law, and with numbers as people read them.
+//! Formulas as text: the torque of a law, and with numbers as people read them.
 
 use crate::chain::words::short;
 use crate::diagnose::formula::factor::{Factor, Shape};

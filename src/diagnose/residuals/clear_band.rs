@@ -1,4 +1,4 @@
-//! What is left of a residual at frequencies at which the motion stands clear of its noise.
+//! The part of a residual at frequencies at which the motion stands clear of its noise.
 //!
 //! Beyond them a model predicts with what is mostly noise of the encoders, and a spring between motor and link, which
 //! holds high frequencies back, lowers the error of any prediction: that is a better filter and not physics.

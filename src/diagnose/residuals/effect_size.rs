@@ -1,4 +1,4 @@
-//! Whether a finding matters: how much of what a model leaves on held-out rows it takes away.
+//! Effect size: the share of the held-out residual that a finding explains.
 
 use crate::chain::dataset::Prepared;
 use crate::chain::effect::Law;

@@ -1,4 +1,4 @@
-//! Where the misfit of a joint lies: the variables over which its residual is not zero on average.
+//! The location of the misfit of a joint: the covariates over which its residual is not zero on average.
 //!
 //! The mean residual in bins of a variable, of equally many fitted rows each, forecasts the residual of rows that
 //! were not fitted; the share of energy that it takes from them is what the variable explains.

@@ -1,4 +1,4 @@
-//! The noise of one row of a channel, which a residual is held against.
+//! The noise level of a channel, with which residuals are compared.
 
 use crate::chain::dataset::Prepared;
 use crate::chain::model::Model;

@@ -1,4 +1,4 @@
-//! Whether the signal changes from period to period, which averages over periods hide.
+//! Changes of the signal from period to period, which averages over periods hide.
 //!
 //! `d_p(k) = s_p(k) − s̄(k)`. Noise that forgets within a block has block means of variance σ²/B, with σ² from the
 //! differences of successive samples, `E (d(k+1) − d(k))²/2`, which slow changes do not enter (von Neumann 1941).

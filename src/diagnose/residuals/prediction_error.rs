@@ -1,4 +1,4 @@
-//! What uncertain parameters add to the errors of predictions.
+//! The contribution of uncertain parameters to errors of prediction.
 //!
 //! ```text
 //! ŝ(θ̂) − ŝ(θ) ≈ J (θ̂ − θ),   mean over rows of Var = tr(JᵀJ C) / rows

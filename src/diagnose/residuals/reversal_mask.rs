@@ -1,4 +1,4 @@
-//! Rows at which a joint is under way, away from its reversals.
+//! Reversal mask: rows at which a joint moves, away from its reversals.
 //!
 //! Around a reversal a joint sticks, and a speed that is differentiated from encoders with a bandwidth f changes sign
 //! at another instant than friction does, and is smeared over 1/f. That shift, of some tenths of a millisecond, looks

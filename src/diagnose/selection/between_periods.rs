@@ -1,4 +1,4 @@
-//! What changes from period to period: averages hide it, so it is sought in the samples in the order of time.
+//! Effects that change from period to period, sought in the samples in the order of time, as averages hide them.
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::effect::{Catalogue, Memory};

@@ -1,4 +1,4 @@
-//! The evidence of a richer model against a poorer one on the rows that were held out.
+//! Forecast evidence: how much better a richer model predicts the held-out rows than a poorer one.
 //!
 //! Models that differ in a few rows alone, at the impacts of a play or while something is touched, differ in so few
 //! blocks that these do not tell the variance of what they leave. There the noise that is known from what repeats takes

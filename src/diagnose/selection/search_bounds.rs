@@ -1,4 +1,4 @@
-//! Whether the parameters of a law that are searched for lie inside what is searched.
+//! Whether estimated nonlinear parameters lie inside the range of their search.
 //!
 //! A law whose shape ends at a limit of its search was not found there: the data ask for something beyond, where the law is
 //! another one, and whatever it explains is the beginning of something that it is not. Such a hypothesis is not named. Sizes that

@@ -1,4 +1,4 @@
-//! Whether what begins and ends does so within the recordings.
+//! Whether an effect with a beginning and an end has both within the recordings.
 
 use crate::chain::effect::Search;
 use crate::diagnose::fit::context::Context;

@@ -1,8 +1,8 @@
-//! Names that explain less than they leave.
+//! Weak findings: those that explain less of a residual than they leave.
 //!
 //! A finding takes something of a channel's excess over the noise, L − 1 with the lack of fit L, and what is left no
-//! name of the vocabulary explains. Where more is left than the finding takes, it may as well be the shadow that the
-//! unexplained casts on what it is not: a torque constant that is off by as much as some other channel leaks into this
+//! name of the vocabulary explains. Where more is left than the finding takes, it may as well stand for the
+//! unexplained physics elsewhere: a torque constant that is off by as much as some other channel leaks into this
 //! one on the average. Such a name is withdrawn, and the misfit reported without one.
 
 use crate::diagnose::fit::hypothesis::channels_of;

@@ -1,4 +1,4 @@
-//! Hypotheses whose size the recordings do not tell from none.
+//! Hypotheses whose size is not significantly different from zero.
 //!
 //! A hypothesis that forecasts the residual may owe that to parameters beside its size, or to a size that is tied to others:
 //! with θ ± 1.96 σ over the value at which its torque is none, the number that a finding would state may as well be zero.

@@ -1,4 +1,4 @@
-//! One of the two that are compared: an identified model with the recordings that it was identified from.
+//! One side of the comparison: an identified model with the recordings that it was identified from.
 
 use std::collections::BTreeMap;
 
