@@ -31,12 +31,14 @@ const SOON: Duration = Duration::from_secs(5);
 /// Bytes of the largest seed.
 const LARGEST: usize = 60_000;
 
+/// Reads bytes. Fails where what is accepted cannot be worked with, or an error does not say what is wrong.
+type Answer = Box<dyn Fn(&[u8])>;
+
 /// What files are read as, with sound ones of the kind.
 struct Reader {
     name: String,
     seeds: Vec<Vec<u8>>,
-    /// Fails where what is accepted cannot be worked with, or an error does not say what is wrong.
-    answer: Box<dyn Fn(&[u8])>,
+    answer: Answer,
 }
 
 impl Reader {
