@@ -1,8 +1,8 @@
 //! The task behind `exid diagnose`: from a problem file to findings.
 
-use crate::chain::dataset::Dataset;
+use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
-use crate::chain::transition_limits::TransitionLimits;
+use crate::chain::transition_limits::{TransitionFit, TransitionLimits};
 use crate::check;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::findings::report::{Reported, Reporting};
@@ -40,7 +40,6 @@ use crate::recording::split::Split;
 use crate::setup;
 use crate::setup::robot::Robot;
 use nalgebra::DVector;
-use std::cell::LazyCell;
 
 /// A diagnosis with the recordings that it was made from.
 #[derive(Debug)]
@@ -284,6 +283,27 @@ struct Declared {
     noise: Option<Vec<f64>>,
 }
 
+/// A fit of the declared model to recordings.
+struct DeclaredFit<'a> {
+    fit: ModelFit,
+    halves: &'a HeldOutHalves,
+}
+
+impl TransitionFit for DeclaredFit<'_> {
+    fn model(&self) -> &Model {
+        &self.fit.model
+    }
+
+    fn values(&self) -> &DVector<f64> {
+        &self.fit.values
+    }
+
+    fn deviations(&self) -> Vec<Option<f64>> {
+        let recordings: Vec<&Prepared> = self.halves.whole.of(Split::Train).collect();
+        self.fit.parameter_deviations(&recordings)
+    }
+}
+
 /// What a search reports.
 struct Found {
     reported: Reported,
@@ -297,20 +317,19 @@ impl Search<'_> {
         halves: &HeldOutHalves,
         control: &Control<'_>,
     ) -> Result<Declared, DiagnoseError> {
-        let mut limits = TransitionLimits::of(&halves.whole);
-        loop {
+        let settled = TransitionLimits::of(&halves.whole).settle(control, |limits| {
             let mut contexts = halves.contexts(self.problem, self.robot, control);
-            contexts.set(&limits, None);
+            contexts.set(limits, None);
             let fit = fit_declared(&contexts.selection)?;
-            let deviations = LazyCell::new(|| {
-                fit.parameter_deviations(&contexts.selection.recordings(Split::Train))
-            });
-            if control.is_interrupted() || !limits.hold(&fit.model, &fit.values, |p| deviations[p])
-            {
-                let noise = noise_rms(&fit.model, &fit.values, &halves.whole);
-                return Ok(Declared { fit, limits, noise });
-            }
-        }
+            Ok::<_, DiagnoseError>(DeclaredFit { fit, halves })
+        })?;
+        let fit = settled.fit.fit;
+        let noise = noise_rms(&fit.model, &fit.values, &halves.whole);
+        Ok(Declared {
+            fit,
+            limits: settled.limits,
+            noise,
+        })
     }
 
     /// What a search finds, or had found when a defect ended it.

@@ -2,8 +2,9 @@
 
 use crate::chain::dataset::Dataset;
 use crate::chain::model::{Model, Signal};
+use crate::chain::parameter::Parameter;
 use crate::chain::prior::Prior;
-use crate::chain::transition_limits::TransitionLimits;
+use crate::chain::transition_limits::{SettledFit, TransitionFit, TransitionLimits};
 use crate::estimate::error::EstimateError;
 use crate::estimate::estimator::Estimator;
 use crate::estimate::feasible::{self, Form};
@@ -27,6 +28,7 @@ use crate::setup;
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::model::Addition;
 use crate::setup::robot::Robot;
+use nalgebra::DVector;
 use thiserror::Error;
 
 /// Why `fit` gives no result.
@@ -95,23 +97,20 @@ pub fn run(
     let prior = setup::prior::build(problem, &robot, &mut model)?;
     on_step(Step::Reading);
     let data = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
-    let mut limits = TransitionLimits::of(&data);
     on_step(Step::Fitting);
-    let (mut fitted, mut defect) = loop {
-        model.limit_transitions(&limits);
+    let settled = TransitionLimits::of(&data).settle(control, |limits| {
+        let mut model = model.clone();
+        model.limit_transitions(limits);
         search_range::start_within_motion(&mut model, &data);
-        let (fitted, defect) = or_before_defect(control, |control| {
+        let found = or_before_defect(control, |control| {
             fitted_by(problem, &model, &data, &prior, control)
-        })?;
-        let deviation = |p: usize| {
-            let name = &fitted.model.parameters()[p].name;
-            fitted.estimate.find(name)?.std_dev
-        };
-        let ended = defect.is_some() || control.is_interrupted();
-        if ended || !limits.hold(&fitted.model, &fitted.values, deviation) {
-            break (fitted, defect);
-        }
-    };
+        });
+        found.map(|(fitted, defect)| Attempt { fitted, defect })
+    })?;
+    let SettledFit { fit, limits } = settled;
+    let (mut fitted, mut defect) = (fit.fitted, fit.defect);
+    model.limit_transitions(&limits);
+    search_range::start_within_motion(&mut model, &data);
     fitted.fit.preprocessing = preprocessing(&model, &data);
     fitted.fit.payload = load::describe(&fitted.estimate);
     fitted.fit.notes.extend(undetermined_load(&fitted.fit));
@@ -164,6 +163,31 @@ pub fn run(
         data,
         defect,
     })
+}
+
+/// A fit, or where it would have begun and the defect that ended it.
+struct Attempt {
+    fitted: Fitted,
+    defect: Option<Defect>,
+}
+
+impl TransitionFit for Attempt {
+    fn model(&self) -> &Model {
+        &self.fitted.model
+    }
+
+    fn values(&self) -> &DVector<f64> {
+        &self.fitted.values
+    }
+
+    fn deviations(&self) -> Vec<Option<f64>> {
+        let of = |parameter: &Parameter| {
+            let sound = self.defect.is_none();
+            let estimated = self.fitted.estimate.find(&parameter.name);
+            estimated.filter(|_| sound)?.std_dev
+        };
+        self.fitted.model.parameters().iter().map(of).collect()
+    }
 }
 
 const ENDED_BY_DEFECT: &str = "The fit was ended by an error within it: parameters are those that it had come to or would have begun \
