@@ -21,7 +21,7 @@ use std::io::Write;
 /// As [`crate::verb::Verb::run`].
 pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, VerbError> {
     // A diagnosis names them too, beside what it finds; where figures are meaningless there is none.
-    settings.mistakes(problem, Extent::Recordings)?;
+    settings.shared_mistakes(problem, Extent::Recordings)?;
     let control = settings.control();
     let mut result = task::run(problem, &control, &|stage| settings.say(&stage.words()))?;
     let interrupted = control.is_interrupted();

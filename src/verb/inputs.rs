@@ -1,6 +1,8 @@
 //! The files that the verbs read beside the problem file, in its order.
 
 use crate::problem_file::ProblemFile;
+use crate::problem_file::located::Located;
+use crate::problem_file::recordings::RecordingFiles;
 use crate::problem_file::robot::RobotSource;
 use crate::problem_file::simulate::Trajectory;
 use crate::robot::mjcf;
@@ -22,6 +24,21 @@ pub fn of_recordings(problem: &ProblemFile) -> Vec<PathBuf> {
         files.extend(listed.map(|path| path.resolved.clone()));
     }
     each_once(files)
+}
+
+/// The files of each recording of a robot, as messages name them.
+pub fn by_recording(problem: &ProblemFile) -> Vec<Vec<String>> {
+    let Some(table) = &problem.recordings else {
+        return Vec::new();
+    };
+    let groups = [&table.train, &table.loaded, &table.validation];
+    let names = |recording: &Located<RecordingFiles>| {
+        let files = recording.files.iter();
+        files
+            .map(|file| file.path.resolved.display().to_string())
+            .collect()
+    };
+    groups.into_iter().flatten().map(names).collect()
 }
 
 /// What a design reads.

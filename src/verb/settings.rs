@@ -8,6 +8,7 @@ use crate::outcome::run::Run as Record;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::verb::error::VerbError;
+use crate::verb::inputs;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -60,13 +61,45 @@ impl Settings<'_> {
         extent: Extent,
     ) -> Result<Vec<Finding>, VerbError> {
         let mistakes = check::mistakes(problem, &self.control(), extent);
-        if check::has_error(&mistakes) && self.on_mistakes == OnMistakes::Refuse {
-            let of_error = |m: &Finding| m.severity == Severity::Error;
-            return Err(VerbError::Mistakes(
-                mistakes.into_iter().filter(of_error).collect(),
-            ));
-        }
+        let errors = mistakes.iter().filter(|m| m.severity == Severity::Error);
+        self.refuse(errors.cloned().collect())?;
         Ok(mistakes)
+    }
+
+    /// The same for a verb that looks for missing physics: what a single recording of several shows may be that.
+    ///
+    /// # Errors
+    /// Where mistakes that all recordings share make every figure meaningless, unless the run goes on all the same.
+    pub(super) fn shared_mistakes(
+        &self,
+        problem: &ProblemFile,
+        extent: Extent,
+    ) -> Result<(), VerbError> {
+        let mistakes = check::mistakes(problem, &self.control(), extent);
+        let errors: Vec<&Finding> = mistakes
+            .iter()
+            .filter(|m| m.severity == Severity::Error)
+            .collect();
+        let recordings = inputs::by_recording(problem);
+        let is_of = |files: &[String], error: &Finding| {
+            error.file.as_ref().is_some_and(|file| files.contains(file))
+        };
+        let stands = |error: &&&Finding| {
+            let alike =
+                |other: &&&Finding| (&other.code, &other.channel) == (&error.code, &error.channel);
+            let shows = |files: &Vec<String>| errors.iter().filter(alike).any(|e| is_of(files, e));
+            let of_one = recordings.iter().any(|files| is_of(files, error));
+            !of_one || recordings.iter().all(shows)
+        };
+        let standing = errors.iter().filter(stands);
+        self.refuse(standing.map(|error| (*error).clone()).collect())
+    }
+
+    fn refuse(&self, errors: Vec<Finding>) -> Result<(), VerbError> {
+        match errors.is_empty() || self.on_mistakes != OnMistakes::Refuse {
+            true => Ok(()),
+            false => Err(VerbError::Mistakes(errors)),
+        }
     }
 
     /// The common head of a result; files that cannot be read any more are left out.
