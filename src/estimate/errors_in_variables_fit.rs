@@ -6,16 +6,14 @@ use crate::chain::prior::Prior;
 use crate::estimate::covariance::of_unknowns;
 use crate::estimate::error::EstimateError;
 use crate::estimate::errors_in_variables::ErrorsInVariables;
-use crate::estimate::estimator::{Estimator, Training};
-use crate::estimate::fit::{Fitted, check_counts, outcome_with};
+use crate::estimate::estimator::Estimator;
+use crate::estimate::fit::{Fitted, outcome_with};
+use crate::estimate::fit_setup::FitSetup;
 use crate::estimate::least_squares::{ITERATION_LIMIT, solve};
-use crate::estimate::minimise::Minimisation;
 use crate::estimate::optimum::Optimum;
 use crate::estimate::problem::NoiseSource;
 use crate::estimate::reweight::weights_of_periods;
-use crate::estimate::unknowns::Unknowns;
 use crate::problem::solution::{Control, Solution};
-use crate::recording::split::Split;
 use nalgebra::DVector;
 
 /// Fits a model to the training recordings of a dataset, joint angles and signals both noisy.
@@ -31,26 +29,13 @@ pub fn fit(
     prior: &Prior,
     control: &Control<'_>,
 ) -> Result<Fitted, EstimateError> {
-    let recordings: Vec<&Prepared> = data.of(Split::Train).collect();
-    if recordings.is_empty() {
-        return Err(EstimateError::NoTraining);
-    }
-    let unknowns = Unknowns::find(model, data, prior);
-    check_counts(model, &unknowns, &recordings)?;
-    let exact = Minimisation {
-        model,
-        unknowns: &unknowns,
-        training: Training {
-            recordings: &recordings,
-            prior,
-        },
-        estimator: Estimator::MaximumLikelihood,
-        control,
-    };
+    let setup = FitSetup::of(model, data, prior)?;
     let Optimum {
         solution: first,
         mut problem,
-    } = exact.run()?;
+    } = setup
+        .minimisation(Estimator::MaximumLikelihood, control)
+        .run()?;
     if let Some(weights) = weights_of_periods(&problem)? {
         problem.reweigh(weights);
         problem.noise = NoiseSource::Periods;

@@ -11,16 +11,15 @@
 //! a w of zero in place of the true one biases Coulomb friction by many of its standard deviations.
 
 use crate::chain::base_parameters::scan_order;
-use crate::chain::dataset::{Dataset, Prepared};
+use crate::chain::dataset::Dataset;
 use crate::chain::model::{JointModel, Model};
 use crate::chain::parameter::{Parameter, Role};
 use crate::chain::prior::Prior;
 use crate::estimate::covariance::of_unknowns;
 use crate::estimate::error::EstimateError;
-use crate::estimate::estimator::{Estimator, Training};
+use crate::estimate::estimator::Estimator;
+use crate::estimate::fit_setup::FitSetup;
 use crate::estimate::goodness_of_fit::{Predictions, figures, predictions};
-use crate::estimate::minimise::Minimisation;
-use crate::estimate::noise::counting_rows;
 use crate::estimate::optimum::Optimum;
 use crate::estimate::physical::{Estimated, PhysicalEstimate, report};
 use crate::estimate::problem::{FitProblem, NoiseSource};
@@ -34,7 +33,6 @@ use crate::outcome::fit::{
 use crate::problem::form::Structure;
 use crate::problem::solution::{Control, Solution};
 use crate::problem::{Problem, bounds};
-use crate::recording::split::Split;
 use crate::stats::distribution::Distribution;
 use nalgebra::{DMatrix, DVector};
 
@@ -61,44 +59,9 @@ pub fn fit(
     prior: &Prior,
     control: &Control<'_>,
 ) -> Result<Fitted, EstimateError> {
-    let recordings: Vec<&Prepared> = data.of(Split::Train).collect();
-    if recordings.is_empty() {
-        return Err(EstimateError::NoTraining);
-    }
-    let unknowns = Unknowns::find(model, data, prior);
-    check_counts(model, &unknowns, &recordings)?;
-    let minimisation = Minimisation {
-        model,
-        unknowns: &unknowns,
-        training: Training {
-            recordings: &recordings,
-            prior,
-        },
-        estimator,
-        control,
-    };
-    let Optimum { solution, problem } = minimisation.run()?;
+    let setup = FitSetup::of(model, data, prior)?;
+    let Optimum { solution, problem } = setup.minimisation(estimator, control).run()?;
     Ok(outcome(&problem, &solution, data))
-}
-
-pub(crate) fn check_counts(
-    model: &Model,
-    unknowns: &Unknowns,
-    recordings: &[&Prepared],
-) -> Result<(), EstimateError> {
-    let count = unknowns.positions().len();
-    if count == 0 {
-        return Err(EstimateError::NothingUnknown);
-    }
-    let active = model.channels().iter().filter(|c| c.active).count();
-    let rows = counting_rows(recordings) * active;
-    if rows <= count {
-        return Err(EstimateError::TooFewRows {
-            rows,
-            unknowns: count,
-        });
-    }
-    Ok(())
 }
 
 /// Everything that is reported of a fit at its optimum.

@@ -18,13 +18,12 @@ use crate::chain::parameter::Role;
 use crate::chain::prior::Prior;
 use crate::estimate::covariance::of_unknowns;
 use crate::estimate::error::EstimateError;
-use crate::estimate::estimator::{Estimator, Training};
+use crate::estimate::estimator::Estimator;
 use crate::estimate::fit::{self, Fitted};
+use crate::estimate::fit_setup::FitSetup;
 use crate::estimate::goodness_of_fit::{figures, predictions};
-use crate::estimate::minimise::Minimisation;
 use crate::estimate::optimum::Optimum;
 use crate::estimate::problem::FitProblem;
-use crate::estimate::unknowns::Unknowns;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::parameter::Parameter;
 use crate::problem::solution::{Control, Solution};
@@ -64,20 +63,8 @@ pub fn second(
     let loaded = only(data, true);
     let model = all_but_load_known(&first)?;
     let prior = Prior::none(model.parameters().len());
-    let unknowns = Unknowns::find(&model, &loaded, &prior);
-    let recordings: Vec<&Prepared> = loaded.of(Split::Train).collect();
-    fit::check_counts(&model, &unknowns, &recordings)?;
-    let minimisation = Minimisation {
-        model: &model,
-        unknowns: &unknowns,
-        training: Training {
-            recordings: &recordings,
-            prior: &prior,
-        },
-        estimator,
-        control,
-    };
-    let Optimum { solution, problem } = minimisation.run()?;
+    let setup = FitSetup::of(&model, &loaded, &prior)?;
+    let Optimum { solution, problem } = setup.minimisation(estimator, control).run()?;
     let inherited = inherited(&first, &problem, &solution);
     let covariance = of_unknowns(&problem, &solution.x).map(|own| own + inherited);
     let load = fit::outcome_with(&problem, &solution, covariance, &loaded);

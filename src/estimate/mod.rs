@@ -26,6 +26,7 @@ pub mod errors_in_variables_fit;
 pub mod estimator;
 pub mod feasible;
 pub mod fit;
+mod fit_setup;
 mod gain_intervals;
 pub mod goodness_of_fit;
 mod least_squares;

@@ -7,12 +7,11 @@ use crate::chain::evaluate::{Evaluator, Segment};
 use crate::chain::model::{Model, ModelSettings, Signal};
 use crate::chain::prior::Prior;
 use crate::estimate::error::EstimateError;
-use crate::estimate::estimator::{Estimator, Training};
+use crate::estimate::estimator::Estimator;
 use crate::estimate::feasible::{self, Form, Settings};
 use crate::estimate::fit::{Fitted, fit};
-use crate::estimate::minimise::Minimisation;
+use crate::estimate::fit_setup::FitSetup;
 use crate::estimate::problem::NoiseSource;
-use crate::estimate::unknowns::Unknowns;
 use crate::outcome::parameter::Source;
 use crate::problem::solution::Control;
 use crate::problem_file::choices::FeasibleBy;
@@ -398,18 +397,9 @@ fn noise_is_that_of_periods_where_residuals_agree_with_it() {
             recordings: vec![USUAL.record(&torque, (1, Split::Train))],
         };
         let prior = Prior::none(model.parameters().len());
-        let unknowns = Unknowns::find(&model, &data, &prior);
-        let training: Vec<&Prepared> = data.recordings.iter().collect();
-        let minimisation = Minimisation {
-            model: &model,
-            unknowns: &unknowns,
-            training: Training {
-                recordings: &training,
-                prior: &prior,
-            },
-            estimator: Estimator::MaximumLikelihood,
-            control: &Control::default(),
-        };
+        let setup = FitSetup::of(&model, &data, &prior).unwrap();
+        let control = Control::default();
+        let minimisation = setup.minimisation(Estimator::MaximumLikelihood, &control);
         minimisation.run().unwrap().problem.noise
     };
     assert_eq!(source(&DECLARED), NoiseSource::Periods);

@@ -10,11 +10,11 @@
 //! parameters are found by sequential conic steps: each round linearises the residual and keeps the cones. A second way
 //! is a chart of the possible bodies and no cones at all.
 
-use crate::chain::dataset::{Dataset, Prepared};
+use crate::chain::dataset::Dataset;
 use crate::chain::model::Model;
 use crate::chain::prior::Prior;
 use crate::estimate::error::EstimateError;
-use crate::estimate::estimator::{Estimator, Training};
+use crate::estimate::estimator::Estimator;
 use crate::estimate::feasible::feasible_fit::FeasibleFit;
 pub use crate::estimate::feasible::feasible_fit::MARGIN;
 use crate::estimate::feasible::prior::InertialPrior;
@@ -22,17 +22,15 @@ use crate::estimate::feasible::program::Constraints;
 use crate::estimate::feasible::regularisation_weight::FitPoint;
 use crate::estimate::feasible::solve::{Feasible, Setting, compressed};
 use crate::estimate::feasible::standard::StandardParameters;
-use crate::estimate::fit::{self, Fitted};
+use crate::estimate::fit::Fitted;
+use crate::estimate::fit_setup::FitSetup;
 use crate::estimate::least_squares;
-use crate::estimate::minimise::Minimisation;
 use crate::estimate::optimum::Optimum;
 use crate::estimate::problem::{FitProblem, NoiseSource};
-use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::Weights;
 use crate::problem::solution::Control;
 use crate::problem_file::choices::{FeasibleBy, PriorKind};
 use crate::problem_file::fit::RegularisationWeight;
-use crate::recording::split::Split;
 use crate::setup::combined_limits::Limit;
 use nalgebra::DVector;
 
@@ -87,27 +85,12 @@ pub fn fit(
         Form::Weighted => Estimator::Weighted,
         Form::MaximumLikelihood => Estimator::MaximumLikelihood,
     };
-    let recordings: Vec<&Prepared> = data.of(Split::Train).collect();
-    if recordings.is_empty() {
-        return Err(EstimateError::NoTraining);
-    }
-    let unknowns = Unknowns::find(model, data, prior);
-    fit::check_counts(model, &unknowns, &recordings)?;
-    let minimisation = Minimisation {
-        model,
-        unknowns: &unknowns,
-        training: Training {
-            recordings: &recordings,
-            prior,
-        },
-        estimator,
-        control,
-    };
+    let setup = FitSetup::of(model, data, prior)?;
     let Optimum {
         solution: first,
         mut problem,
-    } = minimisation.run()?;
-    let standard = StandardParameters::new(model, &unknowns);
+    } = setup.minimisation(estimator, control).run()?;
+    let standard = StandardParameters::new(model, &setup.unknowns);
     let constraints = Constraints::new(&standard, &settings.limits);
     let bodies = settings
         .prior

@@ -3,12 +3,11 @@
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::prior::Prior;
 use crate::estimate::covariance::of_unknowns;
-use crate::estimate::estimator::{Estimator, Training};
-use crate::estimate::minimise::Minimisation;
+use crate::estimate::estimator::Estimator;
+use crate::estimate::fit_setup::FitSetup;
 use crate::estimate::optimum::Optimum;
 use crate::estimate::problem::NoiseSource;
 use crate::estimate::tests::{DECLARED, RED, TRUE_FRICTION, pendulum, torque, valued};
-use crate::estimate::unknowns::Unknowns;
 use crate::problem::solution::Control;
 use crate::recording::split::Split;
 use nalgebra::DMatrix;
@@ -21,18 +20,9 @@ fn covariance(recording: Prepared) -> DMatrix<f64> {
         recordings: vec![recording],
     };
     let prior = Prior::none(model.parameters().len());
-    let unknowns = Unknowns::find(&model, &data, &prior);
-    let training: Vec<&Prepared> = data.recordings.iter().collect();
-    let minimisation = Minimisation {
-        model: &model,
-        unknowns: &unknowns,
-        training: Training {
-            recordings: &training,
-            prior: &prior,
-        },
-        estimator: Estimator::MaximumLikelihood,
-        control: &Control::default(),
-    };
+    let setup = FitSetup::of(&model, &data, &prior).unwrap();
+    let control = Control::default();
+    let minimisation = setup.minimisation(Estimator::MaximumLikelihood, &control);
     let Optimum { solution, problem } = minimisation.run().unwrap();
     assert_eq!(problem.noise, NoiseSource::Periods);
     of_unknowns(&problem, &solution.x).unwrap()
