@@ -9,7 +9,6 @@ use crate::chain::model::Model;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::ModelFit;
-use crate::estimate::covariance::of_unknowns;
 use crate::recording::split::Split;
 use crate::stats::distribution::Distribution;
 
@@ -66,17 +65,16 @@ pub fn least_certain(context: &Context<'_>, full: &ModelFit) -> Option<usize> {
         return None;
     }
     let recordings = context.recordings(Split::Train);
-    let problem = full.problem(&recordings);
-    let covariance = of_unknowns(&problem, &full.solution.x)?;
+    let positions = full.unknowns.positions();
+    let deviations = full.parameter_deviations(&recordings);
     let quantile = Distribution::Normal.two_sided(COVERAGE);
-    let base = &problem.unknowns.base.base;
+    let base = &full.unknowns.base.base;
     // Distance from none in half widths of the interval, of a parameter that is an unknown by itself.
     let distance = |k: usize, nothing: f64| {
-        let half = quantile * covariance[(k, k)].max(0.0).sqrt();
+        let half = quantile * deviations[positions[k]]?;
         let alone = base.get(k).is_none_or(|b| b.others.is_empty());
         (alone && half.is_finite()).then(|| (full.solution.x[k] - nothing).abs() / half)
     };
-    let positions = problem.unknowns.positions();
     let of = |h: &Hypothesis| {
         let own = own_parameters(full, h);
         let distances = sizes(&full.model, h).into_iter().flat_map(|size| {
