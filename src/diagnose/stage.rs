@@ -7,8 +7,6 @@ pub enum Stage {
     Simulator,
     /// Recordings are read, differentiated and averaged over periods.
     Reading,
-    /// Inputs are looked at for mistakes.
-    Checking,
     /// The declared model is fitted.
     Fitting,
     /// Hypotheses are screened and fitted beside what was found.
@@ -28,7 +26,6 @@ impl Stage {
         match self {
             Self::Simulator => "identifying the simulator".to_string(),
             Self::Reading => "reading and differentiating the recordings".to_string(),
-            Self::Checking => "looking for mistakes in the inputs".to_string(),
             Self::Fitting => "fitting the declared model".to_string(),
             Self::Searching { found } => {
                 format!("trying what may be missing ({found} found so far)")

@@ -1,14 +1,13 @@
 //! The task behind `exid diagnose`: from a problem file to findings.
 
-use crate::chain::dataset::{Dataset, Prepared};
+use crate::chain::dataset::Dataset;
 use crate::chain::model::Model;
-use crate::chain::transition_limits::{TransitionFit, TransitionLimits};
-use crate::check;
+use crate::chain::transition_limits::TransitionLimits;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::findings::report::{Reported, Reporting};
 use crate::diagnose::fit::context::is_in_time;
 use crate::diagnose::fit::contexts::{Contexts, HeldOutHalves};
-use crate::diagnose::fit::fitting::fit_declared;
+use crate::diagnose::fit::declared::Declared;
 use crate::diagnose::fit::held_out;
 use crate::diagnose::fit::hypothesis::{Hypothesis, addition};
 use crate::diagnose::fit::model_fit::ModelFit;
@@ -24,10 +23,9 @@ use crate::diagnose::stage::Stage;
 use crate::estimate::bandwidth;
 use crate::estimate::estimator::Estimator;
 use crate::estimate::fit::fit;
-use crate::estimate::goodness_of_fit::{Predictions, noise_rms};
+use crate::estimate::goodness_of_fit::Predictions;
 use crate::estimate::sharing::{self, Question};
 use crate::estimate::task::{machine, possible_machine};
-use crate::outcome::check::Finding as Mistake;
 use crate::outcome::diagnose::Diagnosis;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::fit::Fit;
@@ -36,7 +34,6 @@ use crate::problem::defect::{Defect, guarded};
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::problem_file::diagnose::SoughtEffects;
-use crate::recording::split::Split;
 use crate::setup;
 use crate::setup::robot::Robot;
 use nalgebra::DVector;
@@ -46,8 +43,6 @@ use nalgebra::DVector;
 pub struct DiagnoseRun {
     /// Verdict, findings and what led to them.
     pub diagnosis: Diagnosis,
-    /// A mismatch that is a mistake in the input, not physics.
-    pub mistakes: Vec<Mistake>,
     /// Parameters of the final model with deviations, and its errors.
     pub estimate: Estimate,
     /// The final model as a fit gives it.
@@ -116,8 +111,6 @@ fn of_robot(
     let mut model = setup::model::build(problem, &robot)?;
     let prior = setup::prior::build(problem, &robot, &mut model)?;
     let data = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
-    on_stage(Stage::Checking);
-    let mistakes = check::run(problem, control);
     let sought = sought(problem);
     let rules = Rules {
         sought: sought.as_deref(),
@@ -135,7 +128,7 @@ fn of_robot(
             may_move: motions < MOTIONS,
             on_stage,
         };
-        let declared = search.declared(&recorded.halves, control)?;
+        let declared = Declared::fit(problem, &robot, &recorded.halves, control)?;
         match search.guarded(&recorded.halves, &declared, control)? {
             (Searched::Moved(data), _) => recorded = Recorded::of(&model, data),
             (Searched::Found(found), defect) => break (*found, defect, declared.limits),
@@ -175,7 +168,6 @@ fn of_robot(
     }
     Ok(DiagnoseRun {
         diagnosis: reported.diagnosis,
-        mistakes,
         estimate: reported.fitted.estimate,
         fit: reported.fitted.fit,
         model: reported.fitted.model,
@@ -276,34 +268,6 @@ enum Searched {
     Moved(Dataset),
 }
 
-/// The declared model with what the recordings tell of transitions and noise.
-struct Declared {
-    fit: ModelFit,
-    limits: TransitionLimits,
-    noise: Option<Vec<f64>>,
-}
-
-/// A fit of the declared model to recordings.
-struct DeclaredFit<'a> {
-    fit: ModelFit,
-    halves: &'a HeldOutHalves,
-}
-
-impl TransitionFit for DeclaredFit<'_> {
-    fn model(&self) -> &Model {
-        &self.fit.model
-    }
-
-    fn values(&self) -> &DVector<f64> {
-        &self.fit.values
-    }
-
-    fn deviations(&self) -> Vec<Option<f64>> {
-        let recordings: Vec<&Prepared> = self.halves.whole.of(Split::Train).collect();
-        self.fit.parameter_deviations(&recordings)
-    }
-}
-
 /// What a search reports.
 struct Found {
     reported: Reported,
@@ -312,26 +276,6 @@ struct Found {
 }
 
 impl Search<'_> {
-    fn declared(
-        &self,
-        halves: &HeldOutHalves,
-        control: &Control<'_>,
-    ) -> Result<Declared, DiagnoseError> {
-        let settled = TransitionLimits::of(&halves.whole).settle(control, |limits| {
-            let mut contexts = halves.contexts(self.problem, self.robot, control);
-            contexts.set(limits, None);
-            let fit = fit_declared(&contexts.selection)?;
-            Ok::<_, DiagnoseError>(DeclaredFit { fit, halves })
-        })?;
-        let fit = settled.fit.fit;
-        let noise = noise_rms(&fit.model, &fit.values, &halves.whole);
-        Ok(Declared {
-            fit,
-            limits: settled.limits,
-            noise,
-        })
-    }
-
     /// What a search finds, or had found when a defect ended it.
     fn guarded(
         &self,

@@ -1,6 +1,5 @@
 //! `diagnose`: where model and recordings differ, what physics is missing, the model with it.
 
-use crate::check::Extent;
 use crate::diagnose::task::{self, DiagnoseRun};
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::predictions::Quantity;
@@ -20,8 +19,8 @@ use std::io::Write;
 /// # Errors
 /// As [`crate::verb::Verb::run`].
 pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, VerbError> {
-    // A diagnosis names them too, beside what it finds; where figures are meaningless there is none.
-    settings.shared_mistakes(problem, Extent::Recordings)?;
+    settings.say("looking for mistakes in the inputs");
+    let mistakes = settings.mistakes_beside_physics(problem)?;
     let control = settings.control();
     let mut result = task::run(problem, &control, &|stage| settings.say(&stage.words()))?;
     let interrupted = control.is_interrupted();
@@ -38,7 +37,7 @@ pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, Verb
     let outcome = Outcome {
         name: problem.name.value.clone(),
         run: settings.record(problem, &inputs::of_recordings(problem)),
-        mistakes: std::mem::take(&mut result.mistakes),
+        mistakes,
         estimate: result.estimate.clone(),
         part: Part::Diagnose(Box::new(result.diagnosis.clone())),
     };

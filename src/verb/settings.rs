@@ -70,12 +70,11 @@ impl Settings<'_> {
     ///
     /// # Errors
     /// Where mistakes that all recordings share make every figure meaningless, unless the run goes on all the same.
-    pub(super) fn shared_mistakes(
+    pub(super) fn mistakes_beside_physics(
         &self,
         problem: &ProblemFile,
-        extent: Extent,
-    ) -> Result<(), VerbError> {
-        let mistakes = check::mistakes(problem, &self.control(), extent);
+    ) -> Result<Vec<Finding>, VerbError> {
+        let mistakes = check::mistakes(problem, &self.control(), Extent::Everything);
         let errors: Vec<&Finding> = mistakes
             .iter()
             .filter(|m| m.severity == Severity::Error)
@@ -92,7 +91,8 @@ impl Settings<'_> {
             !of_one || recordings.iter().all(shows)
         };
         let standing = errors.iter().filter(stands);
-        self.refuse(standing.map(|error| (*error).clone()).collect())
+        self.refuse(standing.map(|error| (*error).clone()).collect())?;
+        Ok(mistakes)
     }
 
     fn refuse(&self, errors: Vec<Finding>) -> Result<(), VerbError> {

@@ -5,6 +5,7 @@ pub mod candidate;
 pub mod channel_series;
 pub mod context;
 pub mod contexts;
+pub mod declared;
 pub mod fit_cache;
 pub mod fitting;
 pub mod held_out;
