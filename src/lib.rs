@@ -157,8 +157,8 @@
 //! - [`stats`]: distributions, robust scales, tests, change points, false discoveries.
 //! - [`fault`]: the shape of errors: place, message, remedy, stable code.
 //!
-//! A module uses only modules of lower layers, and `tests/architecture` holds it to this table; inside a module no
-//! files use each other in a circle:
+//! A module uses only modules of lower layers, and `tests/architecture` holds it to this table; inside a module neither
+//! files nor folders use each other in a circle:
 //!
 //! | layer | modules |
 //! |---|---|

@@ -1,7 +1,7 @@
 //! What can be wrong with a robot file.
 
 use crate::fault::{Description, Fault, Place, write_fault};
-use crate::robot::mjcf::fault::MjcfFault;
+use crate::robot::mjcf_fault::MjcfFault;
 use std::fmt;
 
 /// A fault of a robot description, with its place.

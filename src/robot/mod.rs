@@ -15,6 +15,7 @@ pub mod instructions;
 pub(crate) mod lanes;
 pub mod mdh;
 pub mod mjcf;
+mod mjcf_fault;
 mod motion;
 pub mod newton_euler;
 pub mod random;

@@ -4,6 +4,7 @@
 //! on the module. What stands under `#[cfg(test)]` is left out.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsStr;
 use std::path::Path;
 
 use crate::circles::circles;
@@ -36,6 +37,28 @@ struct Arrow {
     to: usize,
     line: usize,
     path: String,
+}
+
+/// An arrow between two members of the smallest folder that holds both of its files.
+struct Between<'a> {
+    folder: &'a Path,
+    from: &'a OsStr,
+    to: &'a OsStr,
+    arrow: &'a Arrow,
+}
+
+impl<'a> Between<'a> {
+    fn of(arrow: &'a Arrow, from: &'a Path, to: &'a Path) -> Self {
+        let folder = from.ancestors().find(|folder| to.starts_with(folder));
+        let folder = folder.expect("every path is in the empty one");
+        let member = |path: &'a Path| path.strip_prefix(folder).ok()?.iter().next();
+        Between {
+            folder,
+            from: member(from).expect("two files differ"),
+            to: member(to).expect("two files differ"),
+            arrow,
+        }
+    }
 }
 
 /// All files of a crate and the arrows between them.
@@ -92,11 +115,60 @@ impl Imports {
         let mut text = format!("a circle of {} files:", members.len());
         for arrow in &self.arrows {
             if members.contains(&arrow.from) && members.contains(&arrow.to) {
-                let (from, to) = (&self.files[arrow.from].path, &self.files[arrow.to].path);
-                text += &format!("\n  {from}:{}: {} is of {to}", arrow.line, arrow.path);
+                text += &self.line(arrow);
             }
         }
         text
+    }
+
+    fn line(&self, arrow: &Arrow) -> String {
+        let (from, to) = (&self.files[arrow.from].path, &self.files[arrow.to].path);
+        format!("\n  {from}:{}: {} is of {to}", arrow.line, arrow.path)
+    }
+
+    /// Each circle of what lies in one folder: its files, and its folders with all that is in them.
+    pub fn circles_of_folders(&self) -> Vec<String> {
+        let mut between: BTreeMap<&Path, Vec<Between<'_>>> = BTreeMap::new();
+        for arrow in &self.arrows {
+            let (from, to) = (&self.files[arrow.from].path, &self.files[arrow.to].path);
+            let step = Between::of(arrow, Path::new(from), Path::new(to));
+            between.entry(step.folder).or_default().push(step);
+        }
+        between
+            .values()
+            .flat_map(|arrows| self.circles_among(arrows))
+            .collect()
+    }
+
+    fn circles_among(&self, arrows: &[Between<'_>]) -> Vec<String> {
+        let nodes: BTreeSet<&OsStr> = arrows.iter().flat_map(|a| [a.from, a.to]).collect();
+        let nodes: Vec<&OsStr> = nodes.into_iter().collect();
+        let number = |node: &OsStr| nodes.iter().position(|known| *known == node);
+        let mut targets = vec![Vec::new(); nodes.len()];
+        for arrow in arrows {
+            if let Some((from, to)) = number(arrow.from).zip(number(arrow.to)) {
+                targets[from].push(to);
+            }
+        }
+        let described = |members: &Vec<usize>| {
+            let among = |node: &OsStr| members.iter().any(|member| nodes[*member] == node);
+            let names: Vec<_> = members
+                .iter()
+                .map(|member| nodes[*member].to_string_lossy())
+                .collect();
+            let mut text = format!(
+                "a circle in {}: {}",
+                arrows[0].folder.display(),
+                names.join(", ")
+            );
+            for arrow in arrows {
+                if among(arrow.from) && among(arrow.to) {
+                    text += &self.line(arrow.arrow);
+                }
+            }
+            text
+        };
+        circles(&targets).iter().map(described).collect()
     }
 
     fn resolved(&self) -> Vec<Arrow> {
@@ -508,6 +580,37 @@ fn a_re_export_leads_to_where_the_name_comes_from() {
     assert_eq!(imports.circles(), Vec::<String>::new());
     // Two re-exports, and the link's use of the body.
     assert_eq!(imports.arrows(), 3);
+}
+
+#[test]
+fn sees_a_circle_of_folders_that_is_none_of_files() {
+    let imports = made_up(&[
+        ("src/lib.rs", "mod arm;"),
+        ("src/arm/mod.rs", "mod left;\nmod right;\nmod whole;"),
+        ("src/arm/whole.rs", "use crate::arm::left::a::A;"),
+        ("src/arm/left/mod.rs", "pub mod a;\npub mod d;"),
+        (
+            "src/arm/left/a.rs",
+            "use crate::arm::right::b::B;\npub struct A(B);",
+        ),
+        ("src/arm/left/d.rs", "pub struct D;"),
+        ("src/arm/right/mod.rs", "pub mod b;"),
+        (
+            "src/arm/right/b.rs",
+            "use crate::arm::left::d::D;\npub struct B(D);",
+        ),
+    ]);
+    assert_eq!(imports.circles(), Vec::<String>::new());
+    let circles = imports.circles_of_folders();
+    assert_eq!(circles.len(), 1, "{circles:?}");
+    let lines = [
+        "a circle in src/arm: left, right\n",
+        "src/arm/left/a.rs:1: crate::arm::right::b::B is of src/arm/right/b.rs",
+        "src/arm/right/b.rs:1: crate::arm::left::d::D is of src/arm/left/d.rs",
+    ];
+    for line in lines {
+        assert!(circles[0].contains(line), "{}", circles[0]);
+    }
 }
 
 #[test]

@@ -118,3 +118,9 @@ fn no_circle_of_files() {
     let circles = imports.circles();
     assert!(circles.is_empty(), "{}", circles.join("\n"));
 }
+
+#[test]
+fn no_circle_of_folders() {
+    let circles = Imports::of(&sources("src")).circles_of_folders();
+    assert!(circles.is_empty(), "{}", circles.join("\n"));
+}

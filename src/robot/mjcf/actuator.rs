@@ -6,9 +6,9 @@ use crate::fault::nearest;
 use crate::robot::description::DeclaredServo;
 use crate::robot::error::RobotError;
 use crate::robot::mjcf::body::Bodies;
-use crate::robot::mjcf::fault::MjcfFault;
 use crate::robot::mjcf::model::Model;
 use crate::robot::mjcf::settings::Settings;
+use crate::robot::mjcf_fault::MjcfFault;
 
 /// Elements that set defaults of every actuator.
 const ACTUATORS: &[&str] = &[

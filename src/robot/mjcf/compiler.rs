@@ -2,8 +2,8 @@
 
 use crate::robot::error::RobotError;
 use crate::robot::mjcf::document::{Document, Id};
-use crate::robot::mjcf::fault::MjcfFault;
 use crate::robot::mjcf::settings::Settings;
+use crate::robot::mjcf_fault::MjcfFault;
 use crate::robot::tree::STANDARD_GRAVITY;
 use std::path::PathBuf;
 

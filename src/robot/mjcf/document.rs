@@ -3,8 +3,8 @@
 use crate::fault::{Fault, Place};
 use crate::robot::error::{RobotError, RobotErrorKind};
 use crate::robot::file;
-use crate::robot::mjcf::fault::MjcfFault;
 use crate::robot::mjcf::messages::fail;
+use crate::robot::mjcf_fault::MjcfFault;
 use roxmltree::Node;
 use std::path::{Path, PathBuf};
 

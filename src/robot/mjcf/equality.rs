@@ -8,10 +8,10 @@ use crate::robot::dependents::RawDependent;
 use crate::robot::description::{Note, Weight};
 use crate::robot::error::RobotError;
 use crate::robot::mjcf::body::Bodies;
-use crate::robot::mjcf::fault::MjcfFault;
 use crate::robot::mjcf::messages::note;
 use crate::robot::mjcf::model::Model;
 use crate::robot::mjcf::settings::Settings;
+use crate::robot::mjcf_fault::MjcfFault;
 
 /// What the constraints of a model make of its joints.
 #[derive(Default)]

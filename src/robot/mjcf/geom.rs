@@ -13,10 +13,10 @@
 use crate::robot::error::{RobotError, RobotErrorKind};
 use crate::robot::inertia::{CentralInertia, Inertia};
 use crate::robot::mjcf::document::Id;
-use crate::robot::mjcf::fault::MjcfFault;
 use crate::robot::mjcf::model::Model;
 use crate::robot::mjcf::pose::{least_turn, pose};
 use crate::robot::mjcf::settings::Settings;
+use crate::robot::mjcf_fault::MjcfFault;
 use nalgebra::{Isometry3, Matrix3, Translation3, Unit, Vector3};
 use std::f64::consts::PI;
 

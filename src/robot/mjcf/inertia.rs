@@ -4,10 +4,10 @@ use crate::robot::error::{RobotError, RobotErrorKind};
 use crate::robot::inertia::{CentralInertia, Inertia};
 use crate::robot::mjcf::compiler::{Compiler, FromGeoms};
 use crate::robot::mjcf::document::Id;
-use crate::robot::mjcf::fault::MjcfFault;
 use crate::robot::mjcf::model::Model;
 use crate::robot::mjcf::pose::orientation;
 use crate::robot::mjcf::settings::Settings;
+use crate::robot::mjcf_fault::MjcfFault;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// A geom of a body: its element, its frame within the body, its class.

@@ -4,10 +4,10 @@ use crate::robot::description::Note;
 use crate::robot::description::{DeclaredDrive, DeclaredSpring, Weight};
 use crate::robot::error::{RobotError, RobotErrorKind};
 use crate::robot::mjcf::document::Id;
-use crate::robot::mjcf::fault::MjcfFault;
 use crate::robot::mjcf::messages::note;
 use crate::robot::mjcf::model::Model;
 use crate::robot::mjcf::settings::Settings;
+use crate::robot::mjcf_fault::MjcfFault;
 use crate::robot::tree::{JointKind, Limits};
 use nalgebra::{Isometry3, Vector3};
 

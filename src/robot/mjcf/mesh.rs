@@ -9,10 +9,10 @@ use crate::robot::error::RobotError;
 use crate::robot::inertia::{CentralInertia, Inertia};
 use crate::robot::mjcf::compiler::Compiler;
 use crate::robot::mjcf::document::Id;
-use crate::robot::mjcf::fault::MjcfFault;
 use crate::robot::mjcf::messages::fail;
 use crate::robot::mjcf::model::Model;
 use crate::robot::mjcf::settings::Settings;
+use crate::robot::mjcf_fault::MjcfFault;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use std::path::{Path, PathBuf};
 

@@ -3,7 +3,7 @@
 use crate::fault::{Description as Words, Place};
 use crate::robot::description::{Note, Weight};
 use crate::robot::error::{RobotError, RobotErrorKind};
-use crate::robot::mjcf::fault::MjcfFault;
+use crate::robot::mjcf_fault::MjcfFault;
 
 /// An error of the file at a place.
 pub(super) fn fail<T>(place: Place, fault: MjcfFault) -> Result<T, RobotError> {

@@ -21,7 +21,6 @@ mod body;
 mod compiler;
 mod document;
 mod equality;
-pub(in crate::robot) mod fault;
 mod geom;
 mod inertia;
 mod joint;

@@ -3,9 +3,9 @@
 use crate::robot::error::RobotError;
 use crate::robot::mjcf::compiler::Compiler;
 use crate::robot::mjcf::document::{Document, Id};
-use crate::robot::mjcf::fault::MjcfFault;
 use crate::robot::mjcf::messages::fail;
 use crate::robot::mjcf::settings::Classes;
+use crate::robot::mjcf_fault::MjcfFault;
 use std::collections::HashMap;
 use std::path::Path;
 

@@ -5,8 +5,8 @@
 
 use crate::robot::error::RobotError;
 use crate::robot::mjcf::compiler::Compiler;
-use crate::robot::mjcf::fault::MjcfFault;
 use crate::robot::mjcf::settings::Settings;
+use crate::robot::mjcf_fault::MjcfFault;
 use nalgebra::{
     Isometry3, Matrix3, Quaternion, Rotation3, Translation3, Unit, UnitQuaternion, Vector3,
 };

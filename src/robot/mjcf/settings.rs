@@ -3,8 +3,8 @@
 use crate::fault::nearest;
 use crate::robot::error::{LARGEST_NUMBER, RobotError, RobotErrorKind};
 use crate::robot::mjcf::document::{Document, Id};
-use crate::robot::mjcf::fault::MjcfFault;
 use crate::robot::mjcf::messages::fail;
+use crate::robot::mjcf_fault::MjcfFault;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
