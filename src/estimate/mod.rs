@@ -4,58 +4,42 @@
 //!
 //! | step | files |
 //! |---|---|
-//! | the task | `task` chooses the fit: `fit`, `errors_in_variables_fit` (by `errors_in_variables`), `feasible/`, `load_by_difference` |
-//! | bandwidth of the motion | `bandwidth` |
-//! | the problem that solvers take | `problem` over the `unknowns`, its rows from `rows` and `weights`, compressed by `compress` |
-//! | initial values | `start`, by local searches from a `start_grid` within a `search_range` |
-//! | the optimum | `minimise` for each estimator, from a `warm_start`; `optimum` of one problem by `least_squares`, or by the `smoothing_method` where the model has kinks |
-//! | weights from residuals | `reweight`, `noise`, `coloured_noise`, `cross_spectra` |
-//! | covariance and intervals | `covariance`, with `torque_constants` |
-//! | what is reported | `physical`, `realization`, `load`, `reactions`, `goodness_of_fit`, `model_comparison`, `remarks` |
+//! | the task | `task` chooses the fit: `fit`, `errors_in_variables/`, `feasible/`, `load_by_difference` |
+//! | the residual and its weights | `residual/` |
+//! | the problem that solvers take | `fit_problem/` |
+//! | one solution of it | `solve/` |
+//! | initial values | `initial/` |
+//! | the optimum of each estimator, and the bandwidth of the motion | `minimisation/` |
+//! | covariance and intervals | `uncertainty/` |
+//! | what is reported | `derived/` |
 //! | parameters that joints have in common | `sharing` |
+//!
+//! Imports follow this order upwards, from `residual/` to `derived/`; the fits use them all, `sharing` and `task` the fits.
 
-pub mod bandwidth;
-pub(crate) mod canonical_sines;
-mod coloured_noise;
-pub mod compress;
-pub mod covariance;
-mod cross_spectra;
+mod derived;
 pub mod error;
 pub mod errors_in_variables;
-pub mod errors_in_variables_fit;
-pub mod estimator;
 pub mod feasible;
 pub mod fit;
-mod fit_setup;
-mod gain_intervals;
-pub mod goodness_of_fit;
-mod least_squares;
-pub mod load;
+mod fit_problem;
+mod initial;
 pub mod load_by_difference;
-pub mod minimise;
-pub mod model_comparison;
-pub mod noise;
-mod optimum;
-pub mod physical;
-pub mod problem;
-pub(crate) mod ratios;
-pub mod reactions;
-pub mod realization;
-pub mod remarks;
-mod reweight;
-pub(crate) mod rows;
-pub mod search_range;
+mod minimisation;
+mod residual;
 pub mod sharing;
-mod smoothing_method;
-pub mod spectrum;
-pub mod standstill;
-mod start;
-mod start_grid;
+mod solve;
 pub mod task;
-pub mod torque_constants;
-pub mod unknowns;
-mod warm_start;
-pub mod weights;
+mod uncertainty;
+
+pub use crate::estimate::derived::{goodness_of_fit, load, reactions, remarks};
+pub use crate::estimate::fit_problem::{estimator, problem, unknowns};
+pub use crate::estimate::initial::search_range;
+pub use crate::estimate::minimisation::bandwidth;
+pub use crate::estimate::residual::{compress, standstill, weights};
+pub use crate::estimate::uncertainty::{covariance, spectrum};
+
+pub(crate) use crate::estimate::residual::rows;
+pub(crate) use crate::estimate::solve::canonical_sines;
 
 #[cfg(test)]
 mod tests;

@@ -15,7 +15,7 @@ use crate::chain::sharing::Sharing;
 use crate::chain::transition_limits::TransitionLimits;
 use crate::chain::words::{list, short};
 use crate::estimate::fit::Fitted;
-use crate::estimate::search_range;
+use crate::estimate::initial::search_range;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::parameter::{Parameter, Source};
 use crate::outcome::sharing::{SeparateValue, SharedParameter, Sharing as Answer};

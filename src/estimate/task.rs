@@ -5,16 +5,17 @@ use crate::chain::model::{Model, Signal};
 use crate::chain::parameter::Parameter;
 use crate::chain::prior::Prior;
 use crate::chain::transition_limits::{SettledFit, TransitionFit, TransitionLimits};
+use crate::estimate::derived::model_comparison::{self, ComparedModel};
+use crate::estimate::derived::remarks::{misfit, notes, preprocessing, undetermined_load};
+use crate::estimate::derived::{load, reactions};
 use crate::estimate::error::EstimateError;
-use crate::estimate::estimator::Estimator;
 use crate::estimate::feasible::{self, Form};
 use crate::estimate::fit::{Fitted, fit, in_full};
-use crate::estimate::model_comparison::{self, ComparedModel};
-use crate::estimate::remarks::{misfit, notes, preprocessing, undetermined_load};
+use crate::estimate::fit_problem::estimator::Estimator;
+use crate::estimate::initial::search_range;
+use crate::estimate::minimisation::bandwidth;
 use crate::estimate::sharing::{self, Question};
-use crate::estimate::{
-    bandwidth, errors_in_variables_fit, load, load_by_difference, reactions, search_range,
-};
+use crate::estimate::{errors_in_variables, load_by_difference};
 use crate::fault::Place;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::fit::Comparison;
@@ -344,7 +345,7 @@ fn estimate(
         choices::Estimator::WeightedLeastSquares => return plain(Estimator::Weighted),
         choices::Estimator::IterativelyReweightedLeastSquares => return plain(Estimator::Robust),
         choices::Estimator::MaximumLikelihood if problem.fit.motion.value == Motion::Noisy => {
-            return Ok(errors_in_variables_fit::fit(model, data, prior, control));
+            return Ok(errors_in_variables::fit::fit(model, data, prior, control));
         }
         choices::Estimator::MaximumLikelihood => return plain(Estimator::MaximumLikelihood),
         choices::Estimator::Feasible => Form::Weighted,

@@ -4,69 +4,34 @@
 //!
 //! | step | files |
 //! |---|---|
-//! | a file becomes a table | `format` chooses among `csv`, `parquet`, `hdf5`, `mat`, `npz` and `bag/`; arrays of a program: `memory` |
-//! | columns become channels in SI units | `columns`, by `column_map` and `column_names`; `join/` from several files |
-//! | flaws of rows | `missing`, `upsampling`, `spikes`, `copies`; `separate_encoder` where positions are in another file |
-//! | the time base | `timing`, `clock` |
-//! | positions become velocities and accelerations | `preprocess` begins: `periodic` (by `fourier`) where the motion repeats, else `aperiodic` (`differentiate`, by `smoother` or `zero_phase`) |
-//! | the noise | `periodic` from the scatter about the `period_average`, `noise_level` from differences of samples |
-//! | single periods | `sample_by_sample`, `successive_periods` in place of the average |
-//! | what comes out | `experiment` |
+//! | a file becomes a table | `formats/`, also arrays of a program |
+//! | columns become channels in SI units | `channels/`, by `units` |
+//! | flaws of rows | `quality/`, with `row_faults` |
+//! | the time base | `time_base/` |
+//! | one recording from several files | `join/` |
+//! | motion with derivatives, signal with noise | `prepare/`, its `prepare/periods/` where the motion repeats, else its `prepare/derivatives/` |
+//! | which recordings are fitted | `split` |
+//!
+//! Imports follow this order upwards; all may use `series/`, the mathematics of sampled series.
 
-pub mod aperiodic;
-mod arrays;
-mod arrow_schema;
-pub mod bag;
-pub mod clock;
-pub mod column_map;
-mod column_names;
-pub mod columns;
-pub mod command;
-pub mod copies;
-pub mod csv;
-mod cutoff;
-mod differences;
-mod differentiate;
-mod encoding;
+mod channels;
 pub mod error;
-pub mod experiment;
-mod filter;
-pub mod format;
-mod fourier;
-pub mod hdf5;
-mod interpolation;
+mod formats;
 pub mod join;
-pub mod mat;
-mod mat4;
-pub mod memory;
-pub mod missing;
-pub mod noise_level;
-pub mod npz;
-mod number_type;
-pub mod parquet;
-pub mod period;
-mod period_average;
-pub mod periodic;
-pub mod preprocess;
-pub mod reading;
-mod resolution;
+mod prepare;
+mod quality;
 pub mod row_faults;
-mod sample_by_sample;
-pub mod samples;
-pub mod separate_encoder;
-pub mod settings;
-mod smoother;
-mod spectrum;
-pub mod spikes;
-mod spline;
+mod series;
 pub mod split;
-pub mod successive_periods;
-pub mod survey;
-pub mod table;
-pub mod timing;
+mod time_base;
 pub mod units;
-pub mod upsampling;
-pub mod zero_phase;
+
+pub use crate::recording::channels::{column_map, columns, missing, samples, survey};
+pub use crate::recording::formats::{format, memory, reading, table};
+pub use crate::recording::prepare::periods::{period, successive_periods};
+pub use crate::recording::prepare::{experiment, noise_level, preprocess, settings};
+pub use crate::recording::quality::{copies, spikes, upsampling};
+pub use crate::recording::time_base::{clock, timing};
 
 #[cfg(test)]
 mod tests;

@@ -9,14 +9,14 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::fault::Fault;
-use crate::recording::column_map::ColumnMap;
-use crate::recording::columns::{RecordedJoint, read};
+use crate::recording::channels::column_map::ColumnMap;
+use crate::recording::channels::columns::{RecordedJoint, read};
+use crate::recording::channels::samples::{Recording, SignalKind};
 use crate::recording::error::RecordingError;
-use crate::recording::experiment::Experiment;
-use crate::recording::preprocess::prepare;
-use crate::recording::samples::{Recording, SignalKind};
-use crate::recording::settings::{Method, Preparation};
-use crate::recording::successive_periods::successive_periods;
+use crate::recording::prepare::experiment::Experiment;
+use crate::recording::prepare::periods::successive_periods::successive_periods;
+use crate::recording::prepare::preprocess::prepare;
+use crate::recording::prepare::settings::{Method, Preparation};
 
 mod bounds;
 mod columns;

@@ -2,7 +2,7 @@
 
 use crate::bench::{Bench, NAMES, Payload};
 use exid::chain::prior::Prior;
-use exid::estimate::errors_in_variables_fit;
+use exid::estimate::errors_in_variables;
 use exid::estimate::estimator::Estimator;
 use exid::estimate::fit::{Fitted, fit};
 use exid::problem::solution::Control;
@@ -46,7 +46,7 @@ fn recovers_known_truth_from_noisy_angles_better_than_by_taking_them_for_exact()
             let estimator = Estimator::MaximumLikelihood;
             let exact = fit(&bench.model, &data, estimator, &prior, &control).unwrap();
             let noisy =
-                errors_in_variables_fit::fit(&bench.model, &data, &prior, &control).unwrap();
+                errors_in_variables::fit::fit(&bench.model, &data, &prior, &control).unwrap();
             assert!(noisy.estimate.solver.as_ref().unwrap().converged);
             [errors(&bench, &exact), errors(&bench, &noisy)]
         })

@@ -1,4 +1,4 @@
-"""Reference values for src/recording/zero_phase.rs: scipy.signal.sosfiltfilt, order 4, at 100 Hz.
+"""Reference values for src/recording/series/zero_phase.rs: scipy.signal.sosfiltfilt, order 4, at 100 Hz.
 
 Writes zero_phase.csv beside this file. Made with SciPy 1.17.1 and NumPy 2.4.6.
 """

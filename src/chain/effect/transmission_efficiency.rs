@@ -7,7 +7,7 @@
 //! is the same law in one line. It is continuous in τ_M, and with a transition speed w in ṁ; its
 //! slope jumps where τ_M changes sign, and the derivatives below are those of the side on which a sample
 //! lies. A search rounds |τ_M| off over a width that shrinks below the noise
-//! (see `crate::estimate::smoothing_method`); predictions and simulations have the law itself.
+//! (see `estimate/solve/smoothing_method.rs`); predictions and simulations have the law itself.
 
 use crate::chain::effect::expression::{Expression, Variable};
 use crate::chain::effect::fitted_effect::FittedEffect;

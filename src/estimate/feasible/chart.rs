@@ -14,7 +14,7 @@ use crate::estimate::feasible::compressed;
 use crate::estimate::feasible::program::{PULL, pull};
 use crate::estimate::feasible::solve::{self, Feasible, Setting};
 use crate::estimate::feasible::standard::{AffineRows, LENGTH, StandardParameters, scaled_body};
-use crate::estimate::problem::FitProblem;
+use crate::estimate::fit_problem::problem::FitProblem;
 use crate::problem::form::{Form, Objective, Structure, Variable};
 use crate::problem::solution::Control;
 use crate::problem::view::LeastSquares;

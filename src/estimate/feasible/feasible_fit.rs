@@ -5,7 +5,7 @@ use crate::estimate::feasible::program::Constraints;
 use crate::estimate::feasible::regularisation_weight::ChosenWeight;
 use crate::estimate::feasible::solve::{Feasible, Setting};
 use crate::estimate::feasible::standard::StandardParameters;
-use crate::estimate::problem::FitProblem;
+use crate::estimate::fit_problem::problem::FitProblem;
 use crate::problem_file::choices::FeasibleBy;
 use nalgebra::DVector;
 

@@ -5,16 +5,16 @@
 //! a prior on the bodies, `C = A⁻¹ (Tᵀ A_β C_β A_β T + Λ) A⁻¹`, `A = Tᵀ A_β T + Λ`, A_β = RᵀR, Λ the prior's.
 
 use crate::chain::dataset::Dataset;
-use crate::estimate::covariance::of_unknowns;
+use crate::estimate::derived::goodness_of_fit::{figures, predictions};
+use crate::estimate::derived::physical::{self, Estimated, PhysicalEstimate};
 use crate::estimate::feasible::active_bounds::{self, ActiveBounds};
 use crate::estimate::feasible::prior::Sparsity;
 use crate::estimate::feasible::program::{PULL, pull};
 use crate::estimate::feasible::standard::{LENGTH, scaled_body};
 use crate::estimate::feasible::{FeasibleFit, MARGIN};
 use crate::estimate::fit::{self, Fitted};
-use crate::estimate::goodness_of_fit::{figures, predictions};
-use crate::estimate::physical::{self, Estimated, PhysicalEstimate};
-use crate::estimate::problem::FitProblem;
+use crate::estimate::fit_problem::problem::FitProblem;
+use crate::estimate::uncertainty::covariance::of_unknowns;
 use crate::linalg::triangular::{ColumnScaling, Triangular};
 use crate::outcome::estimate::{Estimate, Solver};
 use crate::outcome::feasibility::{BodyPrior, Feasibility, Unconstrained};

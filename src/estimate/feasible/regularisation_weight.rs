@@ -2,12 +2,12 @@
 //! principle, so that the residual is as large as the noise.
 
 use crate::chain::dataset::Dataset;
-use crate::estimate::compress::{Request, factor};
+use crate::estimate::derived::goodness_of_fit::noise_rms;
 use crate::estimate::error::EstimateError;
 use crate::estimate::feasible::solve::{self, Compressed, Setting, compressed};
-use crate::estimate::goodness_of_fit::noise_rms;
-use crate::estimate::problem::FitProblem;
-use crate::estimate::weights::RowFactors;
+use crate::estimate::fit_problem::problem::FitProblem;
+use crate::estimate::residual::compress::{Request, factor};
+use crate::estimate::residual::weights::RowFactors;
 use crate::linalg::triangular::Triangular;
 use crate::outcome::feasibility::HeldOut;
 use crate::problem::solution::Control;

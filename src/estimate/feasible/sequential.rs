@@ -7,7 +7,7 @@
 use crate::estimate::error::EstimateError;
 use crate::estimate::feasible::compressed;
 use crate::estimate::feasible::solve::{self, Compressed, Feasible, Setting};
-use crate::estimate::problem::FitProblem;
+use crate::estimate::fit_problem::problem::FitProblem;
 use crate::problem::Problem;
 use crate::problem::form::Structure;
 use crate::problem::solution::{Control, Stop};

@@ -4,8 +4,8 @@
 use crate::chain::base_parameters::{BaseParameter, BaseParameters};
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
-use crate::estimate::realization;
-use crate::estimate::unknowns::Unknowns;
+use crate::estimate::derived::realization;
+use crate::estimate::fit_problem::unknowns::Unknowns;
 use crate::linalg::svec::svec;
 use crate::problem::form::Variable;
 use crate::robot::inertia::{Inertia, PER_LINK};

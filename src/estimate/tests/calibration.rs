@@ -10,8 +10,8 @@ use crate::chain::base_parameters::BaseParameters;
 use crate::chain::dataset::Dataset;
 use crate::chain::model::Model;
 use crate::chain::prior::Prior;
-use crate::estimate::estimator::Estimator;
 use crate::estimate::feasible::Form;
+use crate::estimate::fit_problem::estimator::Estimator;
 use crate::estimate::tests::{
     DECLARED, NOISE, PERIODS, RED, Recorder, SPARSE, TRUE_FRICTION, USUAL, WAYS, Way, pendulum,
     torque, valued,

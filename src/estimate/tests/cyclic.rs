@@ -2,12 +2,12 @@
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::prior::Prior;
-use crate::estimate::covariance::of_unknowns;
-use crate::estimate::estimator::Estimator;
-use crate::estimate::fit_setup::FitSetup;
-use crate::estimate::optimum::Optimum;
-use crate::estimate::problem::NoiseSource;
+use crate::estimate::fit_problem::estimator::Estimator;
+use crate::estimate::fit_problem::problem::NoiseSource;
+use crate::estimate::minimisation::fit_setup::FitSetup;
+use crate::estimate::minimisation::optimum::Optimum;
 use crate::estimate::tests::{DECLARED, RED, TRUE_FRICTION, pendulum, torque, valued};
+use crate::estimate::uncertainty::covariance::of_unknowns;
 use crate::problem::solution::Control;
 use crate::recording::split::Split;
 use nalgebra::DMatrix;

@@ -2,14 +2,14 @@
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::prior::Prior;
-use crate::estimate::errors_in_variables::ErrorsInVariables;
-use crate::estimate::estimator::Training;
-use crate::estimate::problem::FitProblem;
+use crate::estimate::errors_in_variables::problem::ErrorsInVariables;
+use crate::estimate::fit_problem::estimator::Training;
+use crate::estimate::fit_problem::problem::FitProblem;
+use crate::estimate::fit_problem::unknowns::Unknowns;
+use crate::estimate::residual::weights::Weights;
 use crate::estimate::tests::{
     DECLARED, NOISE, Recorder, TRUE_FRICTION, USUAL, pendulum, torque, valued,
 };
-use crate::estimate::unknowns::Unknowns;
-use crate::estimate::weights::Weights;
 use crate::problem::Problem;
 use crate::recording::split::Split;
 use crate::robot::random::{generator, symmetric};

@@ -4,9 +4,9 @@ use crate::chain::dataset::Dataset;
 use crate::chain::effect;
 use crate::chain::model::{Model, ModelSettings, Payload, Signal};
 use crate::chain::prior::Prior;
-use crate::estimate::errors_in_variables_fit;
-use crate::estimate::estimator::Estimator;
+use crate::estimate::errors_in_variables;
 use crate::estimate::fit::fit;
+use crate::estimate::fit_problem::estimator::Estimator;
 use crate::estimate::load_by_difference;
 use crate::estimate::tests::{
     DECLARED, PENDULUM, TRUE_FRICTION, USUAL, WAYS, pendulum, torque, valued,
@@ -53,7 +53,7 @@ fn invariant_rows_that_are_held_out_take_no_part_in_fits_of_motions_and_loads() 
             USUAL.record(held_out, (2, Split::Validation)),
         ];
         let data = Dataset { recordings };
-        errors_in_variables_fit::fit(&model, &data, &none, &control)
+        errors_in_variables::fit::fit(&model, &data, &none, &control)
             .unwrap()
             .values
     };

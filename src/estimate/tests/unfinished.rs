@@ -2,15 +2,15 @@
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::prior::Prior;
-use crate::estimate::estimator::Training;
 use crate::estimate::feasible::MARGIN;
 use crate::estimate::feasible::program::Constraints;
 use crate::estimate::feasible::solve::{Compressed, Setting, constrained, estimate};
 use crate::estimate::feasible::standard::StandardParameters;
-use crate::estimate::problem::FitProblem;
+use crate::estimate::fit_problem::estimator::Training;
+use crate::estimate::fit_problem::problem::FitProblem;
+use crate::estimate::fit_problem::unknowns::Unknowns;
+use crate::estimate::residual::weights::Weights;
 use crate::estimate::tests::{DECLARED, NOISE, TRUE_FRICTION, USUAL, pendulum, torque, valued};
-use crate::estimate::unknowns::Unknowns;
-use crate::estimate::weights::Weights;
 use crate::problem::solution::{Control, Stop, TraceRow};
 use crate::recording::split::Split;
 use nalgebra::DVector;

@@ -1,16 +1,16 @@
 //! Which column of which file each channel of a recording comes from.
 
 use crate::fault::Place;
-use crate::recording::column_map::{Column, ColumnMap};
-use crate::recording::column_names::{
+use crate::recording::channels::column_map::{Column, ColumnMap};
+use crate::recording::channels::column_names::{
     ACCELERATION, COMMAND, CURRENT, FEED_FORWARD, POSITION, TEMPERATURE, TORQUE, VELOCITY,
     VELOCITY_COMMAND,
 };
-use crate::recording::columns::{Finder, RecordedJoint};
+use crate::recording::channels::columns::{Finder, RecordedJoint};
+use crate::recording::channels::samples::{Commanded, SignalKind};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
-use crate::recording::format::columns_at;
-use crate::recording::reading::Reading;
-use crate::recording::samples::{Commanded, SignalKind};
+use crate::recording::formats::format::columns_at;
+use crate::recording::formats::reading::Reading;
 use std::path::Path;
 
 /// A file of a recording, and where its channels stand.

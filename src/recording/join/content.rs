@@ -1,10 +1,10 @@
 //! What a file has of the columns that were chosen, on a clock of its own.
 
 use crate::fault::Place;
+use crate::recording::channels::missing::{CompleteTable, MissingValues, Roles, bridge};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
-use crate::recording::format::read_at;
+use crate::recording::formats::format::read_at;
 use crate::recording::join::columns::{Chosen, File, Files, Pick};
-use crate::recording::missing::{CompleteTable, MissingValues, Roles, bridge};
 use crate::stats::robust::median;
 use std::path::Path;
 

@@ -5,20 +5,21 @@
 //! do not have in common at their ends is cut, and times within a gap of a file are masked.
 
 use crate::fault::Place;
-use crate::recording::columns::RecordedJoint;
+use crate::recording::channels::columns::RecordedJoint;
+use crate::recording::channels::samples::{Recording, SignalKind};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
+use crate::recording::formats::reading::Reading;
+use crate::recording::formats::table::require_rows;
 use crate::recording::join::columns::{Channel, Chosen, File, Files, Pick};
 use crate::recording::join::content::{Content, brackets};
-use crate::recording::reading::Reading;
-use crate::recording::samples::{Recording, SignalKind};
-use crate::recording::spline::Spline;
-use crate::recording::table::require_rows;
-use crate::recording::timing::interpolate;
+use crate::recording::series::spline::Spline;
+use crate::recording::time_base::timing::interpolate;
 
 pub use crate::recording::join::columns::Source;
 
 mod columns;
 mod content;
+pub mod separate_encoder;
 
 /// A step of more than this many usual ones is a gap: across one sample that is missing a line is as good as across a step.
 const GAP_STEPS: f64 = 2.5;

@@ -6,10 +6,10 @@ use std::sync::atomic::AtomicBool;
 
 use super::{HEADER, gzip, joints, rows, write};
 use crate::fault::Fault;
-use crate::recording::column_map::ColumnMap;
-use crate::recording::columns::{RecordedJoint, read_within};
-use crate::recording::reading::Reading;
-use crate::recording::samples::SignalKind;
+use crate::recording::channels::column_map::ColumnMap;
+use crate::recording::channels::columns::{RecordedJoint, read_within};
+use crate::recording::channels::samples::SignalKind;
+use crate::recording::formats::reading::Reading;
 
 /// The code of the fault of a file; empty where it is read.
 fn code(path: &Path, reading: &Reading) -> &'static str {

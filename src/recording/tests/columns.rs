@@ -1,10 +1,10 @@
 //! Columns with factors, and columns in two files.
 
-use crate::recording::column_map::{Column, ColumnMap, Factors};
-use crate::recording::columns::{RecordedJoint, read};
-use crate::recording::reading::Reading;
-use crate::recording::samples::{Commanded, SignalKind};
-use crate::recording::separate_encoder::{EncoderFiles, read_with_separate_encoder};
+use crate::recording::channels::column_map::{Column, ColumnMap, Factors};
+use crate::recording::channels::columns::{RecordedJoint, read};
+use crate::recording::channels::samples::{Commanded, SignalKind};
+use crate::recording::formats::reading::Reading;
+use crate::recording::join::separate_encoder::{EncoderFiles, read_with_separate_encoder};
 use crate::recording::tests::{joints, rows, write};
 
 #[test]

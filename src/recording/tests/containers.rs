@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 
 use super::{numbered, published};
 use crate::fault::Fault;
-use crate::recording::column_map::ColumnMap;
-use crate::recording::columns::{RecordedJoint, read};
+use crate::recording::channels::column_map::ColumnMap;
+use crate::recording::channels::columns::{RecordedJoint, read};
+use crate::recording::channels::samples::{Recording, SignalKind};
 use crate::recording::error::RecordingError;
-use crate::recording::format::format_of;
-use crate::recording::reading::Reading;
-use crate::recording::samples::{Recording, SignalKind};
+use crate::recording::formats::format::format_of;
+use crate::recording::formats::reading::Reading;
 
 const SAMPLES: usize = 40;
 

@@ -4,10 +4,10 @@ use std::fs;
 use std::path::Path;
 
 use crate::fault::Fault;
-use crate::recording::column_map::ColumnMap;
-use crate::recording::columns::{RecordedJoint, read};
+use crate::recording::channels::column_map::ColumnMap;
+use crate::recording::channels::columns::{RecordedJoint, read};
+use crate::recording::channels::samples::SignalKind;
 use crate::recording::error::RecordingError;
-use crate::recording::samples::SignalKind;
 
 const FILES: [&str; 15] = [
     "plain.npz",

@@ -4,10 +4,10 @@
 use std::path::{Path, PathBuf};
 
 use crate::fault::Fault;
-use crate::recording::column_map::{Column, ColumnMap, ColumnsAt, Factors};
-use crate::recording::columns::{RecordedJoint, read};
+use crate::recording::channels::column_map::{Column, ColumnMap, ColumnsAt, Factors};
+use crate::recording::channels::columns::{RecordedJoint, read};
+use crate::recording::channels::samples::{Recording, SignalKind};
 use crate::recording::error::RecordingError;
-use crate::recording::samples::{Recording, SignalKind};
 
 const SAMPLES: usize = 40;
 

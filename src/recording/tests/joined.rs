@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 
 use super::{joints, write};
 use crate::fault::Fault;
-use crate::recording::column_map::ColumnMap;
-use crate::recording::columns::{RecordedJoint, read};
+use crate::recording::channels::column_map::ColumnMap;
+use crate::recording::channels::columns::{RecordedJoint, read};
+use crate::recording::channels::samples::{Recording, SignalKind};
 use crate::recording::error::RecordingError;
+use crate::recording::formats::reading::Reading;
 use crate::recording::join::{Source, read_joined};
-use crate::recording::reading::Reading;
-use crate::recording::samples::{Recording, SignalKind};
 
 fn position(joint: usize, t: f64) -> f64 {
     (2.0 * t + joint as f64).sin()
@@ -147,7 +147,8 @@ fn one_file_for_each_signal_with_maps_of_their_own() {
         torque: Some("m{n}".into()),
         ..ColumnMap::default()
     };
-    own.time.as_mut().unwrap().factors = crate::recording::column_map::Factors::Same(1e-3);
+    own.time.as_mut().unwrap().factors =
+        crate::recording::channels::column_map::Factors::Same(1e-3);
     let recording = join(&[&first, &second], &[ColumnMap::default(), own]).unwrap();
     assert!(errors(&recording)[1] < 1e-6);
 }

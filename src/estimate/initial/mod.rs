@@ -1,0 +1,6 @@
+//! Initial values of a nonlinear fit: the range of each nonlinear parameter, local searches from the points of a grid in
+//! it, and the linear unknowns at their optimum.
+
+pub mod search_range;
+pub mod start;
+pub mod start_grid;

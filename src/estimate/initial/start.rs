@@ -1,0 +1,273 @@
+//! Initial values of a nonlinear fit: the linear unknowns at their optimum, and the nonlinear parameters of every friction law at
+//! the best end of local searches from a grid.
+//!
+//! A friction law has shallow optima besides the deepest one (bristles as stiff as sampling can tell, a scale of speed
+//! that no speed reaches, an excess at low speed that stands in for viscous friction), and one search finds the
+//! nearest. So the laws of every joint are searched for from every point of their grid: first on the joint's own
+//! channel alone, as the laws of the other joints are not known yet, then, from where the whole fit comes to, by what
+//! all channels say, until no joint finds a better shape. What the bodies can do on one channel alone hides much of
+//! what tells two shapes apart.
+
+use crate::chain::effect::{Law, ParameterInfo, Search};
+use crate::chain::model::Model;
+use crate::chain::parameter::Role;
+use crate::estimate::error::EstimateError;
+use crate::estimate::fit_problem::problem::FitProblem;
+use crate::estimate::fit_problem::unknowns::Unknowns;
+use crate::estimate::initial::search_range::{Bounded, MotionRange};
+use crate::estimate::initial::start_grid::{JointSearches, LocalOptimum, OtherUnknowns, Point};
+use crate::estimate::residual::noise::predict;
+use crate::estimate::solve::least_squares::{ITERATIONS_PER_ROUND, solve};
+use crate::problem::Problem;
+use crate::problem::form::Structure;
+use crate::problem::solution::Control;
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+/// Points of a joint's grid that are tried at most.
+const MOST_POINTS: usize = 36;
+
+/// Steps of a round of searches, and the ends of each joint that go on: a few steps from every point of the grid show
+/// which are worth more.
+const ROUNDS: [(usize, usize); 2] = [(2, 4), (STEPS, 1)];
+const STEPS: usize = 30;
+
+/// Iterations of the whole fit before the shapes of single joints are searched for anew.
+const ITERATIONS_BETWEEN: usize = 40;
+
+/// Most often that happens. Laws that are not those of the robot can have many optima of nearly the same depth.
+const REVISIONS: usize = 3;
+
+/// Weighted squares below which two optima differ by less than one standard deviation of one unknown.
+const SETTLED: f64 = 1.0;
+
+/// The unknowns from which a search begins.
+pub(in crate::estimate) fn find(
+    problem: &FitProblem<'_>,
+    control: &Control<'_>,
+) -> Result<DVector<f64>, EstimateError> {
+    if problem.form().structure == Structure::Affine {
+        return Ok(problem.start());
+    }
+    let joints = 0..problem.model.joints().len();
+    let grids: Vec<Vec<Point>> = joints.clone().map(|joint| grid(problem, joint)).collect();
+    let gains = gains(problem);
+    let declared = at(problem, std::slice::from_ref(&gains), control)?;
+    if grids.iter().all(|grid| grid.len() <= 1) {
+        return Ok(declared);
+    }
+    let laws: Vec<Vec<usize>> = joints.map(|joint| of_motor(problem, joint)).collect();
+    let alone = JointSearches::new(problem, &declared, &laws, OtherUnknowns::Free);
+    let ends = best_ends(&alone, &grids).into_iter();
+    let mut best: Vec<Point> = ends.map(|end| end.point).collect();
+    best.push(gains);
+    let mut x = at(problem, &best, control)?;
+    for _ in 0..REVISIONS {
+        x = solve(problem, &x, ITERATIONS_BETWEEN, control)?.x;
+        if control.is_interrupted() {
+            break;
+        }
+        let Some(mut better) = revised(problem, &x, &laws, &grids) else {
+            break;
+        };
+        better.push(gains_at(problem, &x));
+        x = at(problem, &better, control)?;
+    }
+    Ok(x)
+}
+
+/// The gain of a joint's controller, by its position in the model.
+#[derive(Clone, Copy)]
+struct ControllerGain {
+    joint: usize,
+    gain: usize,
+}
+
+/// Gains of controllers that are unknown and that nothing is known of beforehand.
+fn unknown_gains(problem: &FitProblem<'_>) -> Vec<ControllerGain> {
+    let joints = problem.model.joints().iter().enumerate();
+    let gains = joints.filter_map(|(joint, description)| {
+        let gain = description.controller?;
+        Some(ControllerGain { joint, gain })
+    });
+    let open = |&ControllerGain { gain, .. }: &ControllerGain| {
+        let prior = problem.prior.rows().column(gain);
+        problem.unknowns.nonlinear.contains(&gain) && prior.iter().all(|row| *row == 0.0)
+    };
+    gains.filter(open).collect()
+}
+
+/// Unknown gains from which a search is sure to rise to the optimum: the signal goes with 1/kp, on which Newton's step
+/// from below doubles kp at most, and from above twice the optimum leads below zero. Half of what makes the signals of a
+/// model with usual values as large as those that were recorded.
+fn gains(problem: &FitProblem<'_>) -> Point {
+    let open = unknown_gains(problem);
+    if open.is_empty() {
+        return Vec::new();
+    }
+    let (model, values) = (problem.model, problem.model.generic_values());
+    let squares = |series: &[f64]| series.iter().map(|x| x * x).sum::<f64>();
+    let mut sums = vec![[0.0; 2]; model.channels().len()];
+    for recording in problem.recordings {
+        let predicted = predict(model, &values, recording);
+        for (c, sums) in sums.iter_mut().enumerate() {
+            sums[0] += squares(&predicted[c]);
+            sums[1] += squares(recording.signal(c));
+        }
+    }
+    let of = |ControllerGain { joint, gain }: ControllerGain| {
+        let [predicted, recorded] = sums[joint];
+        let factor = 0.5 * (predicted / recorded).sqrt();
+        let usable = factor.is_finite() && factor > 0.0;
+        usable.then_some((gain, factor * values[gain]))
+    };
+    open.into_iter().filter_map(of).collect()
+}
+
+/// The same gains at x.
+fn gains_at(problem: &FitProblem<'_>, x: &DVector<f64>) -> Point {
+    let positions = problem.unknowns.positions();
+    let gains = unknown_gains(problem).into_iter();
+    let value = |ControllerGain { gain, .. }: ControllerGain| {
+        let k = positions.iter().position(|&p| p == gain)?;
+        Some((gain, x[k]))
+    };
+    gains.filter_map(value).collect()
+}
+
+/// The shapes at x, of every joint with the best end of searches from its grid where that leaves less of what all
+/// channels say than the one from x; `None` where none does.
+fn revised(
+    problem: &FitProblem<'_>,
+    x: &DVector<f64>,
+    laws: &[Vec<usize>],
+    grids: &[Vec<Point>],
+) -> Option<Vec<Point>> {
+    let unknowns = problem.unknowns.positions();
+    let value = |p: &usize| Some((*p, x[unknowns.iter().position(|u| u == p)?]));
+    let point = |law: &Vec<usize>| law.iter().filter_map(value).collect();
+    let here: Vec<Point> = laws.iter().map(point).collect();
+    let whole = JointSearches::new(problem, x, laws, OtherUnknowns::AsElsewhere);
+    let mut points = whole.search(&here, STEPS);
+    let mut any = false;
+    for (point, end) in points.iter_mut().zip(best_ends(&whole, grids)) {
+        if end.squares < point.squares - SETTLED {
+            *point = end;
+            any = true;
+        }
+    }
+    any.then(|| points.into_iter().map(|end| end.point).collect())
+}
+
+/// The best end of every joint of searches from all points of its grid.
+fn best_ends(shapes: &JointSearches<'_>, grids: &[Vec<Point>]) -> Vec<LocalOptimum> {
+    let mut points = grids.to_vec();
+    let mut best = Vec::new();
+    for (steps, kept) in ROUNDS {
+        let count = points.iter().map(Vec::len).max().unwrap_or(0);
+        let of = |k: usize| {
+            let from = points.iter().map(|own| own[k.min(own.len() - 1)].clone());
+            shapes.search(&from.collect::<Vec<Point>>(), steps)
+        };
+        let ends: Vec<Vec<LocalOptimum>> = (0..count).into_par_iter().map(of).collect();
+        best.clear();
+        for (joint, points) in points.iter_mut().enumerate() {
+            let own = ends
+                .iter()
+                .take(points.len())
+                .map(|ends| ends[joint].clone());
+            let mut own: Vec<LocalOptimum> = own.collect();
+            own.sort_by(|a, b| a.squares.total_cmp(&b.squares));
+            own.truncate(kept);
+            best.push(own[0].clone());
+            *points = own.into_iter().map(|end| end.point).collect();
+        }
+    }
+    best
+}
+
+/// Unknowns of the laws at a joint's motor.
+fn of_motor(problem: &FitProblem<'_>, joint: usize) -> Vec<usize> {
+    let own = |p: &usize| motor_law(problem.model, *p).is_some_and(|law| law.joint == joint);
+    let unknowns = problem.unknowns.positions().into_iter();
+    unknowns.filter(own).collect()
+}
+
+/// The optimum over the linear unknowns with the others at a point, or where they start.
+fn at(
+    problem: &FitProblem<'_>,
+    point: &[Point],
+    control: &Control<'_>,
+) -> Result<DVector<f64>, EstimateError> {
+    let mut model = problem.model.clone();
+    for &(parameter, value) in point.iter().flatten() {
+        model.start(parameter, value);
+    }
+    let linear = Unknowns {
+        base: problem.unknowns.base.clone(),
+        nonlinear: Vec::new(),
+    };
+    let frozen = problem.with_unknowns(&model, &linear);
+    let solved = solve(&frozen, &frozen.start(), ITERATIONS_PER_ROUND, control)?;
+    let values = model.values();
+    let all = problem.unknowns.positions();
+    let mut start = DVector::from_iterator(all.len(), all.iter().map(|&p| values[p]));
+    start.rows_mut(0, solved.x.len()).copy_from(&solved.x);
+    Ok(start)
+}
+
+/// Points of the shapes of a joint's friction laws, the declared one first.
+fn grid(problem: &FitProblem<'_>, joint: usize) -> Vec<Point> {
+    let model = problem.model;
+    let motion = MotionRange::of(problem.recordings, joint);
+    let mut points = vec![Vec::new()];
+    let mut declared = Vec::new();
+    for &p in &problem.unknowns.nonlinear {
+        let Some(search) = search(model, joint, p) else {
+            continue;
+        };
+        let parameter = &model.parameters()[p];
+        declared.push((p, parameter.value));
+        let values = motion.grid(search, Bounded::of(parameter));
+        let longer = |point: Point| -> Vec<Point> {
+            let with = |x: &f64| point.iter().copied().chain([(p, *x)]).collect();
+            values.iter().map(with).collect()
+        };
+        points = points.into_iter().flat_map(longer).collect();
+    }
+    points.truncate(MOST_POINTS);
+    if !declared.is_empty() {
+        points.insert(0, declared);
+    }
+    points
+}
+
+/// How a parameter is looked for, where it shapes a friction law of the joint's motor.
+fn search(model: &Model, joint: usize, parameter: usize) -> Option<Search> {
+    let law = motor_law(model, parameter)?;
+    let has_grid = matches!(
+        law.info.search,
+        Search::Values(_) | Search::Speed(_) | Search::OverSpeed(_)
+    );
+    (law.joint == joint && has_grid).then_some(law.info.search)
+}
+
+/// A parameter of a law at a motor.
+struct MotorLaw {
+    joint: usize,
+    info: &'static ParameterInfo,
+}
+
+fn motor_law(model: &Model, parameter: usize) -> Option<MotorLaw> {
+    let Role::Effect {
+        joint,
+        effect,
+        parameter,
+    } = model.parameters()[parameter].role
+    else {
+        return None;
+    };
+    let effect = model.joints()[joint].effects.get(effect)?.0;
+    let info = effect.parameters.get(parameter)?;
+    matches!(effect.law, Law::Motor(_)).then_some(MotorLaw { joint, info })
+}

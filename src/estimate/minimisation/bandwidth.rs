@@ -1,0 +1,276 @@
+//! The bandwidth of motions that do not repeat, chosen by the likelihood of the signal.
+//!
+//! The spectrum of a motion tells where its acceleration is lost in noise, and that is where the search begins. What
+//! matters is the torque: friction turns over within a few milliseconds of a reversal, an inertia asks for the
+//! acceleration at large, and a smoother that suits one may not suit the other. All recordings, those that are held out
+//! too, therefore get the cut-off for which the model that is fitted leaves least of the training recordings,
+//!
+//! ```text
+//! min over cut-offs   Σ_c N_c ln σ_c,    σ_c² = mean square of the residual of channel c,
+//! ```
+//!
+//! the profile likelihood of one parameter more. The signal is not filtered, so that residuals may be compared.
+
+use crate::chain::dataset::{Dataset, Prepared};
+use crate::chain::model::Model;
+use crate::chain::prior::Prior;
+use crate::estimate::fit_problem::estimator::{Estimator, Training};
+use crate::estimate::fit_problem::unknowns::Unknowns;
+use crate::estimate::minimisation::minimise::Minimisation;
+use crate::estimate::minimisation::optimum::Optimum;
+use crate::estimate::residual::noise::counting_rows;
+use crate::problem::solution::Control;
+use crate::problem_file::ProblemFile;
+use crate::recording::experiment::Chosen;
+use crate::recording::settings::Method;
+use crate::recording::split::Split;
+use crate::setup::error::SetupError;
+use crate::setup::recording_file::ReadRecording;
+use crate::setup::recordings::{prepare_all, read_all};
+use crate::setup::robot::Robot;
+use crate::stats::robust::median;
+
+/// Ratio of one cut-off to the next. About its optimum the error of a motion changes by less than a tenth of what noise
+/// does over this much.
+const STEP: f64 = 1.3;
+
+/// Steps up or down at most: an eighth to eight times what the spectrum says.
+const MOST_STEPS: i32 = 8;
+
+/// Rows that are fitted for each cut-off, of all recordings together: as many as tell σ to half a per cent.
+const ROWS: usize = 20_000;
+
+/// Reads the recordings of a problem and makes them ready.
+///
+/// # Errors
+/// Those of files and of settings.
+pub fn prepared(
+    problem: &ProblemFile,
+    robot: &Robot,
+    model: &Model,
+    prior: &Prior,
+    control: &Control<'_>,
+) -> Result<Dataset, SetupError> {
+    let read = read_all(problem, robot)?;
+    let first = prepare_all(problem, robot, model, read.clone(), None)?;
+    let Some(begin_hz) = in_common(&first) else {
+        return Ok(first);
+    };
+    let search = Search {
+        problem,
+        robot,
+        model,
+        prior,
+        control,
+        read,
+        begin_hz,
+    };
+    search.run()
+}
+
+/// The recordings with the motion that suits another model, where it is not the one that they have: what was chosen beside
+/// a model that lacks physics served to hide the lack of it.
+///
+/// # Errors
+/// Those of files and of settings.
+pub fn beside(
+    problem: &ProblemFile,
+    robot: &Robot,
+    model: &Model,
+    prior: &Prior,
+    present: &Dataset,
+    control: &Control<'_>,
+) -> Result<Option<Dataset>, SetupError> {
+    if in_common(present).is_none() {
+        return Ok(None);
+    }
+    let data = prepared(problem, robot, model, prior, control)?;
+    let of = |data: &Dataset| -> Vec<f64> {
+        let bandwidths = data.recordings.iter().flat_map(|r| &r.experiment.bandwidth);
+        bandwidths.map(|b| b.cutoff_hz).collect()
+    };
+    // Cut-offs are steps of one ladder.
+    let differs = |(a, b): (&f64, &f64)| (a / b).ln().abs() > 0.5 * STEP.ln();
+    let (old, new) = (of(present), of(&data));
+    let other = old.len() == new.len() && old.iter().zip(&new).any(differs);
+    Ok((other && !control.is_interrupted()).then_some(data))
+}
+
+/// Whether the bandwidth of a recording is for the data to choose.
+fn is_open(recording: &Prepared) -> bool {
+    let experiment = &recording.experiment;
+    let chosen = experiment
+        .bandwidth
+        .iter()
+        .any(|b| b.chosen == Chosen::Data);
+    experiment.method == Method::Smoother && chosen
+}
+
+/// Geometric mean of the bandwidths that the training recordings show, Hz; `None` where none is for the data to choose.
+fn in_common(data: &Dataset) -> Option<f64> {
+    let of = |recording: &Prepared| {
+        let bandwidths = recording.experiment.bandwidth.iter().map(|b| b.cutoff_hz);
+        median(&bandwidths.collect::<Vec<f64>>())
+    };
+    let open = data.of(Split::Train).filter(|r| is_open(r));
+    let logarithms: Vec<f64> = open.filter_map(of).map(f64::ln).collect();
+    let mean = logarithms.iter().sum::<f64>() / logarithms.len() as f64;
+    (!logarithms.is_empty()).then(|| mean.exp())
+}
+
+struct Search<'a> {
+    problem: &'a ProblemFile,
+    robot: &'a Robot,
+    model: &'a Model,
+    prior: &'a Prior,
+    control: &'a Control<'a>,
+    read: Vec<ReadRecording<'a>>,
+    begin_hz: f64,
+}
+
+impl Search<'_> {
+    /// From the spectrum's bandwidth in the direction in which less is left, as long as less is left.
+    fn run(&self) -> Result<Dataset, SetupError> {
+        let first = self.at(0)?;
+        let Some(left) = self.left(&first) else {
+            return Ok(first);
+        };
+        let mut best: (i32, f64, Dataset) = (0, left, first);
+        for direction in [1, -1] {
+            let mut step = best.0 + direction;
+            while step.abs() <= MOST_STEPS && !self.control.is_interrupted() {
+                let data = self.at(step)?;
+                match self.left(&data).filter(|left| *left < best.1) {
+                    Some(left) => best = (step, left, data),
+                    None => break,
+                }
+                step += direction;
+            }
+            if best.0 != 0 {
+                break;
+            }
+        }
+        Ok(best.2)
+    }
+
+    fn at(&self, step: i32) -> Result<Dataset, SetupError> {
+        let common_hz = Some(self.begin_hz * STEP.powi(step));
+        prepare_all(
+            self.problem,
+            self.robot,
+            self.model,
+            self.read.clone(),
+            common_hz,
+        )
+    }
+
+    /// `Σ_c N_c ln σ_c` of a fit; `None` where the model cannot be fitted, which the fit itself will say.
+    fn left(&self, data: &Dataset) -> Option<f64> {
+        let all: Vec<&Prepared> = data.of(Split::Train).collect();
+        let every = counting_rows(&all).div_ceil(ROWS).max(1);
+        let thinned: Vec<Prepared> = all.iter().map(|r| r.thinned(every)).collect();
+        let recordings: Vec<&Prepared> = thinned.iter().collect();
+        let unknowns = Unknowns::find(self.model, data, self.prior);
+        let minimisation = Minimisation {
+            model: self.model,
+            unknowns: &unknowns,
+            training: Training {
+                recordings: &recordings,
+                prior: self.prior,
+            },
+            estimator: Estimator::Weighted,
+            control: self.control,
+        };
+        let Optimum { solution, problem } = minimisation.run().ok()?;
+        let residuals = problem.counted_residuals(&solution.x);
+        let channels = self.model.channels().iter().enumerate();
+        let of = |c: usize| {
+            let (mut squares, mut rows) = (0.0, 0.0);
+            for (recording, series) in recordings.iter().zip(&residuals) {
+                for row in recording.counting() {
+                    squares += series[c][row].powi(2);
+                    rows += 1.0;
+                }
+            }
+            (squares > 0.0).then(|| 0.5 * f64::ln(squares / rows))
+        };
+        let left: f64 = channels
+            .filter(|(_, channel)| channel.active)
+            .filter_map(|(c, _)| of(c))
+            .sum();
+        left.is_finite().then_some(left)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::experiment::Bandwidth;
+    use crate::recording::preprocess::prepare;
+    use crate::recording::samples::Recording;
+    use crate::recording::settings::Preparation;
+
+    /// A recording of two joints whose motion is made ready by a method, with the bandwidths chosen and their cut-offs, Hz.
+    fn recording(split: Split, method: Method, bandwidths: [(Chosen, f64); 2]) -> Prepared {
+        let series = |k: usize| -> Vec<f64> {
+            let at = |row: usize| (0.05 * (k + 1) as f64 * row as f64).sin();
+            (0..400).map(at).collect()
+        };
+        let motion = vec![series(0), series(1)];
+        let recording = Recording::of_samples("made", motion.clone(), motion);
+        let preparation = Preparation {
+            rate: Some(100.0),
+            ..Preparation::default()
+        };
+        let mut experiment = prepare(recording, &preparation).unwrap();
+        experiment.method = method;
+        let of = |(chosen, cutoff_hz)| Bandwidth {
+            harmonics: None,
+            cutoff_hz,
+            clear_hz: cutoff_hz,
+            chosen,
+        };
+        experiment.bandwidth = bandwidths.map(of).to_vec();
+        Prepared::new("made".to_string(), split, false, experiment)
+    }
+
+    fn begin(recordings: Vec<Prepared>) -> Option<f64> {
+        in_common(&Dataset { recordings })
+    }
+
+    const FREE: [(Chosen, f64); 2] = [(Chosen::Data, 4.0), (Chosen::Data, 6.0)];
+
+    /// Those of smoothers that nobody asked for, of what is fitted.
+    #[test]
+    fn only_bandwidths_of_smoothed_motions_are_open_unless_they_are_given() {
+        let given = FREE.map(|(_, hz)| (Chosen::Given, hz));
+        let one = [(Chosen::Given, 4.0), (Chosen::Data, 6.0)];
+        for (method, bandwidths, open) in [
+            (Method::Smoother, FREE, true),
+            (Method::Smoother, one, true),
+            (Method::Smoother, given, false),
+            (Method::Fourier, FREE, false),
+            (Method::Lowpass, FREE, false),
+        ] {
+            let found = begin(vec![recording(Split::Train, method, bandwidths)]);
+            assert_eq!(found.is_some(), open, "{method:?}, {bandwidths:?}");
+        }
+        let held_out = recording(Split::Validation, Method::Smoother, FREE);
+        assert_eq!(begin(vec![held_out]), None);
+        assert_eq!(begin(Vec::new()), None);
+    }
+
+    /// The geometric mean over training recordings of the median over joints, 5 Hz and 20 Hz.
+    #[test]
+    fn a_search_begins_in_the_middle_of_what_the_recordings_show() {
+        let wide = [(Chosen::Data, 16.0), (Chosen::Data, 24.0)];
+        let closed = [(Chosen::Given, 1.0), (Chosen::Given, 1.0)];
+        let found = begin(vec![
+            recording(Split::Train, Method::Smoother, FREE),
+            recording(Split::Train, Method::Smoother, wide),
+            recording(Split::Train, Method::Smoother, closed),
+            recording(Split::Validation, Method::Smoother, closed),
+        ]);
+        assert!((found.unwrap() - 10.0).abs() < 1e-12, "{found:?}");
+    }
+}

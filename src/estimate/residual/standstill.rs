@@ -1,0 +1,108 @@
+//! Standstill: rows at which a joint does not move. Static friction lies anywhere between −Fc and Fc there, and its torque says
+//! nothing of parameters. A joint stands where its speed cannot be told from zero, `|ṁ| <= 3σ` with the deviation σ of the
+//! error of the speed, for longer than a reversal takes; where the transition speed w of Coulomb friction is known, also
+//! where it creeps, `|ṁ| <= w`. Such stretches are left out of the fit of that joint.
+
+use crate::chain::dataset::Prepared;
+use crate::chain::model::Model;
+use crate::estimate::residual::weights::RowFactors;
+
+/// A joint that stays below w for longer creeps; reversals pass faster: with w = 0.005 rad/s all that are
+/// accelerated by more than 0.04 rad/s².
+const LONGEST_REVERSAL_S: f64 = 0.25;
+
+/// A joint whose speed is not seen for longer rests: with an error of 0.5 mrad/s all reversals pass faster that are
+/// accelerated by more than 0.03 rad/s².
+const UNSEEN_S: f64 = 0.1;
+
+/// Deviations of the error of a speed up to which it is not told from zero.
+const UNSEEN: f64 = 3.0;
+
+/// Factors 0 at standstill and 1 elsewhere, `[recording][channel][row]`; `None` where nothing stands still.
+pub fn factors(model: &Model, recordings: &[&Prepared]) -> Option<RowFactors> {
+    // A locked joint always stands, and nothing of it is fitted.
+    let with_friction = |c: usize| {
+        let channel = &model.channels()[c];
+        let joint = channel.joint.filter(|_| channel.active)?;
+        Some((joint, model.joints()[joint].width?))
+    };
+    let joints: Vec<Option<(usize, usize)>> =
+        (0..model.channels().len()).map(with_friction).collect();
+    let moving = |recording: &&Prepared| -> Vec<Vec<f64>> {
+        let of = |joint: &Option<(usize, usize)>| match joint {
+            Some((joint, width)) => of_joint(model, recording, *joint, *width),
+            None => vec![1.0; recording.rows()],
+        };
+        joints.iter().map(of).collect()
+    };
+    let all: RowFactors = recordings.iter().map(moving).collect();
+    let stands = |series: &Vec<f64>| series.contains(&0.0);
+    all.iter().flatten().any(stands).then_some(all)
+}
+
+fn of_joint(model: &Model, recording: &Prepared, joint: usize, width: usize) -> Vec<f64> {
+    let velocity = &recording.segment().motors.dq[joint];
+    let experiment = &recording.experiment;
+    let rate_hz = experiment.rate_hz / recording.stride as f64;
+    let mut factors = vec![1.0; velocity.len()];
+    if let Some(error) = &experiment.motion_error {
+        let unseen = Standstill {
+            speed: UNSEEN * error.velocity[joint],
+            longest: UNSEEN_S * rate_hz,
+        };
+        unseen.leave_out(&mut factors, velocity);
+    }
+    let width = &model.parameters()[model.estimated_as(width)];
+    if !width.is_free() {
+        let creeping = Standstill {
+            speed: width.value,
+            longest: LONGEST_REVERSAL_S * rate_hz,
+        };
+        creeping.leave_out(&mut factors, velocity);
+    }
+    factors
+}
+
+/// What counts as standstill.
+struct Standstill {
+    /// rad/s (m/s), at most.
+    speed: f64,
+    /// Rows of a reversal, which is none.
+    longest: f64,
+}
+
+impl Standstill {
+    /// Stretches of standstill count for nothing.
+    fn leave_out(&self, factors: &mut [f64], velocity: &[f64]) {
+        let mut start = 0;
+        for row in 0..=velocity.len() {
+            if velocity.get(row).is_some_and(|v| v.abs() <= self.speed) {
+                continue;
+            }
+            if (row - start) as f64 > self.longest {
+                factors[start..row].fill(0.0);
+            }
+            start = row + 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Standstill;
+
+    #[test]
+    fn a_rest_is_left_out_and_a_reversal_is_not() {
+        let velocity = [1.0, 0.0, 0.1, 0.0, -1.0, 0.1, -1.0, 0.0, 0.0, 0.0, 0.0];
+        let mut factors = [1.0; 11];
+        let standstill = Standstill {
+            speed: 0.1,
+            longest: 3.0,
+        };
+        standstill.leave_out(&mut factors, &velocity);
+        assert_eq!(
+            factors,
+            [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0]
+        );
+    }
+}

@@ -1,0 +1,10 @@
+//! Covariance of the estimate by a sandwich estimator for coloured residuals, what uncertain torque constants add to it, and
+//! what is known of parameters that are determined in ratios only.
+
+pub mod coloured_noise;
+pub mod covariance;
+pub mod cross_spectra;
+pub mod gain_intervals;
+pub mod ratios;
+pub mod spectrum;
+pub mod torque_constants;

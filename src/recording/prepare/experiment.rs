@@ -1,0 +1,303 @@
+//! A preprocessed recording: the motion with its derivatives, the signal, the noise that
+//! the differences between periods show, and the way back to every recorded sample.
+
+use std::path::PathBuf;
+
+use nalgebra::DMatrix;
+
+use crate::recording::prepare::settings::Method;
+use crate::recording::series::zero_phase::ZeroPhase;
+use crate::recording::time_base::timing::{Grid, Timing, mask_on};
+use crate::stats::range::within;
+
+/// Motion of n joints over N rows: `[j][k]`, joint j, row k.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Motion {
+    /// rad or m.
+    pub position: Vec<Vec<f64>>,
+    /// rad/s or m/s.
+    pub velocity: Vec<Vec<f64>>,
+    /// rad/s² or m/s².
+    pub acceleration: Vec<Vec<f64>>,
+}
+
+/// Whether a bandwidth was asked for or follows from the data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Chosen {
+    /// Asked for.
+    Given,
+    /// By the data.
+    Data,
+}
+
+/// Bandwidth of the motion of one joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bandwidth {
+    /// Harmonics of the Fourier series; None for the smoother and the low-pass.
+    pub harmonics: Option<usize>,
+    /// Highest frequency of the motion that is kept, Hz.
+    pub cutoff_hz: f64,
+    /// Up to here the motion stands clear of its noise; the cut-off where it was given.
+    pub clear_hz: f64,
+    /// Where the bandwidth is from.
+    pub chosen: Chosen,
+}
+
+/// Noise, as the scatter of the periods about their mean shows it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Noise {
+    /// Covariance of one row of `Experiment::signal`, channels x channels, unit of the signal squared:
+    /// that of a recorded sample divided by the number of periods.
+    pub signal_covariance: DMatrix<f64>,
+    /// Autocovariance of one row by channel and lag: `[c][l]`, lags of l rows from 0 on.
+    pub autocovariance: Vec<Vec<f64>>,
+    /// Standard deviation of one recorded position, per joint, rad or m.
+    pub recorded_position_sd: Vec<f64>,
+}
+
+/// Standard deviations of the errors of one row of a motion, per joint: what noise leaves in it, and what smoothing
+/// takes from it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MotionError {
+    /// rad or m.
+    pub position: Vec<f64>,
+    /// rad/s or m/s.
+    pub velocity: Vec<f64>,
+    /// rad/s² or m/s².
+    pub acceleration: Vec<f64>,
+}
+
+/// Which rows of the motion a recorded sample belongs to.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RowMap {
+    /// Sample k is row k.
+    Same,
+    /// Rows are even in time from `start` (s) on at `rate_hz`; samples are not.
+    Grid {
+        /// Time of row 0, s.
+        start: f64,
+        /// Rows per second.
+        rate_hz: f64,
+    },
+    /// Sample `first + m` is row m modulo the rows.
+    Periodic {
+        /// Sample at which row 0 is.
+        first: usize,
+    },
+    /// As `Periodic`, with samples that are not on the grid of rows.
+    PeriodicGrid {
+        /// Time of a row 0, s.
+        start: f64,
+        /// Rows per second.
+        rate_hz: f64,
+    },
+}
+
+/// A place between two rows: `value = (1 - weight) · row[before] + weight · row[after]`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Between {
+    /// The row at or before the place.
+    pub before: usize,
+    /// The row behind it.
+    pub after: usize,
+    /// How far the place is on the way to it, 0 to 1.
+    pub weight: f64,
+}
+
+/// Every recorded sample for which there is motion, unfiltered.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Raw {
+    /// s, from the first sample of the file.
+    pub t: Vec<f64>,
+    /// `[c][k]`, as recorded.
+    pub signal: Vec<Vec<f64>>,
+    /// °C, `[j][k]`, as recorded.
+    pub temperature: Option<Vec<Vec<f64>>>,
+    /// false: left out.
+    pub mask: Option<Vec<bool>>,
+    /// Which row of the motion each sample belongs to.
+    pub map: RowMap,
+    pub(in crate::recording) rows: usize,
+}
+
+/// Whole periods found in a recording.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Periods {
+    /// Whole periods that were averaged.
+    pub count: usize,
+    /// Rows of one period.
+    pub samples: usize,
+    /// s.
+    pub period: f64,
+    /// Whether the period was asked for or follows from the motion.
+    pub chosen: Chosen,
+}
+
+/// A recording made ready for a model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Experiment {
+    /// The file that was read.
+    pub file: PathBuf,
+    /// s, from the first sample of the file; even.
+    pub t: Vec<f64>,
+    /// Rows per second, Hz.
+    pub rate_hz: f64,
+    /// Positions, velocities and accelerations of the joints at the rows.
+    pub motion: Motion,
+    /// None where nothing tells the noise of the positions.
+    pub motion_error: Option<MotionError>,
+    /// How the motion follows from the positions.
+    pub method: Method,
+    /// `[c][k]`: averaged over periods, or as recorded; in the unit of the recording.
+    pub signal: Vec<Vec<f64>>,
+    /// false: the row is there to keep the grid even, but counts for nothing.
+    pub mask: Option<Vec<bool>>,
+    /// None where there are no two periods to compare.
+    pub noise: Option<Noise>,
+    /// Per channel the deviation of the noise of a sample that is seen to be white, in the unit of the recording; empty
+    /// where periods tell the noise.
+    pub white_noise: Vec<Option<f64>>,
+    /// Every recorded sample with its way back to the rows.
+    pub raw: Raw,
+    /// Per joint.
+    pub bandwidth: Vec<Bandwidth>,
+    /// What the time stamps are like.
+    pub timing: Timing,
+    /// None where the motion does not repeat.
+    pub periods: Option<Periods>,
+    /// Seconds dropped at the start, and about as many at the end, where too little is known of the motion.
+    pub edge_s: f64,
+    /// The parallel filter, already run over `signal`.
+    pub parallel: Option<ZeroPhase>,
+    /// What a reader of any result should know of how the recording was taken.
+    pub remarks: Vec<String>,
+}
+
+impl Experiment {
+    /// Rows of the motion and the signal.
+    pub fn rows(&self) -> usize {
+        self.t.len()
+    }
+
+    /// Temperatures at the rows, °C, `[joint][row]`: between samples on a straight line, beyond the first and the last as
+    /// there. Empty where none was recorded.
+    pub fn temperatures(&self) -> Vec<Vec<f64>> {
+        let series = self.raw.temperature.iter().flatten();
+        let at = |series: &[f64], t: f64| {
+            let times = &self.raw.t;
+            let next = times.partition_point(|other| *other < t);
+            match (next.checked_sub(1), series.get(next)) {
+                (Some(before), Some(there)) => {
+                    let share = (t - times[before]) / (times[next] - times[before]);
+                    series[before] + share * (there - series[before])
+                }
+                (None, Some(first)) => *first,
+                (_, None) => series.last().copied().unwrap_or(f64::NAN),
+            }
+        };
+        let of = |series: &Vec<f64>| self.t.iter().map(|t| at(series, *t)).collect();
+        series.map(of).collect()
+    }
+
+    /// Runs the parallel filter, if there is one, over a series of one value per row.
+    pub fn apply_parallel(&self, series: &mut [f64]) {
+        match (&self.parallel, &self.periods) {
+            (Some(filter), Some(_)) => filter.apply_periodic(series),
+            (Some(filter), None) => filter.apply(series),
+            (None, _) => {}
+        }
+    }
+
+    /// The rows of one channel in one period, from 0; empty without such a period.
+    pub fn period_signal(&self, channel: usize, period: usize) -> Vec<f64> {
+        let Some(periods) = self.periods.filter(|periods| period < periods.count) else {
+            return Vec::new();
+        };
+        let signal = &self.raw.signal[channel];
+        let start = period * periods.samples;
+        if let RowMap::Periodic { first } = self.raw.map {
+            return signal[first + start..][..periods.samples].to_vec();
+        }
+        let at = |row: usize| self.t[0] + (start + row) as f64 / self.rate_hz;
+        let mut k = 0;
+        (0..periods.samples)
+            .map(|row| {
+                let t = at(row);
+                while k + 2 < signal.len() && self.raw.t[k + 1] <= t {
+                    k += 1;
+                }
+                let weight = (t - self.raw.t[k]) / (self.raw.t[k + 1] - self.raw.t[k]);
+                signal[k] + weight.clamp(0.0, 1.0) * (signal[k + 1] - signal[k])
+            })
+            .collect()
+    }
+}
+
+impl Experiment {
+    /// Which rows of one period were measured in it, from 0; None: all that the mask of the rows has.
+    pub fn period_mask(&self, period: usize) -> Option<Vec<bool>> {
+        let periods = self.periods.filter(|periods| period < periods.count)?;
+        let start = period * periods.samples;
+        if let RowMap::Periodic { first } = self.raw.map {
+            let mask = self.raw.mask.as_ref()?;
+            return Some(mask[first + start..][..periods.samples].to_vec());
+        }
+        let at = |row: usize| self.t[0] + (start + row) as f64 / self.rate_hz;
+        let grid = Grid {
+            start: at(0),
+            rate_hz: self.rate_hz,
+            samples: periods.samples,
+        };
+        mask_on(&self.raw.t, grid, self.raw.mask.as_deref())
+    }
+
+    /// The mask of all periods one after the other.
+    pub(super) fn masks_of_periods(&self, count: usize) -> Option<Vec<bool>> {
+        let rows = || {
+            let all = || vec![true; self.rows()];
+            self.mask.clone().unwrap_or_else(all)
+        };
+        let masks: Vec<Option<Vec<bool>>> = (0..count).map(|p| self.period_mask(p)).collect();
+        if self.mask.is_none() && masks.iter().all(Option::is_none) {
+            return None;
+        }
+        let of_period = |mask: Option<Vec<bool>>| match mask {
+            Some(mask) => (mask.iter().zip(rows())).map(|(a, b)| *a && b).collect(),
+            None => rows(),
+        };
+        Some(masks.into_iter().flat_map(of_period).collect())
+    }
+}
+
+impl Raw {
+    /// Where recorded sample k lies among the rows of the motion.
+    pub fn locate(&self, k: usize) -> Between {
+        let exact = |row: usize| Between {
+            before: row,
+            after: row,
+            weight: 0.0,
+        };
+        match self.map {
+            RowMap::Same => exact(k),
+            RowMap::Periodic { first } => exact((k + self.rows - first % self.rows) % self.rows),
+            RowMap::Grid { start, rate_hz } => {
+                let row = within((self.t[k] - start) * rate_hz, [0.0, (self.rows - 1) as f64]);
+                let before = row.floor() as usize;
+                Between {
+                    before,
+                    after: (before + 1).min(self.rows - 1),
+                    weight: row - before as f64,
+                }
+            }
+            RowMap::PeriodicGrid { start, rate_hz } => {
+                let row = ((self.t[k] - start) * rate_hz).rem_euclid(self.rows as f64);
+                let before = (row.floor() as usize).min(self.rows - 1);
+                Between {
+                    before,
+                    after: (before + 1) % self.rows,
+                    weight: row - before as f64,
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,293 @@
+//! Fourier series of a periodic position, its derivatives, and how many harmonics the data bear.
+//!
+//! q(t) = c_0 + Σ_{h<=H} 2 Re(c_h e^{i h ω t}); differentiation multiplies c_h by i h ω.
+//! Leaving harmonic h out costs the acceleration (hω)⁴ |true c_h|², taking it in (hω)⁴ σ_h², where
+//! σ_h² is the noise variance of c_h. As E|c_h|² = |true c_h|² + σ_h², the H that minimises the
+//! estimated error maximises  Σ_{h<=H} (hω)⁴ (|c_h|² - 2 σ_h²)  (Mallows, 1973, for his C_p).
+//!
+//! What is taken in is shrunk by g_h = S_h / (S_h + σ_h²) with S_h the power of the motion (Wiener,
+//! 1949): to the expected motion given the data, whose error is orthogonal to it, so that it biases no
+//! parameter and no filter of the motion can look like physics. The error left is g_h σ_h².
+
+use std::f64::consts::TAU;
+
+use realfft::num_complex::Complex;
+
+use crate::recording::series::spectrum::{
+    BAND_LEAST, BAND_RATIO, band_end, clear_until, coefficients, noise_power, synthesis,
+};
+
+/// One joint's series and what noise leaves of it.
+pub(super) struct Series {
+    pub position: Vec<f64>,
+    pub velocity: Vec<f64>,
+    pub acceleration: Vec<f64>,
+    /// Noise variances of position, velocity and acceleration of any row.
+    pub variances: [f64; 3],
+}
+
+/// Share of the spectrum at its top that is taken for noise: the upper quarter.
+const FLOOR_FROM: f64 = 0.75;
+
+/// Noise variance of each coefficient of a mean, from those of the periods' differences from it.
+///
+/// The scatter between periods is pooled over bands. It misses what repeats with the motion, as
+/// quantisation does when the periods are alike; so the level at the top of the mean's own
+/// spectrum bounds it from below.
+fn noise_of_mean(mean: &[Complex<f64>], differences: &[Vec<Complex<f64>>]) -> Vec<f64> {
+    let count = mean.len();
+    let mut variances = vec![0.0; count];
+    let degrees = differences.len().saturating_sub(1) as f64;
+    if degrees > 0.0 {
+        let scatter = |h: usize| -> f64 {
+            let squares: f64 = differences.iter().map(|c| c[h].norm_sqr()).sum();
+            squares / (degrees * differences.len() as f64)
+        };
+        let mut low = 0;
+        while low < count {
+            let high = band_end(low, count);
+            // The constant is a real number, of half the degrees of freedom: it takes the level of
+            // the lowest band and has no part in it.
+            let mut powers: Vec<f64> = (low.max(1)..high).map(scatter).collect();
+            variances[low..high].fill(noise_power(&mut powers, degrees));
+            low = high;
+        }
+    }
+    let floor = top_level(mean);
+    variances.iter_mut().for_each(|v| *v = v.max(floor));
+    variances
+}
+
+/// Power of a coefficient at the top of the spectrum.
+fn top_level(mean: &[Complex<f64>]) -> f64 {
+    let from = (FLOOR_FROM * mean.len() as f64) as usize;
+    let mut powers: Vec<f64> = mean[from..].iter().map(|c| c.norm_sqr()).collect();
+    noise_power(&mut powers, 1.0)
+}
+
+/// The number of harmonics with the least estimated error of the acceleration.
+pub(super) fn choose_harmonics(mean: &[Complex<f64>], noise: &[f64], samples: usize) -> usize {
+    let (mut sum, mut best) = (0.0, 0.0);
+    let mut chosen = 0;
+    for h in 1..=most_harmonics(samples) {
+        sum += (h as f64).powi(4) * (mean[h].norm_sqr() - 2.0 * noise[h]);
+        if sum > best {
+            best = sum;
+            chosen = h;
+        }
+    }
+    // A joint at rest has no harmonic worth having; one keeps the series a series.
+    chosen.max(1)
+}
+
+/// Shrinks the coefficients up to `harmonics` to the share of them that is motion, and gives the powers of the
+/// errors that they are left with. The power of the motion is that of the band about a harmonic, less noise.
+pub(super) fn shrink(mean: &mut [Complex<f64>], noise: &[f64], harmonics: usize) -> Vec<f64> {
+    let count = mean.len();
+    let squares = mean.iter().map(|c| c.norm_sqr());
+    let sums: Vec<f64> = std::iter::once(0.0)
+        .chain(squares.scan(0.0, |sum, power| {
+            *sum += power;
+            Some(*sum)
+        }))
+        .collect();
+    let motion = |h: usize| -> f64 {
+        let reach = ((0.5 * (BAND_RATIO - 1.0) * h as f64) as usize).max(BAND_LEAST / 2);
+        let (low, high) = (h.saturating_sub(reach).max(1), (h + reach + 1).min(count));
+        ((sums[high] - sums[low]) / (high - low) as f64 - noise[h]).max(0.0)
+    };
+    // The constant is the place about which everything moves.
+    let mut errors = vec![noise[0]];
+    for h in 1..=harmonics {
+        let power = motion(h);
+        let share = if power > 0.0 {
+            power / (power + noise[h])
+        } else {
+            0.0
+        };
+        mean[h] *= share;
+        errors.push(share * noise[h]);
+    }
+    errors
+}
+
+/// Harmonics that stand clear of the noise.
+pub(super) fn clear_harmonics(mean: &[Complex<f64>], noise: &[f64], harmonics: usize) -> usize {
+    let power: Vec<f64> = mean.iter().map(|c| c.norm_sqr()).collect();
+    // The constant is no motion.
+    clear_until(&power[1..=harmonics], &noise[1..=harmonics])
+}
+
+/// Harmonics below half the rate: the one at half the rate has no derivative.
+pub(super) fn most_harmonics(samples: usize) -> usize {
+    ((samples - 1) / 2).max(1)
+}
+
+/// Sums the series of `harmonics` and its derivatives over one period of `samples` rows; `errors` are the
+/// powers of the errors of the coefficients.
+pub(in crate::recording) fn series(
+    mean: &[Complex<f64>],
+    errors: &[f64],
+    harmonics: usize,
+    samples: usize,
+    period: f64,
+) -> Series {
+    let omega = TAU / period;
+    let derivative = |order: i32| {
+        let factor = |h: usize| Complex::new(0.0, h as f64 * omega).powi(order);
+        let kept = mean[..=harmonics].iter().enumerate();
+        synthesis(kept.map(|(h, c)| c * factor(h)).collect(), samples)
+    };
+    // An error n_h adds 2 Re(n_h e^{ihωt}) to a row, of variance 2 E|n_h|².
+    let variance = |order: i32| -> f64 {
+        let terms = (1..errors.len()).map(|h| (h as f64 * omega).powi(2 * order) * errors[h]);
+        let constant = if order == 0 { errors[0] } else { 0.0 };
+        constant + 2.0 * terms.sum::<f64>()
+    };
+    Series {
+        position: derivative(0),
+        velocity: derivative(1),
+        acceleration: derivative(2),
+        variances: [variance(0), variance(1), variance(2)],
+    }
+}
+
+/// Coefficients of the mean of one joint and their noise variances, from the mean and from the
+/// differences of the periods, one after the other.
+pub(super) fn analyse(mean: &[f64], differences: &[f64]) -> (Vec<Complex<f64>>, Vec<f64>) {
+    let periods: Vec<_> = differences.chunks(mean.len()).map(coefficients).collect();
+    let mean = coefficients(mean);
+    let noise = noise_of_mean(&mean, &periods);
+    (mean, noise)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const PERIOD: f64 = 10.0;
+
+    /// Amplitudes that fall off as h⁻³, up to harmonic 30, sampled with white noise.
+    fn noisy(sd: f64, samples: usize, periods: usize) -> (Vec<f64>, Vec<f64>) {
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(7);
+        let clean = |k: usize| -> f64 {
+            let phase = TAU * k as f64 / samples as f64;
+            (1..=30)
+                .map(|h| (h as f64 * phase + h as f64).sin() / (h as f64).powi(3))
+                .sum()
+        };
+        let all: Vec<Vec<f64>> = (0..periods)
+            .map(|_| {
+                let mut draw = || -> f64 { StandardNormal.sample(&mut random) };
+                (0..samples).map(|k| clean(k) + sd * draw()).collect()
+            })
+            .collect();
+        let mean = |k: usize| all.iter().map(|p| p[k]).sum::<f64>() / periods as f64;
+        let mean: Vec<f64> = (0..samples).map(mean).collect();
+        let difference = |period: &Vec<f64>| {
+            let pairs = period.iter().zip(&mean);
+            pairs.map(|(x, m)| x - m).collect::<Vec<f64>>()
+        };
+        let differences = all.iter().flat_map(difference).collect();
+        (mean, differences)
+    }
+
+    fn error(mean: &[f64], truth: &[f64]) -> f64 {
+        let squares: f64 = mean.iter().zip(truth).map(|(a, b)| (a - b).powi(2)).sum();
+        (squares / mean.len() as f64).sqrt()
+    }
+
+    #[test]
+    fn chooses_nearly_the_best_number_of_harmonics() {
+        let (truth, _) = noisy(0.0, 1001, 1);
+        let exact = coefficients(&truth);
+        let clean = series(&exact, &vec![0.0; 501], 30, 1001, PERIOD);
+        for (sd, periods) in [(1e-6, 6), (1e-5, 6), (1e-4, 4), (1e-3, 6), (1e-5, 1)] {
+            let (mean, all) = noisy(sd, 1001, periods);
+            let (c, noise) = analyse(&mean, &all);
+            let of = |harmonics| {
+                let fit = series(&c, &noise[..=harmonics], harmonics, 1001, PERIOD);
+                error(&fit.acceleration, &clean.acceleration)
+            };
+            let chosen = choose_harmonics(&c, &noise, 1001);
+            let best = (1..=60).map(of).fold(f64::INFINITY, f64::min);
+            // The error is flat about its least; the criterion's own scatter costs little of it.
+            assert!(of(chosen) <= 1.3 * best, "sd {sd}: {chosen} harmonics");
+        }
+    }
+
+    #[test]
+    fn recovers_known_variance_of_the_acceleration() {
+        let (sd, samples, periods) = (1e-4, 1000, 6);
+        let (mean, all) = noisy(sd, samples, periods);
+        let (c, noise) = analyse(&mean, &all);
+        let fit = series(&c, &noise[..=10], 10, samples, PERIOD);
+        let per_harmonic = sd * sd / (samples * periods) as f64;
+        let omega = TAU / PERIOD;
+        let sum: f64 = (1..=10).map(|h| (h as f64 * omega).powi(4)).sum();
+        let exact = 2.0 * per_harmonic * sum;
+        // Median of 15 powers of 5 degrees of freedom each: relative standard error about 0.15.
+        assert!((fit.variances[2] / exact - 1.0).abs() < 0.5);
+    }
+
+    /// The last of the thirty harmonics have more noise than motion; the error that is announced is the one made.
+    #[test]
+    fn shrinking_lowers_the_error_and_announces_it() {
+        let (truth, _) = noisy(0.0, 1001, 1);
+        let exact = coefficients(&truth);
+        let clean = series(&exact, &[0.0], 30, 1001, PERIOD);
+        let (mut plain, mut shrunk, mut announced) = (0.0, 0.0, 0.0);
+        for periods in 4..24 {
+            let (mean, all) = noisy(3e-3, 1001, periods);
+            let (mut c, noise) = analyse(&mean, &all);
+            let of = |c: &[Complex<f64>], noise: &[f64]| series(c, noise, 30, 1001, PERIOD);
+            plain += error(&of(&c, &noise[..=30]).acceleration, &clean.acceleration).powi(2);
+            let errors = shrink(&mut c, &noise, 30);
+            let fit = of(&c, &errors[..=30]);
+            shrunk += error(&fit.acceleration, &clean.acceleration).powi(2);
+            announced += fit.variances[2];
+        }
+        assert!(shrunk < 0.9 * plain, "{shrunk} of {plain}");
+        let ratio = announced / shrunk;
+        assert!((0.6..1.6).contains(&ratio), "{ratio}");
+    }
+
+    #[test]
+    fn matches_closed_form_derivatives_of_a_sine() {
+        for samples in [100, 101] {
+            let sine = |k: usize| (TAU * 3.0 * k as f64 / samples as f64).sin();
+            let position: Vec<f64> = (0..samples).map(sine).collect();
+            let c = coefficients(&position);
+            let fit = series(&c, &vec![0.0; c.len()], 5, samples, PERIOD);
+            let omega = TAU * 3.0 / PERIOD;
+            for k in 0..samples {
+                let cosine = (TAU * 3.0 * k as f64 / samples as f64).cos();
+                assert!((fit.velocity[k] - omega * cosine).abs() < 1e-12);
+                assert!((fit.acceleration[k] + omega * omega * sine(k)).abs() < 1e-11);
+            }
+        }
+    }
+
+    /// Sums of h⁴ (|c|² − 2 ν) with ν = 1: 1 up to the first harmonic, −15 up to the second, 0.39 up to the third, which is
+    /// less than the first alone.
+    #[test]
+    fn harmonics_are_those_of_the_least_error_of_the_acceleration() {
+        let chosen = |third: f64| {
+            let mut powers = vec![0.0; 51];
+            powers[1..4].copy_from_slice(&[3.0, 1.0, third]);
+            let mean: Vec<Complex<f64>> = powers
+                .iter()
+                .map(|p| Complex::new(f64::sqrt(*p), 0.0))
+                .collect();
+            choose_harmonics(&mean, &[1.0; 51], 100)
+        };
+        assert_eq!(chosen(2.19), 1);
+        assert_eq!(chosen(2.21), 3);
+        assert_eq!(
+            choose_harmonics(&[Complex::new(0.0, 0.0); 51], &[1.0; 51], 100),
+            1
+        );
+    }
+}

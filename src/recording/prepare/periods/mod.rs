@@ -1,0 +1,8 @@
+//! Periodic motion: its period, the average over periods and the scatter about it, and derivatives by Fourier series.
+
+mod fourier;
+pub mod period;
+mod period_average;
+pub mod periodic;
+pub mod sample_by_sample;
+pub mod successive_periods;

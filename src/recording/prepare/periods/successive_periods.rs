@@ -1,0 +1,22 @@
+//! The successive periods of a recording in place of their average, as rows of a fit that looks at changes between periods.
+
+use crate::recording::prepare::experiment::{Experiment, Raw, RowMap};
+
+/// The recording with one row for every recorded sample of its whole periods: the motion repeats, the
+/// signal is what was recorded, the noise that of single samples. `None` where nothing was averaged.
+pub fn successive_periods(experiment: &Experiment) -> Option<Experiment> {
+    experiment.periods.filter(|periods| periods.count > 1)?;
+    let all = experiment.unfolded()?;
+    Some(Experiment {
+        raw: Raw {
+            rows: all.rows(),
+            map: RowMap::Grid {
+                start: all.t[0],
+                rate_hz: all.rate_hz,
+            },
+            ..experiment.raw.clone()
+        },
+        white_noise: experiment.white_noise.clone(),
+        ..all
+    })
+}

@@ -1,0 +1,344 @@
+//! Detection of upsampled channels: rows that repeat a sample (zero-order hold) or lie on a line between two (first-order hold).
+//!
+//! Of a series that is repeated, `Δx = x(k) − x(k − 1)` is zero but where a sample is new; of one that is interpolated,
+//! `Δ²x = x(k + 1) − 2x(k) + x(k − 1)` is zero but at the samples. Where the rows that are not zero lie at every r-th place,
+//! the others tell nothing that these do not: r-fold data would make intervals too narrow by √r and more, as noise that is
+//! held looks like motion. Of n rows that change by chance the share r^(1−n) would lie so.
+
+use std::collections::HashSet;
+
+use crate::fault::Place;
+use crate::recording::channels::samples::{Manner, Recording, Upsampled};
+use crate::recording::error::{RecordingError, RecordingErrorKind};
+
+/// Most rows of one sample: 10 Hz written at 1 kHz.
+const MOST_ROWS: usize = 100;
+
+/// Fewest changes that show a pattern: with two rows for each sample the chance is 2^-49.
+const LEAST_CHANGES: usize = 50;
+
+/// Share of the changes that may be elsewhere: a logger and its source that slip against one another.
+const ELSEWHERE: f64 = 0.01;
+
+/// Share of the spacings of two clocks that are the whole numbers on both sides of their ratio; others span a sample that is
+/// like the one before it.
+const USUAL: f64 = 0.8;
+
+/// Share of changes by more than the least one: the counts of a slow encoder also come regularly, but one by one.
+const MANY_COUNTS: f64 = 0.1;
+
+/// Bend of most rows between samples over the median bend at samples: lines that were rounded when written bend little. Of
+/// fifty noisy bends, or fifty that a coarse step makes zero, those at one place are not ten times those at all others.
+const STRAIGHT: f64 = 0.1;
+const MOST: f64 = 0.9;
+
+/// Bends below this share of a series are the rounding of double precision.
+const ROUNDING: f64 = 1e-12;
+
+/// Rows in which interpolation is looked for; the pattern is held against the rest.
+const SEARCHED: usize = 5_000;
+
+/// Share of the samples of one channel that have to be those of every other.
+const TOGETHER: f64 = 0.9;
+
+/// The rows in which one channel has a sample of its own.
+struct Pattern {
+    manner: Manner,
+    /// Of one sample, on average.
+    factor: f64,
+    rows: Vec<usize>,
+}
+
+impl Pattern {
+    fn every(manner: Manner, every: usize, phase: usize, length: usize) -> Self {
+        Self {
+            manner,
+            factor: every as f64,
+            rows: (phase..length).step_by(every).collect(),
+        }
+    }
+
+    /// Whether the samples of this channel are samples of the other too.
+    fn is_within(&self, other: &Pattern) -> bool {
+        let rows: HashSet<usize> = other.rows.iter().copied().collect();
+        let first = other.rows.first().copied().unwrap_or(0);
+        let own = self.rows.iter().filter(|row| **row >= first);
+        let together = own.clone().filter(|row| rows.contains(row)).count();
+        together as f64 >= TOGETHER * own.count() as f64
+    }
+}
+
+/// Keeps the samples of a recording whose file repeats or interpolates them; `rate` in Hz is that of its rows.
+///
+/// Errors: channels whose samples were taken at different instants.
+pub fn thinned(mut recording: Recording, rate: Option<f64>) -> Result<Recording, RecordingError> {
+    let joints = recording.position.len();
+    let series = recording.position.iter().chain(&recording.signal);
+    let patterns: Vec<Option<Pattern>> = series.map(|series| pattern(series)).collect();
+    let found = || patterns.iter().flatten();
+    let Some(slowest) = found().max_by(|a, b| a.factor.total_cmp(&b.factor)) else {
+        return Ok(recording);
+    };
+    if let Some(other) = found().find(|other| !slowest.is_within(other)) {
+        let kind = RecordingErrorKind::HeldApart {
+            factors: [slowest.factor, other.factor],
+        };
+        return Err(RecordingError::new(Place::file(&recording.file), kind));
+    }
+    let [position, signal] = [&patterns[..joints], &patterns[joints..]]
+        .map(|patterns| patterns.iter().any(Option::is_some));
+    let held = Upsampled {
+        manner: slowest.manner,
+        factor: slowest.factor,
+        rows: slowest.rows.clone(),
+        channels: match (position, signal) {
+            (true, true) => "positions and signals",
+            (true, false) => "positions",
+            (false, _) => "signals",
+        },
+    };
+    if let (None, Some(rate)) = (&recording.time, rate) {
+        let length = recording.position.first().map_or(0, Vec::len);
+        recording.time = Some((0..length).map(|k| k as f64 / rate).collect());
+    }
+    recording.keep(&held.rows);
+    recording.held = Some(held);
+    Ok(recording)
+}
+
+/// Where the samples of a channel are; `None` where every row is one, or nothing tells.
+fn pattern(series: &[f64]) -> Option<Pattern> {
+    repeated(series).or_else(|| interpolated(series))
+}
+
+fn repeated(series: &[f64]) -> Option<Pattern> {
+    let length = series.len();
+    let changed: Vec<usize> = (1..length)
+        .filter(|&k| series[k] != series[k - 1])
+        .collect();
+    let count = changed.len();
+    if count < LEAST_CHANGES || count > length / 2 + 1 || one_by_one(series, &changed) {
+        return None;
+    }
+    let at_every = |&every: &usize| {
+        let mut phases = vec![0; every];
+        changed.iter().for_each(|k| phases[k % every] += 1);
+        let most = (0..every).max_by_key(|p| phases[*p])?;
+        (phases[most] as f64 >= (1.0 - ELSEWHERE) * count as f64).then_some((every, most))
+    };
+    if let Some((every, phase)) = (2..=MOST_ROWS).rev().find_map(|every| at_every(&every)) {
+        return Some(Pattern::every(Manner::Repeated, every, phase, length));
+    }
+    by_two_clocks(&changed, length)
+}
+
+/// Whether a series changes by one least step at a time.
+fn one_by_one(series: &[f64], changed: &[usize]) -> bool {
+    let steps = || changed.iter().map(|&k| (series[k] - series[k - 1]).abs());
+    let least = steps().fold(f64::INFINITY, f64::min);
+    let more = steps().filter(|step| *step > 1.5 * least).count();
+    (more as f64) < MANY_COUNTS * changed.len() as f64
+}
+
+/// Samples that are repeated a number of times that is not whole, or that slips.
+fn by_two_clocks(changed: &[usize], length: usize) -> Option<Pattern> {
+    let mut spacings: Vec<usize> = changed.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    spacings.sort_unstable();
+    let least = *spacings.get((ELSEWHERE * spacings.len() as f64) as usize)?;
+    let usual: Vec<usize> = (spacings.iter().copied())
+        .filter(|s| (least..=least + 1).contains(s))
+        .collect();
+    if least < 2 || (usual.len() as f64) < USUAL * spacings.len() as f64 {
+        return None;
+    }
+    let factor = usual.iter().sum::<usize>() as f64 / usual.len() as f64;
+    let mut rows = Vec::new();
+    for (&from, to) in changed.iter().zip(changed.iter().skip(1).chain([&length])) {
+        // Samples that are like the one before them change nothing.
+        let samples = ((to - from) as f64 / factor).round().max(1.0) as usize;
+        rows.extend((0..samples).map(|k| from + (k as f64 * factor).round() as usize));
+    }
+    Some(Pattern {
+        manner: Manner::Repeated,
+        factor,
+        rows,
+    })
+}
+
+fn interpolated(series: &[f64]) -> Option<Pattern> {
+    let length = series.len();
+    let bend = |k: usize| (series[k + 1] - 2.0 * series[k] + series[k - 1]).abs();
+    let begin = (length.saturating_sub(SEARCHED) / 2).max(1);
+    let end = (begin + SEARCHED).min(length.saturating_sub(1));
+    let rows_from = |first: usize, (from, to): (usize, usize), every: usize| {
+        let offset = (first + every - from % every) % every;
+        (from + offset..to).step_by(every)
+    };
+    let size = series.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let largest = |range: (usize, usize), every: usize| {
+        let bends = |phase: usize| rows_from(phase, range, every).map(bend).collect();
+        let mut bends: Vec<Vec<f64>> = (0..every).map(bends).collect();
+        let middle: Vec<f64> = bends.iter_mut().map(|b| quantile(b, 0.5)).collect();
+        let phase = (0..every).max_by(|a, b| middle[*a].total_cmp(&middle[*b]))?;
+        let sample = middle[phase];
+        let is_straight = |p: usize, bends: &mut [f64]| {
+            p == phase
+                || middle[p] <= STRAIGHT * sample && quantile(bends, MOST) <= STRAIGHT * sample
+        };
+        let mut others = bends.iter_mut().enumerate();
+        let found = sample > ROUNDING * size && others.all(|(p, b)| is_straight(p, b));
+        found.then_some((every, phase))
+    };
+    // Of two rows for each sample nearly every second is straight, of more rows more.
+    let mut all: Vec<f64> = (begin..end).map(bend).collect();
+    if all.is_empty() || quantile(&mut all, 0.4) > STRAIGHT * quantile(&mut all, MOST) {
+        return None;
+    }
+    let most = (end.saturating_sub(begin) / LEAST_CHANGES).min(MOST_ROWS);
+    let (every, phase) = (2..=most)
+        .rev()
+        .find_map(|every| largest((begin, end), every))?;
+    let whole = largest((1, length - 1), every)?;
+    (whole == (every, phase)).then(|| Pattern::every(Manner::Interpolated, every, phase, length))
+}
+
+fn quantile(values: &mut [f64], share: f64) -> f64 {
+    let at = (share * (values.len() - 1) as f64) as usize;
+    *values.select_nth_unstable_by(at, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const RATE: f64 = 100.0;
+
+    /// A motion in counts of an encoder and its signal with noise.
+    fn taken(counts: f64) -> Recording {
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        let mut noise = || -> f64 { StandardNormal.sample(&mut random) };
+        let angle = |k: usize| (0.02 * k as f64).sin() + 0.3 * (0.033 * k as f64).sin();
+        let position = (0..2000).map(|k| (angle(k) * counts).round() / counts);
+        let signal = (0..2000).map(|k| angle(k) + 0.05 * noise());
+        Recording {
+            time: Some((0..2000).map(|k| k as f64 / RATE).collect()),
+            ..Recording::of_samples("made.csv", vec![position.collect()], vec![signal.collect()])
+        }
+    }
+
+    /// Row m of the file is at sample m / factor.
+    fn written(of: &Recording, factor: f64, at: impl Fn(&[f64], f64) -> f64) -> Recording {
+        let rows = (1999.0 * factor) as usize;
+        let write = |series: &Vec<f64>| (0..rows).map(|m| at(series, m as f64 / factor)).collect();
+        Recording {
+            time: Some((0..rows).map(|m| m as f64 / factor / RATE).collect()),
+            position: of.position.iter().map(write).collect(),
+            signal: of.signal.iter().map(write).collect(),
+            ..of.clone()
+        }
+    }
+
+    fn repeat(series: &[f64], at: f64) -> f64 {
+        series[(at + 1e-9).floor() as usize]
+    }
+
+    fn line(series: &[f64], at: f64) -> f64 {
+        let k = (at + 1e-9).floor() as usize;
+        let value = series[k] + (at - k as f64) * (series[(k + 1).min(1999)] - series[k]);
+        (value * 1e6).round() / 1e6
+    }
+
+    #[test]
+    fn recovers_the_samples_that_were_repeated() {
+        let taken = taken(65536.0);
+        for factor in [2.0, 5.0, 10.0] {
+            let found = thinned(written(&taken, factor, repeat), None).unwrap();
+            assert_eq!(found.held.as_ref().unwrap().factor, factor);
+            let count = found.signal[0].len();
+            assert!(count >= 1998);
+            let skipped = (found.time.as_ref().unwrap()[0] * RATE).round() as usize;
+            assert_eq!(found.signal[0], taken.signal[0][skipped..][..count]);
+            assert_eq!(found.position[0], taken.position[0][skipped..][..count]);
+        }
+    }
+
+    #[test]
+    fn recovers_samples_by_a_clock_that_is_no_multiple() {
+        let taken = taken(65536.0);
+        let found = thinned(written(&taken, 2.5, repeat), None).unwrap();
+        assert!((found.held.unwrap().factor - 2.5).abs() < 0.01);
+        assert!(found.signal[0].len() >= 1997);
+        assert!(found.signal[0].iter().all(|x| taken.signal[0].contains(x)));
+    }
+
+    #[test]
+    fn recovers_the_samples_between_straight_lines() {
+        let taken = taken(65536.0);
+        for factor in [2.0, 5.0, 10.0] {
+            let found = thinned(written(&taken, factor, line), None).unwrap();
+            assert_eq!(found.held.unwrap().manner, Manner::Interpolated);
+            let pairs = found.signal[0].iter().zip(&taken.signal[0]);
+            assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() <= 1e-6));
+        }
+    }
+
+    #[test]
+    fn held_signals_beside_free_positions_are_thinned_together() {
+        let taken = taken(65536.0);
+        let signal = written(&taken, 5.0, repeat).signal;
+        let free = Recording {
+            signal,
+            ..written(&taken, 5.0, line)
+        };
+        let smooth = (0..free.position[0].len()).map(|m| (0.004 * m as f64).sin());
+        let free = Recording {
+            position: vec![smooth.collect()],
+            ..free
+        };
+        let found = thinned(free, None).unwrap();
+        assert_eq!(found.held.unwrap().channels, "signals");
+    }
+
+    #[test]
+    fn samples_at_different_instants_are_refused() {
+        let taken = taken(65536.0);
+        let mut apart = written(&taken, 5.0, repeat);
+        apart.signal[0].drain(..2);
+        let rows = apart.signal[0].len();
+        apart.position[0].truncate(rows);
+        apart.time.as_mut().unwrap().truncate(rows);
+        let error = thinned(apart, None).unwrap_err();
+        assert!(matches!(error.kind, RecordingErrorKind::HeldApart { .. }));
+    }
+
+    #[test]
+    fn counts_of_a_slow_encoder_are_samples() {
+        // Less than one count for every row: a tenth of them, and one in five at constant speed.
+        for counts in [20.0, 200.0, 2000.0, 65536.0] {
+            assert_eq!(thinned(taken(counts), None).unwrap().held, None, "{counts}");
+        }
+        let steady = Recording {
+            position: vec![(0..2000).map(|k| f64::from(k / 5)).collect()],
+            ..taken(200.0)
+        };
+        assert_eq!(thinned(steady, None).unwrap().held, None);
+    }
+
+    /// The first sample of its own lies behind rows that were begun before the file.
+    #[test]
+    fn samples_know_their_lines() {
+        let mut file = written(&taken(65536.0), 5.0, repeat);
+        let series = file.position.iter_mut().chain(&mut file.signal);
+        series.chain(&mut file.time).for_each(|s| {
+            s.drain(..2);
+        });
+        let found = thinned(file.clone(), None).unwrap();
+        let rows = &found.held.as_ref().unwrap().rows;
+        assert!(rows[0] > 0);
+        for sample in [0, 1, 777] {
+            assert_eq!(found.line(sample), file.line(rows[sample]));
+        }
+    }
+}
