@@ -1,5 +1,6 @@
 //! Dense linear algebra that the crates do not offer in this shape.
 
+pub mod jacobi_rotation;
 pub mod lapack;
 pub mod normal_equations;
 pub mod svec;

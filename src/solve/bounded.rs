@@ -36,7 +36,7 @@ pub fn minimize(matrix: &DMatrix<f64>, right: &DVector<f64>, bounds: &Bounds) ->
         if advance(&mut step, &target, &mut free, bounds) {
             continue;
         }
-        match wrongly_held(matrix, right, &step, (&free, bounds)) {
+        match wrongly_held(matrix, right, &step, &free, bounds) {
             Some(j) => free[j] = true,
             None => break,
         }
@@ -106,7 +106,8 @@ fn wrongly_held(
     matrix: &DMatrix<f64>,
     right: &DVector<f64>,
     step: &DVector<f64>,
-    (free, bounds): (&[bool], &Bounds),
+    free: &[bool],
+    bounds: &Bounds,
 ) -> Option<usize> {
     let residual = right - matrix * step;
     let size = residual.norm();

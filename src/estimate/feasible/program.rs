@@ -182,7 +182,7 @@ impl Program {
             shortfall,
             ..Settings::default()
         };
-        interior::solve(view, start, (&settings, terms), control)
+        interior::solve(view, start, &settings, terms, control)
     }
 }
 

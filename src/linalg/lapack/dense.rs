@@ -1,5 +1,6 @@
 //! Factorisations of small dense matrices in any precision: A = L Lᵀ, P A = L U, A = U diag(s) Vᵀ, S = V diag(w) Vᵀ.
 
+use crate::linalg::jacobi_rotation::JacobiRotation;
 use nalgebra::{DMatrix, DVector, RealField, SymmetricEigen};
 
 /// Sweeps of the Jacobi method; convergence is quadratic and takes fewer than ten.
@@ -115,20 +116,16 @@ fn rotate_all<T: RealField + Copy>(u: &mut DMatrix<T>, v: &mut DMatrix<T>) -> bo
             let zeta = (qq - pp) / (pq + pq);
             let t = zeta.signum() / (zeta.abs() + (T::one() + zeta * zeta).sqrt());
             let c = T::one() / (T::one() + t * t).sqrt();
-            rotate(u, (p, q), (c, c * t));
-            rotate(v, (p, q), (c, c * t));
+            let rotation = JacobiRotation {
+                columns: [p, q],
+                cosine: c,
+                sine: c * t,
+            };
+            rotation.apply(u);
+            rotation.apply(v);
         }
     }
     rotated
-}
-
-/// Columns (p, q) become (c p - s q, s p + c q).
-fn rotate<T: RealField + Copy>(m: &mut DMatrix<T>, (p, q): (usize, usize), (c, s): (T, T)) {
-    for i in 0..m.nrows() {
-        let (x, y) = (m[(i, p)], m[(i, q)]);
-        m[(i, p)] = c * x - s * y;
-        m[(i, q)] = s * x + c * y;
-    }
 }
 
 /// Divides columns by their norms; columns lost in rounding become unit vectors orthogonal to the others.

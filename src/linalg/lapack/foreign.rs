@@ -19,7 +19,7 @@ pub(super) struct Foreign<T> {
 impl<T: RealField + Copy> Foreign<T> {
     pub(super) unsafe fn new(
         first: *const T,
-        (rows, columns): (*const c_int, *const c_int),
+        [rows, columns]: [*const c_int; 2],
         stride: *const c_int,
     ) -> Self {
         unsafe {

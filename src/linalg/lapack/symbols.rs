@@ -8,7 +8,7 @@
 
 use core::ffi::{c_char, c_int};
 
-use nalgebra::RealField;
+use nalgebra::{DMatrix, RealField};
 
 use crate::linalg::lapack::dense;
 use crate::linalg::lapack::foreign::{Foreign, is, triangle};
@@ -46,13 +46,26 @@ unsafe fn potrs<T: RealField + Copy>(
     }
 }
 
+/// Where a matrix of results goes: its first entry, and the entries from one column to the next.
+struct ResultMatrix<T> {
+    first: *mut T,
+    stride: *const c_int,
+}
+
+impl<T: RealField + Copy> ResultMatrix<T> {
+    unsafe fn write(self, matrix: &DMatrix<T>) {
+        let (rows, columns) = (matrix.nrows() as c_int, matrix.ncols() as c_int);
+        unsafe { Foreign::new(self.first, [&rows, &columns], self.stride).write(matrix) }
+    }
+}
+
 /// The economy decomposition (job 'S'); another job is refused as argument 1.
 unsafe fn svd<T: RealField + Copy>(
     job: *const c_char,
     a: Foreign<T>,
     s: *mut T,
-    (u, ldu): (*mut T, *const c_int),
-    (vt, ldvt): (*mut T, *const c_int),
+    u: ResultMatrix<T>,
+    vt: ResultMatrix<T>,
     info: *mut c_int,
 ) {
     unsafe {
@@ -64,10 +77,8 @@ unsafe fn svd<T: RealField + Copy>(
             *info = 1;
             return;
         };
-        let count = values.len() as c_int;
-        let (rows, columns) = (a.rows as c_int, a.columns as c_int);
-        Foreign::new(u, (&rows, &count), ldu).write(&left);
-        Foreign::new(vt, (&count, &columns), ldvt).write(&right.transpose());
+        u.write(&left);
+        vt.write(&right.transpose());
         for (i, value) in values.iter().enumerate() {
             *s.add(i) = *value;
         }
@@ -75,14 +86,23 @@ unsafe fn svd<T: RealField + Copy>(
     }
 }
 
+/// Whether vectors are wanted, which eigenvalues, and which triangle holds the matrix.
+struct EigenFlags {
+    job: *const c_char,
+    range: *const c_char,
+    uplo: *const c_char,
+}
+
 /// All eigenvalues, and the vectors for job 'V'; a range other than 'A' is refused as argument 2.
 unsafe fn syevr<T: RealField + Copy>(
-    (job, range, uplo): (*const c_char, *const c_char, *const c_char),
+    flags: EigenFlags,
     a: Foreign<T>,
-    (count, w): (*mut c_int, *mut T),
-    (z, ldz): (*mut T, *const c_int),
+    count: *mut c_int,
+    w: *mut T,
+    z: ResultMatrix<T>,
     info: *mut c_int,
 ) {
+    let EigenFlags { job, range, uplo } = flags;
     unsafe {
         if !is(range, b'A') {
             *info = -2;
@@ -96,11 +116,10 @@ unsafe fn syevr<T: RealField + Copy>(
         for (i, value) in values.iter().enumerate() {
             *w.add(i) = *value;
         }
-        let order = a.rows as c_int;
         if is(job, b'V') {
-            Foreign::new(z, (&order, &order), ldz).write(&vectors);
+            z.write(&vectors);
         }
-        *count = order;
+        *count = a.rows as c_int;
         *info = 0;
     }
 }
@@ -145,7 +164,7 @@ macro_rules! symbols {
             lda: *const c_int,
             info: *mut c_int,
         ) {
-            unsafe { potrf(uplo, Foreign::new(a, (n, n), lda), info) }
+            unsafe { potrf(uplo, Foreign::new(a, [n, n], lda), info) }
         }
 
         #[unsafe(no_mangle)]
@@ -162,8 +181,8 @@ macro_rules! symbols {
             unsafe {
                 potrs(
                     uplo,
-                    Foreign::new(a, (n, n), lda),
-                    Foreign::new(b, (n, nrhs), ldb),
+                    Foreign::new(a, [n, n], lda),
+                    Foreign::new(b, [n, nrhs], ldb),
                     info,
                 )
             }
@@ -219,10 +238,16 @@ macro_rules! symbols {
                 }
                 svd(
                     job,
-                    Foreign::new(a, (m, n), lda),
+                    Foreign::new(a, [m, n], lda),
                     s,
-                    (u, ldu),
-                    (vt, ldvt),
+                    ResultMatrix {
+                        first: u,
+                        stride: ldu,
+                    },
+                    ResultMatrix {
+                        first: vt,
+                        stride: ldvt,
+                    },
                     info,
                 )
             }
@@ -260,10 +285,14 @@ macro_rules! symbols {
                     return;
                 }
                 syevr(
-                    (job, range, uplo),
-                    Foreign::new(a, (n, n), lda),
-                    (m, w),
-                    (z, ldz),
+                    EigenFlags { job, range, uplo },
+                    Foreign::new(a, [n, n], lda),
+                    m,
+                    w,
+                    ResultMatrix {
+                        first: z,
+                        stride: ldz,
+                    },
                     info,
                 )
             }
@@ -282,9 +311,9 @@ macro_rules! symbols {
         ) {
             unsafe {
                 gesv(
-                    Foreign::new(a, (n, n), lda),
+                    Foreign::new(a, [n, n], lda),
                     ipiv,
-                    Foreign::new(b, (n, nrhs), ldb),
+                    Foreign::new(b, [n, nrhs], ldb),
                     info,
                 )
             }
@@ -308,9 +337,9 @@ macro_rules! symbols {
         ) {
             unsafe {
                 let (ta, tb) = (!is(transa, b'N'), !is(transb, b'N'));
-                let a = Foreign::new(a, if ta { (k, m) } else { (m, k) }, lda).read_as(ta);
-                let b = Foreign::new(b, if tb { (n, k) } else { (k, n) }, ldb).read_as(tb);
-                Foreign::new(c, (m, n), ldc).update(a * b * *alpha, *beta, |_, _| true);
+                let a = Foreign::new(a, if ta { [k, m] } else { [m, k] }, lda).read_as(ta);
+                let b = Foreign::new(b, if tb { [n, k] } else { [k, n] }, ldb).read_as(tb);
+                Foreign::new(c, [m, n], ldc).update(a * b * *alpha, *beta, |_, _| true);
             }
         }
 
@@ -330,7 +359,7 @@ macro_rules! symbols {
         ) {
             unsafe {
                 // Vectors are rows, so y = x Aᵀ.
-                let a = Foreign::new(a, (m, n), lda).read_as(is(trans, b'N'));
+                let a = Foreign::new(a, [m, n], lda).read_as(is(trans, b'N'));
                 let x = Foreign::row(x, a.nrows(), incx).read();
                 Foreign::row(y, a.ncols(), incy).update(x * a * *alpha, *beta, |_, _| true);
             }
@@ -350,7 +379,7 @@ macro_rules! symbols {
             incy: *const c_int,
         ) {
             unsafe {
-                let a = Foreign::new(a, (n, n), lda).read_symmetric(is(uplo, b'U'));
+                let a = Foreign::new(a, [n, n], lda).read_symmetric(is(uplo, b'U'));
                 let x = Foreign::row(x, a.nrows(), incx).read();
                 Foreign::row(y, a.ncols(), incy).update(x * a * *alpha, *beta, |_, _| true);
             }
@@ -371,9 +400,9 @@ macro_rules! symbols {
         ) {
             unsafe {
                 let t = !is(trans, b'N');
-                let a = Foreign::new(a, if t { (k, n) } else { (n, k) }, lda).read_as(t);
+                let a = Foreign::new(a, if t { [k, n] } else { [n, k] }, lda).read_as(t);
                 let product = &a * a.transpose() * *alpha;
-                Foreign::new(c, (n, n), ldc).update(product, *beta, triangle(is(uplo, b'U')));
+                Foreign::new(c, [n, n], ldc).update(product, *beta, triangle(is(uplo, b'U')));
             }
         }
 
@@ -394,14 +423,14 @@ macro_rules! symbols {
         ) {
             unsafe {
                 let t = !is(trans, b'N');
-                let shape = if t { (k, n) } else { (n, k) };
+                let shape = if t { [k, n] } else { [n, k] };
                 let (a, b) = (
                     Foreign::new(a, shape, lda).read_as(t),
                     Foreign::new(b, shape, ldb).read_as(t),
                 );
                 let half = &a * b.transpose() * *alpha;
                 let product = &half + half.transpose();
-                Foreign::new(c, (n, n), ldc).update(product, *beta, triangle(is(uplo, b'U')));
+                Foreign::new(c, [n, n], ldc).update(product, *beta, triangle(is(uplo, b'U')));
             }
         }
     };

@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::linalg::triangular::Triangular;
+use crate::linalg::triangular::{IndependentColumns, Triangular};
 use crate::problem::Linearization;
 use crate::problem::form::{Form, Objective};
 
@@ -29,7 +29,7 @@ impl Coordinates {
     pub(super) fn new(form: &Form, model: &Linearization, rank_tolerance: f64) -> Option<Self> {
         match form.objective {
             Objective::Smooth => Some(Self::scaled(form, model)),
-            Objective::SumOfSquares { rows } => Self::whitened(form, model, (rows, rank_tolerance)),
+            Objective::SumOfSquares { rows } => Self::whitened(form, model, rows, rank_tolerance),
         }
     }
 
@@ -60,11 +60,7 @@ impl Coordinates {
 
     /// d = origin + T w + N v: N spans what the residual does not see, T is R⁻¹ made orthogonal to it,
     /// both over scaled variables.
-    fn whitened(
-        form: &Form,
-        model: &Linearization,
-        (rows, tolerance): (usize, f64),
-    ) -> Option<Self> {
+    fn whitened(form: &Form, model: &Linearization, rows: usize, tolerance: f64) -> Option<Self> {
         let root = model.square_root.as_ref()?;
         let count = form.variables.len();
         let scales = DVector::from_iterator(count, form.variables.iter().map(|v| v.scale));
@@ -78,11 +74,7 @@ impl Coordinates {
         let kept = matrix.select_columns(&columns.kept);
         let system = Triangular::of_system(&kept, &whole.right).system()?;
         let rank = columns.kept.len();
-        let null = null_space(
-            count,
-            &columns.kept,
-            (&columns.dependent, &columns.coefficients),
-        );
+        let null = null_space(count, &columns);
         let mut particular = DMatrix::zeros(count, rank);
         let inverse = system
             .matrix
@@ -108,16 +100,12 @@ impl Coordinates {
 }
 
 /// Orthonormal basis of {d : A d = 0}, from A_dependent = A_kept C: the columns of (-C; I).
-fn null_space(
-    count: usize,
-    kept: &[usize],
-    (dependent, coefficients): (&[usize], &DMatrix<f64>),
-) -> DMatrix<f64> {
-    let mut spanning = DMatrix::zeros(count, dependent.len());
-    for (column, j) in dependent.iter().enumerate() {
+fn null_space(count: usize, columns: &IndependentColumns) -> DMatrix<f64> {
+    let mut spanning = DMatrix::zeros(count, columns.dependent.len());
+    for (column, j) in columns.dependent.iter().enumerate() {
         spanning[(*j, column)] = 1.0;
-        for (k, i) in kept.iter().enumerate() {
-            spanning[(*i, column)] = -coefficients[(k, column)];
+        for (k, i) in columns.kept.iter().enumerate() {
+            spanning[(*i, column)] = -columns.coefficients[(k, column)];
         }
     }
     spanning.qr().q()

@@ -57,6 +57,12 @@ pub(super) struct State {
     scaled_miss: Small,
 }
 
+/// Scaled changes of S and Z.
+pub(super) struct ScaledChange {
+    pub s: Small,
+    pub z: Small,
+}
+
 impl State {
     pub fn new(s: Small, z: Small) -> Self {
         Self {
@@ -117,10 +123,10 @@ impl State {
     }
 
     /// Scaled changes of S and Z for a step and `ΔS + ΔZ = v`.
-    pub fn directions(&self, cone: &Cone, wanted: &Small, step: &DVector<f64>) -> (Small, Small) {
+    pub fn directions(&self, cone: &Cone, wanted: &Small, step: &DVector<f64>) -> ScaledChange {
         let rows = &self.slopes * step;
-        let ds = small::smat(rows.as_slice(), cone.order) + self.scaled_miss;
-        (ds, wanted - ds)
+        let s = small::smat(rows.as_slice(), cone.order) + self.scaled_miss;
+        ScaledChange { s, z: wanted - s }
     }
 
     /// v with `λ ∘ v = target·1 − λ² − correction`, ∘ the symmetric product.
@@ -156,13 +162,13 @@ impl State {
     }
 
     /// Takes a step along scaled directions; S itself follows from the variables where it can.
-    pub fn advance(&mut self, order: usize, length: f64, (ds, dz): &(Small, Small)) {
+    pub fn advance(&mut self, order: usize, length: f64, change: &ScaledChange) {
         let mut lambda = Small::zeros();
         for k in 0..order {
             lambda[(k, k)] = self.lambda[k];
         }
-        let s = self.r * (lambda + ds * length) * self.r.transpose();
-        let z = self.inverse.transpose() * (lambda + dz * length) * self.inverse;
+        let s = self.r * (lambda + change.s * length) * self.r.transpose();
+        let z = self.inverse.transpose() * (lambda + change.z * length) * self.inverse;
         self.s = (s + s.transpose()) * 0.5;
         self.z = (z + z.transpose()) * 0.5;
     }

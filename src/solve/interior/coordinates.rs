@@ -8,6 +8,7 @@
 //! else in them; in MᵀM it is below the rounding of the rest.
 
 use crate::linalg::triangular::Triangular;
+use crate::problem::SquareRoot;
 use crate::problem::form::Form;
 use nalgebra::{DMatrix, DVector};
 
@@ -39,11 +40,8 @@ impl Coordinates {
     }
 
     /// `None` where a number is not finite.
-    pub fn of_squares(
-        form: &Form,
-        (matrix, residual): (&DMatrix<f64>, &DVector<f64>),
-    ) -> Option<Self> {
-        let whole = Triangular::of_system(matrix, residual).system()?;
+    pub fn of_squares(form: &Form, root: &SquareRoot) -> Option<Self> {
+        let whole = Triangular::of_system(&root.matrix, &root.residual).system()?;
         let count = whole.right.len();
         let columns = Triangular::of(&whole.matrix).independent_columns(DEPENDENT);
         let system =

@@ -1,7 +1,7 @@
 //! The iterate of the method: step, cones, and one predictor-corrector step of it.
 
 use crate::problem::solution::{Stop, Trace};
-use crate::solve::interior::block::{Cone, State};
+use crate::solve::interior::block::{Cone, ScaledChange, State};
 use crate::solve::interior::coordinates::Coordinates;
 use crate::solve::interior::newton::Factor;
 use crate::solve::interior::program::Program;
@@ -73,6 +73,12 @@ impl Measure {
     }
 }
 
+/// A step of the variables, and of S and Z of every cone.
+struct Direction {
+    step: DVector<f64>,
+    changes: Vec<ScaledChange>,
+}
+
 impl<'a> Iterate<'a> {
     /// S at the start, pushed inside where it must be, and `S Z = μ·1` with μ of the size of the cost that
     /// there is to gain.
@@ -124,7 +130,7 @@ impl<'a> Iterate<'a> {
         let mut gap = 0.0;
         let mut inside = true;
         for (cone, state) in program.cones.iter().zip(&mut self.states) {
-            inside &= is_inside(cone, (&step, self.shortfall), state);
+            inside &= is_inside(cone, &step, self.shortfall, state);
             state.scale(cone, basis)?;
             cone.add_adjoint(&state.z, &mut balance);
             let size = state.z.norm() + unit / state.s.norm();
@@ -140,7 +146,7 @@ impl<'a> Iterate<'a> {
             m.abs() / s.max(floor)
         });
         let unbalanced: f64 = (0..miss.len())
-            .map(|k| unbalanced(miss[k], (self.at[k], seen[k])))
+            .map(|k| unbalanced(miss[k], self.at[k], seen[k]))
             .sum();
         let gap = gap + unbalanced;
         let measure = Measure {
@@ -165,15 +171,14 @@ impl<'a> Iterate<'a> {
     pub fn advance(&mut self) -> Option<f64> {
         let factor = Factor::of(&self.rows())?;
         let none = vec![Small::zeros(); self.states.len()];
-        let predicted = self.direction(&factor, (0.0, &none));
-        let longest = self.longest_step(&predicted.1).min(1.0);
+        let predicted = self.direction(&factor, 0.0, &none);
+        let longest = self.longest_step(&predicted.changes).min(1.0);
         let sigma = (1.0 - longest).powi(2);
-        let corrections: Vec<Small> = predicted
-            .1
-            .iter()
-            .map(|(ds, dz)| (ds * dz + dz * ds) * 0.5)
+        let changes = predicted.changes.iter();
+        let corrections: Vec<Small> = changes
+            .map(|ScaledChange { s, z }| (s * z + z * s) * 0.5)
             .collect();
-        let (step, changes) = self.direction(&factor, (sigma, &corrections));
+        let Direction { step, changes } = self.direction(&factor, sigma, &corrections);
         let length = (TO_BOUNDARY * self.longest_step(&changes)).min(1.0);
         if !(length > LEAST_STEP && step.iter().all(|x| x.is_finite())) {
             return None;
@@ -187,11 +192,7 @@ impl<'a> Iterate<'a> {
     }
 
     /// Step of the variables and scaled changes of S and Z, towards complementarity σ μ or the weight.
-    fn direction(
-        &self,
-        factor: &Factor,
-        (sigma, corrections): (f64, &[Small]),
-    ) -> (DVector<f64>, Vec<(Small, Small)>) {
+    fn direction(&self, factor: &Factor, sigma: f64, corrections: &[Small]) -> Direction {
         let cones = &self.program.cones;
         let mu = self.complementarity();
         let wanted: Vec<Small> = cones
@@ -220,7 +221,7 @@ impl<'a> Iterate<'a> {
         let changes = cones.iter().zip(&self.states).zip(&wanted);
         let changes = changes.map(|((cone, state), wanted)| state.directions(cone, wanted, &step));
         let changes = changes.collect();
-        (step, changes)
+        Direction { step, changes }
     }
 
     /// Rows of the least squares problem whose solution is the step: those of the cones, then of the squares.
@@ -253,12 +254,12 @@ impl<'a> Iterate<'a> {
     }
 
     /// Longest step that keeps every S and Z inside.
-    fn longest_step(&self, changes: &[(Small, Small)]) -> f64 {
+    fn longest_step(&self, changes: &[ScaledChange]) -> f64 {
         let cones = self.program.cones.iter().zip(&self.states).zip(changes);
-        cones.fold(f64::INFINITY, |reach, ((cone, state), (ds, dz))| {
+        cones.fold(f64::INFINITY, |reach, ((cone, state), change)| {
             let own = state
-                .longest(cone.order, ds)
-                .min(state.longest(cone.order, dz));
+                .longest(cone.order, &change.s)
+                .min(state.longest(cone.order, &change.z));
             reach.min(own)
         })
     }
@@ -303,7 +304,7 @@ impl<'a> Iterate<'a> {
 
 /// How far the Lagrangian falls below its value where its slope along a coordinate is the miss and its curvature one or
 /// zero, over no longer a way than the coordinate has gone: Z bounds the cost from below by its least.
-fn unbalanced(miss: f64, (way, curvature): (f64, f64)) -> f64 {
+fn unbalanced(miss: f64, way: f64, curvature: f64) -> f64 {
     let (miss, way) = (miss.abs(), way.abs());
     if miss < curvature * way {
         0.5 * miss * miss / curvature
@@ -314,7 +315,7 @@ fn unbalanced(miss: f64, (way, curvature): (f64, f64)) -> f64 {
 
 /// Whether S is inside by more than rounding. A cone is given the S that follows from the variables where that is
 /// inside; one that is still missed keeps its own.
-fn is_inside(cone: &Cone, (step, shortfall): (&DVector<f64>, f64), state: &mut State) -> bool {
+fn is_inside(cone: &Cone, step: &DVector<f64>, shortfall: f64, state: &mut State) -> bool {
     let exact = cone.at(step);
     let rounding = ROUNDING * cone.size(step);
     let room = (NEAR * state.s.amax()).max(rounding);

@@ -53,7 +53,8 @@ pub struct InteriorSolution {
 pub fn solve(
     view: ConeProgram,
     start: &DVector<f64>,
-    (settings, terms): (&Settings, &Terms),
+    settings: &Settings,
+    terms: &Terms,
     control: &Control,
 ) -> Result<InteriorSolution, SolveError> {
     if !(settings.tolerance > 0.0 && settings.tolerance < 1.0) {
@@ -66,7 +67,7 @@ pub fn solve(
     let form = problem.form();
     let (start, model) = finite_model(problem, start)?;
     let rows = model.constraints.len();
-    let program = Program::new(form, &start, (model, terms))?;
+    let program = Program::new(form, &start, model, terms)?;
     let run = run(&program, settings, control)?;
     let x = bounds::project(form, &(&start + &run.step));
     let mut multipliers = DVector::zeros(rows);

@@ -44,7 +44,8 @@ impl Program {
     pub fn new(
         form: &Form,
         start: &DVector<f64>,
-        (model, terms): (Linearization, &Terms),
+        model: Linearization,
+        terms: &Terms,
     ) -> Result<Self, SolveError> {
         let mut program = Self {
             coordinates: Coordinates::of_scales(form),
@@ -72,7 +73,7 @@ impl Program {
             let weight = terms.log_det.get(index).copied().unwrap_or(0.0);
             let rows = order * (order + 1) / 2;
             for row in (first..first + constraint.rows).step_by(rows.max(1)) {
-                let cone = block(&model, (row, order), weight);
+                let cone = block(&model, row, order, weight);
                 program.cones.push(cone);
                 program.origins.push(Origin::Rows(row));
             }
@@ -82,7 +83,7 @@ impl Program {
         match (form.objective, model.square_root) {
             (Objective::SumOfSquares { .. }, Some(root)) => {
                 program.constant -= 0.5 * root.residual.norm_squared();
-                program.coordinates = Coordinates::of_squares(form, (&root.matrix, &root.residual))
+                program.coordinates = Coordinates::of_squares(form, &root)
                     .ok_or_else(|| SolveError::whole(SolveErrorKind::ModelNotFinite))?;
             }
             (Objective::SumOfSquares { .. }, None) => {
@@ -142,7 +143,7 @@ fn large(name: &str, order: usize) -> SolveError {
     SolveError::at(name, kind)
 }
 
-fn block(model: &Linearization, (row, order): (usize, usize), weight: f64) -> Cone {
+fn block(model: &Linearization, row: usize, order: usize, weight: f64) -> Cone {
     let rows = order * (order + 1) / 2;
     let view = model.jacobian.rows(row, rows);
     let sees = |j: &usize| view.column(*j).iter().any(|x| *x != 0.0);

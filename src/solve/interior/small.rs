@@ -3,6 +3,7 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
+use crate::linalg::jacobi_rotation::JacobiRotation;
 use nalgebra::Matrix4;
 
 /// Largest order.
@@ -88,8 +89,13 @@ pub(super) fn singular(matrix: &Small, order: usize) -> (Small, [f64; LARGEST], 
                 let zeta = (b - a) / (2.0 * c);
                 let t = zeta.signum() / (zeta.abs() + (1.0 + zeta * zeta).sqrt());
                 let cosine = 1.0 / (1.0 + t * t).sqrt();
-                rotate(&mut u, (p, q), (cosine, cosine * t));
-                rotate(&mut v, (p, q), (cosine, cosine * t));
+                let rotation = JacobiRotation {
+                    columns: [p, q],
+                    cosine,
+                    sine: cosine * t,
+                };
+                rotation.apply(&mut u);
+                rotation.apply(&mut v);
             }
         }
         if !rotated {
@@ -102,14 +108,6 @@ pub(super) fn singular(matrix: &Small, order: usize) -> (Small, [f64; LARGEST], 
         u.column_mut(k).scale_mut(1.0 / values[k]);
     }
     (u, values, v)
-}
-
-fn rotate(matrix: &mut Small, (p, q): (usize, usize), (cosine, sine): (f64, f64)) {
-    for i in 0..LARGEST {
-        let (a, b) = (matrix[(i, p)], matrix[(i, q)]);
-        matrix[(i, p)] = cosine * a - sine * b;
-        matrix[(i, q)] = sine * a + cosine * b;
-    }
 }
 
 /// Smallest eigenvalue, or zero where all are positive and the order is below four.

@@ -10,8 +10,8 @@ use nalgebra::{Cholesky, DMatrix, dmatrix, dvector};
 
 fn run(problem: &dyn Problem, start: &DVector<f64>, terms: &Terms) -> InteriorSolution {
     let view = ConeProgram::try_from(problem).unwrap();
-    let settings = (&Settings::default(), terms);
-    solve(view, start, settings, &Control::default()).unwrap()
+    let settings = Settings::default();
+    solve(view, start, &settings, terms, &Control::default()).unwrap()
 }
 
 /// Noisy observations of symmetric 4 x 4 matrices; every third true one has rank two. `unseen` of the ten
@@ -191,9 +191,9 @@ fn refuses_an_equality_and_a_large_block() {
             Ok(model)
         });
         let view = ConeProgram::try_from(&problem as &dyn Problem).unwrap();
-        let settings = (&Settings::default(), &Terms::default());
+        let (settings, terms) = (Settings::default(), Terms::default());
         let start = DVector::zeros(15);
-        assert!(solve(view, &start, settings, &Control::default()).is_err());
+        assert!(solve(view, &start, &settings, &terms, &Control::default()).is_err());
     }
 }
 
@@ -277,7 +277,7 @@ fn certified_to_the_tolerance_where_matrices_grow_without_bound() {
         });
         let view = ConeProgram::try_from(&problem as &dyn Problem).unwrap();
         let terms = Terms::default();
-        let found = solve(view, &start, (&settings, &terms), &Control::default()).unwrap();
+        let found = solve(view, &start, &settings, &terms, &Control::default()).unwrap();
         assert_eq!(found.solution.stop, Stop::Optimal, "{seed}");
         let share = found.gap / found.solution.cost;
         assert!(share <= settings.tolerance, "{seed}: {share:.1e}");

@@ -185,7 +185,7 @@ impl<'a> Solver<LeastSquares<'a>, Iterate> for Iteration<'a> {
             Some(largest) => largest.sup(&current),
             None => current,
         };
-        let step = self.model.damped_step(form, &x, (self.lambda, &norms));
+        let step = self.model.damped_step(form, &x, self.lambda, &norms);
         self.norms = Some(norms);
         let trial = bounds::project(form, &(&x + &step));
         let step = &trial - &x;

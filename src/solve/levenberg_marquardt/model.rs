@@ -101,7 +101,8 @@ impl Model {
         &self,
         form: &Form,
         x: &DVector<f64>,
-        (lambda, norms): (f64, &DVector<f64>),
+        lambda: f64,
+        norms: &DVector<f64>,
     ) -> DVector<f64> {
         let count = x.len();
         let mut matrix = DMatrix::zeros(2 * count, count);

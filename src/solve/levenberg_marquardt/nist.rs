@@ -256,7 +256,7 @@ fn numbers(text: &str) -> Vec<f64> {
 }
 
 impl Dataset {
-    fn read((name, model): (&'static str, Model)) -> Self {
+    fn read(name: &'static str, model: Model) -> Self {
         let path =
             Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/data/nist/{name}.dat"));
         let text = fs::read_to_string(path).unwrap();
@@ -336,7 +336,7 @@ fn digits(found: f64, certified: f64) -> f64 {
 #[test]
 fn matches_certified_values_of_nist_from_both_starts() {
     let (mut failures, mut all) = (Vec::new(), Vec::new());
-    for data in MODELS.map(Dataset::read) {
+    for data in MODELS.map(|(name, model)| Dataset::read(name, model)) {
         for (number, start) in (1..).zip(&data.starts) {
             assert_eq!(start.len(), data.certified.len(), "{}", data.name);
             let solution = data.run(start);

@@ -151,7 +151,7 @@ impl<'a> Iteration<'a> {
             return Ok(fresh.then_some(Stop::Stalled));
         };
         let largest = (&x - &self.x).component_div(&self.scale).amax();
-        self.accept(x, (&step, &smooth))?;
+        self.accept(x, &step, &smooth)?;
         self.record(control, largest, promised);
         Ok(self.stalled().then_some(Stop::Stalled))
     }
@@ -161,9 +161,8 @@ impl<'a> Iteration<'a> {
         let at = self.rows().values(&self.x);
         let mut sides = working_set::near(self.rows(), &at);
         sides.extend(self.pressed.iter().copied());
-        let model = (&self.model.constraints, &self.model.jacobian);
         let none = DVector::zeros(self.x.len());
-        let mut smooth = working_set::smooth_below(&self.signed, model, &none, NEAR);
+        let mut smooth = working_set::smooth_below(&self.signed, &self.model, &none, NEAR);
         let mut solved: Option<Step> = None;
         for _ in 0..MOST_ROUNDS {
             sides.sort_unstable();
@@ -176,9 +175,8 @@ impl<'a> Iteration<'a> {
             let moved: Vec<f64> = at.iter().zip(&along).map(|(a, b)| a + b).collect();
             let mut new = working_set::violated(self.rows(), &moved);
             new.retain(|side| sides.binary_search(side).is_err());
-            let model = (&self.model.constraints, &self.model.jacobian);
             let tolerance = -self.settings.feasibility_tolerance;
-            let mut more = working_set::smooth_below(&self.signed, model, &d, tolerance);
+            let mut more = working_set::smooth_below(&self.signed, &self.model, &d, tolerance);
             more.retain(|k| !smooth.contains(k));
             self.keep_pressed(&sides, &step);
             let raise = self.weigh_infeasibility(&step);
@@ -306,11 +304,7 @@ impl<'a> Iteration<'a> {
     }
 
     /// Moves to the new point and updates B with the change of the Lagrangian's gradient.
-    fn accept(
-        &mut self,
-        x: DVector<f64>,
-        (step, smooth): (&Step, &[usize]),
-    ) -> Result<(), SolveError> {
+    fn accept(&mut self, x: DVector<f64>, step: &Step, smooth: &[usize]) -> Result<(), SolveError> {
         let moved = &x - &self.x;
         self.evaluations += 1;
         let model = self.view.problem().linearize(&x)?;

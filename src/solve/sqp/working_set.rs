@@ -1,8 +1,9 @@
 //! Which rows enter the quadratic programme: those near their bound, of each run of neighbours the nearest and
 //! one to either side, between which a peak moves.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
+use crate::problem::Linearization;
 use crate::problem::form::{Form, Set};
 use crate::problem::linear_rows::LinearRows;
 
@@ -106,14 +107,14 @@ pub(super) fn infeasibility(rows: &[Smooth], g: &DVector<f64>) -> f64 {
 /// Rows of the problem whose linearisation comes below `level` for the step d.
 pub(super) fn smooth_below(
     rows: &[Smooth],
-    (g, jacobian): (&DVector<f64>, &DMatrix<f64>),
+    model: &Linearization,
     d: &DVector<f64>,
     level: f64,
 ) -> Vec<usize> {
     if rows.is_empty() {
         return Vec::new();
     }
-    let moved = g + jacobian * d;
+    let moved = &model.constraints + &model.jacobian * d;
     (0..rows.len())
         .filter(|&k| rows[k].sign * moved[rows[k].row] < level)
         .collect()
