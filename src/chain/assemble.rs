@@ -79,10 +79,9 @@ pub(super) fn joint_model(
             continue;
         }
         let first = parameters.len();
-        let place = (j, model.effects.len());
-        parameters.extend(effect_parameters(joint, effect, place));
+        parameters.extend(effect_parameters(joint, effect, j, model.effects.len()));
         remember(&mut model, effect, first);
-        known_values(settings, (j, effect), &mut parameters[first..]);
+        known_values(settings, j, effect, &mut parameters[first..]);
         model.effects.push((effect, first));
         model.others.push(others(settings, j, effect)?);
     }
@@ -214,11 +213,7 @@ fn remember(model: &mut JointModel, effect: &Effect, first: usize) {
 }
 
 /// Declared values: known, or where the effect is listed as well, where the estimate starts.
-fn known_values(
-    settings: &ModelSettings,
-    (j, effect): (usize, &Effect),
-    parameters: &mut [Parameter],
-) {
+fn known_values(settings: &ModelSettings, j: usize, effect: &Effect, parameters: &mut [Parameter]) {
     let declared: Vec<f64> = match (effect.law, &settings.rotor_inertia) {
         (Law::Current, _) => match &settings.current_polynomial {
             Some(polynomial) => polynomial[j].to_vec(),
@@ -310,11 +305,12 @@ fn size(info: &ParameterInfo) -> f64 {
     }
 }
 
-/// The parameters of an effect; `place` is the joint and the position among its effects.
+/// The parameters of an effect of joint j, `place` among its effects.
 fn effect_parameters(
     joint: &Joint,
     effect: &'static Effect,
-    place: (usize, usize),
+    j: usize,
+    place: usize,
 ) -> impl Iterator<Item = Parameter> {
     let (name, kind) = (joint.name.clone(), joint.kind);
     effect
@@ -325,8 +321,8 @@ fn effect_parameters(
             name: format!("{name}.{}.{}", effect.id, info.name),
             unit: info.unit.of(kind).to_string(),
             role: Role::Effect {
-                joint: place.0,
-                effect: place.1,
+                joint: j,
+                effect: place,
                 parameter: index,
             },
             state: State::Free,

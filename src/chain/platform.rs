@@ -11,6 +11,7 @@
 use crate::robot::batch::Trajectory;
 use crate::robot::tree::{JointKind, Tree};
 use nalgebra::{Isometry3, Matrix3, Matrix6, Rotation3, Vector3};
+use std::ops::Range;
 
 /// A motor's spinning part, fixed to a link but for its spin.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,21 +62,22 @@ impl Platform {
         transfer
     }
 
-    /// Adds the moments of the spinning rotors, base frame, to the last three series of `wrench`.
+    /// Adds the moments of the spinning rotors, base frame, to the last three series of `wrench`: over a range of the
+    /// motors' samples, the first of which is the joints' first.
     pub fn add_rotors(
         &self,
         tree: &Tree,
-        (motors, first): (Trajectory<'_>, usize),
-        (joints, samples): (Trajectory<'_>, usize),
+        motors: Trajectory<'_>,
+        joints: Trajectory<'_>,
+        range: Range<usize>,
         wrench: &mut [Vec<f64>],
     ) {
-        for sample in 0..samples {
+        for (sample, at) in range.enumerate() {
             let links = turning(tree, joints, sample);
             for rotor in &self.rotors {
                 let rest = (Rotation3::identity(), Vector3::zeros());
                 let (rotation, spin) = rotor.carrier.map_or(rest, |k| links[k]);
                 let axis = rotation * rotor.axis;
-                let at = first + sample;
                 let (speed, rate) = (motors.dq[rotor.joint][at], motors.ddq[rotor.joint][at]);
                 let moment = (axis * rate + spin.cross(&axis) * speed) * rotor.momentum;
                 for (series, component) in wrench[3..].iter_mut().zip(moment.iter()) {

@@ -82,11 +82,7 @@ impl Prior {
 
     /// Rows over the parameters at `columns`, over `others` that nothing is known of, and the deviation at parameter
     /// values in the last column.
-    pub fn system(
-        &self,
-        (columns, others): (&[usize], usize),
-        values: &DVector<f64>,
-    ) -> DMatrix<f64> {
+    pub fn system(&self, columns: &[usize], others: usize, values: &DVector<f64>) -> DMatrix<f64> {
         let of_columns = self.rows.select_columns(columns);
         let last = columns.len() + others;
         let mut system = of_columns.insert_columns(columns.len(), others + 1, 0.0);

@@ -210,7 +210,7 @@ impl Walk<'_> {
                         self.merge(child, carrier, at);
                         stack.push((child, carrier, at));
                     }
-                    Some(kind) => stack.push(self.moving(child, raw, carrier, (kind, at))),
+                    Some(kind) => stack.push(self.moving(child, raw, carrier, kind, at)),
                 }
             }
         }
@@ -238,7 +238,8 @@ impl Walk<'_> {
         child: usize,
         raw: &RawJoint,
         carrier: Option<usize>,
-        (kind, at): (JointKind, Isometry3<f64>),
+        kind: JointKind,
+        at: Isometry3<f64>,
     ) -> (usize, Option<usize>, Isometry3<f64>) {
         let link = &self.robot.links[child];
         self.joints.push(Joint {

@@ -69,14 +69,15 @@ impl RegressorBatch {
 
     /// Evaluates the samples of `range` (at most the capacity).
     pub fn evaluate(&mut self, tree: &Tree, trajectory: Trajectory<'_>, range: Range<usize>) {
-        self.evaluate_links(tree, (trajectory, range), &vec![true; tree.len()]);
+        self.evaluate_links(tree, trajectory, range, &vec![true; tree.len()]);
     }
 
     /// The same for the columns of some links; those of the others stay what they were.
     pub fn evaluate_links(
         &mut self,
         tree: &Tree,
-        (trajectory, range): (Trajectory<'_>, Range<usize>),
+        trajectory: Trajectory<'_>,
+        range: Range<usize>,
         wanted: &[bool],
     ) {
         let set = self.set;
@@ -193,7 +194,7 @@ impl<L: Lanes> LaneState<L> {
 pub fn torques(tree: &Tree, parameters: &[f64], trajectory: Trajectory<'_>) -> Vec<Vec<f64>> {
     let samples = trajectory.len();
     let mut torque = vec![vec![0.0; samples]; tree.len()];
-    torques_into(tree, parameters, (trajectory, 0..samples), &mut torque);
+    torques_into(tree, parameters, trajectory, 0..samples, &mut torque);
     torque
 }
 
@@ -201,7 +202,8 @@ pub fn torques(tree: &Tree, parameters: &[f64], trajectory: Trajectory<'_>) -> V
 pub fn torques_into(
     tree: &Tree,
     parameters: &[f64],
-    (trajectory, range): (Trajectory<'_>, Range<usize>),
+    trajectory: Trajectory<'_>,
+    range: Range<usize>,
     torque: &mut [Vec<f64>],
 ) {
     let kernel = TorqueKernel {

@@ -40,7 +40,8 @@ impl DerivativeBatch {
         &mut self,
         tree: &Tree,
         parameters: &[f64],
-        (trajectory, range): (Trajectory<'_>, Range<usize>),
+        trajectory: Trajectory<'_>,
+        range: Range<usize>,
     ) {
         let set = self.set;
         let kernel = DerivativeKernel {
@@ -59,7 +60,7 @@ impl DerivativeBatch {
     }
 
     /// Derivative of a row (as in [`Derivatives::slope`]) by a joint's position, velocity or acceleration.
-    pub fn slope(&self, order: usize, (row, joint): (usize, usize)) -> &[f64] {
+    pub fn slope(&self, order: usize, row: usize, joint: usize) -> &[f64] {
         let n = self.joints;
         self.series(n + (order * (n + 6) + row) * n + joint)
     }

@@ -55,7 +55,7 @@ impl<T: Scalar> Derivatives<T> {
 
     /// Derivative of a row with respect to a joint's position (order 0), velocity (1) or acceleration (2): rows 0 to
     /// n − 1 are torques of joints, n to n + 5 the force and the moment of the base.
-    pub fn slope(&self, order: usize, (row, joint): (usize, usize)) -> T {
+    pub fn slope(&self, order: usize, row: usize, joint: usize) -> T {
         self.slopes[order][row * self.links.len() + joint]
     }
 

@@ -29,14 +29,15 @@ pub fn vector(rng: &mut ChaCha8Rng, half_range: f64) -> Vector3<f64> {
 /// A possible body: a handful of point masses within 0.3 m, 1 to 5 kg in all.
 pub fn body(rng: &mut ChaCha8Rng) -> Inertia {
     let mass = 1.0 + 4.0 * rng.random::<f64>();
-    body_about(rng, mass, (Vector3::zeros(), 0.3))
+    body_about(rng, mass, Vector3::zeros(), 0.3)
 }
 
 /// A possible body: a handful of point masses within `half_range` (m) of a centre.
 pub fn body_about(
     rng: &mut ChaCha8Rng,
     mass: f64,
-    (centre, half_range): (Vector3<f64>, f64),
+    centre: Vector3<f64>,
+    half_range: f64,
 ) -> Inertia {
     const POINTS: usize = 6;
     let mut pseudo = Matrix4::zeros();

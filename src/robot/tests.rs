@@ -234,7 +234,7 @@ fn matches_differences_of_torque_in_position_velocity_acceleration() {
             for which in 0..3 {
                 for j in 0..n {
                     let column = differences(|h| torque(&tree, &pi, &shifted(&state, which, j, h)));
-                    let got = DVector::from_fn(n, |row, _| derivatives.slope(which, (row, j)));
+                    let got = DVector::from_fn(n, |row, _| derivatives.slope(which, row, j));
                     let error = (got - &column).amax();
                     assert!(
                         error <= 1e-7 * column.amax().max(1.0),
@@ -258,7 +258,7 @@ fn matches_differences_of_base_reaction() {
             for j in 0..tree.len() {
                 let column = differences(|h| reaction(&shifted(&state, which, j, h)));
                 let first = tree.len();
-                let got = DVector::from_fn(6, |k, _| derivatives.slope(which, (first + k, j)));
+                let got = DVector::from_fn(6, |k, _| derivatives.slope(which, first + k, j));
                 let error = (got - &column).amax();
                 assert!(
                     error <= 1e-7 * column.amax().max(1.0),
@@ -328,15 +328,16 @@ fn invariant_lanes_match_single_samples_in_every_instruction_set() {
             let mut batch = RegressorBatch::with_instructions(&tree, Rows::Both, samples, set);
             batch.evaluate(&tree, trajectory, 0..samples);
             let mut slopes = DerivativeBatch::with_instructions(&tree, samples, set);
-            slopes.evaluate(&tree, &tree.parameters(), (trajectory, 0..samples));
+            slopes.evaluate(&tree, &tree.parameters(), trajectory, 0..samples);
             let mut single = Derivatives::new(&tree);
             for (k, state) in states.iter().enumerate() {
                 single.evaluate(&tree, &tree.parameters(), state.slices());
-                for at in (0..n + 6).flat_map(|row| (0..n).map(move |j| (row, j))) {
+                for (row, j) in (0..n + 6).flat_map(|row| (0..n).map(move |j| (row, j))) {
                     for order in 0..3 {
-                        let (got, expected) = (slopes.slope(order, at)[k], single.slope(order, at));
+                        let got = slopes.slope(order, row, j)[k];
+                        let expected = single.slope(order, row, j);
                         let bound = 1e-11 * expected.abs().max(100.0);
-                        assert!((got - expected).abs() <= bound, "{set:?} {order} {at:?}");
+                        assert!((got - expected).abs() <= bound, "{set:?} {order} {row} {j}");
                     }
                 }
                 let y = regressor(&tree, Rows::Both, state);

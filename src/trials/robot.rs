@@ -177,7 +177,7 @@ fn draw_tree(rng: &mut ChaCha8Rng, count: usize, sliding: Option<usize>) -> Tree
             rotation: Rotation3::new(vector(rng, 0.05)),
             translation: along * length + vector(rng, 0.05),
             limits: limits(rng, slides),
-            inertia: body_about(rng, mass, (centre, 0.12)),
+            inertia: body_about(rng, mass, centre, 0.12),
         });
         mass *= shrink;
     }
@@ -224,10 +224,10 @@ fn sizes(rng: &mut ChaCha8Rng, tree: &Tree) -> (Vec<f64>, Vec<f64>) {
     let largest = torque.iter().copied().fold(0.0, f64::max);
     torque.iter_mut().for_each(|t| *t = t.max(0.05 * largest));
     let mut derivatives = DerivativeBatch::new(tree, STATES);
-    let states = (Trajectory { q, dq, ddq }, 0..STATES);
-    derivatives.evaluate(tree, &parameters, states);
+    let states = Trajectory { q, dq, ddq };
+    derivatives.evaluate(tree, &parameters, states, 0..STATES);
     let mean = |j: usize| {
-        let entries = &derivatives.slope(2, (j, j))[..STATES];
+        let entries = &derivatives.slope(2, j, j)[..STATES];
         entries.iter().sum::<f64>() / STATES as f64
     };
     (torque, (0..n).map(mean).collect())

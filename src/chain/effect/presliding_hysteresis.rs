@@ -217,8 +217,8 @@ impl State {
         }
     }
 
-    /// Advances from one sample to the next.
-    fn step(&mut self, p: &[f64; COUNT], (from, to): (f64, f64), duration: f64) {
+    /// Advances from one sample to the next, from one speed to the other.
+    fn step(&mut self, p: &[f64; COUNT], [from, to]: [f64; 2], duration: f64) {
         let h = duration / PARTS as f64;
         for part in 0..PARTS {
             let share = (part as f64 + 0.5) / PARTS as f64;
@@ -241,14 +241,14 @@ impl TorqueLaw for Bristles {
         if samples.cyclic {
             for k in 0..v.len() {
                 let next = (k + 1) % v.len();
-                state.step(p, (v[k], v[next]), usual);
+                state.step(p, [v[k], v[next]], usual);
             }
         }
         for k in 0..v.len() {
             if k > 0 {
-                state.step(p, (v[k - 1], v[k]), t[k] - t[k - 1]);
+                state.step(p, [v[k - 1], v[k]], t[k] - t[k - 1]);
             }
-            put(p, &state, (v[k], k), out);
+            put(p, &state, v[k], k, out);
         }
     }
 
@@ -324,8 +324,8 @@ fn level_formula() -> Expression {
     g.call_with(Function::Larger, least)
 }
 
-/// Torque and derivatives of one sample.
-fn put(p: &[f64; COUNT], state: &State, (v, k): (f64, usize), out: &mut Contribution<'_>) {
+/// Torque and derivatives of sample k, at speed v.
+fn put(p: &[f64; COUNT], state: &State, v: f64, k: usize, out: &mut Contribution<'_>) {
     let level = level(p, v);
     let [sigma0, sigma1, ..] = *p;
     let rate = sigma0 * v.abs() / level.g;

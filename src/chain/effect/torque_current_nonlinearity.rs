@@ -20,13 +20,19 @@ pub const EFFECT: Effect = Effect {
     source: "Swevers, Verdonck, Naumer, Pieters and Biber 2002 eq. 4",
     parameters: &[
         coefficient(
-            ("c0", 0),
+            "c0",
+            0,
             "torque at which current begins to flow",
-            (-1e6, 0.1),
+            above(-1e6, 0.1),
         ),
-        coefficient(("c1", 1), "torque constant at small currents", (1e-9, 10.0)),
-        coefficient(("c2", 2), "growth of the slope", (-1e9, 0.1)),
-        coefficient(("c3", 3), "saturation where negative", (-1e9, 0.01)),
+        coefficient(
+            "c1",
+            1,
+            "torque constant at small currents",
+            above(1e-9, 10.0),
+        ),
+        coefficient("c2", 2, "growth of the slope", above(-1e9, 0.1)),
+        coefficient("c3", 3, "saturation where negative", above(-1e9, 0.01)),
     ],
     depends_on: &[Dependence::Load],
     confounded_with: &[
@@ -73,20 +79,25 @@ fn sized(site: &Site, _: &mut ChaCha8Rng) -> Vec<Drawn> {
     ]
 }
 
+const fn above(lower: f64, typical: f64) -> Span {
+    Span {
+        lower,
+        typical,
+        upper: f64::INFINITY,
+    }
+}
+
 const fn coefficient(
-    (name, power): (&'static str, u8),
+    name: &'static str,
+    power: u8,
     meaning: &'static str,
-    (lower, typical): (f64, f64),
+    span: Span,
 ) -> ParameterInfo {
     ParameterInfo::nonlinear(
         name,
         Unit::TorquePerCurrent(power),
         meaning,
-        Span {
-            lower,
-            typical,
-            upper: f64::INFINITY,
-        },
+        span,
         Search::Typical,
     )
 }

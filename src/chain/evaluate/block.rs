@@ -13,6 +13,14 @@ pub struct Block {
     stale: Vec<bool>,
 }
 
+/// Samples of one channel, to be added to its series from one of them on.
+#[derive(Clone, Copy)]
+pub(super) struct SeriesPart<'a> {
+    pub channel: usize,
+    pub start: usize,
+    pub samples: &'a [f64],
+}
+
 impl Block {
     pub(super) fn new(channels: usize, columns: usize, room: usize) -> Self {
         Self {
@@ -93,17 +101,22 @@ impl Block {
             .map(|(series, _)| series)
     }
 
-    pub(super) fn add_scaled(&mut self, at: (usize, usize), factor: f64, from: &[f64]) {
-        self.add_part(at, (factor, 0), from);
+    pub(super) fn add_scaled(&mut self, channel: usize, column: usize, factor: f64, from: &[f64]) {
+        let part = SeriesPart {
+            channel,
+            start: 0,
+            samples: from,
+        };
+        self.add_part(column, factor, part);
     }
 
-    /// Adds to the samples from `start` on.
-    pub(super) fn add_part(
-        &mut self,
-        (channel, column): (usize, usize),
-        (factor, start): (f64, usize),
-        from: &[f64],
-    ) {
+    /// Adds a part of a channel's series, times a factor, to a column.
+    pub(super) fn add_part(&mut self, column: usize, factor: f64, part: SeriesPart<'_>) {
+        let SeriesPart {
+            channel,
+            start,
+            samples: from,
+        } = part;
         let at = channel * self.columns + column;
         let first = self.stale[at] || self.derivatives[at].is_empty();
         if first && start == 0 && from.len() >= self.samples {

@@ -48,10 +48,10 @@ impl KnownBodies {
             .collect();
         let of = |part: Range<usize>| {
             let mut evaluator = Evaluator::along(model, &rest, &inertial, BLOCK);
-            let mut bodies = Self::empty((model, &inertial), part.len());
+            let mut bodies = Self::empty(model, &inertial, part.len());
             for start in part.clone().step_by(BLOCK) {
                 let range = start..part.end.min(start + BLOCK);
-                evaluator.append_linear(&mut bodies, (segment, range));
+                evaluator.append_linear(&mut bodies, segment, range);
             }
             bodies
         };
@@ -60,7 +60,7 @@ impl KnownBodies {
     }
 
     /// No samples yet, and room for some.
-    fn empty((model, inertial): (&Model, &[usize]), room: usize) -> Self {
+    fn empty(model: &Model, inertial: &[usize], room: usize) -> Self {
         let rows = model.signal().rows().count(model.tree().len());
         let channels = model.channels().len();
         Self {
@@ -152,11 +152,7 @@ impl Evaluator<'_> {
     }
 
     /// Appends what the bodies do over some samples, [`BLOCK`] at most.
-    fn append_linear(
-        &mut self,
-        to: &mut KnownBodies,
-        (segment, range): (Segment<'_>, Range<usize>),
-    ) {
+    fn append_linear(&mut self, to: &mut KnownBodies, segment: Segment<'_>, range: Range<usize>) {
         let samples = range.len();
         self.rigid.clear(samples);
         self.block.clear(samples);
@@ -192,7 +188,7 @@ impl Evaluator<'_> {
                 let torques = self.block.values[channel].iter_mut().zip(series);
                 torques.for_each(|(to, y)| *to += value * y);
                 if let Some(column) = column {
-                    self.block.add_scaled((channel, column), 1.0, series);
+                    self.block.add_scaled(channel, column, 1.0, series);
                 }
             }
         }
@@ -227,13 +223,13 @@ impl Evaluator<'_> {
         let mut derivatives = self.lend_derivatives();
         for start in (0..samples).step_by(BLOCK) {
             let part = start..samples.min(start + BLOCK);
-            derivatives.evaluate(&self.tree, &bodies, (self.trajectory(), part.clone()));
+            derivatives.evaluate(&self.tree, &bodies, self.trajectory(), part.clone());
             for (f, &joint) in joints.iter().enumerate() {
                 let of_joint = &derivatives.torque(joint)[..part.len()];
                 torque[f][part.clone()].copy_from_slice(of_joint);
                 for row in 0..rows {
-                    let by = self.by_motion(&derivatives, (row, joint));
-                    slopes.put((row, f), part.clone(), by);
+                    let by = self.by_motion(&derivatives, row, joint);
+                    slopes.put(row, f, part.clone(), by);
                 }
             }
         }
@@ -251,13 +247,14 @@ impl Evaluator<'_> {
     pub(super) fn by_motion<'d>(
         &self,
         derivatives: &'d DerivativeBatch,
-        (row, i): (usize, usize),
+        row: usize,
+        i: usize,
     ) -> [&'d [f64]; 3] {
         let n = self.model.joints().len();
         let row = match row.checked_sub(self.torque_rows()) {
             None => row,
             Some(component) => n + component,
         };
-        [0, 1, 2].map(|order| derivatives.slope(order, (row, i)))
+        [0, 1, 2].map(|order| derivatives.slope(order, row, i))
     }
 }

@@ -7,7 +7,9 @@
 //! with the differences of [`march`](super::march), sample after sample, each by Newton's method, because a flank
 //! that is reached at one sample, or a link that comes to rest, decides what the next one meets.
 
-use crate::chain::evaluate::march::{Coefficients, History, Response, end, largest, past};
+use crate::chain::evaluate::march::{
+    Coefficients, History, Past, Response, TimeGrid, end, largest,
+};
 use nalgebra::{DMatrix, DVector};
 
 /// A place on the response: a member at a sample, with δ and δ̇.
@@ -43,11 +45,13 @@ const SETTLED: f64 = 1e-14;
 
 /// δ, δ̇ and δ̈ for a right-hand side `[member][sample]`, from a response to begin with.
 pub(super) fn solve_with(
-    (coefficients, step, cyclic): (&Coefficients, f64, bool),
+    coefficients: &Coefficients,
+    grid: TimeGrid,
     source: &[Vec<f64>],
     resistance: Resistance<'_>,
     first: &Response,
 ) -> Response {
+    let TimeGrid { step, cyclic } = grid;
     let mut response = first.clone();
     let mut history = cyclic.then(|| end(first));
     let mut tolerance: Option<[f64; 2]> = None;
@@ -68,7 +72,7 @@ pub(super) fn solve_with(
     for _ in 0..PERIODS {
         let mut alike = 0;
         for k in 0..coefficients.samples() {
-            let moved = newton.settle((&mut response, history.as_ref()), k);
+            let moved = newton.settle(&mut response, history.as_ref(), k);
             alike = match tolerance {
                 Some([lag, rate]) if moved[0] <= lag && moved[1] <= rate => alike + 1,
                 _ => 0,
@@ -140,18 +144,15 @@ struct Newton<'a> {
 
 impl Newton<'_> {
     /// Solves a sample of a response; by how much δ and δ̇ moved.
-    fn settle(
-        &mut self,
-        (response, history): (&mut Response, Option<&History>),
-        k: usize,
-    ) -> [f64; 2] {
+    fn settle(&mut self, response: &mut Response, history: Option<&History>, k: usize) -> [f64; 2] {
         let alone = k == 0 && history.is_none();
         let count = self.value.len();
         self.sample = k;
         self.slope = if alone { 0.0 } else { 1.5 / self.step };
+        let past = Past { response, history };
         for (order, series) in self.past.iter_mut().enumerate() {
             for (f, to) in series.iter_mut().enumerate() {
-                *to = past((response, history), (order, f), k) / (2.0 * self.step);
+                *to = past.weighed(order, f, k) / (2.0 * self.step);
             }
         }
         let before = k.saturating_sub(usize::from(history.is_none() || k > 0));
@@ -223,7 +224,7 @@ impl Newton<'_> {
         for f in 0..self.moved.len() {
             let mut miss = -self.source[f][k];
             for g in 0..self.moved.len() {
-                let at = c.at(k, (f, g));
+                let at = c.at(k, f, g);
                 let rate = a * self.moved[g] + first[g];
                 let [mass, damping, stiffness] = [
                     c.mass[at] * (a * rate + second[g]),

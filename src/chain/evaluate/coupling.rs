@@ -47,11 +47,11 @@ impl Evaluator<'_> {
         let mut derivatives = self.lend_derivatives();
         for start in (0..range.len()).step_by(BLOCK) {
             let part = start..range.len().min(start + BLOCK);
-            derivatives.evaluate(&self.tree, &bodies, (self.trajectory(), part.clone()));
+            derivatives.evaluate(&self.tree, &bodies, self.trajectory(), part.clone());
             for moving in &columns {
                 for (i, multiplier) in self.model.moved_with(moving.joint) {
                     for row in 0..self.rigid.values.len() {
-                        let [by_q, by_dq, by_ddq] = self.by_motion(&derivatives, (row, i));
+                        let [by_q, by_dq, by_ddq] = self.by_motion(&derivatives, row, i);
                         let spring = self.stiffness.get(i);
                         let spring = spring.filter(|_| row == i && row < self.torque_rows());
                         let damper = self.damping.get(i).filter(|_| spring.is_some());

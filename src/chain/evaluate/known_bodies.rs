@@ -40,15 +40,15 @@ impl Slopes {
     }
 
     /// Position of an entry of a sample.
-    pub fn at(&self, k: usize, (row, joint): (usize, usize)) -> usize {
+    pub fn at(&self, k: usize, row: usize, joint: usize) -> usize {
         (k * self.rows + row) * self.joints + joint
     }
 
     /// Writes an entry over some samples.
-    pub fn put(&mut self, entry: (usize, usize), samples: Range<usize>, by: [&[f64]; 3]) {
+    pub fn put(&mut self, row: usize, joint: usize, samples: Range<usize>, by: [&[f64]; 3]) {
         for (order, by) in by.into_iter().enumerate() {
             for (k, by) in samples.clone().zip(by) {
-                let at = self.at(k, entry);
+                let at = self.at(k, row, joint);
                 self.by[order][at] = *by;
             }
         }

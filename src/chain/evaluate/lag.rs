@@ -20,7 +20,7 @@ use crate::chain::effect::sign::{sign, sign_by_velocity};
 use crate::chain::effect::{Contribution, Law};
 use crate::chain::evaluate::contact_march::{Twist, solve_with};
 use crate::chain::evaluate::known_bodies::{KnownBodies, Slopes};
-use crate::chain::evaluate::march::{Coefficients, March, Response, largest};
+use crate::chain::evaluate::march::{Coefficients, March, Response, TimeGrid, largest};
 use crate::chain::evaluate::rigid::{at_joint, of_others};
 use crate::chain::evaluate::{Evaluator, Segment};
 use crate::chain::flank::Flank;
@@ -98,7 +98,7 @@ impl Lag {
         let mut bodies = Coefficients::zeros(count, self.samples());
         for k in 0..self.samples() {
             for (f, g) in (0..count).flat_map(|f| (0..count).map(move |g| (f, g))) {
-                let (from, to) = (self.slopes.at(k, (rows[f], g)), bodies.at(k, (f, g)));
+                let (from, to) = (self.slopes.at(k, rows[f], g), bodies.at(k, f, g));
                 bodies.stiffness[to] = self.slopes.by[0][from];
                 bodies.damping[to] = self.slopes.by[1][from];
                 bodies.mass[to] = self.slopes.by[2][from];
@@ -108,28 +108,28 @@ impl Lag {
     }
 
     /// The equation of a change of δ about the present one.
-    fn equation(&self, step: f64, cyclic: bool) -> Option<March> {
+    fn equation(&self, grid: TimeGrid) -> Option<March> {
         let mut coefficients = self.bodies();
         for k in 0..self.samples() {
             for (f, member) in self.members.iter().enumerate() {
                 let contact = member
                     .flank
                     .contact(self.motion[0][f][k], self.motion[1][f][k]);
-                let at = coefficients.at(k, (f, f));
+                let at = coefficients.at(k, f, f);
                 coefficients.stiffness[at] += contact.by_lag;
                 coefficients.damping[at] += contact.by_rate;
             }
         }
-        March::new(coefficients, step, cyclic)
+        March::new(coefficients, grid)
     }
 
     /// δ where the bodies stay linearised about the present one; `None` where there is no solution.
-    fn next(&self, torque: &[Vec<f64>], (step, cyclic): (f64, bool)) -> Option<Response> {
+    fn next(&self, torque: &[Vec<f64>], grid: TimeGrid) -> Option<Response> {
         let is_linear = |(member, switch): (&Lagging, &Switch)| {
             member.flank.half_gap == 0.0 && !switch.is_there()
         };
         if self.members.iter().zip(&self.switches).all(is_linear) {
-            let march = self.equation(step, cyclic)?;
+            let march = self.equation(grid)?;
             return Some(march.solve(&self.drive(torque, true)));
         }
         let resistance = |twist: Twist| {
@@ -149,7 +149,8 @@ impl Lag {
         };
         let source = self.drive(torque, false);
         Some(solve_with(
-            (&self.bodies(), step, cyclic),
+            &self.bodies(),
+            grid,
             &source,
             &resistance,
             &self.motion,
@@ -170,7 +171,7 @@ impl Lag {
                 }
                 for (slope, motion) in self.slopes.by.iter().zip(&self.motion) {
                     for (g, series) in motion.iter().enumerate() {
-                        drive += slope[self.slopes.at(k, (rows[f], g))] * series[k];
+                        drive += slope[self.slopes.at(k, rows[f], g)] * series[k];
                     }
                 }
                 drive
@@ -198,7 +199,7 @@ impl Lag {
             }
             for k in 0..switch.level.len() {
                 let [_, by_rate] = switch.torque(k, self.motion[1][f][k]);
-                let own = self.slopes.at(k, (rows[f], f));
+                let own = self.slopes.at(k, rows[f], f);
                 self.slopes.by[1][own] -= by_rate;
             }
         }
@@ -236,7 +237,10 @@ impl Evaluator<'_> {
         if !self.along || members.is_empty() || segment.time.len() < 2 || self.torque_rows() == 0 {
             return None;
         }
-        let (step, cyclic) = (segment.time[1] - segment.time[0], segment.cyclic);
+        let grid = TimeGrid {
+            step: segment.time[1] - segment.time[0],
+            cyclic: segment.cyclic,
+        };
         let series = || vec![vec![0.0; samples]; members.len()];
         let mut lag = Lag {
             motion: [series(), series(), series()],
@@ -251,13 +255,13 @@ impl Evaluator<'_> {
         }
         let known = segment.bodies.filter(|known| !known.slopes.is_empty());
         let mut torque = match known {
-            Some(known) => self.recall((segment, samples), known, &mut lag),
+            Some(known) => self.recall(segment, samples, known, &mut lag),
             None => self.linearise(segment, samples, &mut lag),
         };
         lag.rest_on_flanks(&torque);
         let mut before = f64::INFINITY;
         for _ in 0..PASSES {
-            let Some(next) = lag.next(&torque, (step, cyclic)) else {
+            let Some(next) = lag.next(&torque, grid) else {
                 break;
             };
             let change = largest_difference(&next[0], &lag.motion[0]);
@@ -279,7 +283,7 @@ impl Evaluator<'_> {
                 self.linearise(segment, samples, &mut lag);
             }
             lag.add_switches();
-            lag.march = lag.equation(step, cyclic);
+            lag.march = lag.equation(grid);
         }
         Some(lag)
     }
@@ -341,27 +345,29 @@ impl Evaluator<'_> {
         let members = lag.rows();
         let (mut torque, slopes) = self.slopes(segment.loaded, samples, &members);
         lag.slopes = slopes;
-        self.add_springs((segment, samples), lag, &mut torque);
+        self.add_springs(segment, samples, lag, &mut torque);
         torque
     }
 
     /// The same where the bodies are known and no link lags yet.
     fn recall(
         &self,
-        (segment, samples): (Segment<'_>, usize),
+        segment: Segment<'_>,
+        samples: usize,
         known: &KnownBodies,
         lag: &mut Lag,
     ) -> Vec<Vec<f64>> {
         let members = lag.rows();
         let mut torque: Vec<Vec<f64>> = members.iter().map(|&j| known.torque[j].clone()).collect();
         lag.slopes = known.slopes.of_joints(&members);
-        self.add_springs((segment, samples), lag, &mut torque);
+        self.add_springs(segment, samples, lag, &mut torque);
         torque
     }
 
     fn add_springs(
         &self,
-        (segment, samples): (Segment<'_>, usize),
+        segment: Segment<'_>,
+        samples: usize,
         lag: &mut Lag,
         torque: &mut [Vec<f64>],
     ) {
@@ -370,7 +376,7 @@ impl Evaluator<'_> {
         for (f, spring) in springs.iter().enumerate() {
             for k in 0..samples {
                 torque[f][k] += spring.torque[k];
-                let own = lag.slopes.at(k, (members[f], f));
+                let own = lag.slopes.at(k, members[f], f);
                 lag.slopes.by[0][own] += spring.stiffness[k];
                 lag.slopes.by[1][own] += spring.damping[k];
             }
@@ -399,7 +405,7 @@ impl Evaluator<'_> {
                 };
                 let count = effect.parameters.len();
                 let others = of_others(&joint.others[index], &self.joint_motion, 0..samples);
-                let mut input = at_joint((&self.joint_motion, j), &signs, segment, 0..samples);
+                let mut input = at_joint(&self.joint_motion, j, &signs, segment, 0..samples);
                 input.surroundings.others = &others;
                 input.surroundings.period = self.model.period();
                 let mut by_sign = zeros();
@@ -464,7 +470,7 @@ impl Evaluator<'_> {
                 for (k, to) in series[..samples].iter_mut().enumerate() {
                     for (slope, change) in lag.slopes.by.iter().zip(&change) {
                         for (f, by) in change.iter().enumerate() {
-                            *to -= slope[lag.slopes.at(k, (row, f))] * by[k];
+                            *to -= slope[lag.slopes.at(k, row, f)] * by[k];
                         }
                     }
                 }

@@ -44,7 +44,7 @@ impl Coefficients {
     }
 
     /// Position of an entry of a sample.
-    pub fn at(&self, k: usize, (f, g): (usize, usize)) -> usize {
+    pub fn at(&self, k: usize, f: usize, g: usize) -> usize {
         (k * self.members + f) * self.members + g
     }
 
@@ -54,6 +54,14 @@ impl Coefficients {
         let own = k * size..(k + 1) * size;
         own.map(move |at| self.stiffness[at] + a * self.damping[at] + a * a * self.mass[at])
     }
+}
+
+/// The instants of a motion: evenly spaced, and the first again after the last where the motion repeats.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TimeGrid {
+    /// s.
+    pub step: f64,
+    pub cyclic: bool,
 }
 
 /// The equation with everything that does not depend on the right-hand side.
@@ -81,7 +89,8 @@ const KINDS: usize = 4;
 
 impl March {
     /// `None` where the equation has no solution.
-    pub fn new(coefficients: Coefficients, step: f64, cyclic: bool) -> Option<Self> {
+    pub fn new(coefficients: Coefficients, grid: TimeGrid) -> Option<Self> {
+        let TimeGrid { step, cyclic } = grid;
         let a = 1.5 / step;
         let mut inverse = Vec::with_capacity(coefficients.mass.len());
         for k in 0..coefficients.samples() {
@@ -148,9 +157,13 @@ impl March {
         let mut right = vec![0.0; count];
         for k in 0..samples {
             let alone = k == 0 && history.is_none();
+            let past = Past {
+                response: &response,
+                history,
+            };
             for (order, rest) in rest.iter_mut().enumerate() {
                 for (f, rest) in rest.iter_mut().enumerate() {
-                    *rest = past((&response, history), (order, f), k) / (2.0 * self.step);
+                    *rest = past.weighed(order, f, k) / (2.0 * self.step);
                 }
             }
             let a = if alone { 0.0 } else { 1.5 / self.step };
@@ -158,14 +171,14 @@ impl March {
             for f in 0..count {
                 right[f] = source[f][k];
                 for g in 0..count {
-                    let at = c.at(k, (f, g));
+                    let at = c.at(k, f, g);
                     right[f] -=
                         c.damping[at] * rest[0][g] + c.mass[at] * (a * rest[0][g] + rest[1][g]);
                 }
             }
             for f in 0..count {
                 let value: f64 = (0..count)
-                    .map(|g| self.inverse[c.at(k, (f, g))] * right[g])
+                    .map(|g| self.inverse[c.at(k, f, g)] * right[g])
                     .sum();
                 let rate = a * value + rest[0][f];
                 response[0][f][k] = value;
@@ -186,21 +199,26 @@ pub(super) fn end(response: &Response) -> History {
     })
 }
 
-/// `−4 x₋₁ + x₋₂` of δ (order 0) or δ̇ (order 1) of a member before sample k; at rest before a first sample.
-pub(super) fn past(
-    (response, history): (&Response, Option<&History>),
-    (order, member): (usize, usize),
-    k: usize,
-) -> f64 {
-    let count = response[0].len();
-    let before = |steps: usize| match (k.checked_sub(steps), history) {
-        (Some(at), _) => response[order][member][at],
-        (None, Some(h)) => h[(2 * order + steps - k - 1) * count + member],
-        (None, None) => response[order][member][0],
-    };
-    match k == 0 && history.is_none() {
-        true => 0.0,
-        false => before(2) - 4.0 * before(1),
+/// What is known before a sample: the response up to it, and what came before the first, if that was not rest.
+#[derive(Clone, Copy)]
+pub(super) struct Past<'a> {
+    pub response: &'a Response,
+    pub history: Option<&'a History>,
+}
+
+impl Past<'_> {
+    /// `−4 x₋₁ + x₋₂` of δ (order 0) or δ̇ (order 1) of a member before sample k; at rest before a first sample.
+    pub fn weighed(self, order: usize, member: usize, k: usize) -> f64 {
+        let series = &self.response[order];
+        let before = |steps: usize| match (k.checked_sub(steps), self.history) {
+            (Some(at), _) => series[member][at],
+            (None, Some(h)) => h[(2 * order + steps - k - 1) * series.len() + member],
+            (None, None) => series[member][0],
+        };
+        match k == 0 && self.history.is_none() {
+            true => 0.0,
+            false => before(2) - 4.0 * before(1),
+        }
     }
 }
 

@@ -80,12 +80,22 @@ struct Scratch {
     parameters: Vec<f64>,
 }
 
+/// For how many samples there is room, and whether they follow one another along a recording.
+struct Room {
+    samples: usize,
+    along: bool,
+}
+
 impl<'m> Evaluator<'m> {
     /// An evaluator of `model` at parameter `values`, with derivatives with respect to `columns`
     /// (positions of parameters), over blocks of states. Laws that need the whole motion do not
     /// act: [`Evaluator::along`] has them.
     pub fn new(model: &'m Model, values: &DVector<f64>, columns: &[usize]) -> Self {
-        Self::with_room(model, values, columns, (BLOCK, false))
+        let room = Room {
+            samples: BLOCK,
+            along: false,
+        };
+        Self::with_room(model, values, columns, room)
     }
 
     /// An evaluator over whole recordings of at most `samples` samples.
@@ -95,15 +105,18 @@ impl<'m> Evaluator<'m> {
         columns: &[usize],
         samples: usize,
     ) -> Self {
-        Self::with_room(model, values, columns, (samples, true))
+        let room = Room {
+            samples,
+            along: true,
+        };
+        Self::with_room(model, values, columns, room)
     }
 
-    fn with_room(
-        model: &'m Model,
-        values: &DVector<f64>,
-        columns: &[usize],
-        (room, along): (usize, bool),
-    ) -> Self {
+    fn with_room(model: &'m Model, values: &DVector<f64>, columns: &[usize], room: Room) -> Self {
+        let Room {
+            samples: room,
+            along,
+        } = room;
         let (n, channels) = (model.tree().len(), model.channels().len());
         let rows = model.signal().rows();
         let mut column = vec![None; model.parameters().len()];

@@ -123,7 +123,7 @@ impl Evaluator<'_> {
             *by_sign += before * (1.0 + slope);
         }
         for (column, series) in added {
-            self.block.add_scaled((j, column), 1.0, &series);
+            self.block.add_scaled(j, column, 1.0, &series);
         }
     }
 
@@ -167,7 +167,7 @@ impl Evaluator<'_> {
             for (parameter, position) in positions.enumerate() {
                 if let Some(column) = self.column[position] {
                     let series = &self.scratch.by_parameter[parameter];
-                    self.block.add_scaled((j, column), 1.0, series);
+                    self.block.add_scaled(j, column, 1.0, series);
                 }
             }
         }
@@ -195,7 +195,7 @@ impl Evaluator<'_> {
         if let Some(column) = joint.gain.and_then(|at| self.column[at]) {
             // ∂(τ_mot/gain)/∂gain, before the division by the gain below.
             let values = std::mem::take(&mut self.block.values[j]);
-            self.block.add_scaled((j, column), -1.0 / gain, &values);
+            self.block.add_scaled(j, column, -1.0 / gain, &values);
             self.block.values[j] = values;
         }
         let factor = match joint.polynomial {
@@ -214,12 +214,12 @@ impl Evaluator<'_> {
             self.currents(j, first, range.len());
         }
         if let Some(kp) = joint.controller {
-            self.errors(j, kp, (segment, range));
+            self.errors(j, kp, segment, range);
         }
     }
 
     /// Torques become errors of the controller: `s = (τ + kd (ṁ − v_c) − u) / kp`.
-    fn errors(&mut self, j: usize, at: usize, (segment, range): (Segment<'_>, Range<usize>)) {
+    fn errors(&mut self, j: usize, at: usize, segment: Segment<'_>, range: Range<usize>) {
         let (kp, kd) = (self.values[at], self.values[at + 1]);
         let mut rate = segment.motors.dq[j][range.clone()].to_vec();
         let commands = segment.commands.map(|all| all.later(range.start));
@@ -234,11 +234,11 @@ impl Evaluator<'_> {
         let pairs = self.block.values[j].iter_mut().zip(&rate);
         pairs.for_each(|(torque, rate)| *torque += kd * rate);
         if let Some(column) = self.column[at + 1] {
-            self.block.add_scaled((j, column), 1.0, &rate);
+            self.block.add_scaled(j, column, 1.0, &rate);
         }
         if let Some(column) = self.column[at] {
             let values = std::mem::take(&mut self.block.values[j]);
-            self.block.add_scaled((j, column), -1.0 / kp, &values);
+            self.block.add_scaled(j, column, -1.0 / kp, &values);
             self.block.values[j] = values;
         }
         self.block.values[j].iter_mut().for_each(|x| *x /= kp);

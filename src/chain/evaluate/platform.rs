@@ -23,7 +23,7 @@ impl Evaluator<'_> {
             let joints = Trajectory { q, dq, ddq };
             let wrench = &mut self.rigid.values[row..];
             let tree = self.model.tree();
-            platform.add_rotors(tree, (motors, range.start), (joints, range.len()), wrench);
+            platform.add_rotors(tree, motors, joints, range, wrench);
         }
     }
 

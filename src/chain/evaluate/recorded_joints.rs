@@ -3,7 +3,7 @@
 //! `m = V⁻¹ V_ref m_ref`, so that `q = V m + offset` is what was recorded whatever V is. Entries of V act on the
 //! laws of the motors and on the torque that reaches them; their columns are central differences of the whole.
 
-use crate::chain::evaluate::{Evaluator, Segment};
+use crate::chain::evaluate::{Evaluator, Room, Segment};
 use crate::robot::batch::Trajectory;
 use nalgebra::DMatrix;
 use std::ops::Range;
@@ -55,8 +55,11 @@ impl Evaluator<'_> {
             let at = |step: f64| {
                 let mut values = self.values.clone();
                 values[position] += step;
-                let mut other =
-                    Evaluator::with_room(self.model, &values, &[], (range.len(), self.along));
+                let room = Room {
+                    samples: range.len(),
+                    along: self.along,
+                };
+                let mut other = Evaluator::with_room(self.model, &values, &[], room);
                 other.states(segment, range.clone());
                 other.block
             };

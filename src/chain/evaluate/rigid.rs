@@ -3,6 +3,7 @@
 use crate::chain::effect::sign::{sign, sign_by_velocity, sign_by_width};
 use crate::chain::effect::tilt::tilted_by_angles;
 use crate::chain::effect::{Contribution, Law, Samples, Surroundings};
+use crate::chain::evaluate::block::SeriesPart;
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
 use crate::robot::batch::{RegressorBatch, Trajectory, torques_into};
 use crate::robot::inertia::PER_LINK;
@@ -11,7 +12,8 @@ use std::rc::Rc;
 
 /// What laws at a joint are given, over the samples of `range`; `sign` is that of its velocity.
 pub(super) fn at_joint<'a>(
-    (motion, j): (&'a [Vec<Vec<f64>>; 3], usize),
+    motion: &'a [Vec<Vec<f64>>; 3],
+    j: usize,
     sign: &'a [f64],
     segment: Segment<'a>,
     range: Range<usize>,
@@ -90,8 +92,14 @@ impl Evaluator<'_> {
         let bodies = Rc::clone(&self.bodies[usize::from(loaded)]);
         if !sums {
             let [q, dq, ddq] = &self.joint_motion;
-            let motion = (Trajectory { q, dq, ddq }, 0..samples);
-            torques_into(&self.tree, &bodies, motion, &mut self.rigid.values);
+            let motion = Trajectory { q, dq, ddq };
+            torques_into(
+                &self.tree,
+                &bodies,
+                motion,
+                0..samples,
+                &mut self.rigid.values,
+            );
         }
         let wanted: Vec<bool> = (0..self.tree.len())
             .map(|link| sums || self.has_columns(link, loaded))
@@ -102,12 +110,11 @@ impl Evaluator<'_> {
         let mut regressor = self.lend_regressor();
         for start in (0..samples).step_by(BLOCK) {
             let range = start..samples.min(start + BLOCK);
-            let motion = (self.trajectory(), range.clone());
-            regressor.evaluate_links(&self.tree, motion, &wanted);
+            regressor.evaluate_links(&self.tree, self.trajectory(), range.clone(), &wanted);
             if sums {
                 self.sum_bodies(&regressor, &bodies, range.clone());
             }
-            self.body_columns(&regressor, (loaded, &wanted), range);
+            self.body_columns(&regressor, segment, &wanted, range);
         }
         self.regressor = Some(regressor);
     }
@@ -147,7 +154,8 @@ impl Evaluator<'_> {
     fn body_columns(
         &mut self,
         regressor: &RegressorBatch,
-        (loaded, wanted): (bool, &[bool]),
+        segment: Segment<'_>,
+        wanted: &[bool],
         range: Range<usize>,
     ) {
         let torque_rows = self.torque_rows();
@@ -161,13 +169,16 @@ impl Evaluator<'_> {
                 }
                 for quantity in 0..PER_LINK {
                     let parameter = PER_LINK * link + quantity;
-                    let series = &regressor.column(row, parameter)[..range.len()];
+                    let part = SeriesPart {
+                        channel: row,
+                        start: range.start,
+                        samples: &regressor.column(row, parameter)[..range.len()],
+                    };
                     if let Some(column) = self.column[parameter] {
-                        self.rigid
-                            .add_part((row, column), (1.0, range.start), series);
+                        self.rigid.add_part(column, 1.0, part);
                     }
-                    if loaded {
-                        self.payload_columns((row, range.start), (link, quantity), series);
+                    if segment.loaded {
+                        self.payload_columns(link, quantity, part);
                     }
                 }
             }
@@ -175,12 +186,7 @@ impl Evaluator<'_> {
     }
 
     /// The load's parameters enter through the columns of the link that carries it.
-    fn payload_columns(
-        &mut self,
-        (row, start): (usize, usize),
-        (link, entry): (usize, usize),
-        series: &[f64],
-    ) {
+    fn payload_columns(&mut self, link: usize, entry: usize, part: SeriesPart<'_>) {
         let (Some((payload, first)), Some(transfer)) = (self.model.payload(), self.transfer) else {
             return;
         };
@@ -190,7 +196,7 @@ impl Evaluator<'_> {
         for quantity in 0..PER_LINK {
             let weight = transfer[(entry, quantity)];
             if let (Some(column), true) = (self.column[first + quantity], weight != 0.0) {
-                self.rigid.add_part((row, column), (weight, start), series);
+                self.rigid.add_part(column, weight, part);
             }
         }
     }
@@ -222,9 +228,12 @@ impl Evaluator<'_> {
                 for row in 0..self.rigid.values.len() {
                     for (parameter, weight) in bodies.iter().enumerate() {
                         if *weight != 0.0 {
-                            let series = &regressor.column(row, parameter)[..range.len()];
-                            let part = (*weight, range.start);
-                            self.rigid.add_part((row, column), part, series);
+                            let part = SeriesPart {
+                                channel: row,
+                                start: range.start,
+                                samples: &regressor.column(row, parameter)[..range.len()],
+                            };
+                            self.rigid.add_part(column, *weight, part);
                         }
                     }
                 }
@@ -262,12 +271,8 @@ impl Evaluator<'_> {
                     *to = sign(*v, width);
                 }
                 let others = of_others(&joint.others[index], &self.joint_motion, 0..range.len());
-                let mut input = at_joint(
-                    (&self.joint_motion, j),
-                    &scratch.sign,
-                    segment,
-                    range.clone(),
-                );
+                let mut input =
+                    at_joint(&self.joint_motion, j, &scratch.sign, segment, range.clone());
                 input.surroundings.others = &others;
                 input.surroundings.period = self.model.period();
                 let mut out = Contribution {
@@ -285,7 +290,7 @@ impl Evaluator<'_> {
                 for parameter in 0..count {
                     if let Some(column) = self.column[first + parameter] {
                         let series = &self.scratch.by_parameter[parameter];
-                        self.rigid.add_scaled((j, column), 1.0, series);
+                        self.rigid.add_scaled(j, column, 1.0, series);
                     }
                 }
                 for (k, by_sign) in self.scratch.by_sign[..range.len()].iter().enumerate() {
@@ -299,7 +304,7 @@ impl Evaluator<'_> {
                         .map(|(by_sign, v)| by_sign * sign_by_width(*v, width))
                         .collect();
                     if series.iter().any(|x| *x != 0.0) {
-                        self.rigid.add_scaled((j, column), 1.0, &series);
+                        self.rigid.add_scaled(j, column, 1.0, &series);
                     }
                 }
             }
@@ -336,7 +341,7 @@ impl Evaluator<'_> {
                 for column in 0..self.block.columns {
                     let series = self.rigid.lend(row, column);
                     if !series.is_empty() {
-                        self.block.add_scaled((channel, column), weight, &series);
+                        self.block.add_scaled(channel, column, weight, &series);
                     }
                     self.rigid.give_back(row, column, series);
                 }

@@ -28,7 +28,7 @@ use crate::chain::evaluate::bodies;
 use crate::chain::flank::Flank;
 use crate::chain::forward::drive::{Drive, LEAST_WIDTH};
 use crate::chain::forward::rosenbrock::Rosenbrock;
-use crate::chain::forward::state::Lagging;
+use crate::chain::forward::state::{Drivetrain, Lagging, TimeSpan};
 use crate::chain::model::{JointModel, Model, Signal};
 use crate::mechanism::error::MechanismError;
 use crate::mechanism::loops::Mechanism;
@@ -312,19 +312,23 @@ impl<'m> Forward<'m> {
         let steps = (duration / self.accuracy.step - 1e-9).ceil().max(1.0);
         let h = duration / steps;
         for step in 0..steps as usize {
-            let ends = [step as f64 / steps, (step + 1) as f64 / steps];
-            self.step(state, driven, (h, ends))?;
+            let span = TimeSpan {
+                duration: h,
+                from: step as f64 / steps,
+                to: (step + 1) as f64 / steps,
+            };
+            self.step(state, driven, span)?;
         }
         Ok(())
     }
 
-    /// One step, from and to shares of the whole over which the torque is linear.
     fn step(
         &mut self,
         state: &mut State,
         driven: Driven<'_>,
-        (h, ends): (f64, [f64; 2]),
+        span: TimeSpan,
     ) -> Result<(), MotionEnds> {
+        let h = span.duration;
         let mut middle = std::mem::take(&mut self.middle);
         for k in 0..state.position.len() {
             let (v, a) = (state.velocity[k], self.acceleration[k]);
@@ -335,9 +339,12 @@ impl<'m> Forward<'m> {
         self.middle = middle;
         linearised?;
         self.acceleration.copy_from_slice(&state.velocity);
-        let solved =
-            self.solver
-                .integrate(state, (&mut self.drives, &self.lags), driven, (h, ends));
+        let mut train = Drivetrain {
+            drives: &mut self.drives,
+            lags: &self.lags,
+            driven,
+        };
+        let solved = self.solver.integrate(state, &mut train, span);
         for (a, v) in self.acceleration.iter_mut().zip(&state.velocity) {
             *a = (v - *a) / h;
         }

@@ -13,7 +13,7 @@
 //! it takes.
 
 use crate::chain::forward::drive::{Drive, Moving};
-use crate::chain::forward::state::{Driven, Lagging, State};
+use crate::chain::forward::state::{Driven, Drivetrain, State, TimeSpan};
 
 /// γ = 1 − 1/√2: ROS2 is L-stable.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
@@ -118,30 +118,28 @@ impl Rosenbrock {
         self.halvings = 0;
     }
 
-    /// Integrates over h, in the shares `ends` of the time over which a torque is linear. The index of a coordinate without
-    /// inertia is the error.
+    /// Integrates over a span. The index of a coordinate without inertia is the error.
     pub fn integrate(
         &mut self,
         state: &mut State,
-        (drives, lags): (&mut [Drive], &[Lagging]),
-        driven: Driven<'_>,
-        (h, ends): (f64, [f64; 2]),
+        train: &mut Drivetrain<'_>,
+        span: TimeSpan,
     ) -> Result<(), usize> {
         let whole = 1_u32 << MOST_HALVINGS;
         let mut done = 0;
         while done < whole {
-            let at = |done: u32| ends[0] + (ends[1] - ends[0]) * f64::from(done) / f64::from(whole);
-            self.drive(driven, at(done));
+            let at = |done: u32| span.at(f64::from(done) / f64::from(whole));
+            self.drive(train.driven, at(done));
             let mut now = std::mem::take(&mut self.now);
-            self.evaluate(state, (drives, lags), &mut now);
-            let settled = self.settle_losses(state, (drives, lags), (driven, &mut now), h);
+            self.evaluate(state, train, &mut now);
+            let settled = self.settle_losses(state, train, &mut now, span.duration);
             self.now = now;
             settled?;
             loop {
                 let share = whole >> self.halvings;
-                let step = h * f64::from(share) / f64::from(whole);
-                self.drive(driven, at(done + share));
-                let error = self.attempt(state, (drives, lags), driven, step)?;
+                let step = span.duration * f64::from(share) / f64::from(whole);
+                self.drive(train.driven, at(done + share));
+                let error = self.attempt(state, train, step)?;
                 // Also rejects what is not a number.
                 let fits = error <= self.tolerance;
                 if !fits && self.halvings < MOST_HALVINGS {
@@ -170,8 +168,8 @@ impl Rosenbrock {
         }
     }
 
-    fn evaluate(&self, state: &State, (drives, lags): (&mut [Drive], &[Lagging]), out: &mut Side) {
-        for (k, drive) in drives.iter_mut().enumerate() {
+    fn evaluate(&self, state: &State, train: &mut Drivetrain<'_>, out: &mut Side) {
+        for (k, drive) in train.drives.iter_mut().enumerate() {
             let v = state.velocity[k];
             let taken = drive.taken(state.position[k], v);
             let mut force = self.torque[k] - taken.torque;
@@ -197,7 +195,7 @@ impl Rosenbrock {
             out.force[k] = force - (1.0 + out.loss_slope[k]) * self.bias[k];
             out.damping[k] = damping;
         }
-        for (f, lag) in lags.iter().enumerate() {
+        for (f, lag) in train.lags.iter().enumerate() {
             let at = self.motors + f;
             let contact = lag.flank.contact(state.position[at], state.velocity[at]);
             out.force[at] = -contact.torque - self.bias[at];
@@ -207,21 +205,16 @@ impl Rosenbrock {
     }
 
     /// Row k of A times a vector.
-    fn inertia_times(&self, drives: &[Drive], side: &Side, (k, x): (usize, &[f64])) -> f64 {
+    fn row_times(&self, drives: &[Drive], side: &Side, k: usize, x: &[f64]) -> f64 {
         let row = &self.mass[k * self.size..(k + 1) * self.size];
         let sum: f64 = row.iter().zip(x).map(|(a, b)| a * b).sum();
         (1.0 + side.loss_slope[k]) * sum + drives.get(k).map_or(0.0, |d| d.inertia * x[k])
     }
 
     /// A into the matrix, with a diagonal added; rows of motors whose motion is given are those of the identity.
-    fn assemble(
-        &mut self,
-        drives: &[Drive],
-        (side, driven): (&Side, Driven<'_>),
-        added: impl Fn(usize) -> f64,
-    ) {
+    fn assemble(&mut self, train: &Drivetrain<'_>, side: &Side, added: impl Fn(usize) -> f64) {
         let n = self.size;
-        let given = matches!(driven, Driven::Motion { .. });
+        let given = train.is_given();
         for k in 0..n {
             let row = &mut self.matrix[k * n..(k + 1) * n];
             if given && k < self.motors {
@@ -233,7 +226,7 @@ impl Rosenbrock {
             for (to, from) in row.iter_mut().zip(&self.mass[k * n..(k + 1) * n]) {
                 *to = scale * from;
             }
-            row[k] += drives.get(k).map_or(0.0, |d| d.inertia) + added(k);
+            row[k] += train.drives.get(k).map_or(0.0, |d| d.inertia) + added(k);
         }
     }
 
@@ -241,22 +234,22 @@ impl Rosenbrock {
     fn settle_losses(
         &mut self,
         state: &State,
-        (drives, lags): (&mut [Drive], &[Lagging]),
-        (driven, side): (Driven<'_>, &mut Side),
+        train: &mut Drivetrain<'_>,
+        side: &mut Side,
         h: f64,
     ) -> Result<(), usize> {
-        if matches!(driven, Driven::Motion { .. }) || !drives.iter().any(Drive::has_losses) {
+        if train.is_given() || !train.has_losses() {
             return Ok(());
         }
         let step = h / f64::from(1_u32 << self.halvings);
         for _ in 0..SIDES {
-            self.prepare(drives, (side, driven), step);
+            self.prepare(train, side, step);
             self.factor()?;
-            self.right_of_first(state, (side, driven), step);
+            self.right_of_first(state, train.driven, side, step);
             let mut k1 = std::mem::take(&mut self.right);
             self.substitute(&mut k1);
             let mut same = true;
-            for (k, drive) in drives.iter_mut().enumerate() {
+            for (k, drive) in train.drives.iter_mut().enumerate() {
                 let row = &self.mass[k * self.size..(k + 1) * self.size];
                 let load = self.bias[k] + row.iter().zip(&k1).map(|(a, b)| a * b).sum::<f64>();
                 if drive.has_losses() {
@@ -273,7 +266,7 @@ impl Rosenbrock {
                 self.load[k] = load;
             }
             self.right = k1;
-            self.evaluate(state, (drives, lags), side);
+            self.evaluate(state, train, side);
             if same {
                 break;
             }
@@ -281,15 +274,15 @@ impl Rosenbrock {
         Ok(())
     }
 
-    fn prepare(&mut self, drives: &[Drive], (side, driven): (&Side, Driven<'_>), h: f64) {
+    fn prepare(&mut self, train: &Drivetrain<'_>, side: &Side, h: f64) {
         let g = GAMMA * h;
-        self.assemble(drives, (side, driven), |k| {
+        self.assemble(train, side, |k| {
             let memory = side.weight[k] * side.fill[k] / (1.0 + g * side.decay[k]);
             g * side.damping[k] + g * g * (side.stiffness[k] + memory)
         });
     }
 
-    fn right_of_first(&mut self, state: &State, (side, driven): (&Side, Driven<'_>), h: f64) {
+    fn right_of_first(&mut self, state: &State, driven: Driven<'_>, side: &Side, h: f64) {
         let g = GAMMA * h;
         for k in 0..self.size {
             let memory = side.weight[k] * side.rate[k] / (1.0 + g * side.decay[k]);
@@ -301,18 +294,12 @@ impl Rosenbrock {
     }
 
     /// k₁ and k₂ of a step from a state; the largest difference of a velocity from the method of order one.
-    fn attempt(
-        &mut self,
-        state: &State,
-        (drives, lags): (&mut [Drive], &[Lagging]),
-        driven: Driven<'_>,
-        h: f64,
-    ) -> Result<f64, usize> {
+    fn attempt(&mut self, state: &State, train: &mut Drivetrain<'_>, h: f64) -> Result<f64, usize> {
         let (now, mut ahead) = (
             std::mem::take(&mut self.now),
             std::mem::take(&mut self.ahead),
         );
-        let error = self.stages(state, (drives, lags), driven, (h, &now, &mut ahead));
+        let error = self.stages(state, train, h, &now, &mut ahead);
         (self.now, self.ahead) = (now, ahead);
         error
     }
@@ -320,14 +307,15 @@ impl Rosenbrock {
     fn stages(
         &mut self,
         state: &State,
-        (drives, lags): (&mut [Drive], &[Lagging]),
-        driven: Driven<'_>,
-        (h, now, ahead): (f64, &Side, &mut Side),
+        train: &mut Drivetrain<'_>,
+        h: f64,
+        now: &Side,
+        ahead: &mut Side,
     ) -> Result<f64, usize> {
         let g = GAMMA * h;
         let (n, motors) = (self.size, self.motors);
-        self.right_of_first(state, (now, driven), h);
-        self.prepare(drives, (now, driven), h);
+        self.right_of_first(state, train.driven, now, h);
+        self.prepare(train, now, h);
         self.factor()?;
         let mut k1 = std::mem::take(&mut self.first);
         k1.copy_from_slice(&self.right);
@@ -342,19 +330,19 @@ impl Rosenbrock {
             self.trial.memory[k] = state.memory[k] + h * self.first_memory[k];
         }
         let trial = std::mem::take(&mut self.trial);
-        self.evaluate(&trial, (drives, lags), ahead);
+        self.evaluate(&trial, train, ahead);
         self.trial = trial;
-        let given = matches!(driven, Driven::Motion { .. });
+        let given = train.is_given();
         let mut k2 = std::mem::take(&mut self.second);
         k2.copy_from_slice(&ahead.force);
-        if !given && drives.iter().any(Drive::has_losses) {
+        if !given && train.has_losses() {
             // A is another one there: its acceleration, brought to this A.
             let kept = self.matrix.clone();
-            self.assemble(drives, (ahead, driven), |_| 0.0);
+            self.assemble(train, ahead, |_| 0.0);
             self.factor()?;
             self.substitute(&mut k2);
             let carried: Vec<f64> = (0..n)
-                .map(|k| self.inertia_times(drives, now, (k, &k2)))
+                .map(|k| self.row_times(train.drives, now, k, &k2))
                 .collect();
             k2.copy_from_slice(&carried);
             self.matrix = kept;
@@ -365,7 +353,7 @@ impl Rosenbrock {
                 continue;
             }
             let moved = self.trial.velocity[k] - 2.0 * (state.velocity[k] + g * k1[k]);
-            k2[k] -= 2.0 * self.inertia_times(drives, now, (k, &k1)) + g * now.stiffness[k] * moved;
+            k2[k] -= 2.0 * self.row_times(train.drives, now, k, &k1) + g * now.stiffness[k] * moved;
             if k < motors && now.weight[k] != 0.0 {
                 let memory = ahead.rate[k] - 2.0 * self.first_memory[k];
                 k2[k] -= g * now.weight[k] * memory / (1.0 + g * now.decay[k]);

@@ -1,6 +1,7 @@
 //! What a forward simulation carries from step to step, and what drives it.
 
 use crate::chain::flank::Flank;
+use crate::chain::forward::drive::Drive;
 
 /// Motions of the motors and of what lags behind them.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -35,4 +36,37 @@ pub enum Driven<'a> {
 pub(super) struct Lagging {
     pub joint: usize,
     pub flank: Flank,
+}
+
+/// The drives, the links that lag behind them, and what moves the motors.
+pub(super) struct Drivetrain<'a> {
+    pub drives: &'a mut [Drive],
+    pub lags: &'a [Lagging],
+    pub driven: Driven<'a>,
+}
+
+impl Drivetrain<'_> {
+    /// Whether the motion of the motors is given.
+    pub fn is_given(&self) -> bool {
+        matches!(self.driven, Driven::Motion { .. })
+    }
+
+    pub fn has_losses(&self) -> bool {
+        self.drives.iter().any(Drive::has_losses)
+    }
+}
+
+/// A step: its duration, s, and the shares of the time over which a torque is linear at which it begins and ends.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TimeSpan {
+    pub duration: f64,
+    pub from: f64,
+    pub to: f64,
+}
+
+impl TimeSpan {
+    /// The share of that time at a share of the step.
+    pub fn at(self, share: f64) -> f64 {
+        self.from + (self.to - self.from) * share
+    }
 }

@@ -181,8 +181,8 @@ impl<'m> Torques<'m> {
         for (load, bodies) in self.bodies.iter().enumerate() {
             for start in (0..samples).step_by(BLOCK) {
                 let part = start..samples.min(start + BLOCK);
-                let states = (motion.trajectory(), part.clone());
-                derivatives.evaluate(self.model.tree(), bodies, states);
+                let tree = self.model.tree();
+                derivatives.evaluate(tree, bodies, motion.trajectory(), part.clone());
                 let own = self.limited.iter().zip(&mut all);
                 for (limited, slopes) in own.filter(|(l, _)| l.load == load) {
                     self.carry_slopes(limited.joint, &derivatives, part.clone(), slopes);
@@ -212,7 +212,7 @@ impl<'m> Torques<'m> {
         {
             for (order, slopes) in slopes.iter_mut().enumerate() {
                 for (i, slopes) in slopes.iter_mut().enumerate() {
-                    let by = derivatives.slope(order, (row, i));
+                    let by = derivatives.slope(order, row, i);
                     let pairs = slopes[part.clone()].iter_mut().zip(by);
                     pairs.for_each(|(to, by)| *to += share * by);
                 }

@@ -149,7 +149,7 @@ impl<'a> Without<'a> {
     ) -> Option<DVector<f64>> {
         let unknowns = self.fit.unknowns.positions();
         let own = another.columns[0].len();
-        let known = self.fit.prior.system((&unknowns, own), values);
+        let known = self.fit.prior.system(&unknowns, own, values);
         let mut factor = Triangular::new(known.ncols());
         factor.absorb(known.as_slice());
         let scale = deviations(residual);

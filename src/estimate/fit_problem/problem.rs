@@ -227,7 +227,7 @@ impl<'a> FitProblem<'a> {
         let values = self.parameters(x);
         let mut whole = factor(&self.request(&values), self.recordings);
         if !self.prior.is_empty() {
-            let known = self.prior.system((&self.columns, 0), &values);
+            let known = self.prior.system(&self.columns, 0, &values);
             whole.absorb(known.as_slice());
         }
         whole

@@ -178,7 +178,7 @@ impl<'a> JointSearches<'a> {
                     elsewhere.absorb(system.as_slice());
                 }
             }
-            let prior = self.problem.prior.system((&unknowns, 0), &self.reference);
+            let prior = self.problem.prior.system(&unknowns, 0, &self.reference);
             elsewhere.absorb(prior.as_slice());
         }
         let elsewhere = elsewhere.matrix();
