@@ -76,7 +76,7 @@ pub fn document(machine: &Machine, natives: &[Native], actuation: Actuation) -> 
     }
     sites(machine, None, "    ", &mut text);
     loop_constraints::sites(machine, None, "    ", &mut text);
-    bodies((machine, natives), None, "    ", &mut text);
+    bodies(machine, natives, None, "    ", &mut text);
     text.push_str("  </worldbody>\n");
     let equalities = [couplings(machine), loop_constraints::equalities(machine)].concat();
     if !equalities.is_empty() {
@@ -118,7 +118,8 @@ fn couplings(machine: &Machine) -> String {
 }
 
 fn bodies(
-    (machine, natives): (&Machine, &[Native]),
+    machine: &Machine,
+    natives: &[Native],
     parent: Option<usize>,
     indent: &str,
     text: &mut String,
@@ -142,7 +143,7 @@ fn bodies(
         let _ = writeln!(text, "{inner}{}", moving(joint, &natives[k]));
         sites(machine, Some(k), &inner, text);
         loop_constraints::sites(machine, Some(k), &inner, text);
-        bodies((machine, natives), Some(k), &inner, text);
+        bodies(machine, natives, Some(k), &inner, text);
         let _ = writeln!(text, "{indent}</body>");
     }
 }

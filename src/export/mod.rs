@@ -7,6 +7,7 @@ mod code;
 mod drive;
 pub mod error;
 mod file;
+mod identified;
 mod language;
 mod loop_constraints;
 mod mjcf;
@@ -25,6 +26,7 @@ mod xml;
 use crate::chain::effect::{Law, TILT, find};
 use crate::export::error::ExportError;
 pub use crate::export::file::{Export, File};
+use crate::export::identified::Identified;
 use crate::export::language::Language;
 use crate::outcome::machine::Machine;
 use crate::outcome::{Outcome, Part};
@@ -81,15 +83,19 @@ pub fn export(outcome: &Outcome, format: Format) -> Result<Export, ExportError> 
     }
     let name = outcome.name.as_str();
     let catalogue = laws::kept(&outcome.run.problem).map_err(ExportError::Laws)?;
-    let robot = (machine, &catalogue);
+    let robot = Identified {
+        name,
+        machine,
+        catalogue: &catalogue,
+    };
     let mut export = match format {
         Format::Urdf => urdf::write(machine, name)?,
         Format::Mjcf => mjcf::write(machine, name),
-        Format::Mujoco => mujoco::write(robot, name)?,
-        Format::Toml => table::write(machine, (name, &outcome.estimate.parameters))?,
-        Format::Rust => code::write(robot, (name, Language::Rust))?,
-        Format::C => code::write(robot, (name, Language::C))?,
-        Format::NumPy => code::write(robot, (name, Language::NumPy))?,
+        Format::Mujoco => mujoco::write(robot)?,
+        Format::Toml => table::write(machine, name, &outcome.estimate.parameters)?,
+        Format::Rust => code::write(robot, Language::Rust)?,
+        Format::C => code::write(robot, Language::C)?,
+        Format::NumPy => code::write(robot, Language::NumPy)?,
     };
     export.notes.extend(nearest.map(|_| NEAREST.to_string()));
     if !machine.loops.is_empty() && format != Format::Mjcf {

@@ -5,9 +5,10 @@ use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::{Catalogue, Law, TRANSITION, of_term};
 use crate::export::drive::Drives;
 use crate::export::error::ExportError;
+use crate::export::identified::Identified;
 use crate::export::mjcf::{self, Actuation, Native};
 use crate::export::{Export, File, code, term};
-use crate::outcome::machine::{Machine, MachineJoint};
+use crate::outcome::machine::MachineJoint;
 
 /// The glue between the drives and the simulator.
 const PLUGIN: &str = include_str!("exid_drive.c");
@@ -19,10 +20,10 @@ const SPEED_CHANGE: f64 = 1e-7;
 ///
 /// # Errors
 /// Effects or parameters that the result does not hold.
-pub fn write(
-    (machine, catalogue): (&Machine, &Catalogue),
-    name: &str,
-) -> Result<Export, ExportError> {
+pub fn write(robot: Identified<'_>) -> Result<Export, ExportError> {
+    let Identified {
+        machine, catalogue, ..
+    } = robot;
     let drives = Drives::of(machine, catalogue)?;
     let lagging = drives.lagging();
     let mut driven = machine.clone();
@@ -34,7 +35,14 @@ pub fn write(
         natives.push(take(joint, catalogue, straight && lossless));
     }
     let text = mjcf::document(&driven, &natives, Actuation::Plugin);
-    let source = code::plugin((&driven, catalogue), (name, PLUGIN, SPEED_CHANGE))?;
+    let source = code::plugin(
+        Identified {
+            machine: &driven,
+            ..robot
+        },
+        PLUGIN,
+        SPEED_CHANGE,
+    )?;
     let mut notes = vec![
         "compile exid_drive.c as its first lines say, and load the library before the model: \
          mujoco.mj_loadPluginLibrary(\"./libexid_drive.so\"); ctrl holds the signals of the motors"

@@ -38,7 +38,7 @@ struct Drive<'a> {
 ///
 /// # Errors
 /// Where the document cannot be encoded.
-pub fn write(machine: &Machine, (name, urdf): (&str, &str)) -> Result<File, ExportError> {
+pub fn write(machine: &Machine, name: &str, urdf: &str) -> Result<File, ExportError> {
     let file = format!("{name}.problem.toml");
     let joints = &machine.joints;
     let locked = joints

@@ -109,10 +109,11 @@ pub struct Joint {
 /// Where the document cannot be encoded.
 pub fn write(
     machine: &Machine,
-    (name, parameters): (&str, &[Parameter]),
+    name: &str,
+    parameters: &[Parameter],
 ) -> Result<Export, ExportError> {
     let file = format!("{name}.model.toml");
-    let table = Table::new(machine, (name, parameters));
+    let table = Table::new(machine, name, parameters);
     let text = toml::to_string(&table).map_err(|e| ExportError::not_encodable(&file, e))?;
     Ok(Export {
         files: vec![File { name: file, text }],
@@ -121,7 +122,7 @@ pub fn write(
 }
 
 impl Table {
-    fn new(machine: &Machine, (name, parameters): (&str, &[Parameter])) -> Self {
+    fn new(machine: &Machine, name: &str, parameters: &[Parameter]) -> Self {
         let valued = parameters.iter().filter_map(|p| {
             let value = p.value?;
             let interval = p

@@ -29,7 +29,7 @@ pub fn write(machine: &Machine, name: &str) -> Result<Export, ExportError> {
         None => from_geometry(machine),
     };
     let file = format!("{name}.urdf");
-    let side = side_file::write(machine, (name, &file))?;
+    let side = side_file::write(machine, name, &file)?;
     let mut notes = vec![format!(
         "URDF has damping and friction alone: what a simulator makes of them is its own; every law with its \
          parameters, rotor inertias, torque constants, gravity and the load stand in {}",

@@ -2,7 +2,7 @@
 
 use crate::chain::effect::expression::{Expression, Function};
 use crate::export::code::writer::{Writer, name};
-use crate::export::program::{Body, Visibility};
+use crate::export::program::{Body, Head, Visibility};
 use crate::export::regroup::minimal;
 use crate::export::symbol::{Symbol, record};
 use crate::export::tape::{Operation, Tape};
@@ -52,14 +52,12 @@ impl Writer<'_> {
         });
         let mut body = self.body();
         self.straight_line(&tape, &torque, &mut body);
-        self.function(
-            body,
-            (
-                &format!("joint_torque{suffix}"),
-                "Torques at the joints that move the bodies: inertia, Coriolis, gravity.",
-            ),
-            (&self.motion_arguments(), Visibility::Public),
-        )
+        body.function(&Head {
+            name: &format!("joint_torque{suffix}"),
+            documentation: "Torques at the joints that move the bodies: inertia, Coriolis, gravity.",
+            arguments: &self.motion_arguments(),
+            visibility: Visibility::Public,
+        })
     }
 
     pub(super) fn straight_line(&self, tape: &Tape, results: &[Symbol], body: &mut Body) {

@@ -2,10 +2,11 @@
 
 use crate::chain::effect::expression::{Expression, Function};
 use crate::export::code::lag::LAG_SHARE;
+use crate::export::code::layout::DelayLine;
 use crate::export::code::motors::with_current;
 use crate::export::code::writer::of_column;
 use crate::export::code::writer::{Writer, name};
-use crate::export::program::{Argument, Body, Visibility};
+use crate::export::program::{Argument, Body, Head, Visibility};
 
 /// Change of a torque by which slopes are measured, N·m (N): the laws are straight on either side of zero.
 pub(super) const TORQUE_CHANGE: f64 = 1e-3;
@@ -50,11 +51,12 @@ impl Writer<'_> {
             }
             body.assign(&format!("out[{j}]"), &(miss - name(format!("drive{j}"))));
         }
-        self.function(
-            body,
-            ("drive_miss", "What the motors take less what they give, by lags of links and torques at the other joints."),
-            (&self.drive_miss_arguments(), Visibility::Private),
-        )
+        body.function(&Head {
+            name: "drive_miss",
+            documentation: "What the motors take less what they give, by lags of links and torques at the other joints.",
+            arguments: &self.drive_miss_arguments(),
+            visibility: Visibility::Private,
+        })
     }
 
     pub(super) fn drive_miss_arguments(&self) -> Vec<Argument> {
@@ -75,7 +77,7 @@ impl Writer<'_> {
     pub(super) fn bind_shaft(&self, body: &mut Body) {
         let members = self.members();
         for &j in &members {
-            self.bind_lag(body, (j, &format!("x[{j}]")));
+            self.bind_lag(body, j, &format!("x[{j}]"));
         }
         for (series, order) in [("q", ""), ("dq", "d"), ("ddq", "dd")] {
             body.array(&format!("e{series}"), self.joints());
@@ -111,7 +113,7 @@ impl Writer<'_> {
         for j in 0..self.joints() {
             body.assign(&format!("acting[{j}]"), &name(format!("signal[{j}]")));
             if let Some(line) = self.layout.lines[j] {
-                self.hold_back(&mut body, (j, line));
+                self.hold_back(&mut body, j, line);
             }
         }
         if self.members().is_empty() {
@@ -127,20 +129,19 @@ impl Writer<'_> {
             self.keep_lag(&mut body, j);
         }
         self.keep_clock(&mut body);
-        self.function(
-            body,
-            (
-                "drive_step",
-                "Torques of the drives on the links, from the signals of the motors and the motion of the links, dt after the\n\
+        body.function(&Head {
+            name: "drive_step",
+            documentation: "Torques of the drives on the links, from the signals of the motors and the motion of the links, dt after the\n\
                  step before; state goes on by one step. Begin with a state of zeros. Accelerations act on rotors alone: with\n\
                  rotors in the simulator (armature) give zeros.",
-            ),
-            (&self.drive_arguments(), Visibility::Public),
-        )
+            arguments: &self.drive_arguments(),
+            visibility: Visibility::Public,
+        })
     }
 
     /// The signal that was given a delay before.
-    pub(super) fn hold_back(&self, body: &mut Body, (j, (first, count)): (usize, (usize, usize))) {
+    pub(super) fn hold_back(&self, body: &mut Body, j: usize, line: DelayLine) {
+        let DelayLine { first, count } = line;
         let delay = -self.drives.drives[j].delay;
         let signal = name(format!("signal[{j}]"));
         body.if_less(&name("state[1]"), &Expression::Number(0.5));
@@ -219,7 +220,7 @@ impl Writer<'_> {
             })
             .collect();
         let before = ["state", "dt", "acting", "q", "dq", "ddq"];
-        self.newton(body, ("drive_miss", &before), &change);
+        self.newton(body, "drive_miss", &before, &change);
         self.bind_shaft(body);
         for j in 0..n {
             body.assign(&format!("out[{j}]"), &name(format!("tau{j}")));

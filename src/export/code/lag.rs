@@ -2,7 +2,7 @@
 
 use crate::chain::effect::expression::{Expression, Variable};
 use crate::export::code::writer::{Writer, name};
-use crate::export::program::{Argument, Body, Visibility};
+use crate::export::program::{Argument, Body, Head, Visibility};
 
 /// Steps of Newton's method, and halvings of one that does not come closer.
 pub(super) const STEPS: usize = 60;
@@ -25,7 +25,7 @@ impl Writer<'_> {
     }
 
     /// Binds `lag{j}`, `dlag{j}` and `ddlag{j}` of a member whose lag has this name.
-    pub(super) fn bind_lag(&self, body: &mut Body, (j, lag): (usize, &str)) {
+    pub(super) fn bind_lag(&self, body: &mut Body, j: usize, lag: &str) {
         let Some(at) = self.layout.lags[j] else {
             return;
         };
@@ -82,7 +82,7 @@ impl Writer<'_> {
             body.array(series, self.joints());
         }
         for (f, &j) in members.iter().enumerate() {
-            self.bind_lag(body, (j, &lags(f)));
+            self.bind_lag(body, j, &lags(f));
         }
         for j in 0..self.joints() {
             for (series, order) in [("q", ""), ("dq", "d"), ("ddq", "dd")] {
@@ -126,21 +126,20 @@ impl Writer<'_> {
             }
             body.assign(&format!("out[{f}]"), &miss);
         }
-        self.function(
-            body,
-            (
-                &format!("lag_miss{suffix}"),
-                "What resists the lags of links less what the links take.",
-            ),
-            (&self.miss_arguments(), Visibility::Private),
-        )
+        body.function(&Head {
+            name: &format!("lag_miss{suffix}"),
+            documentation: "What resists the lags of links less what the links take.",
+            arguments: &self.miss_arguments(),
+            visibility: Visibility::Private,
+        })
     }
 
     /// Newton's method for `function(before.., x, r) = 0` with n unknowns, whose slopes are measured over `change`.
     pub(super) fn newton(
         &self,
         body: &mut Body,
-        (function, before): (&str, &[&str]),
+        function: &str,
+        before: &[&str],
         change: &[Expression],
     ) {
         let n = change.len();
@@ -217,7 +216,7 @@ impl Writer<'_> {
             }
             let change = vec![name("dt") * LAG_SHARE; members.len()];
             let before = ["state", "dt", "q", "dq", "ddq"];
-            self.newton(&mut body, (&format!("lag_miss{suffix}"), &before), &change);
+            self.newton(&mut body, &format!("lag_miss{suffix}"), &before, &change);
             self.move_links(&mut body, |f| format!("x[{f}]"));
             links = ["lq", "ldq", "lddq"];
         }
@@ -232,14 +231,12 @@ impl Writer<'_> {
             self.keep_lag(&mut body, j);
         }
         self.keep_clock(&mut body);
-        self.function(
-            body,
-            (
-                &format!("inverse_step{suffix}"),
-                "The signals that the next sample of a motion takes, dt after the one before; state goes on by one sample.\n\
+        body.function(&Head {
+            name: &format!("inverse_step{suffix}"),
+            documentation: "The signals that the next sample of a motion takes, dt after the one before; state goes on by one sample.\n\
                  Begin with a state of zeros; the first sample is at time 0, whatever dt is.",
-            ),
-            (&self.inverse_arguments(), Visibility::Public),
-        )
+            arguments: &self.inverse_arguments(),
+            visibility: Visibility::Public,
+        })
     }
 }

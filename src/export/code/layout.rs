@@ -8,6 +8,13 @@ pub(super) const CLOCK: usize = 2;
 /// Shortest step for which a line of delayed signals is long enough, s.
 pub const SHORTEST_STEP: f64 = 1e-4;
 
+/// Where the signals on their way to a motor stand, the newest first, and how many there are.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct DelayLine {
+    pub(super) first: usize,
+    pub(super) count: usize,
+}
+
 /// Where the state of each law stands.
 #[derive(Debug)]
 pub(super) struct Layout {
@@ -15,8 +22,8 @@ pub(super) struct Layout {
     pub(super) bristles: Vec<Vec<Option<usize>>>,
     /// Of each joint: lag, the lag before it, and the rates of both.
     pub(super) lags: Vec<Option<usize>>,
-    /// Of each joint: signals on their way, the newest first, and their number.
-    pub(super) lines: Vec<Option<(usize, usize)>>,
+    /// Of each joint: signals on their way.
+    pub(super) lines: Vec<Option<DelayLine>>,
     pub(super) size: usize,
 }
 
@@ -39,7 +46,10 @@ impl Layout {
             .collect();
         let lines = drives.drives.iter().map(|drive| {
             let count = (-drive.delay / SHORTEST_STEP).ceil() as usize + 2;
-            (drive.delay < 0.0).then(|| (take(count), count))
+            (drive.delay < 0.0).then(|| DelayLine {
+                first: take(count),
+                count,
+            })
         });
         let lines = lines.collect();
         Self {

@@ -14,12 +14,12 @@ mod motors;
 mod names;
 mod writer;
 
-use crate::chain::effect::Catalogue;
 use crate::export::code::layout::{Layout, SHORTEST_STEP};
 use crate::export::code::names::{identifier, in_comment};
 use crate::export::code::writer::Writer;
 use crate::export::drive::Drives;
 use crate::export::error::ExportError;
+use crate::export::identified::Identified;
 use crate::export::language::Language;
 use crate::export::{Export, File};
 use crate::outcome::machine::Machine;
@@ -29,10 +29,12 @@ use crate::outcome::provenance::VERSION;
 ///
 /// # Errors
 /// Effects or parameters that the result does not hold.
-pub fn write(
-    (machine, catalogue): (&Machine, &Catalogue),
-    (name, language): (&str, Language),
-) -> Result<Export, ExportError> {
+pub fn write(robot: Identified<'_>, language: Language) -> Result<Export, ExportError> {
+    let Identified {
+        name,
+        machine,
+        catalogue,
+    } = robot;
     let prefix = identifier(name);
     let drives = Drives::of(machine, catalogue)?;
     let layout = Layout::of(&drives);
@@ -86,10 +88,12 @@ pub fn notes(machine: &Machine, drives: &Drives) -> Vec<String> {
 ///
 /// # Errors
 /// Effects or parameters that the result does not hold.
-pub fn plugin(
-    (machine, catalogue): (&Machine, &Catalogue),
-    (name, glue, change): (&str, &str, f64),
-) -> Result<String, ExportError> {
+pub fn plugin(robot: Identified<'_>, glue: &str, change: f64) -> Result<String, ExportError> {
+    let Identified {
+        name,
+        machine,
+        catalogue,
+    } = robot;
     let drives = Drives::of(machine, catalogue)?;
     let layout = Layout::of(&drives);
     let writer = Writer {

@@ -4,7 +4,7 @@ use crate::chain::effect::expression::{Expression, Function, Variable};
 use crate::export::code::writer::combination;
 use crate::export::code::writer::of_column;
 use crate::export::code::writer::{Writer, name};
-use crate::export::program::{Body, Visibility};
+use crate::export::program::{Body, Head, Visibility};
 
 /// What moves in the places of a law's variables.
 pub(super) struct Moving<'a> {
@@ -208,28 +208,24 @@ impl Writer<'_> {
         body.call(&format!("joint_torque{suffix}"), &["q", "dq", "ddq", "tau"]);
         self.bind_motors(&mut body, ["q", "dq", "ddq"]);
         self.assign_motor_torques(&mut body, ["q", "dq"]);
-        self.function(
-            body,
-            (
-                &format!("motor_torque{suffix}"),
-                "Torques at the motors, at joint scale: what moves the joints, losses, rotor inertia, friction, offsets.",
-            ),
-            (&self.motion_arguments(), Visibility::Public),
-        )
+        body.function(&Head {
+            name: &format!("motor_torque{suffix}"),
+            documentation: "Torques at the motors, at joint scale: what moves the joints, losses, rotor inertia, friction, offsets.",
+            arguments: &self.motion_arguments(),
+            visibility: Visibility::Public,
+        })
     }
 
     pub(super) fn motor_current(&self, suffix: &str) -> String {
         let mut body = self.body();
         body.call(&format!("motor_torque{suffix}"), &["q", "dq", "ddq", "out"]);
         self.become_signals(&mut body);
-        self.function(
-            body,
-            (
-                &format!("motor_current{suffix}"),
-                "Currents of the motors, A.",
-            ),
-            (&self.motion_arguments(), Visibility::Public),
-        )
+        body.function(&Head {
+            name: &format!("motor_current{suffix}"),
+            documentation: "Currents of the motors, A.",
+            arguments: &self.motion_arguments(),
+            visibility: Visibility::Public,
+        })
     }
 
     /// Motor torques in `out` become what is read: `s = τ_mot / (k · gain)`, or the current of a polynomial.

@@ -203,20 +203,6 @@ impl Writer<'_> {
         arguments
     }
 
-    pub(super) fn function(
-        &self,
-        body: Body,
-        (name, documentation): (&str, &str),
-        (arguments, visibility): (&[Argument], Visibility),
-    ) -> String {
-        body.function(&Head {
-            name,
-            documentation,
-            arguments,
-            visibility,
-        })
-    }
-
     pub(super) fn body(&self) -> Body {
         Body::new(self.language, self.prefix)
     }
