@@ -3,6 +3,7 @@
 use crate::check::context::RawRecording;
 use crate::check::extent::extent;
 use crate::check::report::finding;
+use crate::fault::Description;
 use crate::outcome::check::{Finding, Severity};
 use crate::recording::spikes::quantum;
 
@@ -83,15 +84,14 @@ fn saturated(read: &RawRecording<'_>, channel: usize) -> Option<Finding> {
         finding(
             Severity::Warning,
             read.at_signal(channel),
-            (
+            Description::new(
                 "saturated",
                 format!(
                     "{total} of {} samples stand exactly at the signal's limit {}",
                     series.len(),
                     limits.join(" and ")
                 ),
-                "drive less hard, or leave these samples out with recordings.columns.mask"
-                    .to_string(),
+                "drive less hard, or leave these samples out with recordings.columns.mask",
             ),
         )
     })
@@ -123,7 +123,7 @@ fn stuck(read: &RawRecording<'_>, channel: usize) -> Option<Finding> {
     Some(finding(
         Severity::Warning,
         read.at_signal(channel),
-        (
+        Description::new(
             "stuck",
             format!(
                 "the signal does not change for {total} of {} samples while the joint moves, first at {:.3} s \
@@ -132,8 +132,7 @@ fn stuck(read: &RawRecording<'_>, channel: usize) -> Option<Finding> {
                 read.time(first),
                 series[first]
             ),
-            "check that the channel is connected; leave these samples out with recordings.columns.mask"
-                .to_string(),
+            "check that the channel is connected; leave these samples out with recordings.columns.mask",
         ),
     ))
 }
@@ -148,13 +147,13 @@ fn coarse(read: &RawRecording<'_>, joint: usize) -> Option<Finding> {
         finding(
             Severity::Warning,
             read.at_joint(joint),
-            (
+            Description::new(
                 "coarse-position",
                 format!(
                     "the position changes in steps of {step:.3e}, the whole motion is {steps:.0} of them; \
                      velocity and acceleration will be coarse"
                 ),
-                "record positions with all their digits; move further; or use the motor's encoder".to_string(),
+                "record positions with all their digits; move further; or use the motor's encoder",
             ),
         )
     })

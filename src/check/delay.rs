@@ -10,6 +10,7 @@ use crate::chain::model::Signal;
 use crate::check::context::PreparedRecording;
 use crate::check::regression::{Columns, Sampled, columns, factor, rest};
 use crate::check::report::finding;
+use crate::fault::Description;
 use crate::outcome::check::{Finding, Severity};
 use crate::stats::robust::median;
 
@@ -168,7 +169,7 @@ fn describe(ready: &PreparedRecording<'_>, delays: &[Delay]) -> Vec<Finding> {
         finding(
             Severity::Warning,
             place,
-            (
+            Description::new(
                 "delay",
                 format!(
                     "the signal is {:.2} ms {which} against the motion ({:.2} samples, standard deviation {:.2}); \

@@ -3,6 +3,7 @@
 use crate::chain::effect::WARMING;
 use crate::check::context::PreparedRecording;
 use crate::check::report::finding;
+use crate::fault::Description;
 use crate::outcome::check::{Finding, Severity};
 
 /// Fewest periods that show a trend: three degrees of freedom are left for its error.
@@ -36,7 +37,7 @@ pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Finding> {
                 finding(
                     Severity::Note,
                     ready.at_channel(c),
-                    (
+                    Description::new(
                         "drift",
                         format!(
                             "the mean loss changes steadily, by {:.1} % from the first of {} periods to the last",

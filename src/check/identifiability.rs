@@ -12,7 +12,7 @@ use crate::chain::parameter::{Parameter, Role};
 use crate::check::context::CheckContext;
 use crate::check::regression::{Comparison, Sampled, columns, known_part};
 use crate::check::report::finding;
-use crate::fault::Place;
+use crate::fault::{Description, Place};
 use crate::linalg::triangular::{ColumnScaling, Triangular};
 use crate::outcome::check::{Finding, Severity};
 use crate::recording::split::Split;
@@ -49,7 +49,7 @@ pub(super) fn check(context: &CheckContext<'_>, model: &Model, data: &Dataset) -
         findings.push(finding(
             Severity::Warning,
             place(),
-            (
+            Description::new(
                 "rank-deficient",
                 format!(
                     "the motion determines {} of {} base parameters; not {}",
@@ -58,8 +58,7 @@ pub(super) fn check(context: &CheckContext<'_>, model: &Model, data: &Dataset) -
                     names(&split.dependent)
                 ),
                 "move the joints of these parameters more, in several poses and directions; without that they are \
-                 reported as undetermined"
-                    .to_string(),
+                 reported as undetermined",
             ),
         ));
     }
@@ -75,18 +74,18 @@ pub(super) fn check(context: &CheckContext<'_>, model: &Model, data: &Dataset) -
         findings.push(finding(
             Severity::Warning,
             place(),
-            (
+            Description::new(
                 "ill-conditioned",
                 format!(
                     "the condition number of the motion is {condition:.0} (columns scaled); hardest to determine: \
                      {worst}"
                 ),
-                "excite with a motion from `exid design`, or add recordings in other poses".to_string(),
+                "excite with a motion from `exid design`, or add recordings in other poses",
             ),
         ));
     }
     if let Some(open) = open {
-        findings.extend(guesses(context, model, (&kept, &open)));
+        findings.extend(guesses(context, model, &kept, &open));
     }
     findings
 }
@@ -182,11 +181,7 @@ impl Open {
 }
 
 /// Friction that the recordings leave open.
-fn guesses(
-    context: &CheckContext<'_>,
-    model: &Model,
-    (kept, open): (&[usize], &Open),
-) -> Vec<Finding> {
+fn guesses(context: &CheckContext<'_>, model: &Model, kept: &[usize], open: &Open) -> Vec<Finding> {
     let mut findings = Vec::new();
     for (k, &position) in open.positions.iter().enumerate() {
         let parameter = &model.parameters()[kept[position]];
@@ -195,13 +190,13 @@ fn guesses(
             findings.push(finding(
                 Severity::Note,
                 Place::file(&context.problem.path).key(&parameter.name),
-                (
+                Description::new(
                     "poorly-determined",
                     format!(
                         "the recordings give {:.4} with a standard deviation of {:.4} {}",
                         open.values[k], open.deviations[k], parameter.unit
                     ),
-                    "move this joint slowly and fast, in both directions".to_string(),
+                    "move this joint slowly and fast, in both directions",
                 ),
             ));
         }
@@ -251,11 +246,10 @@ fn of_structure(
         findings.push(finding(
             Severity::Note,
             place(&name),
-            (
+            Description::new(
                 "not-identifiable",
                 format!("no motion determines this parameter by itself: {how}"),
-                "give one of them under drive.values, or read the combination from base_parameters"
-                    .to_string(),
+                "give one of them under drive.values, or read the combination from base_parameters",
             ),
         ));
     }
@@ -295,13 +289,12 @@ fn gains(context: &CheckContext<'_>, model: &Model) -> Vec<Finding> {
         finding(
             Severity::Warning,
             Place::file(&context.problem.path).key(format!("{}.{}.{}", joint.name, GAIN.id, GAIN.parameters[0].name)),
-            (
+            Description::new(
                 "not-identifiable",
                 "the gain and all inertial and friction parameters are free: only their ratio enters the signal"
                     .to_string(),
                 "use inertials = \"known\", give known values under drive.values, or add a recording with a known \
-                 load"
-                    .to_string(),
+                 load",
             ),
         )
     };

@@ -3,6 +3,7 @@
 use crate::chain::model::Signal;
 use crate::check::context::PreparedRecording;
 use crate::check::report::finding;
+use crate::fault::Description;
 use crate::outcome::check::{Finding, Severity};
 
 /// Shares by which limits may be exceeded: controllers overshoot, and files round.
@@ -27,21 +28,34 @@ pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Finding> {
         .collect()
 }
 
-/// Value and overshoot of the largest overshoot, and how many rows overshoot.
-fn overshoot(
-    series: impl Iterator<Item = f64>,
-    (lower, upper): (f64, f64),
-) -> Option<(f64, f64, usize)> {
-    let mut worst: Option<(f64, f64, usize)> = None;
-    for value in series {
-        let by = (value - upper).max(lower - value);
-        if by > 0.0 {
-            let (old, most, count) = worst.unwrap_or((value, 0.0, 0));
-            let kept = if by > most { (value, by) } else { (old, most) };
-            worst = Some((kept.0, kept.1, count + 1));
+/// How a series overshoots a range.
+struct Overshoot {
+    /// The value that is farthest beyond, and by how much.
+    value: f64,
+    by: f64,
+    /// Rows that are beyond.
+    count: usize,
+}
+
+impl Overshoot {
+    fn of(series: impl Iterator<Item = f64>, [lower, upper]: [f64; 2]) -> Option<Self> {
+        let mut worst: Option<Self> = None;
+        for value in series {
+            let by = (value - upper).max(lower - value);
+            if by > 0.0 {
+                let worst = worst.get_or_insert(Self {
+                    value,
+                    by,
+                    count: 0,
+                });
+                if by > worst.by {
+                    (worst.value, worst.by) = (value, by);
+                }
+                worst.count += 1;
+            }
         }
+        worst
     }
-    worst
 }
 
 /// `V m`: a series of one joint from those of the motors.
@@ -67,12 +81,13 @@ fn position(ready: &PreparedRecording<'_>, joint: usize) -> Option<Finding> {
     let motors = &ready.prepared.experiment.motion.position;
     let joints = of_joint(ready, motors, joint);
     let slack = POSITION_SLACK * (upper - lower);
-    let (value, by, count) = overshoot(joints.map(|q| q + offset), (lower - slack, upper + slack))?;
+    let range = [lower - slack, upper + slack];
+    let Overshoot { value, by, count } = Overshoot::of(joints.map(|q| q + offset), range)?;
     let unit = description.kind.position_unit();
     Some(finding(
         Severity::Warning,
         ready.at_channel_of(joint),
-        (
+        Description::new(
             "position-beyond-limits",
             format!(
                 "the position reaches {value:.4} {unit}, {:.4} beyond the limits {lower:.4} .. {upper:.4} of the \
@@ -80,8 +95,7 @@ fn position(ready: &PreparedRecording<'_>, joint: usize) -> Option<Finding> {
                 by + slack,
                 ready.prepared.experiment.rows()
             ),
-            "check sign, unit, zero (drive.offset) and joint order of the positions; or correct the limits"
-                .to_string(),
+            "check sign, unit, zero (drive.offset) and joint order of the positions; or correct the limits",
         ),
     ))
 }
@@ -91,20 +105,19 @@ fn velocity(ready: &PreparedRecording<'_>, joint: usize) -> Option<Finding> {
     let limit = description.limits.velocity.filter(|limit| *limit > 0.0)?;
     let series = of_joint(ready, &ready.prepared.experiment.motion.velocity, joint);
     let most = (1.0 + VELOCITY_SLACK) * limit;
-    let (value, _, count) = overshoot(series, (-most, most))?;
+    let Overshoot { value, count, .. } = Overshoot::of(series, [-most, most])?;
     let unit = description.kind.position_unit();
     Some(finding(
         Severity::Warning,
         ready.at_channel_of(joint),
-        (
+        Description::new(
             "velocity-beyond-limits",
             format!(
                 "the speed reaches {:.4} {unit}/s, the robot file allows {limit:.4} {unit}/s; {count} of {} rows",
                 value.abs(),
                 ready.prepared.experiment.rows()
             ),
-            "check the units of position and time, and recordings.differentiation.cutoff_hz"
-                .to_string(),
+            "check the units of position and time, and recordings.differentiation.cutoff_hz",
         ),
     ))
 }
@@ -125,14 +138,14 @@ fn effort(ready: &PreparedRecording<'_>, joint: usize) -> Option<Finding> {
         .iter()
         .map(|s| s * constant);
     let most = (1.0 + EFFORT_SLACK) * limit;
-    let (value, _, count) = overshoot(series, (-most, most))?;
+    let Overshoot { value, count, .. } = Overshoot::of(series, [-most, most])?;
     let rows = ready.prepared.experiment.rows();
     let unit = description.kind.effort_unit();
     (count as f64 > EFFORT_ROWS * rows as f64).then(|| {
         finding(
             Severity::Warning,
             ready.at_channel_of(joint),
-            (
+            Description::new(
                 "effort-beyond-limits",
                 format!(
                     "{count} of {rows} rows exceed the robot file's limit {limit:.4} {unit}; the largest is \
@@ -140,8 +153,7 @@ fn effort(ready: &PreparedRecording<'_>, joint: usize) -> Option<Finding> {
                     value.abs()
                 ),
                 "check recordings.signal (current or torque, motor or joint side) and drive.torque_constant; or \
-                 correct the limit"
-                    .to_string(),
+                 correct the limit",
             ),
         )
     })

@@ -3,7 +3,7 @@
 use crate::check::context::CheckContext;
 use crate::check::extent::extent;
 use crate::check::report::finding;
-use crate::fault::Place;
+use crate::fault::{Description, Place};
 use crate::outcome::check::{Finding, Severity};
 use crate::setup::recording_file::NamedRecording;
 use crate::setup::recordings::read_one;
@@ -38,10 +38,10 @@ pub(super) fn check(context: &CheckContext<'_>, named: &NamedRecording<'_>) -> V
             finding(
                 Severity::Error,
                 Place::file(&named.path.resolved).key(&context.robot.tree.joints()[k].name),
-                (
+                Description::new(
                     "locked-joint-moves",
                     format!("the joint is locked at {at} and goes from {low:.4} to {high:.4} in the recording"),
-                    "take it out of `robot.locked`, or lock it where it stands".to_string(),
+                    "take it out of `robot.locked`, or lock it where it stands",
                 ),
             )
         })

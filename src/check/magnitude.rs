@@ -2,6 +2,7 @@
 
 use crate::check::context::RawRecording;
 use crate::check::report::finding;
+use crate::fault::Description;
 use crate::outcome::check::{Finding, Severity};
 use crate::problem_file::choices::Signal;
 
@@ -29,13 +30,13 @@ pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
     vec![finding(
         Severity::Error,
         read.at_signal(turning[0]),
-        (
+        Description::new(
             "effort-magnitude",
             format!(
                 "no sample of any of {} joints that move both ways is negative: the signal is a magnitude",
                 turning.len()
             ),
-            "record the signed current or torque; a magnitude does not tell what drives from what brakes".to_string(),
+            "record the signed current or torque; a magnitude does not tell what drives from what brakes",
         ),
     )]
 }

@@ -2,6 +2,7 @@
 
 use crate::check::context::RawRecording;
 use crate::check::report::finding;
+use crate::fault::Description;
 use crate::outcome::check::{Finding, Severity};
 
 /// Share of the rows up to which a logger drops a value now and then.
@@ -23,11 +24,10 @@ pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
     vec![finding(
         severity,
         place,
-        (
+        Description::new(
             "missing-values",
             missing.words(&read.recording.file),
-            "record and export every channel in every row; what is left out shows nothing"
-                .to_string(),
+            "record and export every channel in every row; what is left out shows nothing",
         ),
     )]
 }

@@ -7,7 +7,7 @@ use crate::check::context::CheckContext;
 use crate::check::extent::extent;
 use crate::check::regression::still;
 use crate::check::report::finding;
-use crate::fault::Place;
+use crate::fault::{Description, Place};
 use crate::outcome::check::{Finding, Severity};
 use crate::recording::split::Split;
 
@@ -26,16 +26,14 @@ const WIDTHS: f64 = 5.0;
 pub(super) fn check(context: &CheckContext<'_>, model: &Model, data: &Dataset) -> Vec<Finding> {
     let joints = context.moving.iter().copied();
     joints
-        .filter_map(|joint| of_joint(context, (model, joint), data))
+        .filter_map(|joint| of_joint(context, model, joint, data))
         .collect()
 }
 
-/// Code, message and remedy.
-type Words = (&'static str, String, String);
-
 fn of_joint(
     context: &CheckContext<'_>,
-    (model, joint): (&Model, usize),
+    model: &Model,
+    joint: usize,
     data: &Dataset,
 ) -> Option<Finding> {
     let description = &model.joints()[joint];
@@ -43,14 +41,14 @@ fn of_joint(
     let (low, high) = extent(motion().flat_map(|m| m.position[joint].iter().copied()));
     let velocities = motion().flat_map(|m| m.velocity[joint].iter().copied());
     let words = if high - low < still(description.kind) {
-        Some((
+        Some(Description::new(
             "joint-hardly-moves",
             format!(
                 "the joint moves by {:.5} {} in all training recordings",
                 high - low,
                 description.kind.position_unit()
             ),
-            "move it in a training recording, or state it under robot.locked".to_string(),
+            "move it in a training recording, or state it under robot.locked",
         ))
     } else {
         of_speeds(description, model, velocities.collect())
@@ -60,7 +58,7 @@ fn of_joint(
 }
 
 /// What Coulomb friction asks of the speeds of its joint.
-fn of_speeds(joint: &JointModel, model: &Model, velocities: Vec<f64>) -> Option<Words> {
+fn of_speeds(joint: &JointModel, model: &Model, velocities: Vec<f64>) -> Option<Description> {
     if !joint.has_term(JointTerm::DryFriction) {
         return None;
     }
@@ -71,33 +69,34 @@ fn of_speeds(joint: &JointModel, model: &Model, velocities: Vec<f64>) -> Option<
     let count = moving.len().max(1) as f64;
     let forward = moving.iter().filter(|v| **v > 0.0).count() as f64 / count;
     if !(DIRECTION_SHARE..=1.0 - DIRECTION_SHARE).contains(&forward) {
-        return Some((
+        return Some(Description::new(
             "one-direction",
-            format!("the joint moves {:.1} % of the time in the positive direction", 100.0 * forward),
-            "move it both ways: otherwise Coulomb friction is the same as an offset or a gravity torque"
-                .to_string(),
+            format!(
+                "the joint moves {:.1} % of the time in the positive direction",
+                100.0 * forward
+            ),
+            "move it both ways: otherwise Coulomb friction is the same as an offset or a gravity torque",
         ));
     }
     let width = joint.width.map_or(0.0, |w| model.parameters()[w].value);
     if fastest < WIDTHS * width {
-        return Some((
+        return Some(Description::new(
             "too-slow-for-friction",
             format!(
                 "the joint never exceeds {fastest:.4} {unit}/s, its friction's transition speed w is {width} \
                  {unit}/s"
             ),
-            "move it faster, or give a smaller w under drive.values".to_string(),
+            "move it faster, or give a smaller w under drive.values",
         ));
     }
     let mean = moving.iter().map(|v| v.abs()).sum::<f64>() / count;
     let squares = moving.iter().map(|v| (v.abs() - mean).powi(2)).sum::<f64>();
     let one_speed = (squares / count).sqrt() < ONE_SPEED * mean;
     (joint.has_term(JointTerm::ViscousFriction) && one_speed).then(|| {
-        (
+        Description::new(
             "one-speed",
             format!("the joint moves at {mean:.4} {unit}/s nearly all the time"),
-            "move it slowly and fast: otherwise Coulomb and viscous friction cannot be told apart"
-                .to_string(),
+            "move it slowly and fast: otherwise Coulomb and viscous friction cannot be told apart",
         )
     })
 }

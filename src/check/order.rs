@@ -10,6 +10,7 @@ use crate::check::context::PreparedRecording;
 use crate::check::regression::{Comparison, Sampled, with_tree};
 use crate::check::report::finding;
 use crate::check::shared::{Rows, base};
+use crate::fault::Description;
 use crate::outcome::check::{Finding, Severity};
 use crate::robot::tree::JointKind;
 use rayon::prelude::*;
@@ -165,7 +166,7 @@ impl Judged<'_> {
         };
         let model = turned.as_ref().unwrap_or(&self.comparison.model);
         let channels: Vec<usize> = self.channels.iter().map(|(c, _)| *c).collect();
-        let rows = Rows::new(self.comparison, (model, &sampled), &channels, &self.base);
+        let rows = Rows::new(self.comparison, model, &sampled, &channels, &self.base);
         let assignment: Vec<usize> = (0..channels.len()).collect();
         let reading = Reading {
             hypothesis,
@@ -184,7 +185,7 @@ impl Judged<'_> {
             Hypothesis::Exchanged(i, j) => {
                 let at = |joint| self.channels.iter().position(|(_, j)| *j == joint);
                 match (at(i), at(j)) {
-                    (Some(a), Some(b)) => exchanged(&rows, plain, (a, b)),
+                    (Some(a), Some(b)) => exchanged(&rows, plain, a, b),
                     _ => plain,
                 }
             }
@@ -195,7 +196,7 @@ impl Judged<'_> {
 }
 
 /// The better of a reading and the one with two of its signals exchanged.
-fn exchanged(rows: &Rows, reading: Reading, (a, b): (usize, usize)) -> Reading {
+fn exchanged(rows: &Rows, reading: Reading, a: usize, b: usize) -> Reading {
     let mut other = reading.clone();
     other.assignment.swap(a, b);
     other.deviations = rows.deviations(&other.assignment);
@@ -213,7 +214,7 @@ fn reassigned(rows: &Rows, mut reading: Reading) -> Reading {
         let mut best = reading.clone();
         for a in 0..n {
             for b in a + 1..n {
-                let other = exchanged(rows, reading.clone(), (a, b));
+                let other = exchanged(rows, reading.clone(), a, b);
                 if other.cost() < best.cost() {
                     best = other;
                 }
@@ -262,12 +263,12 @@ fn not_tried(ready: &PreparedRecording<'_>, joints: usize) -> Finding {
     finding(
         Severity::Note,
         ready.place(),
-        (
+        Description::new(
             "order-not-tried",
             format!(
                 "whether the columns are those of other joints is not looked at: {joints} joints have too many orders"
             ),
-            "to have it looked at, lock all but some of the joints".to_string(),
+            "to have it looked at, lock all but some of the joints",
         ),
     )
 }
@@ -282,15 +283,19 @@ fn describe(
     let factor = (gain / channels.len() as f64).exp();
     let evidence =
         format!("the residuals are then {factor:.2} times smaller, on the average over all joints");
-    let error = |place, (code, message, remedy): (&str, String, &str)| {
-        let message = format!("{message}; {evidence}");
-        finding(Severity::Error, place, (code, message, remedy.to_string()))
+    let error = |place, description: Description| {
+        let message = format!("{}; {evidence}", description.message);
+        let description = Description {
+            message,
+            ..description
+        };
+        finding(Severity::Error, place, description)
     };
     let moved = |c: &usize| reading.assignment[*c] != *c;
     let moved: Vec<usize> = (0..channels.len()).filter(moved).collect();
     let of_signal = |&c: &usize| {
         let follows = name(channels[reading.assignment[c]].1);
-        let words = (
+        let words = Description::new(
             "joint-order",
             format!("the signal of this joint follows the motion of {follows}"),
             "put the columns of the signal into the order of the joints",
@@ -303,7 +308,7 @@ fn describe(
         } else {
             "positions and signals"
         };
-        let words = (
+        let words = Description::new(
             "joint-order",
             format!("{both} of this joint look like those of {}", name(other)),
             "put the columns into the order of the joints, or correct robot.joints",
@@ -324,9 +329,9 @@ fn describe(
 }
 
 /// Words for a sign, a zero or a direction that differs from the robot file's.
-fn of_frame(hypothesis: Hypothesis) -> (&'static str, String, &'static str) {
+fn of_frame(hypothesis: Hypothesis) -> Description {
     match hypothesis {
-        Hypothesis::Turned(_, angle) => (
+        Hypothesis::Turned(_, angle) => Description::new(
             "position-zero",
             format!(
                 "the zero of the position looks {:+.0} degrees away from the robot file's",
@@ -334,7 +339,7 @@ fn of_frame(hypothesis: Hypothesis) -> (&'static str, String, &'static str) {
             ),
             "set drive.offset for this joint",
         ),
-        Hypothesis::Gravity(axis, sign) => (
+        Hypothesis::Gravity(axis, sign) => Description::new(
             "gravity-direction",
             format!(
                 "gravity looks as if it pointed along {}{} of the base frame",
@@ -343,10 +348,9 @@ fn of_frame(hypothesis: Hypothesis) -> (&'static str, String, &'static str) {
             ),
             "set robot.gravity as the base is mounted",
         ),
-        _ => (
+        _ => Description::new(
             "position-sign",
-            "the position looks as if it counted the other way than the robot file's joint"
-                .to_string(),
+            "the position looks as if it counted the other way than the robot file's joint",
             "change the sign of the position (a negative drive.ratio does), and of the signal if it has the \
              same sign convention",
         ),

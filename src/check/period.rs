@@ -2,6 +2,7 @@
 
 use crate::check::context::RawRecording;
 use crate::check::report::finding;
+use crate::fault::Description;
 use crate::outcome::check::{Finding, Severity};
 use crate::problem_file::choices::DifferentiationMethod;
 use crate::recording::period;
@@ -28,7 +29,7 @@ fn of_stated(read: &RawRecording<'_>, stated: f64) -> Option<Finding> {
     Some(finding(
         Severity::Warning,
         read.place().key("period"),
-        ("period-wrong", message, remedy),
+        Description::new("period-wrong", message, remedy),
     ))
 }
 
@@ -56,7 +57,7 @@ fn of_unstated(read: &RawRecording<'_>) -> Option<Finding> {
     Some(finding(
         Severity::Note,
         read.place().key("period"),
-        (
+        Description::new(
             "period-not-stated",
             format!("the motion repeats every {period:.5} s, {repeats:.1} times"),
             remedy,

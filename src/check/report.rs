@@ -1,14 +1,15 @@
 //! A finding about a file, or about one channel or element of it.
 
-use crate::fault::Place;
+use crate::fault::{Description, Place};
 use crate::outcome::check::{Finding, Severity};
 
 /// A finding about a file, or about one channel or element of it.
-pub(super) fn finding(
-    severity: Severity,
-    place: Place,
-    (code, message, remedy): (&str, String, String),
-) -> Finding {
+pub(super) fn finding(severity: Severity, place: Place, description: Description) -> Finding {
+    let Description {
+        code,
+        message,
+        remedy,
+    } = description;
     Finding {
         code: code.to_string(),
         severity,

@@ -1,7 +1,7 @@
 //! The robot file: bodies that cannot be, masses and limits that are absent.
 
 use crate::check::report::finding;
-use crate::fault::Place;
+use crate::fault::{Description, Place};
 use crate::outcome::check::{Finding, Severity};
 use crate::problem_file::ProblemFile;
 use crate::problem_file::choices::Inertials;
@@ -58,9 +58,7 @@ fn of_note(note: &Note) -> Finding {
         Weight::Remark => Severity::Note,
         Weight::LeftOut => Severity::Warning,
     };
-    let words = &note.words;
-    let text = (words.code, words.message.clone(), words.remedy.clone());
-    finding(severity, note.place.clone(), text)
+    finding(severity, note.place.clone(), note.words.clone())
 }
 
 fn matters(known: bool) -> Severity {
@@ -82,15 +80,14 @@ fn impossible(robot: &Robot, joint: &Joint, known: bool) -> Option<Finding> {
         finding(
             matters(known),
             at(robot, &joint.link),
-            (
+            Description::new(
                 "impossible-inertia",
                 format!(
                     "no body has these inertial parameters: mass {} kg, least eigenvalue of the pseudo-inertia \
                      {least:.3e}",
                     joint.inertia.mass()
                 ),
-                "correct mass and inertia in the robot file (principal moments obey the triangle inequality)"
-                    .to_string(),
+                "correct mass and inertia in the robot file (principal moments obey the triangle inequality)",
             ),
         )
     })
@@ -119,10 +116,10 @@ fn massless(robot: &Robot, known: bool) -> Option<Finding> {
     Some(finding(
         severity,
         place,
-        (
+        Description::new(
             "no-mass",
             format!("links without mass: {}", without.join(", ")),
-            "give every moving link its mass, or use inertials = \"estimate\"".to_string(),
+            "give every moving link its mass, or use inertials = \"estimate\"",
         ),
     ))
 }
@@ -144,10 +141,10 @@ fn far_centre(robot: &Robot, link: usize) -> Option<Finding> {
         finding(
             Severity::Warning,
             at(robot, &joint.link),
-            (
+            Description::new(
                 "far-centre-of-mass",
                 format!("the centre of mass is {centre:.3} m from the link's frame, the next frame {reach:.3} m"),
-                "give lengths in metres, and the centre of mass in the link's own frame".to_string(),
+                "give lengths in metres, and the centre of mass in the link's own frame",
             ),
         )
     })
@@ -164,11 +161,10 @@ fn without_limits(robot: &Robot) -> Option<Finding> {
         finding(
             Severity::Note,
             Place::file(&robot.file),
-            (
+            Description::new(
                 "no-limits",
                 format!("no limit of velocity or effort: {}", without.join(", ")),
-                "give limits, so that recordings can be checked and motions designed against them"
-                    .to_string(),
+                "give limits, so that recordings can be checked and motions designed against them",
             ),
         )
     })
@@ -185,12 +181,12 @@ fn outlying_mass(robot: &Robot) -> Option<Finding> {
         finding(
             Severity::Warning,
             at(robot, &heaviest.link),
-            (
+            Description::new(
                 "outlying-mass",
                 format!(
                     "this link weighs {mass} kg, all other moving links together {others:.4} kg"
                 ),
-                "give masses in kilograms".to_string(),
+                "give masses in kilograms",
             ),
         )
     })
@@ -209,14 +205,14 @@ fn limits_in_degrees(robot: &Robot) -> Option<Finding> {
     Some(finding(
         Severity::Warning,
         at(robot, &joint.name),
-        (
+        Description::new(
             "limits-in-degrees",
             format!(
                 "a limit of position of {} rad is {:.0} turns",
                 farthest(joint),
                 farthest(joint) / TAU
             ),
-            "give limits of turning joints in radians: multiply degrees by pi/180".to_string(),
+            "give limits of turning joints in radians: multiply degrees by pi/180",
         ),
     ))
 }
@@ -242,10 +238,10 @@ fn angles_in_degrees(problem: &ProblemFile) -> Option<Finding> {
             line: Some(line),
             ..Place::file(&path.resolved)
         },
-        (
+        Description::new(
             "angles-in-degrees",
             format!("rpy=\"{angles}\" goes beyond one turn"),
-            "give roll, pitch and yaw in radians: multiply degrees by pi/180".to_string(),
+            "give roll, pitch and yaw in radians: multiply degrees by pi/180",
         ),
     ))
 }
@@ -260,11 +256,10 @@ fn no_gravity_of_earth(problem: &ProblemFile, robot: &Robot) -> Option<Finding> 
         finding(
             Severity::Warning,
             place,
-            (
+            Description::new(
                 "gravity-size",
                 format!("gravity of {size} m/s² is not that of the Earth, 9.76 to 9.84 m/s²"),
-                "give the acceleration of free fall in m/s², in the axes of the base: [0.0, 0.0, -9.81] where z points up"
-                    .to_string(),
+                "give the acceleration of free fall in m/s², in the axes of the base: [0.0, 0.0, -9.81] where z points up",
             ),
         )
     })

@@ -6,6 +6,7 @@ use crate::chain::parameter::Role;
 use crate::check::context::PreparedRecording;
 use crate::check::regression::{Columns, Comparison, factor, last_coefficients, rest};
 use crate::check::report::finding;
+use crate::fault::Description;
 use crate::outcome::check::{Finding, Severity};
 use crate::robot::inertia::PER_LINK;
 
@@ -136,7 +137,7 @@ fn of_all(ready: &PreparedRecording<'_>, factors: &[Factor]) -> Finding {
     finding(
         Severity::Warning,
         ready.place(),
-        (
+        Description::new(
             "signal-scale",
             format!(
                 "the torques are {} times those that the robot file's inertials give: {what}",

@@ -45,7 +45,8 @@ impl Rows {
     /// Rows of a model over a motion; `channels` are those that are judged.
     pub fn new(
         comparison: &Comparison,
-        (model, sampled): (&Model, &Sampled),
+        model: &Model,
+        sampled: &Sampled,
         channels: &[usize],
         base: &[usize],
     ) -> Self {
@@ -79,7 +80,7 @@ impl Rows {
         for _ in 0..ROUNDS {
             let solution = self.solve(order, &left);
             left = (0..order.len())
-                .map(|k| self.left((order[k], k), &solution).max(floor(k)))
+                .map(|k| self.left(order[k], k, &solution).max(floor(k)))
                 .collect();
         }
         let freedom = (self.samples as f64 - self.unknowns as f64 / order.len() as f64).max(1.0);
@@ -117,7 +118,7 @@ impl Rows {
     }
 
     /// Norm of what a solution leaves of a signal in a row.
-    fn left(&self, (row, signal): (usize, usize), solution: &DVector<f64>) -> f64 {
+    fn left(&self, row: usize, signal: usize, solution: &DVector<f64>) -> f64 {
         let Row { columns, factor } = &self.rows[row];
         let count = columns.len();
         let of = |i: usize| {

@@ -8,6 +8,7 @@ use crate::check::context::PreparedRecording;
 use crate::check::regression::{Comparison, factor, last_coefficients, rest};
 use crate::check::report::finding;
 use crate::check::scale;
+use crate::fault::Description;
 use crate::outcome::check::{Finding, Severity};
 use nalgebra::DVector;
 
@@ -30,7 +31,7 @@ pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Finding> {
         .into_iter()
         .filter(|&(_, joint)| comparison.moves(joint))
         .filter_map(|(channel, joint)| {
-            let friction = friction(comparison, (channel, joint))?;
+            let friction = friction(comparison, channel, joint)?;
             let against_file = factors.iter().find(|f| f.channel == channel && f.value < 0.0);
             let (severity, reason) = match (friction.is_negative(), against_file) {
                 (true, _) => (
@@ -55,12 +56,11 @@ pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Finding> {
             Some(finding(
                 severity,
                 ready.at_channel(channel),
-                (
+                Description::new(
                     "signal-sign",
                     format!("the signal has the wrong sign: {reason}"),
                     "signals are what the motor exerts, positive along positive motion: change the sign of this \
-                     channel (a negative torque constant does)"
-                        .to_string(),
+                     channel (a negative torque constant does)",
                 ),
             ))
         })
@@ -86,7 +86,7 @@ impl Friction {
     }
 }
 
-fn friction(comparison: &Comparison, (channel, joint): (usize, usize)) -> Option<Friction> {
+fn friction(comparison: &Comparison, channel: usize, joint: usize) -> Option<Friction> {
     let model = &comparison.model;
     let own = |term: JointTerm| {
         let found = model.joints()[joint]

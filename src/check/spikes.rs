@@ -2,6 +2,7 @@
 
 use crate::check::context::RawRecording;
 use crate::check::report::finding;
+use crate::fault::Description;
 use crate::outcome::check::{Finding, Severity};
 use crate::recording::spikes::{Channel, SPIKE_SIGMA, spikes};
 
@@ -28,7 +29,7 @@ pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
             finding(
                 severity(spikes.count),
                 place.line(read.recording.line(spikes.at)),
-                (
+                Description::new(
                     "spikes",
                     format!(
                         "{} samples of the {what} stand out by more than {SPIKE_SIGMA} standard deviations; the \
@@ -37,8 +38,7 @@ pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
                         spikes.size,
                         read.time(spikes.at)
                     ),
-                    "where they come with nothing in the motion, what their neighbours say takes their place; look for the cause"
-                        .to_string(),
+                    "where they come with nothing in the motion, what their neighbours say takes their place; look for the cause",
                 ),
             )
         })

@@ -2,7 +2,7 @@
 
 use crate::check::context::{PreparedRecording, RawRecording};
 use crate::check::report::finding;
-use crate::fault::Place;
+use crate::fault::{Description, Place};
 use crate::outcome::check::{Finding, Severity};
 use crate::recording::experiment::Chosen;
 use crate::recording::samples::Recording;
@@ -36,11 +36,10 @@ fn joined<'a>(read: &'a RawRecording<'_>) -> impl Iterator<Item = Finding> + 'a 
         finding(
             Severity::Note,
             read.place(),
-            (
+            Description::new(
                 "files-joined",
                 remark.clone(),
-                "list the file of the signal first, and its samples stay as they were recorded"
-                    .to_string(),
+                "list the file of the signal first, and its samples stay as they were recorded",
             ),
         )
     })
@@ -52,10 +51,10 @@ fn held(read: &RawRecording<'_>) -> Option<Finding> {
     Some(finding(
         Severity::Warning,
         read.place().key(held.channels),
-        (
+        Description::new(
             "samples-held",
             held.words(&read.recording.file, read.timing.rate_hz),
-            "record every channel at the rate of the file, or write the samples alone".to_string(),
+            "record every channel at the rate of the file, or write the samples alone",
         ),
     ))
 }
@@ -80,7 +79,7 @@ pub(super) fn wrong_unit(recording: &Recording) -> Option<Finding> {
     Some(finding(
         Severity::Error,
         Place::file(&recording.file).key("time"),
-        (
+        Description::new(
             "time-unit",
             format!(
                 "the time stamps are {step} apart, which as seconds is a rate of {:.3e} Hz; they look like {unit} \
@@ -109,7 +108,7 @@ fn missing(read: &RawRecording<'_>) -> Option<Finding> {
     Some(finding(
         severity,
         read.place().key("time").line(longest.0),
-        (
+        Description::new(
             "missing-samples",
             format!(
                 "{} gaps in time, about {lost:.0} samples ({:.2} %) are missing; the longest gap is {:.4} s",
@@ -117,8 +116,7 @@ fn missing(read: &RawRecording<'_>) -> Option<Finding> {
                 100.0 * share,
                 longest.1
             ),
-            "rows inside gaps are left out; record again if the gaps fall on the fast parts of the motion"
-                .to_string(),
+            "rows inside gaps are left out; record again if the gaps fall on the fast parts of the motion",
         ),
     ))
 }
@@ -143,7 +141,7 @@ fn uneven(read: &RawRecording<'_>) -> Option<Finding> {
         finding(
             severity,
             read.place().key("time"),
-            (
+            Description::new(
                 "jitter",
                 format!(
                     "the steps of time scatter by {:.3} ms about {:.3} ms",
@@ -171,14 +169,13 @@ pub(super) fn check_bandwidth(ready: &PreparedRecording<'_>) -> Vec<Finding> {
             finding(
                 Severity::Warning,
                 ready.at_channel_of(joint),
-                (
+                Description::new(
                     "rate-too-low",
                     format!(
                         "the motion reaches {:.1} Hz, half the rate is {nyquist:.1} Hz",
                         experiment.bandwidth[joint].cutoff_hz
                     ),
-                    "record faster, or move more smoothly; or state recordings.differentiation.cutoff_hz"
-                        .to_string(),
+                    "record faster, or move more smoothly; or state recordings.differentiation.cutoff_hz",
                 ),
             )
         })

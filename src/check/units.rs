@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use crate::check::context::RawRecording;
 use crate::check::extent::extent;
 use crate::check::report::finding;
+use crate::fault::Description;
 use crate::outcome::check::{Finding, Severity};
 
 /// Degrees per radian.
@@ -47,7 +48,7 @@ pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
     vec![finding(
         Severity::Error,
         place,
-        (
+        Description::new(
             "position-in-degrees",
             format!(
                 "{} of {} turning joints leave their range as radians and keep to it as degrees; {} goes from \
@@ -57,8 +58,7 @@ pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
                 context.joint(worst).name
             ),
             "give positions in radians: multiply by pi/180 (velocities and accelerations too, if they are in \
-             degrees)"
-                .to_string(),
+             degrees)",
         ),
     )]
 }

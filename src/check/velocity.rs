@@ -5,6 +5,7 @@
 use crate::check::context::RawRecording;
 use crate::check::report::finding;
 use crate::check::units::DEGREES;
+use crate::fault::Description;
 use crate::outcome::check::{Finding, Severity};
 use crate::recording::spikes::quantum;
 use crate::stats::deviation::rms;
@@ -82,7 +83,7 @@ pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
         if own.abs() >= SAME {
             findings.extend(of_factor(read, j, factor(&changes[j], &integrals[j])));
         } else if let Some(other) = other {
-            findings.push(of_order(read, (j, other), (own, pair(j, other))));
+            findings.push(of_order(read, j, other, [own, pair(j, other)]));
         } else {
             findings.push(of_another_motion(read, j, own));
         }
@@ -102,7 +103,7 @@ fn of_factor(read: &RawRecording<'_>, joint: usize, factor: f64) -> Option<Findi
     Some(finding(
         Severity::Error,
         read.at_joint(joint),
-        (
+        Description::new(
             "velocity-factor",
             format!(
                 "the position changes {factor:.5} times as fast as the velocity channel says: {reason} the two \
@@ -115,21 +116,21 @@ fn of_factor(read: &RawRecording<'_>, joint: usize, factor: f64) -> Option<Findi
 
 fn of_order(
     read: &RawRecording<'_>,
-    (joint, other): (usize, usize),
-    (own, found): (f64, f64),
+    joint: usize,
+    other: usize,
+    [own, found]: [f64; 2],
 ) -> Finding {
     let other = &read.context.joint(other).name;
     finding(
         Severity::Error,
         read.at_joint(joint),
-        (
+        Description::new(
             "velocity-order",
             format!(
                 "the velocity of this joint does not follow its position (correlation {own:.3}); that of \
                  {other} does ({found:.3})"
             ),
-            "put position and velocity columns into the same order in recordings.columns"
-                .to_string(),
+            "put position and velocity columns into the same order in recordings.columns",
         ),
     )
 }
@@ -138,12 +139,12 @@ fn of_another_motion(read: &RawRecording<'_>, joint: usize, own: f64) -> Finding
     finding(
         Severity::Error,
         read.at_joint(joint),
-        (
+        Description::new(
             "velocity-not-derivative",
             format!(
                 "the velocity channel does not follow the position: correlation {own:.3} over {WINDOW_S} s"
             ),
-            "name the right column in recordings.columns.velocity, or leave it out".to_string(),
+            "name the right column in recordings.columns.velocity, or leave it out",
         ),
     )
 }
