@@ -85,7 +85,7 @@ fn rivals_come_apart_in_the_recording_of_the_next_experiment() {
     for case in CASES {
         let kept = tempfile::tempdir().unwrap();
         let folder = kept.path();
-        let plan = Plan::draw(&case.scope(), (case.number, 0));
+        let plan = Plan::draw(&case.scope(), case.number, 0);
         prepare(&plan, folder, &Control::default()).unwrap();
         exid(folder, &["diagnose", "problem.toml", "--out", "before"]);
         let rivals = case.rivals.iter().map(ToString::to_string).collect();

@@ -23,7 +23,7 @@ fn pushed(from: f64, to: f64) -> Plan {
         robots: vec!["arm3"],
         ..Scope::periodic(11)
     };
-    let mut plan = Plan::draw(&scope, (0, 0));
+    let mut plan = Plan::draw(&scope, 0, 0);
     let size = 0.5 * plan.robot.torque[plan.concealed[0].joints()[0]];
     let values = plan.concealed[0].values.iter_mut();
     for ((_, to), value) in values.zip([size, from, to]) {
@@ -98,7 +98,7 @@ fn errors_of_uncertain_parameters_are_foreseen() {
         robots: vec!["arm3"],
         ..Scope::periodic(11)
     };
-    let mut plan = Plan::draw(&scope, (0, 0));
+    let mut plan = Plan::draw(&scope, 0, 0);
     plan.concealed.clear();
     plan.known_links = false;
     prepare(&plan, folder.path(), &control).unwrap();

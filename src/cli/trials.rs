@@ -79,14 +79,14 @@ pub fn run(campaign: &Campaign) -> Result<u8, CliError> {
             continue;
         }
         done.sort_by_key(|t| t.seed);
-        let outcome = outcome(&scope, done.clone(), (started, made));
+        let outcome = outcome(&scope, done.clone(), started, made);
         folder::write(&target, &outcome, |_| Ok(()))?;
     }
     progress.done();
     if campaign.shard.is_some() && !control.is_interrupted() {
         return Ok(0);
     }
-    let outcome = outcome(&scope, done, (started, made));
+    let outcome = outcome(&scope, done, started, made);
     output::finish_alone(campaign.printing, &target, &outcome)?;
     Ok(match control.is_interrupted() {
         true => CliError::INTERRUPTED,
@@ -189,7 +189,7 @@ impl<'a> Place<'a> {
             return Ok(trial::run(scope, number, control));
         };
         let folder = keep.join(number.to_string());
-        let kept = trial::run_in(scope, number, (&folder, control));
+        let kept = trial::run_in(scope, number, &folder, control);
         kept.map_err(|e| Self::fault(&folder, &e.to_string()))
     }
 }
@@ -209,29 +209,27 @@ fn scope(campaign: &Campaign) -> Result<Scope, CliError> {
         .collect();
     scope.effects.clone_from(&effects);
     if !campaign.effects.is_empty() {
-        scope.effects = chosen(("--effects", &campaign.effects), &effects)?;
+        scope.effects = chosen("--effects", &campaign.effects, &effects)?;
     }
     if !campaign.robots.is_empty() {
-        scope.robots = chosen(("--robots", &campaign.robots), &KINDS)?;
+        scope.robots = chosen("--robots", &campaign.robots, &KINDS)?;
     }
     if !campaign.motion.is_empty() {
-        let chosen = chosen(
-            ("--motion", &campaign.motion),
-            &Motion::ALL.map(Motion::name),
-        )?;
+        let chosen = chosen("--motion", &campaign.motion, &Motion::ALL.map(Motion::name))?;
         scope
             .motions
             .retain(|motion| chosen.contains(&motion.name()));
     }
     if !campaign.noise.is_empty() {
-        let chosen = chosen(("--noise", &campaign.noise), &Noise::ALL.map(Noise::name))?;
+        let chosen = chosen("--noise", &campaign.noise, &Noise::ALL.map(Noise::name))?;
         scope.noises.retain(|noise| chosen.contains(&noise.name()));
     }
     Ok(scope)
 }
 
 fn chosen(
-    (flag, wanted): (&str, &[String]),
+    flag: &str,
+    wanted: &[String],
     known: &[&'static str],
 ) -> Result<Vec<&'static str>, CliError> {
     let find = |name: &String| {
@@ -271,7 +269,7 @@ fn earlier(target: &Path, scope: &Scope) -> Vec<Trial> {
     }
 }
 
-fn outcome(scope: &Scope, trials: Vec<Trial>, (started, made): (Instant, usize)) -> Outcome {
+fn outcome(scope: &Scope, trials: Vec<Trial>, started: Instant, made: usize) -> Outcome {
     let wall_s = started.elapsed().as_secs_f64();
     let mut tallied = tally(trials);
     tallied.rates.core_seconds = processor_seconds()

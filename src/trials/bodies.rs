@@ -13,7 +13,7 @@ use nalgebra::DVector;
 
 /// RMS over the held-out rows and the joints of `(τ̂ − τ)/σ`, with the torque τ of links and rotors along the motion and
 /// the noise σ of a sample; `None` where the links are known.
-pub fn error(plan: &Plan, (model, values): (&Model, &DVector<f64>), data: &Dataset) -> Option<f64> {
+pub fn error(plan: &Plan, model: &Model, values: &DVector<f64>, data: &Dataset) -> Option<f64> {
     if plan.known_links {
         return None;
     }

@@ -5,11 +5,11 @@ use crate::chain::effect::knowledge::Trial;
 use crate::chain::effect::{EFFECTS, Effect};
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
-use crate::simulate::{self, Simulated, write_csv};
+use crate::simulate::{self, Simulated, SimulatedRecording, write_csv};
 use crate::trials::error::TrialError;
 use crate::trials::plan::{Plan, RATE};
 use crate::trials::robot::ENCODER_COUNTS;
-use crate::trials::unmodelled_physics::UnmodelledTorque;
+use crate::trials::unmodelled_physics::{Unmodelled, UnmodelledTorque};
 use std::fs::{self, File};
 use std::io::BufWriter;
 use std::path::Path;
@@ -39,8 +39,13 @@ pub fn prepare(plan: &Plan, folder: &Path, control: &Control<'_>) -> Result<(), 
     fs::write(&path, format!("{repeating}\n{}", simulated(plan)))?;
     let truth = ProblemFile::read(&path, &[], &effect::ids())?;
     let made = simulate::run(&truth, plan.simulation, control)?;
-    write(plan, &made, (folder, true))?;
-    write(plan, &made, (&clean, false))
+    let law = beyond_vocabulary(plan, &made);
+    write(&made.recordings, law, folder)?;
+    let mut noiseless = made.recordings.clone();
+    for recording in &mut noiseless {
+        recording.remove_noise(&made.realised_noise);
+    }
+    write(&noiseless, law, &clean)
 }
 
 /// The declared model and its recordings, with their period or without.
@@ -97,18 +102,22 @@ fn simulated(plan: &Plan) -> String {
     text
 }
 
-/// Writes the recordings with or without noise, with the law outside the vocabulary where there is one.
-fn write(plan: &Plan, made: &Simulated, (folder, noisy): (&Path, bool)) -> Result<(), TrialError> {
-    let law = plan.outside.and_then(|(law, joints, share)| {
-        let current = plan.robot.torque[joints.0] / plan.robot.torque_constant[joints.0];
-        let first = made.recordings.first()?;
-        UnmodelledTorque::of_size((law, joints), &first.table, (share * current, RATE))
-    });
-    for recording in &made.recordings {
+/// What the robot has beyond the vocabulary, of its size in the first recording.
+fn beyond_vocabulary(plan: &Plan, made: &Simulated) -> Option<UnmodelledTorque> {
+    let Unmodelled { law, at, share } = plan.outside?;
+    let current = plan.robot.torque[at.joint] / plan.robot.torque_constant[at.joint];
+    let first = made.recordings.first()?;
+    UnmodelledTorque::of_size(law, at, &first.table, share * current, RATE)
+}
+
+/// Writes recordings, with a law beyond the vocabulary where there is one.
+fn write(
+    recordings: &[SimulatedRecording],
+    law: Option<UnmodelledTorque>,
+    folder: &Path,
+) -> Result<(), TrialError> {
+    for recording in recordings {
         let mut recording = recording.clone();
-        if !noisy {
-            recording.remove_noise(&made.realised_noise);
-        }
         if let Some(law) = law {
             law.add_to(&mut recording.table);
         }

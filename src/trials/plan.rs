@@ -6,7 +6,7 @@ use crate::robot::random::{between, generator};
 use crate::trials::concealed_effect::{self, Concealed, RecordingLength, Scale};
 use crate::trials::motion::{Motion, Noise};
 use crate::trials::robot::{KINDS, RandomRobot};
-use crate::trials::unmodelled_physics::UnmodelledLaw;
+use crate::trials::unmodelled_physics::{Neighbours, Unmodelled, UnmodelledLaw};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::path::PathBuf;
@@ -80,8 +80,8 @@ pub struct Plan {
     pub length: RecordingLength,
     /// What its declared model lacks; nothing in a control.
     pub concealed: Vec<Concealed>,
-    /// A law outside the vocabulary, its joint and neighbour, and its size as a share of the usual current.
-    pub outside: Option<(UnmodelledLaw, (usize, usize), f64)>,
+    /// What the robot has beyond the vocabulary.
+    pub outside: Option<Unmodelled>,
     /// Kind of its motion.
     pub motion: Motion,
     /// Kind of its noise.
@@ -104,7 +104,7 @@ pub const RATE: f64 = 100.0;
 
 impl Plan {
     /// The plan of a trial; another `attempt` draws another one, with smaller effects, where a robot cannot follow.
-    pub fn draw(scope: &Scope, (number, attempt): (u64, u64)) -> Self {
+    pub fn draw(scope: &Scope, number: u64, attempt: u64) -> Self {
         let mut apart = generator(scope.seed);
         apart.set_stream(APART | number);
         let motion = pick(&mut apart, &scope.motions);
@@ -149,7 +149,11 @@ impl Plan {
             let joint = (rng.random::<f64>() * n as f64) as usize;
             let neighbour = if joint == 0 { 1 } else { joint - 1 };
             let law = pick(rng, &UnmodelledLaw::ALL);
-            self.outside = Some((law, (joint, neighbour), share(rng, SHARES.0)));
+            self.outside = Some(Unmodelled {
+                law,
+                at: Neighbours { joint, neighbour },
+                share: share(rng, SHARES.0),
+            });
             return;
         }
         let pair = kind < OUTSIDE + PAIRS && scope.effects.len() > 1;

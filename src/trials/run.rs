@@ -34,7 +34,8 @@ pub fn run(scope: &Scope, number: u64, control: &Control<'_>) -> Trial {
 pub fn run_in(
     scope: &Scope,
     number: u64,
-    (folder, control): (&Path, &Control<'_>),
+    folder: &Path,
+    control: &Control<'_>,
 ) -> Result<Trial, std::io::Error> {
     fs::create_dir(folder)?;
     let trial = attempts(scope, number, |plan| {
@@ -55,7 +56,7 @@ fn attempts(
     let started = Instant::now();
     let mut trial = Trial::default();
     for attempt in 0..ATTEMPTS {
-        let plan = Plan::draw(scope, (number, attempt));
+        let plan = Plan::draw(scope, number, attempt);
         match guarded(|| one(&plan)).unwrap_or_else(|defect| Err(defect.into())) {
             Ok(done) => {
                 trial = done;
@@ -86,7 +87,7 @@ fn one(plan: &Plan, folder: &Path, control: &Control<'_>) -> Result<Trial, Trial
     }
     let sizes = sizes(plan, &folder.join(CLEAN).join(PROBLEM), control)?;
     let informed = informed(plan, &problem, control)?;
-    let mut trial = score::judge(plan, (&diagnosed, informed.as_ref()), &sizes);
+    let mut trial = score::judge(plan, &diagnosed, informed.as_ref(), &sizes);
     let longer = folder.join(LONGER_FOLDER);
     longer_recording::judge(
         plan,

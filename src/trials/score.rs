@@ -38,7 +38,8 @@ fn head(plan: &Plan) -> Trial {
 /// Judges a diagnosis by what was concealed.
 pub fn judge(
     plan: &Plan,
-    (run, informed): (&DiagnoseRun, Option<&ReferenceFits>),
+    run: &DiagnoseRun,
+    informed: Option<&ReferenceFits>,
     sizes: &Sizes,
 ) -> Trial {
     let concealed = hidden(plan, sizes);
@@ -103,10 +104,10 @@ fn hidden(plan: &Plan, sizes: &Sizes) -> Vec<Hidden> {
             joints: joints.iter().map(name).collect(),
         }
     });
-    let outside = plan.outside.iter().map(|(law, (joint, _), _)| Hidden {
-        effect: law.name().to_string(),
-        joints: vec![name(joint)],
-        effect_over_noise: largest(&sizes.averaged, &[*joint]),
+    let outside = plan.outside.iter().map(|outside| Hidden {
+        effect: outside.law.name().to_string(),
+        joints: vec![name(&outside.at.joint)],
+        effect_over_noise: largest(&sizes.averaged, &[outside.at.joint]),
     });
     of_vocabulary.chain(outside).collect()
 }
@@ -163,7 +164,7 @@ fn friction_error(plan: &Plan, run: &DiagnoseRun, informed: &ReferenceFits) -> O
 
 /// Error of what the bodies ask for: declared model, model found, model that knew the truth.
 fn body_error(plan: &Plan, run: &DiagnoseRun, informed: &ReferenceFits) -> Option<[f64; 3]> {
-    let of = |model: &Model, values: &DVector<f64>| bodies::error(plan, (model, values), &run.data);
+    let of = |model: &Model, values: &DVector<f64>| bodies::error(plan, model, values, &run.data);
     let of_fit = |fit: &ModelFit| of(&fit.model, &fit.values);
     let found = of(&run.model, &run.values)?;
     Some([of_fit(&informed.declared)?, found, of_fit(&informed.known)?])

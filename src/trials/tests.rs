@@ -23,7 +23,7 @@ mod unnamed;
 #[test]
 fn every_effect_that_is_not_declared_is_concealed_in_some_trial() {
     let scope = Scope::all(3);
-    let drawn: Vec<Plan> = (0..200).map(|n| Plan::draw(&scope, (n, 0))).collect();
+    let drawn: Vec<Plan> = (0..200).map(|n| Plan::draw(&scope, n, 0)).collect();
     for known in concealed_effect::effects(&effect::Catalogue::known()) {
         let has = |plan: &Plan| {
             plan.concealed
@@ -88,7 +88,7 @@ fn another_motion_moves_the_same_robot_with_the_same_physics() {
                 motions: vec![motion],
                 ..Scope::all(6)
             };
-            Plan::draw(&scope, (number, 0))
+            Plan::draw(&scope, number, 0)
         });
         for plan in &drawn {
             assert_eq!(plan.robot.urdf(), drawn[0].robot.urdf());
@@ -102,7 +102,7 @@ fn another_motion_moves_the_same_robot_with_the_same_physics() {
 #[test]
 fn all_motions_and_noises_are_drawn() {
     let drawn: Vec<Plan> = (0..400)
-        .map(|n| Plan::draw(&Scope::all(11), (n, 0)))
+        .map(|n| Plan::draw(&Scope::all(11), n, 0))
         .collect();
     let share = |is: &dyn Fn(&Plan) -> bool| {
         drawn.iter().filter(|plan| is(plan)).count() as f64 / drawn.len() as f64
@@ -130,7 +130,7 @@ fn recordings_repeat_only_where_the_motion_does() {
                 motions: vec![motion],
                 ..Scope::all(12)
             };
-            let plan = Plan::draw(&scope, (number, 0));
+            let plan = Plan::draw(&scope, number, 0);
             let folder = tempfile::tempdir().unwrap();
             let control = Control::default();
             prepare(&plan, folder.path(), &control).unwrap();
@@ -257,7 +257,7 @@ fn longer_recordings_judge_what_is_said_to_be_inseparable() {
         robots: vec!["arm3"],
         ..Scope::periodic(5)
     };
-    let plan = Plan::draw(&scope, (1, 0));
+    let plan = Plan::draw(&scope, 1, 0);
     let truth = plan.concealed[0].hypothesis.clone();
     let joint = truth.joints[0];
     let other = |id: &str| StatedModel {

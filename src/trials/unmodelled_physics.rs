@@ -26,14 +26,10 @@ impl UnmodelledLaw {
         }
     }
 
-    /// What the law adds to the current of a joint (its index, with that of its neighbour), up to a factor; positions
-    /// of the neighbour count from `least`. `None` where the table lacks a column.
-    fn shape(
-        self,
-        table: &Table,
-        (joint, neighbour): (usize, usize),
-        (rate, least): (f64, f64),
-    ) -> Option<Vec<f64>> {
+    /// What the law adds to the current of a joint, up to a factor; positions of the neighbour count from `least`.
+    /// `None` where the table lacks a column.
+    fn shape(self, table: &Table, at: Neighbours, rate: f64, least: f64) -> Option<Vec<f64>> {
+        let Neighbours { joint, neighbour } = at;
         let of = |prefix: &str, j: usize| Some(&table.data[column(table, prefix, j)?]);
         let position = of("q", neighbour)?;
         let speeds = [slope(of("q", joint)?, rate), slope(position, rate)];
@@ -51,11 +47,31 @@ impl UnmodelledLaw {
     }
 }
 
+/// A joint with a law, and the other joint that enters it, by index.
+#[derive(Debug, Clone, Copy)]
+pub struct Neighbours {
+    /// The one whose current the law adds to.
+    pub joint: usize,
+    /// The one whose motion or current it depends on.
+    pub neighbour: usize,
+}
+
+/// What a robot has beyond the vocabulary.
+#[derive(Debug, Clone, Copy)]
+pub struct Unmodelled {
+    /// The law.
+    pub law: UnmodelledLaw,
+    /// Where it acts.
+    pub at: Neighbours,
+    /// Its size as a share of the usual current.
+    pub share: f64,
+}
+
 /// A law of one robot: the same in all of its recordings.
 #[derive(Debug, Clone, Copy)]
 pub struct UnmodelledTorque {
     law: UnmodelledLaw,
-    joints: (usize, usize),
+    at: Neighbours,
     rate: f64,
     /// Least position of the neighbour.
     least: f64,
@@ -63,20 +79,21 @@ pub struct UnmodelledTorque {
 }
 
 impl UnmodelledTorque {
-    /// The law that adds `size` A of RMS to the current of a joint (its index, with that of its neighbour) in a
-    /// recording.
+    /// The law that adds `size` A of RMS to the current of a joint in a recording at `rate` Hz.
     pub fn of_size(
-        (law, joints): (UnmodelledLaw, (usize, usize)),
+        law: UnmodelledLaw,
+        at: Neighbours,
         table: &Table,
-        (size, rate): (f64, f64),
+        size: f64,
+        rate: f64,
     ) -> Option<Self> {
-        let position = &table.data[column(table, "q", joints.1)?];
+        let position = &table.data[column(table, "q", at.neighbour)?];
         let least = position.iter().copied().fold(f64::INFINITY, f64::min);
-        let shape = law.shape(table, joints, (rate, least))?;
+        let shape = law.shape(table, at, rate, least)?;
         let rms = (shape.iter().map(|x| x * x).sum::<f64>() / shape.len().max(1) as f64).sqrt();
         Some(Self {
             law,
-            joints,
+            at,
             rate,
             least,
             factor: size / rms,
@@ -85,8 +102,8 @@ impl UnmodelledTorque {
 
     /// Adds the law to a recording.
     pub fn add_to(&self, table: &mut Table) {
-        let shape = self.law.shape(table, self.joints, (self.rate, self.least));
-        let current = column(table, "i", self.joints.0);
+        let shape = self.law.shape(table, self.at, self.rate, self.least);
+        let current = column(table, "i", self.at.joint);
         if let (Some(shape), Some(current)) = (shape, current) {
             let pairs = table.data[current].iter_mut().zip(&shape);
             pairs.for_each(|(to, x)| *to += self.factor * x);
@@ -131,9 +148,12 @@ mod tests {
     #[test]
     fn has_the_size_asked_for_in_one_recording_and_the_same_law_in_others() {
         let first = table(2000, 1.0);
+        let at = Neighbours {
+            joint: 0,
+            neighbour: 1,
+        };
         let added =
-            UnmodelledTorque::of_size((UnmodelledLaw::Crosstalk, (0, 1)), &first, (0.3, RATE))
-                .unwrap();
+            UnmodelledTorque::of_size(UnmodelledLaw::Crosstalk, at, &first, 0.3, RATE).unwrap();
         let change = |mut table: Table| {
             let before = table.data[2].clone();
             added.add_to(&mut table);

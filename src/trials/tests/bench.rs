@@ -41,12 +41,12 @@ pub(super) struct Bench {
 impl Bench {
     /// One of the effects is concealed.
     pub fn new(effects: &[&'static str]) -> Self {
-        Self::of(Plan::draw(&scope(effects), (0, 0)))
+        Self::of(Plan::draw(&scope(effects), 0, 0))
     }
 
     /// Nothing is concealed.
     pub fn control() -> Self {
-        let plan = Plan::draw(&scope(&["torque_offset"]), (CONTROLS[0], 0));
+        let plan = Plan::draw(&scope(&["torque_offset"]), CONTROLS[0], 0);
         assert!(plan.concealed.is_empty());
         Self::of(plan)
     }
