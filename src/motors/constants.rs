@@ -86,6 +86,15 @@ const LEAST_VARIATION: f64 = 1e-9;
 /// Most coefficients of the autoregression that tells how far residuals are correlated.
 const MOST_CORRELATED: usize = 30;
 
+/// a = 1/k_ct, A per N·m (N), with its variance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InverseConstant {
+    /// a.
+    pub value: f64,
+    /// Its variance.
+    pub variance: f64,
+}
+
 /// The first stage for one joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FirstStage {
@@ -93,8 +102,8 @@ pub struct FirstStage {
     pub speeds: Vec<AtSpeed>,
     /// Long-run variance of the current about the fit, A²: that of a mean of n samples times n.
     pub variance: f64,
-    /// a, A/(N·m), and its variance, scatter over the speeds included; None where undetermined.
-    pub inverse: Option<(f64, f64)>,
+    /// Its variance has the scatter over the speeds in it; None where undetermined.
+    pub inverse: Option<InverseConstant>,
 }
 
 /// Fits every speed by itself and draws the mean over the speeds, weighted by their variances.
@@ -186,22 +195,22 @@ fn long_run_variance(groups: &[Vec<&Part>], speeds: &[AtSpeed]) -> f64 {
 }
 
 /// The mean of the speeds and its variance, which grows with their scatter (Birge 1932).
-fn weighted_mean(speeds: &[AtSpeed]) -> Option<(f64, f64)> {
+fn weighted_mean(speeds: &[AtSpeed]) -> Option<InverseConstant> {
     let known = || speeds.iter().filter(|at| at.inverse_variance.is_finite());
     let weight: f64 = known().map(|at| 1.0 / at.inverse_variance).sum();
     if weight <= 0.0 {
         return None;
     }
-    let mean = known()
+    let value = known()
         .map(|at| at.inverse / at.inverse_variance)
         .sum::<f64>()
         / weight;
     let scatter: f64 = known()
-        .map(|at| (at.inverse - mean).powi(2) / at.inverse_variance)
+        .map(|at| (at.inverse - value).powi(2) / at.inverse_variance)
         .sum();
     let freedom = known().count().saturating_sub(1).max(1) as f64;
     let variance = (scatter / freedom).max(1.0) / weight;
-    (mean > LEAST_DETERMINED * variance.sqrt()).then_some((mean, variance))
+    (value > LEAST_DETERMINED * variance.sqrt()).then_some(InverseConstant { value, variance })
 }
 
 /// How the load changes the friction: i = a·(g + mu·|g|·sign(v)) + b_v over all speeds.
@@ -302,13 +311,17 @@ impl SecondStage {
     }
 }
 
-/// Fits the friction law; `inverse` is a with its variance. None where the speeds do not tell its terms
+/// Fits the friction law. None where the speeds do not tell its terms
 /// apart, as a single speed cannot.
 pub fn second_stage(
     stage: &FirstStage,
     terms: &[Term],
-    (inverse, inverse_variance): (f64, f64),
+    inverse: InverseConstant,
 ) -> Option<SecondStage> {
+    let InverseConstant {
+        value: inverse,
+        variance: inverse_variance,
+    } = inverse;
     let (rows, columns) = (stage.speeds.len(), terms.len());
     if rows < columns || columns == 0 {
         return None;

@@ -21,7 +21,7 @@ pub struct Predicted {
 /// Current of each sample by the constants of the joint; by the first stage where the speeds do not tell
 /// the friction terms apart.
 fn predict(joint: &JointFit, part: &Part) -> Vec<f64> {
-    let (inverse, _) = joint.constant.inverse();
+    let inverse = joint.constant.inverse().value;
     let speeds = &joint.stage.speeds;
     let nearest = speeds.iter().min_by(|a, b| {
         (a.speed - part.speed)

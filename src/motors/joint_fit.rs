@@ -1,7 +1,7 @@
 //! Steady parts of recordings, and the constants of one joint that follow from them.
 
 use crate::motors::compare::Constant;
-use crate::motors::constants::{FirstStage, Part, SecondStage};
+use crate::motors::constants::{FirstStage, InverseConstant, Part, SecondStage};
 use crate::motors::segments::Segment;
 use crate::recording::split::Split;
 
@@ -49,10 +49,11 @@ impl Source {
     }
 
     /// a = 1/k_ct with its variance, for the second stage; 0 where nothing is known and nothing needed.
-    pub fn inverse(self) -> (f64, f64) {
-        match self.constant() {
+    pub fn inverse(self) -> InverseConstant {
+        let (value, variance) = match self.constant() {
             Some((k, sigma)) => (1.0 / k, (sigma / (k * k)).powi(2)),
             None => (0.0, 0.0),
-        }
+        };
+        InverseConstant { value, variance }
     }
 }

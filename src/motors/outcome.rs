@@ -139,7 +139,7 @@ impl Constants {
         let name = constant_name(joint);
         let unit = format!("{}/A", joint.torque_unit);
         let constant = match joint.constant {
-            Basis::Data(_) => self.estimated(0, (name, unit), Source::Data),
+            Basis::Data(_) => self.estimated(0, name, unit, Source::Data),
             Basis::Given(value) => Parameter::known(name, unit, value),
             Basis::SameType(_) | Basis::Undetermined => Parameter::undetermined(name, unit),
         };
@@ -153,20 +153,20 @@ impl Constants {
             None => vec![Term::Coulomb, Term::Viscous],
         };
         for (t, term) in terms.into_iter().enumerate() {
-            let named = (term_name(joint, term), term_unit(joint, term));
+            let (name, unit) = (term_name(joint, term), term_unit(joint, term));
             let source = match joint.constant {
                 Basis::SameType(_) => Source::Prior,
                 _ => Source::Data,
             };
             parameters.push(match self.values.len() > t + 1 {
-                true => self.estimated(t + 1, named, source),
-                false => Parameter::undetermined(named.0, named.1),
+                true => self.estimated(t + 1, name, unit, source),
+                false => Parameter::undetermined(name, unit),
             });
         }
         parameters
     }
 
-    fn estimated(&self, at: usize, (name, unit): (String, String), source: Source) -> Parameter {
+    fn estimated(&self, at: usize, name: String, unit: String, source: Source) -> Parameter {
         let (value, deviation) = (self.values[at], self.deviations[at]);
         Parameter {
             value: Some(value),

@@ -56,7 +56,7 @@ pub fn run(problem: &ProblemFile) -> Result<MotorRun, MotorsError> {
     let mut recordings = Vec::new();
     for ReadRecording { named, recording } in read_all(problem, &robot)? {
         let parameters = link_parameters(problem, &model, named.loaded)?;
-        let mut steady = steady_parts(&recording, table, (&robot, &parameters), &rule)?;
+        let mut steady = steady_parts(&recording, table, &robot, &parameters, &rule)?;
         steady.name = named.path.written.clone();
         steady.split = named.split;
         recordings.push(steady);
@@ -174,7 +174,8 @@ fn link_parameters(
 fn steady_parts(
     recording: &Recording,
     table: &RecordingsTable,
-    (robot, parameters): (&Robot, &[f64]),
+    robot: &Robot,
+    parameters: &[f64],
     rule: &Steadiness,
 ) -> Result<Steady, MotorsError> {
     let time = times(recording, table)?;
@@ -276,8 +277,9 @@ fn first(problem: &ProblemFile, robot: &Robot, index: usize, recordings: &[Stead
     let given = &problem.fit.constant_velocity.torque_constant;
     let constant = match given.iter().find(|entry| entry.name == joint.name) {
         Some(entry) => Source::Given(entry.value.value),
-        None => stage.inverse.map_or(Source::Undetermined, |(a, variance)| {
-            Source::Data((1.0 / a, variance.sqrt() / (a * a)))
+        None => stage.inverse.map_or(Source::Undetermined, |inverse| {
+            let (a, sigma) = (inverse.value, inverse.variance.sqrt());
+            Source::Data((1.0 / a, sigma / (a * a)))
         }),
     };
     JointFit {

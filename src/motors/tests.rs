@@ -42,11 +42,15 @@ fn recovers_known_truth_and_covers_it() {
     for seed in 0..runs {
         let parts = parts(&SPEEDS, 40.0, 0.0, 0.2, seed);
         let stage = first_stage(&parts);
-        let (a, variance) = stage.inverse.unwrap();
+        let inverse = stage.inverse.unwrap();
         let terms = [Term::Coulomb, Term::Viscous];
-        let second = second_stage(&stage, &terms, (a, variance)).unwrap();
+        let second = second_stage(&stage, &terms, inverse).unwrap();
         let truth = [1.0 / K, FC / K, FV / K];
-        let found = [a, second.coefficients[0], second.coefficients[1]];
+        let found = [
+            inverse.value,
+            second.coefficients[0],
+            second.coefficients[1],
+        ];
         for k in 0..3 {
             let sigma = second.covariance[(k, k)].sqrt();
             inside[k] += usize::from((found[k] - truth[k]).abs() <= 1.96 * sigma);
