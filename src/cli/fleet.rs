@@ -63,7 +63,7 @@ pub fn run(query: &FleetRun) -> Result<u8, CliError> {
             false => 0,
         });
     };
-    let outcome = outcome(query, (name, &results), started)?;
+    let outcome = outcome(query, name, &results, started)?;
     write(query, &target, &outcome, &results, || progress.done())?;
     say(query, &counted(ran.counts, &items))?;
     Ok(0)
@@ -115,7 +115,8 @@ fn say(query: &FleetRun, text: &str) -> Result<(), CliError> {
 
 fn outcome(
     query: &FleetRun,
-    (name, results): (String, &Results),
+    name: String,
+    results: &Results,
     started: Instant,
 ) -> Result<Outcome, CliError> {
     let mut fleet = results.fleet.clone();

@@ -147,7 +147,7 @@ impl Common {
         Some(Shown {
             since: Some(nights[step.first].time),
             p_value: p_value(z, observations),
-            ..self.shown(reason, (step.before, step.after), step.z)
+            ..self.shown(reason, step.before, step.after, step.z)
         })
     }
 
@@ -166,11 +166,11 @@ impl Common {
         };
         Some(Shown {
             p_value: (2.0 * student.upper_tail(z.abs())).min(1.0),
-            ..self.shown(Reason::UnlikeItsType, (among, own), z)
+            ..self.shown(Reason::UnlikeItsType, among, own, z)
         })
     }
 
-    fn shown(&self, reason: Reason, (before, after): (Mean, Mean), z: f64) -> Shown {
+    fn shown(&self, reason: Reason, before: Mean, after: Mean, z: f64) -> Shown {
         Shown {
             parameter: self.group.parameter.clone(),
             unit: self.group.unit.clone(),

@@ -3,7 +3,7 @@
 
 use nalgebra::DVector;
 
-use crate::problem::form::Objective;
+use crate::problem::form::{Form, Objective};
 use crate::problem::{Linearization, OutsideDomain, Problem, Values};
 
 /// Central differences in double precision agree with a right derivative within this relative error:
@@ -58,13 +58,13 @@ impl CheckReport {
 }
 
 /// A compared entry whose difference up to `noise` is rounding.
-fn compare(of: (&str, &str), claimed: f64, found: f64, noise: f64) -> Mismatch {
+fn compare(quantity: &str, variable: &str, claimed: f64, found: f64, noise: f64) -> Mismatch {
     let size = claimed.abs().max(found.abs());
     let excess = ((claimed - found).abs() - noise).max(0.0);
     let relative = if excess == 0.0 { 0.0 } else { excess / size };
     Mismatch {
-        quantity: of.0.to_string(),
-        variable: of.1.to_string(),
+        quantity: quantity.to_string(),
+        variable: variable.to_string(),
         claimed,
         found,
         // NaN anywhere is the worst mismatch.
@@ -99,7 +99,7 @@ pub fn derivative_check(
         let mut check = |name: &str, claimed: f64, high: f64, low: f64| {
             let noise = ROUNDING * (high.abs() + low.abs()) / width;
             let found = (high - low) / width;
-            entries.push(compare((name, &variable.name), claimed, found, noise));
+            entries.push(compare(name, &variable.name, claimed, found, noise));
         };
         check("cost", model.gradient[j], above.cost, below.cost);
         for row in 0..form.constraint_rows() {
@@ -119,12 +119,13 @@ fn consistency(
     let form = problem.form();
     let values = problem.values(x)?;
     let noise = ROUNDING * values.cost.abs();
-    let mut entries = vec![compare(("cost", "itself"), model.cost, values.cost, noise)];
+    let mut entries = vec![compare("cost", "itself", model.cost, values.cost, noise)];
     for row in 0..form.constraint_rows() {
         let (claimed, found) = (model.constraints[row], values.constraints[row]);
         let noise = ROUNDING * found.abs();
         entries.push(compare(
-            (&form.row_name(row), "itself"),
+            &form.row_name(row),
+            "itself",
             claimed,
             found,
             noise,
@@ -133,7 +134,7 @@ fn consistency(
     match (&form.objective, &model.square_root) {
         (Objective::Smooth, _) => {}
         (Objective::SumOfSquares { .. }, None) => {
-            entries.push(compare(("square root", "missing"), f64::NAN, 0.0, 0.0));
+            entries.push(compare("square root", "missing", f64::NAN, 0.0, 0.0));
         }
         (Objective::SumOfSquares { .. }, Some(root)) => {
             let found = root.matrix.tr_mul(&root.residual);
@@ -142,7 +143,8 @@ fn consistency(
                 let rows = root.residual.len() as f64;
                 let noise = ROUNDING * rows.max(1.0) * size[j];
                 entries.push(compare(
-                    ("square root", &variable.name),
+                    "square root",
+                    &variable.name,
                     model.gradient[j],
                     found[j],
                     noise,
@@ -178,23 +180,23 @@ pub fn affinity_check(
         );
         match problem.values(&(x + &step)) {
             Ok(found) => {
-                compare_with_model((problem, name), &model, &step, &found, &mut entries);
+                compare_with_model(form, name, &model, &step, &found, &mut entries);
             }
             // An affine problem has a value everywhere.
-            Err(_) => entries.push(compare(("domain", name), f64::NAN, 0.0, 0.0)),
+            Err(_) => entries.push(compare("domain", name, f64::NAN, 0.0, 0.0)),
         }
     }
     Ok(CheckReport::from_entries(entries))
 }
 
 fn compare_with_model(
-    (problem, direction): (&dyn Problem, &str),
+    form: &Form,
+    direction: &str,
     model: &Linearization,
     step: &DVector<f64>,
     found: &Values,
     entries: &mut Vec<Mismatch>,
 ) {
-    let form = problem.form();
     let slope = model.gradient.dot(step);
     let curvature = match &model.square_root {
         Some(root) => 0.5 * (&root.matrix * step).norm_squared(),
@@ -202,7 +204,8 @@ fn compare_with_model(
     };
     let size = model.cost.abs() + slope.abs() + curvature;
     entries.push(compare(
-        ("cost", direction),
+        "cost",
+        direction,
         model.cost + slope + curvature,
         found.cost,
         ROUNDING * size,
@@ -211,7 +214,8 @@ fn compare_with_model(
     let sizes = model.constraints.abs() + model.jacobian.abs() * step.abs();
     for row in 0..form.constraint_rows() {
         entries.push(compare(
-            (&form.row_name(row), direction),
+            &form.row_name(row),
+            direction,
             rows[row],
             found.constraints[row],
             ROUNDING * sizes[row],

@@ -152,8 +152,10 @@ fn fix_body(model: &mut Model, first: usize, given: &[(BodyQuantity, f64)]) -> R
 /// parameters, because torques are linear in first moments and in inertias about the link's origin.
 pub(crate) fn single(
     model: &Model,
-    (name, place): (&str, &Place),
-    (request, instead): (&str, &str),
+    name: &str,
+    place: &Place,
+    request: &str,
+    instead: &str,
 ) -> Result<usize, SetupError> {
     match resolve(model, name, place)? {
         Reference::Parameter(parameter) => Ok(parameter),
@@ -205,7 +207,7 @@ pub(super) fn bound_all(model: &mut Model, problem: &ProblemFile) -> Result<(), 
         }
         let instead = "bound masses and parameters of effects, and centres of mass with \
                        `estimator = \"feasible\"`";
-        let parameter = single(model, (&entry.name, place), ("a bound", instead))?;
+        let parameter = single(model, &entry.name, place, "a bound", instead)?;
         let interval = &entry.value.value;
         let current = &model.parameters()[parameter];
         let (lower, upper) = (

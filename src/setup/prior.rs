@@ -103,7 +103,7 @@ fn single_values(problem: &ProblemFile, model: &Model) -> Result<Prior, SetupErr
         let place = &entry.value.place;
         let instead = "give priors of masses and of parameters of effects; an earlier fit under \
                        `robot.parameters` carries all of a body";
-        let parameter = single(model, (&entry.name, place), ("a prior", instead))?;
+        let parameter = single(model, &entry.name, place, "a prior", instead)?;
         rows[(k, model.estimated_as(parameter))] = 1.0;
         mean[k] = entry.value.value.value;
         covariance[(k, k)] = entry.value.value.std_dev.powi(2);

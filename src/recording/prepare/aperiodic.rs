@@ -47,7 +47,7 @@ pub(in crate::recording) fn prepare(
         Some(Method::Lowpass) => low_passed(&recording, preparation, &timing)?,
         _ => smoothed(&recording, preparation, &timing)?,
     };
-    let mut experiment = assembled(recording, raw, differentiated, (timing, parallel))?;
+    let mut experiment = assembled(recording, raw, differentiated, timing, parallel)?;
     if experiment.parallel.is_none() {
         let deviation = |series: &Vec<f64>| white_deviation(series);
         experiment.white_noise = experiment.signal.iter().map(deviation).collect();
@@ -79,12 +79,13 @@ fn assembled(
     mut recording: Recording,
     mut raw: Raw,
     differentiated: Differentiated,
-    (timing, parallel): (Timing, Option<ZeroPhase>),
+    timing: Timing,
+    parallel: Option<ZeroPhase>,
 ) -> Result<Experiment, RecordingError> {
     let rate_hz = timing.rate_hz;
     let inner_edge = parallel.as_ref().map_or(0.0, ZeroPhase::edge_s);
     let inner = (inner_edge * rate_hz).ceil() as usize;
-    let rows = kept_rows(&differentiated, &recording.file, (inner, rate_hz))?;
+    let rows = kept_rows(&differentiated, &recording.file, inner, rate_hz)?;
     let mut mask = differentiated.mask(recording.mask.take(), &rows);
     let mut motion = differentiated.motion;
     let mut signal = std::mem::take(&mut recording.signal);
@@ -154,7 +155,8 @@ fn fill_masked(recording: &mut Recording) -> Result<(), RecordingError> {
 fn kept_rows(
     differentiated: &Differentiated,
     file: &Path,
-    (inner, rate_hz): (usize, f64),
+    inner: usize,
+    rate_hz: f64,
 ) -> Result<Range<usize>, RecordingError> {
     let known = &differentiated.known;
     let start = known.iter().position(|known| *known).unwrap_or(known.len());

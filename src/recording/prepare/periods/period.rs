@@ -126,7 +126,7 @@ pub fn settle(recording: &Recording, timing: &Timing, stated: Option<f64>) -> Ch
     let file = recording.file.display();
     let is_right = repeats(changed, noise_share(&positions));
     let better = match is_right {
-        true => nearby(&positions, (rate_hz, timing), stated)
+        true => nearby(&positions, rate_hz, timing, stated)
             .filter(|near| BETTER * near.changed.max(ROUNDING) < changed),
         false => found(),
     };
@@ -154,7 +154,8 @@ pub fn settle(recording: &Recording, timing: &Timing, stated: Option<f64>) -> Ch
 /// The repetition nearest to a stated period.
 fn nearby(
     positions: &[Vec<f64>],
-    (rate_hz, timing): (f64, &Timing),
+    rate_hz: f64,
+    timing: &Timing,
     stated: f64,
 ) -> Option<Repetition> {
     let lag = stated * rate_hz;
