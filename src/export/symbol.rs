@@ -5,7 +5,7 @@
 //! so that what is left is what this one robot needs.
 
 use crate::export::tape::{Operation, Tape};
-use crate::robot::scalar::Scalar;
+use crate::linalg::lanes::scalar::Scalar;
 use std::cell::RefCell;
 use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 

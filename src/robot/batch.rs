@@ -3,8 +3,8 @@
 //! The lanes are those of the widest instruction set that the processor has, chosen at run time. The
 //! choice does not depend on threads.
 
-use crate::robot::instructions::{self, InstructionSet, Kernel};
-use crate::robot::lanes::{LANES, Lanes};
+use crate::linalg::lanes::instructions::{self, InstructionSet, Kernel};
+use crate::linalg::lanes::lane::{LANES, Lanes};
 use crate::robot::newton_euler::NewtonEuler;
 use crate::robot::regressor::{BlockSink, Regressor, Rows};
 use crate::robot::tree::Tree;

@@ -1,9 +1,9 @@
 //! Derivatives of many samples at once, samples in vector lanes.
 
+use crate::linalg::lanes::instructions::{self, InstructionSet, Kernel};
+use crate::linalg::lanes::lane::{LANES, Lanes};
 use crate::robot::batch::{LaneState, Trajectory};
 use crate::robot::derivatives::Derivatives;
-use crate::robot::instructions::{self, InstructionSet, Kernel};
-use crate::robot::lanes::{LANES, Lanes};
 use crate::robot::tree::Tree;
 use std::ops::Range;
 

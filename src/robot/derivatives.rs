@@ -20,9 +20,9 @@
 //! B (α, a) = (−ω × Σ α − u (h·α) + (h·u) α, α × l)
 //! ```
 
+use crate::linalg::lanes::scalar::Scalar;
 use crate::robot::motion::{JointState, placement};
 use crate::robot::newton_euler::Load;
-use crate::robot::scalar::Scalar;
 use crate::robot::tree::{Link, Tree};
 use crate::robot::vector::{Mat3, Vec3};
 

@@ -10,9 +10,6 @@ pub mod error;
 mod file;
 pub mod forward_dynamics;
 pub mod inertia;
-pub mod instructions;
-// Visible to the library alone: the lanes of an instruction set are sound only where it was detected.
-pub(crate) mod lanes;
 pub mod mdh;
 pub mod mjcf;
 mod mjcf_fault;
@@ -22,7 +19,6 @@ pub mod random;
 pub mod regressor;
 pub mod regressor_gradient;
 pub mod sample_regressor;
-pub mod scalar;
 pub mod tree;
 pub mod urdf;
 mod vector;

@@ -11,7 +11,7 @@
 //!
 //! `d` is the acceleration of the link's origin, gravity taken away.
 
-use crate::robot::scalar::Scalar;
+use crate::linalg::lanes::scalar::Scalar;
 use crate::robot::tree::{Link, Tree};
 use crate::robot::vector::{Mat3, Vec3};
 

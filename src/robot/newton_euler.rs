@@ -8,8 +8,8 @@
 //! f_p += Eᵀ f        n_p += Eᵀ n + r × Eᵀ f        τ = z·n (revolute), z·f (prismatic)
 //! ```
 
+use crate::linalg::lanes::scalar::Scalar;
 use crate::robot::motion::{JointState, LinkMotion, advance, base_acceleration, centripetal};
-use crate::robot::scalar::Scalar;
 use crate::robot::tree::{Link, Tree};
 use crate::robot::vector::{Mat3, Vec3};
 

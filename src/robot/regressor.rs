@@ -15,8 +15,8 @@
 //!
 //! (the linear form of Atkeson, An and Hollerbach 1986, eqs 6 to 9, projected before it is propagated).
 
+use crate::linalg::lanes::scalar::Scalar;
 use crate::robot::motion::{JointState, LinkMotion, advance, base_acceleration};
-use crate::robot::scalar::Scalar;
 use crate::robot::tree::Tree;
 use crate::robot::vector::{Mat3, Vec3};
 

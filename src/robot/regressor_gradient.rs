@@ -12,10 +12,10 @@
 //!
 //! which then travel inward against the recursion. The cost is a small multiple of one regressor.
 
+use crate::linalg::lanes::scalar::Scalar;
 use crate::robot::motion::{JointState, LinkMotion, advance, base_acceleration};
 use crate::robot::newton_euler::{Load, body_load};
 use crate::robot::regressor::Functional;
-use crate::robot::scalar::Scalar;
 use crate::robot::tree::{Link, Tree};
 use crate::robot::vector::{Mat3, Vec3};
 

@@ -4,8 +4,8 @@
 //! the list of its parent is the beginning of its own. Eight rows at a time travel to the link and meet
 //! its ten columns; see [`crate::robot::regressor`] for the equations.
 
-use crate::robot::instructions::{self, InstructionSet, Kernel};
-use crate::robot::lanes::{LANES, Lanes};
+use crate::linalg::lanes::instructions::{self, InstructionSet, Kernel};
+use crate::linalg::lanes::lane::{LANES, Lanes};
 use crate::robot::motion::{JointState, LinkMotion, advance, base_acceleration};
 use crate::robot::regressor::{BodyColumns, Functional, Rows};
 use crate::robot::tree::Tree;

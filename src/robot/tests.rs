@@ -2,12 +2,12 @@
 
 mod broken;
 
+use crate::linalg::lanes::instructions::InstructionSet;
 use crate::robot::batch::{RegressorBatch, Trajectory, torques};
 use crate::robot::derivative_batch::DerivativeBatch;
 use crate::robot::derivatives::Derivatives;
 use crate::robot::forward_dynamics::ForwardDynamics;
 use crate::robot::inertia::Inertia;
-use crate::robot::instructions::InstructionSet;
 use crate::robot::newton_euler::NewtonEuler;
 use crate::robot::random::{generator, symmetric, tree};
 use crate::robot::regressor::Rows;

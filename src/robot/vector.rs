@@ -3,7 +3,7 @@
 //! Entries are written out and closures avoided: a closure is a function of its own, without the
 //! instruction set of the kernel around it, and lanes that cross it leave their registers.
 
-use crate::robot::scalar::Scalar;
+use crate::linalg::lanes::scalar::Scalar;
 use std::ops::{Add, AddAssign, Neg, Sub};
 
 /// A vector in space.

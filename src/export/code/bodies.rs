@@ -6,8 +6,8 @@ use crate::export::program::{Body, Head, Visibility};
 use crate::export::regroup::minimal;
 use crate::export::symbol::{Symbol, record};
 use crate::export::tape::{Operation, Tape};
+use crate::linalg::lanes::scalar::Scalar;
 use crate::robot::newton_euler::NewtonEuler;
-use crate::robot::scalar::Scalar;
 use crate::robot::tree::Tree;
 use nalgebra::Rotation3;
 

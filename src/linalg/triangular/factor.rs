@@ -4,8 +4,9 @@
 //! whole: RᵀR = AᵀA (1 + O(eps)) without ever forming AᵀA. With the right-hand side as a last column, R holds
 //! the whole least squares problem. Source: Demmel, Grigori, Hoemmen, Langou (2012), sequential TSQR.
 
+use crate::linalg::lanes::lane::LANES;
 use crate::linalg::triangular::kernel;
-use crate::linalg::triangular::kernel::{Column, TILE_ROWS, WIDTH, ZERO_COLUMN};
+use crate::linalg::triangular::kernel::{Column, TILE_ROWS, ZERO_COLUMN};
 use nalgebra::{DMatrix, DVector};
 
 /// The upper-triangular factor R (p x p) of the rows absorbed so far.
@@ -123,12 +124,12 @@ impl Triangular {
 
 /// Copies up to a tile of rows, and zeros below them.
 pub(super) fn fill(to: &mut Column, from: &[f64]) {
-    let (octets, tail) = from.as_chunks::<WIDTH>();
+    let (octets, tail) = from.as_chunks::<LANES>();
     for (place, octet) in to.iter_mut().zip(octets) {
         place.0 = *octet;
     }
     for (i, place) in to.iter_mut().enumerate().skip(octets.len()) {
-        place.0 = [0.0; WIDTH];
+        place.0 = [0.0; LANES];
         if i == octets.len() {
             place.0[..tail.len()].copy_from_slice(tail);
         }

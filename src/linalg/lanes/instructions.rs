@@ -5,7 +5,8 @@
     reason = "vector instructions, which run where the processor has them"
 )]
 
-use crate::robot::lanes::{Lanes, Portable};
+use crate::linalg::lanes::lane::Lanes;
+use crate::linalg::lanes::registers::Portable;
 use std::sync::OnceLock;
 
 /// Instruction sets that the kernels are compiled for.
@@ -67,11 +68,11 @@ pub(crate) fn run<K: Kernel>(kernel: K, set: InstructionSet) -> K::Output {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx2,fma")]
 fn run_avx512<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run::<crate::robot::lanes::Avx512>()
+    kernel.run::<crate::linalg::lanes::registers::Avx512>()
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
 fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run::<crate::robot::lanes::Avx2>()
+    kernel.run::<crate::linalg::lanes::registers::Avx2>()
 }
