@@ -1,6 +1,7 @@
 //! The flags of every verb.
 
 use crate::fleet::shard::Shard;
+use crate::trials::plan::AtOnce;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -206,6 +207,9 @@ pub struct Campaign {
     /// A file with tables [[law]], or a folder of such files: its laws are concealed and looked for beside the vocabulary
     #[arg(long, value_name = "PATH")]
     pub laws: Option<PathBuf>,
+    /// How many effects a trial conceals at once, as 3-8 [default: one, two in some]
+    #[arg(long, value_name = "N-M")]
+    pub at_once: Option<AtOnce>,
     /// Kinds of random robots, arm3 to arm7 and slide3 to slide7 [default: all]
     #[arg(long, value_name = "X,Y", value_delimiter = ',')]
     pub robots: Vec<String>,

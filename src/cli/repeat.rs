@@ -205,10 +205,12 @@ fn campaign(query: &Repetition, earlier: &Outcome, made: &Trials, out: PathBuf) 
         words.map(str::to_owned).collect()
     };
     let numbers: Vec<u64> = made.trials.iter().map(|trial| trial.seed).collect();
+    let at_once = earlier.run.problem.get("at_once");
     let count = numbers.len() as u64;
     Campaign {
         effects: listed("effects"),
         laws: listed("laws").into_iter().next().map(PathBuf::from),
+        at_once: at_once.and_then(|counts| counts.as_str()?.parse().ok()),
         robots: listed("robots"),
         motion: listed("motion"),
         noise: listed("noise"),

@@ -211,6 +211,7 @@ fn scope(campaign: &Campaign) -> Result<Scope, CliError> {
     if !campaign.effects.is_empty() {
         scope.effects = chosen("--effects", &campaign.effects, &effects)?;
     }
+    scope.at_once = campaign.at_once;
     if !campaign.robots.is_empty() {
         scope.robots = chosen("--robots", &campaign.robots, &KINDS)?;
     }
@@ -249,6 +250,9 @@ fn drawn_from(scope: &Scope) -> serde_json::Value {
     let mut drawn = serde_json::json!({
         "effects": scope.effects, "robots": scope.robots, "motion": motions, "noise": noises
     });
+    if let Some(counts) = scope.at_once {
+        drawn["at_once"] = serde_json::json!(counts.to_string());
+    }
     if !scope.laws.is_empty() {
         drawn["laws"] = serde_json::json!(scope.laws);
     }

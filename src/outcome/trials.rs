@@ -249,6 +249,9 @@ pub struct Rates {
     pub joints_right: Share,
     /// Two effects, both of that size: both are found.
     pub both_found: Share,
+    /// Effects of that size among several of one robot: found, with their joints.
+    #[serde(default)]
+    pub each_found: Share,
     /// Findings of trials with vocabulary effects that are neither concealed nor said to be inseparable from it.
     pub wrong_names: Share,
     /// Rivals that are said to be inseparable from a finding, and a recording of [`LONGER`] times the length tells them

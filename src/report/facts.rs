@@ -22,6 +22,7 @@ pub(super) fn trial_rates(trials: &Trials) -> Vec<(&'static str, Share)> {
         ("one effect: it bears the very name", rates.first_named),
         ("one effect: the joints are right", rates.joints_right),
         ("two effects: both are found", rates.both_found),
+        ("several effects: each is found", rates.each_found),
         ("findings with a wrong name", rates.wrong_names),
         (
             "said to be inseparable, told apart by longer recordings",
@@ -111,15 +112,20 @@ pub(super) fn trials_sentence(trials: &Trials) -> String {
         _ => format!("{} ({} of {})", number::percent(s.value()), s.are, s.of),
     };
     let controls = &trials.false_findings;
+    let controls = match controls.controls {
+        0 => "there were no controls".to_string(),
+        _ => format!(
+            "of the controls {} of {} have a finding, at most {} with 95 % confidence",
+            controls.with_finding,
+            controls.controls,
+            number::percent(controls.upper95)
+        ),
+    };
     format!(
-        "{}: where one effect leaves at least {} times the noise, the first finding is right in {}; of the \
-         controls {} of {} have a finding, at most {} with 95 % confidence.",
+        "{}: where one effect leaves at least {} times the noise, the first finding is right in {}; {controls}.",
         count(trials.trials.len(), "trial"),
         rates.least_size,
         share(rates.first_right),
-        controls.with_finding,
-        controls.controls,
-        number::percent(controls.upper95)
     )
 }
 

@@ -9,7 +9,9 @@ use crate::trials::robot::{KINDS, RandomRobot};
 use crate::trials::unmodelled_physics::{Neighbours, Unmodelled, UnmodelledLaw};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
+use std::str::FromStr;
 
 /// One trial of so many conceals nothing.
 const CONTROL: u64 = 5;
@@ -17,6 +19,9 @@ const CONTROL: u64 = 5;
 /// Share of the others with two effects, and with physics outside the vocabulary.
 const PAIRS: f64 = 0.12;
 const OUTSIDE: f64 = 0.08;
+
+/// Smallest size of one of several effects, as a share of the usual torque of its joint.
+const LEAST_OF_SEVERAL: f64 = 0.05;
 
 /// Smallest and largest size of an effect, as a share of the usual torque of its joint: below the noise, and half.
 const SHARES: (f64, f64) = (0.002, 0.5);
@@ -38,6 +43,43 @@ pub struct Scope {
     pub motions: Vec<Motion>,
     /// Kinds of noise.
     pub noises: Vec<Noise>,
+    /// How many effects a trial conceals; one, now and then two, where nothing is said.
+    pub at_once: Option<AtOnce>,
+}
+
+/// The least and the largest number of effects that are concealed in one robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AtOnce {
+    /// At least one.
+    pub least: usize,
+    /// Not below the least.
+    pub most: usize,
+}
+
+impl AtOnce {
+    fn draw(self, rng: &mut ChaCha8Rng) -> usize {
+        self.least + (rng.random::<f64>() * (self.most - self.least + 1) as f64) as usize
+    }
+}
+
+impl FromStr for AtOnce {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (least, most) = text.split_once('-').unwrap_or((text, text));
+        let [least, most] = [least, most].map(|n| n.trim().parse::<usize>().ok());
+        least
+            .zip(most)
+            .map(|(least, most)| Self { least, most })
+            .filter(|counts| counts.least >= 1 && counts.least <= counts.most)
+            .ok_or_else(|| format!("`{text}` is no number of effects: write 3 or 3-8"))
+    }
+}
+
+impl Display for AtOnce {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "{}-{}", self.least, self.most)
+    }
 }
 
 impl Scope {
@@ -54,6 +96,7 @@ impl Scope {
             robots: KINDS.to_vec(),
             motions: Motion::ALL.to_vec(),
             noises: Noise::ALL.to_vec(),
+            at_once: None,
         }
     }
 
@@ -140,39 +183,51 @@ impl Plan {
 
     fn conceal(&mut self, rng: &mut ChaCha8Rng, scope: &Scope, shrink: f64) {
         let n = self.robot.tree.len();
+        if let Some(counts) = scope.at_once {
+            let count = counts.draw(rng);
+            let ids: Vec<&'static str> = pick_apart(rng, &scope.effects, count);
+            let sizes = Sizes {
+                least: LEAST_OF_SEVERAL,
+                shrink,
+            };
+            self.conceal_each(rng, scope, &ids, sizes);
+            return;
+        }
         let kind = rng.random::<f64>();
-        let share = |rng: &mut ChaCha8Rng, low: f64| {
-            let (low, high) = (f64::max(SHARES.0, low).ln(), SHARES.1.ln());
-            shrink * between(rng, low, high).exp()
-        };
         if kind < OUTSIDE && scope.effects.len() > 1 {
             let joint = (rng.random::<f64>() * n as f64) as usize;
             let neighbour = if joint == 0 { 1 } else { joint - 1 };
             let law = pick(rng, &UnmodelledLaw::ALL);
+            let least = SHARES.0;
             self.outside = Some(Unmodelled {
                 law,
                 at: Neighbours { joint, neighbour },
-                share: share(rng, SHARES.0),
+                share: Sizes { least, shrink }.draw(rng),
             });
             return;
         }
         let pair = kind < OUTSIDE + PAIRS && scope.effects.len() > 1;
-        let mut joints: Vec<usize> = (0..n).collect();
         let mut ids: Vec<&'static str> = scope.effects.clone();
         // Singles go through all effects in turn, so that none is rare.
         let turn = (self.number - self.number / CONTROL) as usize % ids.len();
-        let first = ids.remove(turn);
-        let mut chosen = vec![first];
+        let mut chosen = vec![ids.remove(turn)];
         if pair {
             chosen.push(pick(rng, &ids));
         }
-        for effect in chosen.into_iter().filter_map(|id| scope.catalogue.find(id)) {
+        let least = if pair { LEAST_OF_SEVERAL } else { SHARES.0 };
+        self.conceal_each(rng, scope, &chosen, Sizes { least, shrink });
+    }
+
+    /// Conceals effects, each on joints of its own, as long as there are joints.
+    fn conceal_each(&mut self, rng: &mut ChaCha8Rng, scope: &Scope, ids: &[&str], sizes: Sizes) {
+        let n = self.robot.tree.len();
+        let mut joints: Vec<usize> = (0..n).collect();
+        for effect in ids.iter().filter_map(|id| scope.catalogue.find(id)) {
             let joint = joints.remove((rng.random::<f64>() * joints.len() as f64) as usize);
-            let size = share(rng, if pair { 0.05 } else { SHARES.0 });
             let scale = Scale {
                 robot: &self.robot,
                 length: self.length,
-                share: size,
+                share: sizes.draw(rng),
             };
             let drawn = concealed_effect::draw(rng, effect, joint, scale);
             self.known_links |= matches!(effect.law, Law::Body);
@@ -185,6 +240,32 @@ impl Plan {
             }
         }
     }
+}
+
+/// Sizes of what is concealed, as shares of the usual torque of a joint.
+#[derive(Clone, Copy)]
+struct Sizes {
+    least: f64,
+    /// By what they are made smaller where a robot could not follow.
+    shrink: f64,
+}
+
+impl Sizes {
+    /// Spread evenly in its logarithm.
+    fn draw(self, rng: &mut ChaCha8Rng) -> f64 {
+        let (low, high) = (self.least.ln(), SHARES.1.ln());
+        self.shrink * between(rng, low, high).exp()
+    }
+}
+
+/// Some of the values in random order, none twice.
+fn pick_apart<T: Copy>(rng: &mut ChaCha8Rng, from: &[T], count: usize) -> Vec<T> {
+    let mut left = from.to_vec();
+    let mut picked = Vec::new();
+    while picked.len() < count && !left.is_empty() {
+        picked.push(left.remove((rng.random::<f64>() * left.len() as f64) as usize));
+    }
+    picked
 }
 
 fn pick<T: Copy>(rng: &mut ChaCha8Rng, from: &[T]) -> T {

@@ -20,14 +20,14 @@ use crate::trials::error::TrialError;
 use crate::trials::plan::Plan;
 use std::path::Path;
 
-/// What is left of the concealed physics, per joint: held-out RMS over the noise of a row, of periods that are averaged,
-/// where there are any, and of single samples.
+/// How much each concealed law leaves where the model lacks it alone: held-out RMS over the noise of a row, at the joint
+/// where that is most; of averages over periods, where there are any and it does not change with time, else of samples.
 #[derive(Debug, Clone, Default)]
 pub struct Sizes {
-    /// Of averages over periods; of samples where nothing repeats.
-    pub averaged: Vec<f64>,
-    /// Of samples in the order of time; empty where nothing concealed changes with time.
-    pub in_time: Vec<f64>,
+    /// Of the effects in their order.
+    pub effects: Vec<f64>,
+    /// Of the law outside the vocabulary.
+    pub outside: Option<f64>,
 }
 
 pub(super) fn sizes(
@@ -36,23 +36,32 @@ pub(super) fn sizes(
     control: &Control<'_>,
 ) -> Result<Sizes, TrialError> {
     let opened = DeclaredModel::read(problem, control)?;
-    let of = |data: &Dataset, periods: f64| -> Result<Vec<f64>, TrialError> {
-        let left = opened.fit(data, &[], &Start::new(), control)?.validation;
-        let pairs = left.iter().zip(&plan.robot.noise);
-        Ok(pairs
-            .map(|(e, noise)| rms(e) * periods.sqrt() / noise)
-            .collect())
-    };
-    let averaged = match plan.motion.repeats() {
+    let periods = match plan.motion.repeats() {
         true => plan.length.periods as f64,
         false => 1.0,
     };
+    let largest = |left: &[Vec<f64>], joints: &[usize], periods: f64| {
+        let of_joint = |j: usize| rms(&left[j]) * periods.sqrt() / plan.robot.noise[j];
+        joints.iter().map(|&j| of_joint(j)).fold(f64::NAN, f64::max)
+    };
+    let without = |k: usize, concealed: &Concealed| -> Result<f64, TrialError> {
+        let others = plan.concealed.iter().enumerate().filter(|(i, _)| *i != k);
+        let others: Vec<&Concealed> = others.map(|(_, other)| other).collect();
+        let (data, periods) = match concealed.changes_with_time() {
+            true => (successive_periods(&opened.data), 1.0),
+            false => (opened.data.clone(), periods),
+        };
+        let left = opened.fit_with(&data, &others, control)?.validation;
+        Ok(largest(&left, &concealed.joints(), periods))
+    };
+    let each = plan.concealed.iter().enumerate();
+    let outside = plan.outside.as_ref().map(|outside| {
+        let left = opened.fit_with(&opened.data, &[], control)?.validation;
+        Ok::<f64, TrialError>(largest(&left, &[outside.at.joint], periods))
+    });
     Ok(Sizes {
-        averaged: of(&opened.data, averaged)?,
-        in_time: match plan.concealed.iter().any(Concealed::changes_with_time) {
-            true => of(&successive_periods(&opened.data), 1.0)?,
-            false => Vec::new(),
-        },
+        effects: each.map(|(k, c)| without(k, c)).collect::<Result<_, _>>()?,
+        outside: outside.transpose()?,
     })
 }
 
@@ -77,16 +86,10 @@ pub(super) fn informed(
         true => successive_periods(&opened.data),
         false => opened.data.clone(),
     };
-    let start: Start = plan
-        .concealed
-        .iter()
-        .flat_map(|c| c.values.clone())
-        .collect();
-    let truth = plan.concealed.iter().map(|c| c.hypothesis.clone());
-    let hypotheses: Vec<Hypothesis> = truth.collect();
+    let concealed: Vec<&Concealed> = plan.concealed.iter().collect();
     Ok(Some(ReferenceFits {
-        declared: opened.fit(&data, &[], &Start::new(), control)?,
-        known: opened.fit(&data, &hypotheses, &start, control)?,
+        declared: opened.fit_with(&data, &[], control)?,
+        known: opened.fit_with(&data, &concealed, control)?,
     }))
 }
 
@@ -120,6 +123,18 @@ impl DeclaredModel {
     /// What fits of a diagnosis share.
     pub fn context<'b>(&'b self, data: &'b Dataset, control: &'b Control<'b>) -> Context<'b> {
         Context::new(&self.problem, &self.robot, data, control)
+    }
+
+    /// Fits the declared model with some of what is concealed in it, from its true values.
+    fn fit_with(
+        &self,
+        data: &Dataset,
+        concealed: &[&Concealed],
+        control: &Control<'_>,
+    ) -> Result<ModelFit, TrialError> {
+        let values = concealed.iter().flat_map(|c| c.values.clone());
+        let hypotheses: Vec<Hypothesis> = concealed.iter().map(|c| c.hypothesis.clone()).collect();
+        self.fit(data, &hypotheses, &values.collect(), control)
     }
 
     /// Fits the declared model with hypotheses in it.

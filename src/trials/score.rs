@@ -8,12 +8,12 @@ use crate::diagnose::task::DiagnoseRun;
 use crate::outcome::diagnose::Verdict;
 use crate::outcome::finding::Finding;
 use crate::outcome::trials::{Found, Hidden, Inseparable, Trial};
-use crate::trials::concealed_effect::Concealed;
 use crate::trials::naming::{names, same_joints};
 use crate::trials::plan::Plan;
 use crate::trials::reference_fits::{ReferenceFits, Sizes};
 use crate::trials::{bodies, calibration};
 use nalgebra::DVector;
+use std::iter;
 
 /// A trial without an answer.
 pub fn failed(plan: &Plan, why: String) -> Trial {
@@ -88,26 +88,20 @@ fn found(finding: &Finding) -> Found {
 /// What was concealed, with its size.
 fn hidden(plan: &Plan, sizes: &Sizes) -> Vec<Hidden> {
     let name = |j: &usize| plan.robot.name(*j).to_string();
-    let largest = |of: &[f64], joints: &[usize]| {
-        let own = joints.iter().filter_map(|&j| of.get(j).copied());
-        own.fold(f64::NAN, f64::max)
-    };
-    let of_vocabulary = plan.concealed.iter().map(|c: &Concealed| {
-        let joints = c.joints();
-        let of = match c.changes_with_time() {
-            true => &sizes.in_time,
-            false => &sizes.averaged,
-        };
-        Hidden {
+    let sizes_of_effects = sizes.effects.iter().copied().chain(iter::repeat(f64::NAN));
+    let of_vocabulary = plan
+        .concealed
+        .iter()
+        .zip(sizes_of_effects)
+        .map(|(c, size)| Hidden {
             effect: c.hypothesis.effect.id.to_string(),
-            effect_over_noise: largest(of, &joints),
-            joints: joints.iter().map(name).collect(),
-        }
-    });
+            effect_over_noise: size,
+            joints: c.joints().iter().map(name).collect(),
+        });
     let outside = plan.outside.iter().map(|outside| Hidden {
         effect: outside.law.name().to_string(),
         joints: vec![name(&outside.at.joint)],
-        effect_over_noise: largest(&sizes.averaged, &[outside.at.joint]),
+        effect_over_noise: sizes.outside.unwrap_or(f64::NAN),
     });
     of_vocabulary.chain(outside).collect()
 }

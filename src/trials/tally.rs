@@ -2,7 +2,7 @@
 
 use crate::outcome::finding::UNNAMED;
 use crate::outcome::trials::{
-    self, FalseFindings, Found, Group, LONGER, Power, Rates, Share, Trial, Trials,
+    self, FalseFindings, Found, Group, Hidden, LONGER, Power, Rates, Share, Trial, Trials,
 };
 use crate::stats::distribution::Distribution;
 use crate::trials::calibration;
@@ -73,6 +73,19 @@ fn by_kind(trials: &[&Trial], kind: impl Fn(&Trial) -> &String) -> Vec<Group> {
 fn size(trial: &Trial) -> f64 {
     let sizes = trial.concealed.iter().map(|h| h.effect_over_noise);
     sizes.fold(f64::INFINITY, f64::min)
+}
+
+/// Whether what is concealed is large enough to be found; not known where there is no answer, which counts as not found.
+fn is_large(hidden: &Hidden) -> bool {
+    hidden.effect_over_noise.is_nan() || hidden.effect_over_noise >= LEAST_SIZE
+}
+
+/// Whether a trial counts: all of one or two effects are large enough, some of more.
+fn counts(trial: &Trial) -> bool {
+    match trial.concealed.len() {
+        0..=2 => trial.concealed.iter().all(is_large),
+        _ => trial.concealed.iter().any(is_large),
+    }
 }
 
 /// The name of the one effect of the vocabulary that a trial conceals.
@@ -156,7 +169,10 @@ fn rates(trials: &[&Trial]) -> Rates {
         ..Rates::default()
     };
     let (mut errors, mut frictions, mut bodies) = (Vec::new(), Vec::new(), Vec::new());
-    for &trial in trials.iter().filter(|t| size(t) >= LEAST_SIZE) {
+    for &trial in trials {
+        count_each(trial, &mut rates);
+    }
+    for &trial in trials.iter().filter(|t| counts(t)) {
         count_claims(trial, &mut rates);
         if trial.concealed.is_empty() {
             continue;
@@ -171,7 +187,8 @@ fn rates(trials: &[&Trial]) -> Rates {
             rates.wrong_names.count(!known);
         }
         match single(trial) {
-            None => rates.both_found.count(trial.all_found),
+            None if trial.concealed.len() == 2 => rates.both_found.count(trial.all_found),
+            None => {}
             Some(effect) => {
                 rates.first_right.count(trial.right_effect);
                 rates.joints_right.count(trial.right_joints);
@@ -195,6 +212,17 @@ fn rates(trials: &[&Trial]) -> Rates {
     rates.median_friction_ratio = median(frictions);
     rates.median_body_ratio = median(bodies);
     rates
+}
+
+/// Counts the effects of a trial that conceals several.
+fn count_each(trial: &Trial, rates: &mut Rates) {
+    if trial.concealed.len() < 2 {
+        return;
+    }
+    for hidden in trial.concealed.iter().filter(|hidden| is_large(hidden)) {
+        let found = trial.found.iter().any(|finding| names(finding, hidden));
+        rates.each_found.count(found);
+    }
 }
 
 /// Counts the rivals that a trial said to be inseparable.

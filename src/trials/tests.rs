@@ -9,11 +9,12 @@ use crate::trials::concealed_effect;
 use crate::trials::files::{PROBLEM, prepare};
 use crate::trials::longer_recording;
 use crate::trials::motion::{Motion, Noise};
-use crate::trials::plan::{Plan, Scope};
+use crate::trials::plan::{AtOnce, Plan, Scope};
 use crate::trials::reference_fits::DeclaredModel;
 use crate::trials::run::run;
 use crate::trials::tally::tally;
 use crate::trials::unmodelled_physics::UnmodelledLaw;
+use std::collections::BTreeSet;
 
 mod bench;
 mod evidence;
@@ -53,6 +54,61 @@ fn every_effect_that_is_not_declared_is_concealed_in_some_trial() {
                 .all(|c| effect::find(c.hypothesis.effect.id).is_some() && !c.values.is_empty())
         );
     }
+}
+
+#[test]
+fn several_effects_are_concealed_at_once_each_on_joints_of_its_own() {
+    let scope = Scope {
+        at_once: Some("3-5".parse().unwrap()),
+        robots: vec!["arm6", "arm7"],
+        ..Scope::all(5)
+    };
+    let drawn: Vec<Plan> = (0..60).map(|n| Plan::draw(&scope, (n, 0))).collect();
+    let (controls, others): (Vec<&Plan>, Vec<&Plan>) =
+        drawn.iter().partition(|plan| plan.concealed.is_empty());
+    assert_eq!(controls.len(), 12);
+    for count in 3..=5 {
+        assert!(others.iter().any(|plan| plan.concealed.len() == count));
+    }
+    for plan in others {
+        assert!((3..=5).contains(&plan.concealed.len()) && plan.outside.is_none());
+        let ids: BTreeSet<&str> = plan
+            .concealed
+            .iter()
+            .map(|c| c.hypothesis.effect.id)
+            .collect();
+        assert_eq!(ids.len(), plan.concealed.len());
+    }
+    for wrong in ["0-3", "4-3", "three", ""] {
+        assert!(wrong.parse::<AtOnce>().is_err(), "{wrong}");
+    }
+}
+
+#[test]
+fn each_of_several_effects_counts_by_its_own_size() {
+    let hidden = |effect: &str, joint: &str, effect_over_noise: f64| Hidden {
+        effect: effect.to_string(),
+        joints: vec![joint.to_string()],
+        effect_over_noise,
+    };
+    let found = |effect: &str, joint: &str| Found {
+        effect: effect.to_string(),
+        joints: vec![joint.to_string()],
+        ..Found::default()
+    };
+    let several = Trial {
+        concealed: vec![
+            hidden("joint_spring", "a1", 30.0),
+            hidden("backlash", "a2", 4.0),
+            hidden("torque_ripple", "a3", 0.5),
+        ],
+        found: vec![found("joint_spring", "a1"), found("torque_ripple", "a2")],
+        ..Trial::default()
+    };
+    let rates = tally(vec![several]).rates;
+    assert_eq!((rates.each_found.are, rates.each_found.of), (1, 2));
+    assert_eq!((rates.wrong_names.are, rates.wrong_names.of), (1, 2));
+    assert_eq!((rates.both_found.of, rates.first_right.of), (0, 0));
 }
 
 #[test]

@@ -38,7 +38,7 @@ fn take(simulation: &Simulation, table: &Written) -> Option<Take> {
 fn channel(noise: &RealisedNoise, table: &Written, thinning: &Thinning) -> Option<Channel> {
     let line = |panel, unit: &str, y: &[f64]| Line {
         panel,
-        role: "recorded",
+        role: "simulated",
         unit: unit.to_string(),
         y: Quantised::of(&thinning.line(y)),
         levels: Vec::new(),

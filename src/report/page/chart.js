@@ -6,6 +6,7 @@ const ROLES = {
   declared: { label: "declared model", colour: "--declared", width: 1.25 },
   predicted: { label: "model", colour: "--model", width: 1.25 },
   final: { label: "final model", colour: "--model", width: 1.25 },
+  simulated: { label: "simulated", colour: "--recorded", width: 2.5 },
   designed: { label: "designed", colour: "--model", width: 1.75 },
   added: { label: "found effects", colour: "--found", width: 1.5 },
 };

@@ -150,10 +150,10 @@ fn value(parameter: &Parameter) -> (String, String) {
         format!(", 95 % from {} to {}", significant(low), significant(high))
     });
     let unit = match parameter.unit.as_str() {
-        "1" => "",
-        unit => unit,
+        "1" => String::new(),
+        unit => format!(" {}", escape(unit)),
     };
-    let text = format!("{} {}{interval}", optional(parameter.value), escape(unit));
+    let text = format!("{}{unit}{interval}", optional(parameter.value));
     (format!("<code>{}</code>", breakable(&parameter.name)), text)
 }
 
