@@ -44,10 +44,11 @@ use crate::recording::format::columns_at;
 use crate::recording::samples::Recording;
 use crate::recording::split::Split;
 use crate::setup::error::SetupError;
+use crate::setup::model_spec::ModelSpec;
 use crate::setup::recording_file::{NamedRecording, ReadRecording, RecordedRobot};
 use crate::setup::recordings::{list, prepare_one, read_one};
+use crate::setup::robot;
 use crate::setup::shared_rows::shared_rows;
-use crate::setup::{model, prior, robot};
 
 /// Checks of a recording as it was read.
 const OF_READ: &[fn(&RawRecording<'_>) -> Vec<Finding>] = &[
@@ -265,12 +266,11 @@ fn declared_model(problem: &ProblemFile, robot: &robot::Robot, found: &mut Found
 }
 
 fn build_model(problem: &ProblemFile, robot: &robot::Robot) -> Result<Model, Box<SetupError>> {
-    let mut built = model::build(problem, robot)?;
-    prior::build(problem, robot, &mut built)?;
+    let built = ModelSpec::of(problem, robot)?.build()?;
     for compared in &problem.fit.compare {
-        model::build_compared(problem, robot, &compared.effects)?;
+        ModelSpec::compared(problem, robot, &compared.effects)?.build()?;
     }
-    Ok(built)
+    Ok(built.model)
 }
 
 /// Reads a recording and looks at it as it is; `None` where it goes no further.

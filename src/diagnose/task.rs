@@ -35,6 +35,7 @@ use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::problem_file::diagnose::SoughtEffects;
 use crate::setup;
+use crate::setup::model_spec::{ModelSpec, ModelWithPrior};
 use crate::setup::robot::Robot;
 use nalgebra::DVector;
 
@@ -105,11 +106,10 @@ fn of_robot(
 ) -> Result<DiagnoseRun, DiagnoseError> {
     on_stage(Stage::Reading);
     let robot = setup::robot::open(problem)?;
-    let (asked, separated) = (problem, setup::sharing::separated(problem));
+    let asked = ModelSpec::of(problem, &robot)?;
     // A motor that is taken for the like of another would look like missing physics: every joint is searched by itself.
-    let problem = &separated;
-    let mut model = setup::model::build(problem, &robot)?;
-    let prior = setup::prior::build(problem, &robot, &mut model)?;
+    let separated = asked.separated();
+    let ModelWithPrior { model, prior } = separated.build()?;
     let data = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
     let sought = sought(problem);
     let rules = Rules {
@@ -123,12 +123,13 @@ fn of_robot(
         let search = Search {
             problem,
             robot: &robot,
+            declared: &separated,
             rules,
             held_out: recorded.held_out,
             may_move: motions < MOTIONS,
             on_stage,
         };
-        let declared = Declared::fit(problem, &robot, &recorded.halves, control)?;
+        let declared = Declared::fit(&separated, &recorded.halves, control)?;
         match search.guarded(&recorded.halves, &declared, control)? {
             (Searched::Moved(data), _) => recorded = Recorded::of(&model, data),
             (Searched::Found(found), defect) => break (*found, defect, declared.limits),
@@ -147,10 +148,10 @@ fn of_robot(
     let moved = (motions > 1).then(|| MOVED.to_string());
     reported.diagnosis.notes.extend(moved);
     let estimated = &reported.diagnosis.outcome.parameters;
-    let differences = setup::declared::differences(problem, &robot, &model, estimated);
+    let differences = setup::declared::differences(separated.file_values(), &model, estimated);
     reported.diagnosis.notes.extend(differences);
-    if !asked.drive.shared.is_empty() && defect.is_none() && !control.is_interrupted() {
-        match shared(asked, &robot, &reported, &data, &limits, control) {
+    if !problem.drive.shared.is_empty() && defect.is_none() && !control.is_interrupted() {
+        match shared(&asked, &reported, &data, &limits, control) {
             Ok(answers) => {
                 reported.fitted.fit.sharing.clone_from(&answers);
                 if let Some(fit) = &mut reported.diagnosis.fit {
@@ -182,16 +183,14 @@ fn of_robot(
 
 /// Asks whether joints with motors of one type have parameters of the declared model or of findings in common.
 fn shared(
-    problem: &ProblemFile,
-    robot: &Robot,
+    declared: &ModelSpec,
     reported: &Reported,
     data: &Dataset,
     limits: &TransitionLimits,
     control: &Control<'_>,
 ) -> Result<Vec<Sharing>, DiagnoseError> {
     let question = Question {
-        problem,
-        robot,
+        declared,
         addition: &addition(&reported.hypotheses),
         data,
         limits,
@@ -253,6 +252,7 @@ fn halves(data: Dataset, held_out: bool) -> HeldOutHalves {
 struct Search<'a> {
     problem: &'a ProblemFile,
     robot: &'a Robot,
+    declared: &'a ModelSpec,
     rules: Rules<'a>,
     /// Rows of the training recordings were held out.
     held_out: bool,
@@ -321,12 +321,12 @@ impl Search<'_> {
             (self.on_stage)(Stage::Drift);
             let successive_periods = between_periods::successive_periods(&halves.whole);
             let successive_periods = self::halves(successive_periods, self.held_out);
-            let mut over_time = successive_periods.contexts(self.problem, self.robot, control);
+            let mut over_time = successive_periods.contexts(self.declared, control);
             over_time.set(&declared.limits, declared.noise.as_deref());
             // What is selected there is of other rows than those that a defect leaves.
             let apart = LastSelection::default();
             let explaining = self.explaining(&over_time, &apart);
-            if let Some(reported) = over_periods(&explaining, &explanation.full, &effects)? {
+            if let Some(reported) = self.over_periods(&explaining, &explanation.full, &effects)? {
                 return Ok(Searched::Found(Box::new(Found {
                     reported,
                     data: Some(successive_periods.whole),
@@ -334,7 +334,7 @@ impl Search<'_> {
             }
         }
         Ok(Searched::Found(Box::new(Found {
-            reported: report(&explaining, &explanation)?,
+            reported: self.report(&explaining, &explanation)?,
             data: None,
         })))
     }
@@ -373,7 +373,7 @@ impl Search<'_> {
         let explaining = self.explaining(&contexts, &reached);
         let explanation = explaining.conclude(selection)?;
         Ok(Found {
-            reported: report(&explaining, &explanation)?,
+            reported: self.report(&explaining, &explanation)?,
             data: None,
         })
     }
@@ -385,7 +385,7 @@ impl Search<'_> {
         declared: &Declared,
         control: &'c Control<'c>,
     ) -> Result<Contexts<'c>, DiagnoseError> {
-        let mut contexts = halves.contexts(self.problem, self.robot, control);
+        let mut contexts = halves.contexts(self.declared, control);
         contexts.set(&declared.limits, declared.noise.as_deref());
         let known = || Ok(declared.fit.clone());
         contexts.selection.cache.fit_model(&[], known)?;
@@ -404,40 +404,43 @@ impl Search<'_> {
             reached,
         }
     }
-}
 
-/// What is to be reported where effects that change from period to period are found beside what explains the averages.
-fn over_periods(
-    explaining: &Explaining<'_>,
-    full: &ModelFit,
-    effects: &[String],
-) -> Result<Option<Reported>, DiagnoseError> {
-    let of_time = Rules {
-        sought: Some(effects),
-        ..explaining.rules
-    };
-    let context = &explaining.contexts.selection;
-    let Some(selection) = between_periods::found(context, full, of_time)? else {
-        return Ok(None);
-    };
-    let explanation = explaining.conclude(selection)?;
-    let is_of_time = |h: &Hypothesis| effects.iter().any(|id| id == h.effect.id);
-    match explanation.full.hypotheses.iter().any(is_of_time) {
-        true => report(explaining, &explanation).map(Some),
-        false => Ok(None),
+    /// What is to be reported where effects that change from period to period are found beside what explains the averages.
+    fn over_periods(
+        &self,
+        explaining: &Explaining<'_>,
+        full: &ModelFit,
+        effects: &[String],
+    ) -> Result<Option<Reported>, DiagnoseError> {
+        let of_time = Rules {
+            sought: Some(effects),
+            ..explaining.rules
+        };
+        let context = &explaining.contexts.selection;
+        let Some(selection) = between_periods::found(context, full, of_time)? else {
+            return Ok(None);
+        };
+        let explanation = explaining.conclude(selection)?;
+        let is_of_time = |h: &Hypothesis| effects.iter().any(|id| id == h.effect.id);
+        match explanation.full.hypotheses.iter().any(is_of_time) {
+            true => self.report(explaining, &explanation).map(Some),
+            false => Ok(None),
+        }
     }
-}
 
-fn report(
-    explaining: &Explaining<'_>,
-    explanation: &Explanation,
-) -> Result<Reported, DiagnoseError> {
-    let reporting = Reporting {
-        contexts: explaining.contexts,
-        explanation,
-        rules: explaining.rules,
-    };
-    reporting.report()
+    fn report(
+        &self,
+        explaining: &Explaining<'_>,
+        explanation: &Explanation,
+    ) -> Result<Reported, DiagnoseError> {
+        let reporting = Reporting {
+            contexts: explaining.contexts,
+            explanation,
+            rules: explaining.rules,
+            problem: self.problem,
+        };
+        reporting.report()
+    }
 }
 
 fn sought(problem: &ProblemFile) -> Option<Vec<String>> {

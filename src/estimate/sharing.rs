@@ -19,11 +19,8 @@ use crate::estimate::initial::search_range;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::parameter::{Parameter, Source};
 use crate::outcome::sharing::{SeparateValue, SharedParameter, Sharing as Answer};
-use crate::problem_file::ProblemFile;
-use crate::setup;
 use crate::setup::error::SetupError;
-use crate::setup::model::Addition;
-use crate::setup::robot::Robot;
+use crate::setup::model_spec::{Addition, ModelSpec, ModelWithPrior};
 use crate::stats::distribution::Distribution;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -43,11 +40,9 @@ pub fn unanswered(error: &dyn std::error::Error) -> String {
 /// Questions about the parameters that joints with motors of one type have in common.
 #[derive(Debug, Clone, Copy)]
 pub struct Question<'a> {
-    /// Says which joints have motors of one type.
-    pub problem: &'a ProblemFile,
-    /// The robot of the problem.
-    pub robot: &'a Robot,
-    /// Physics of the model beside what the problem declares.
+    /// What is declared, and which joints have motors of one type.
+    pub declared: &'a ModelSpec,
+    /// Physics of the model beside what is declared.
     pub addition: &'a Addition,
     /// What is fitted.
     pub data: &'a Dataset,
@@ -66,7 +61,7 @@ impl Question<'_> {
         fit: &dyn Fn(&Model, &Prior) -> Result<Fitted, E>,
     ) -> Result<Vec<Answer>, E> {
         let model = &fitted.model;
-        let proposed = setup::sharing::proposed(self.problem, self.robot, model)?;
+        let proposed = self.declared.proposed_sharing(model);
         let tests = model.shared().len() + proposed.len();
         if tests == 0 {
             return Ok(Vec::new());
@@ -74,7 +69,7 @@ impl Question<'_> {
         let of_joints = match model.shared().is_empty() {
             true => None,
             false => {
-                let separated = setup::sharing::separated(self.problem);
+                let separated = self.declared.separated();
                 Some(fit_beside(self, &separated, fitted, Vec::new(), fit)?)
             }
         };
@@ -95,7 +90,7 @@ impl Question<'_> {
         let kept: Vec<Sharing> = kept.map(|(sharing, _)| sharing.clone()).collect();
         let common = match kept.is_empty() {
             true => None,
-            false => Some(fit_beside(self, self.problem, fitted, kept, fit)?),
+            false => Some(fit_beside(self, self.declared, fitted, kept, fit)?),
         };
         let in_model = declared.iter().map(|t| t.answer(Some(&fitted.estimate)));
         let common = common.as_ref().map(|fitted| &fitted.estimate);
@@ -107,7 +102,7 @@ impl Question<'_> {
 /// Fits a model with other parameters in common, from the shapes of the one that was fitted.
 fn fit_beside<E: From<SetupError>>(
     question: &Question<'_>,
-    problem: &ProblemFile,
+    declared: &ModelSpec,
     fitted: &Fitted,
     shared: Vec<Sharing>,
     fit: &dyn Fn(&Model, &Prior) -> Result<Fitted, E>,
@@ -116,9 +111,7 @@ fn fit_beside<E: From<SetupError>>(
         shared,
         ..question.addition.clone()
     };
-    let robot = question.robot;
-    let mut model = setup::model::build_with_addition(problem, robot, &addition)?;
-    let prior = setup::prior::build(problem, robot, &mut model)?;
+    let ModelWithPrior { mut model, prior } = declared.build_with(&addition)?;
     model.limit_transitions(question.limits);
     search_range::start_within_motion(&mut model, question.data);
     for p in 0..model.parameters().len() {

@@ -27,7 +27,7 @@ use crate::problem_file::choices::{LoadFrom, Motion};
 use crate::problem_file::{ProblemFile, choices};
 use crate::setup;
 use crate::setup::error::{Mismatch, SetupError};
-use crate::setup::model::Addition;
+use crate::setup::model_spec::{Addition, ModelSpec, ModelWithPrior};
 use crate::setup::robot::Robot;
 use nalgebra::DVector;
 use thiserror::Error;
@@ -94,8 +94,8 @@ pub fn run(
     on_step: impl Fn(Step),
 ) -> Result<FitRun, FitError> {
     let robot = setup::robot::open(problem)?;
-    let mut model = setup::model::build(problem, &robot)?;
-    let prior = setup::prior::build(problem, &robot, &mut model)?;
+    let declared = ModelSpec::of(problem, &robot)?;
+    let ModelWithPrior { mut model, prior } = declared.build()?;
     on_step(Step::Reading);
     let data = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
     on_step(Step::Fitting);
@@ -118,7 +118,7 @@ pub fn run(
     fitted.fit.notes.extend(notes(&model, &data));
     fitted.fit.notes.extend(misfit(&fitted.estimate.joints));
     let estimated = &fitted.estimate.parameters;
-    let differences = setup::declared::differences(problem, &robot, &model, estimated);
+    let differences = setup::declared::differences(declared.file_values(), &model, estimated);
     fitted.fit.notes.extend(differences);
     if matches!(model.signal(), Signal::BaseWrench | Signal::Both) {
         let theta_d = reactions::joint_torque_parameters(&fitted.model, &fitted.fit.posterior);
@@ -132,6 +132,7 @@ pub fn run(
     let others = OtherModels {
         problem,
         robot: &robot,
+        declared: &declared,
         data: &data,
         limits: &limits,
         control,
@@ -215,6 +216,7 @@ const THIS_FIT: &str = "this fit";
 struct OtherModels<'a> {
     problem: &'a ProblemFile,
     robot: &'a Robot,
+    declared: &'a ModelSpec,
     data: &'a Dataset,
     limits: &'a TransitionLimits,
     control: &'a Control<'a>,
@@ -230,8 +232,11 @@ impl OtherModels<'_> {
                 break;
             }
             let effects = &compared.effects.value;
-            let mut other = setup::model::build_compared(problem, self.robot, effects)?;
-            let prior = setup::prior::build(problem, self.robot, &mut other)?;
+            let compared_spec = ModelSpec::compared(problem, self.robot, effects)?;
+            let ModelWithPrior {
+                model: mut other,
+                prior,
+            } = compared_spec.build()?;
             other.limit_transitions(self.limits);
             search_range::start_within_motion(&mut other, data);
             let result = estimate(problem, &other, data, &prior, self.control)?
@@ -265,8 +270,7 @@ impl OtherModels<'_> {
     /// Asks whether joints with motors of one type have parameters in common.
     fn shared(&self, fitted: &Fitted) -> Result<Vec<Sharing>, FitError> {
         let question = Question {
-            problem: self.problem,
-            robot: self.robot,
+            declared: self.declared,
             addition: &Addition::default(),
             data: self.data,
             limits: self.limits,

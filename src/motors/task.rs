@@ -22,6 +22,7 @@ use crate::recording::split::Split;
 use crate::robot::newton_euler::NewtonEuler;
 use crate::setup;
 use crate::setup::error::{Mismatch, SetupError};
+use crate::setup::model_spec::{ModelSpec, with_unit_constant};
 use crate::setup::recording_file::ReadRecording;
 use crate::setup::recordings::read_all;
 use crate::setup::robot::Robot;
@@ -46,9 +47,10 @@ pub fn run(problem: &ProblemFile) -> Result<MotorRun, MotorsError> {
     let robot = setup::robot::open(problem)?;
     require_tree(problem, &robot)?;
     check_names(problem, &robot)?;
-    let mut model = setup::model::build(&setup::model::with_unit_constant(problem), &robot)?;
     // Bodies of an earlier fit become those of the model; priors of torque constants have a table of their own.
-    setup::prior::build(problem, &robot, &mut model)?;
+    let model = ModelSpec::of(&with_unit_constant(problem), &robot)?
+        .build()?
+        .model;
     let rule = Steadiness {
         least_speed: problem.fit.constant_velocity.least_speed.value,
         ..Steadiness::default()

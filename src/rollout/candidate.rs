@@ -10,9 +10,8 @@ use crate::problem_file::robot::RobotSource;
 use crate::rollout::error::RolloutError;
 use crate::setup::error::SetupError;
 use crate::setup::laws;
-use crate::setup::model::{Addition, build_with_addition};
+use crate::setup::model_spec::{Addition, ModelSpec};
 use crate::setup::robot::Robot;
-use crate::setup::sharing::separated;
 use crate::simulate::truth;
 use nalgebra::DVector;
 
@@ -100,7 +99,10 @@ fn rebuilt(
         }
     }
     // Every joint has its value: a diagnosis may have found other ones on joints that the problem takes for alike.
-    let model = build_with_addition(&separated(problem), robot, &addition)?;
+    let model = ModelSpec::without_prior(problem, robot)?
+        .separated()
+        .build_with(&addition)?
+        .model;
     let mut values = model.values();
     for value in &fitted.values {
         if let Ok(position) = model.find(&value.name) {

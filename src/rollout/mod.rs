@@ -35,6 +35,7 @@ use crate::rollout::summary::Summary;
 pub use crate::rollout::task::{RolloutRun, Task};
 pub use crate::rollout::window::{Window, WindowJoint, table};
 use crate::setup;
+use crate::setup::model_spec::ModelSpec;
 
 /// Rolls the models of a result out; `on_step` hears of every step.
 ///
@@ -50,9 +51,8 @@ pub fn run(
     let robot = setup::robot::open(problem)?;
     let candidates = Candidates::of(task.outcome, problem, &robot)?;
     on_step("reading and differentiating the recordings");
-    let mut declared = setup::model::build(problem, &robot)?;
-    let prior = setup::prior::build(problem, &robot, &mut declared)?;
-    let data = bandwidth::prepared(problem, &robot, &declared, &prior, control)?;
+    let declared = ModelSpec::of(problem, &robot)?.build()?;
+    let data = bandwidth::prepared(problem, &robot, &declared.model, &declared.prior, control)?;
     let (data, held_out) = held_out_part(data, &task.outcome.part);
     on_step("simulating forward");
     let rolled = data

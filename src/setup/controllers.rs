@@ -54,12 +54,17 @@ pub(super) fn of_joints(
 }
 
 /// What is known of the gains of a joint.
-struct JointGains {
+#[derive(Debug, Clone, Copy)]
+pub(super) struct JointGains {
     kp: Declared,
     kd: Declared,
 }
 
-fn declared(problem: &ProblemFile, robot: &Robot) -> Result<Vec<JointGains>, SetupError> {
+/// What problem file and robot file say of the gains of every joint.
+pub(super) fn declared(
+    problem: &ProblemFile,
+    robot: &Robot,
+) -> Result<Vec<JointGains>, SetupError> {
     let table = problem.controller.as_ref().map(|table| &table.value);
     let listed = |gains: Option<&Located<Gains>>| -> Result<Option<Vec<Declared>>, SetupError> {
         let listed = gains.map(|gains| gains.expand(&robot.order)).transpose()?;
@@ -88,15 +93,11 @@ fn declared(problem: &ProblemFile, robot: &Robot) -> Result<Vec<JointGains>, Set
 }
 
 /// What `[controller]` says of gains that it does not call known.
-pub(super) fn prior(
-    problem: &ProblemFile,
-    robot: &Robot,
-    model: &Model,
-) -> Result<Prior, SetupError> {
+pub(super) fn prior(gains: &[JointGains], model: &Model) -> Prior {
     let count = model.parameters().len();
     let mut known: Vec<(usize, f64, f64)> = Vec::new();
     if model.signal() == Signal::PositionCommand {
-        for (joint, gains) in model.joints().iter().zip(declared(problem, robot)?) {
+        for (joint, gains) in model.joints().iter().zip(gains) {
             let Some(kp) = joint.controller else { continue };
             for (parameter, gain) in [(kp, gains.kp), (kp + 1, gains.kd)] {
                 if let Declared::Uncertain { value, std_dev } = gain {
@@ -112,5 +113,5 @@ pub(super) fn prior(
         true => known[i].2.powi(2),
         false => 0.0,
     });
-    Ok(Prior::new(&rows, &mean, &covariance))
+    Prior::new(&rows, &mean, &covariance)
 }

@@ -17,11 +17,15 @@ use crate::problem_file::{Located, Named, ProblemFile};
 use crate::robot::description::{DeclaredDrive, DeclaredSpring};
 use crate::setup::robot::Robot;
 
-/// A parameter of an effect and the value that the robot file gives it.
-struct Entry {
+/// A parameter of an effect of a joint and the value that the robot file gives it.
+#[derive(Debug, Clone, Copy)]
+pub struct FileValue {
+    joint: usize,
     effect: &'static Effect,
     parameter: &'static str,
     value: f64,
+    /// Nothing asks for an estimate.
+    known: bool,
 }
 
 /// A parameter of a model and the value that the robot file gives it.
@@ -72,33 +76,30 @@ pub fn listed(problem: &ProblemFile, robot: &Robot) -> ProblemFile {
     all
 }
 
+/// What the robot file says of the drives of all joints.
+pub fn file_values(problem: &ProblemFile, robot: &Robot) -> Vec<FileValue> {
+    let joints = 0..robot.tree.len();
+    joints.flat_map(|k| entries(problem, robot, k)).collect()
+}
+
 /// The parameters of a model of which the robot file has values.
-pub fn values(problem: &ProblemFile, robot: &Robot, model: &Model) -> Vec<DeclaredValue> {
-    let mut values = Vec::new();
-    for (joint, described) in model.joints().iter().enumerate() {
-        let listed = |id: &str| {
-            let of = problem.drive.effects_of.iter();
-            let own = of.filter(|entry| entry.name == described.name);
-            let all = own.flat_map(|entry| entry.value.iter());
-            all.chain(&problem.drive.effects).any(|e| e.value == id)
-        };
-        for entry in entries(problem, robot, joint) {
-            let mut parameters = described.parameters_of(entry.effect.id);
-            let found = parameters.find(|(info, _)| info.name == entry.parameter);
-            values.extend(found.map(|(_, parameter)| DeclaredValue {
-                parameter,
-                value: entry.value,
-                known: entry.effect.knowledge.term == Some(JointTerm::RotorInertia)
-                    && !listed(entry.effect.id),
-            }));
-        }
-    }
-    values
+pub fn values(file_values: &[FileValue], model: &Model) -> Vec<DeclaredValue> {
+    let of = |entry: &FileValue| {
+        let described = &model.joints()[entry.joint];
+        let mut parameters = described.parameters_of(entry.effect.id);
+        let (_, parameter) = parameters.find(|(info, _)| info.name == entry.parameter)?;
+        Some(DeclaredValue {
+            parameter,
+            value: entry.value,
+            known: entry.known,
+        })
+    };
+    file_values.iter().filter_map(of).collect()
 }
 
 /// Gives a model the values of the robot file. Those outside of the bounds of their parameters start at the bound.
-pub(super) fn apply(problem: &ProblemFile, robot: &Robot, model: &mut Model) {
-    for declared in values(problem, robot, model) {
+pub(super) fn apply(file_values: &[FileValue], model: &mut Model) {
+    for declared in values(file_values, model) {
         // What is shared is estimated: the file may have another value for every joint.
         let shared = model.sharing(model.estimated_as(declared.parameter)).len() > 1;
         let known = declared.known && !shared;
@@ -111,8 +112,7 @@ pub(super) fn apply(problem: &ProblemFile, robot: &Robot, model: &mut Model) {
 
 /// Where estimates leave what the robot file says out of their intervals, in one sentence.
 pub fn differences(
-    problem: &ProblemFile,
-    robot: &Robot,
+    file_values: &[FileValue],
     model: &Model,
     estimated: &[Parameter],
 ) -> Option<String> {
@@ -130,7 +130,7 @@ pub fn differences(
             )
         })
     };
-    let all = values(problem, robot, model).into_iter();
+    let all = values(file_values, model).into_iter();
     let differences: Vec<String> = all.filter_map(differs).collect();
     (!differences.is_empty()).then(|| {
         format!(
@@ -141,7 +141,7 @@ pub fn differences(
 }
 
 /// The values of a joint that moves by itself; none where the signal does not feel the joints' drives.
-fn entries(problem: &ProblemFile, robot: &Robot, joint: usize) -> Vec<Entry> {
+fn entries(problem: &ProblemFile, robot: &Robot, joint: usize) -> Vec<FileValue> {
     let signal = super::signal::signal(problem).ok();
     if robot.locked[joint].is_some() || signal == Some(Signal::BaseWrench) {
         return Vec::new();
@@ -149,12 +149,21 @@ fn entries(problem: &ProblemFile, robot: &Robot, joint: usize) -> Vec<Entry> {
     let drive = with_followers(robot, joint);
     let rotor = drive.rotor_inertia;
     let rotor = rotor.filter(|_| problem.drive.rotor_inertia.is_none());
+    let name = &robot.tree.joints()[joint].name;
+    let listed = |id: &str| {
+        let of = problem.drive.effects_of.iter();
+        let own = of.filter(|entry| entry.name == *name);
+        let all = own.flat_map(|entry| entry.value.iter());
+        all.chain(&problem.drive.effects).any(|e| e.value == id)
+    };
     let entry = |term, index: usize, value: Option<f64>| {
         let effect = of_term(term);
-        value.map(|value| Entry {
+        value.map(|value| FileValue {
+            joint,
             effect,
             parameter: effect.parameters[index].name,
             value,
+            known: term == JointTerm::RotorInertia && !listed(effect.id),
         })
     };
     let (stiffness, rest) = (

@@ -3,17 +3,72 @@
 use crate::chain::model::Model;
 use crate::fault::Place;
 use crate::problem_file::choices::Estimator;
-use crate::problem_file::{Named, ProblemFile};
+use crate::problem_file::fit::Interval;
+use crate::problem_file::{Located, Named, ProblemFile};
 use crate::robot::inertia::Inertia;
 use crate::setup::error::{Mismatch, SetupError, at};
 use crate::setup::names::{self, BodyQuantity, Reference};
 
+/// What a problem file says of single parameters.
+#[derive(Debug, Clone)]
+pub(super) struct Constraints {
+    /// Zero by construction.
+    zero: Vec<Located<String>>,
+    /// Known.
+    values: Vec<Named<f64>>,
+    bounds: Vec<Named<Interval>>,
+    total_mass: Option<Located<Interval>>,
+    /// The estimator keeps constraints on bodies.
+    keeps_bodies: bool,
+}
+
+impl Constraints {
+    pub(super) fn of(problem: &ProblemFile) -> Self {
+        Self {
+            zero: problem.robot.zero.clone(),
+            values: problem.drive.values.clone(),
+            bounds: problem.fit.bounds.clone(),
+            total_mass: problem.fit.total_mass.clone(),
+            keeps_bodies: matches!(
+                problem.fit.estimator.value,
+                Estimator::Feasible | Estimator::FeasibleMaximumLikelihood
+            ),
+        }
+    }
+
+    /// Gives a model's parameters their values and bounds.
+    pub(super) fn apply(&self, model: &mut Model) -> Result<(), SetupError> {
+        zero_parameters(model, &self.zero)?;
+        fix_all(model, &self.values)?;
+        self.bound_all(model)
+    }
+
+    /// Narrows the bounds of parameters.
+    fn bound_all(&self, model: &mut Model) -> Result<(), SetupError> {
+        if let (Some(total), false) = (&self.total_mass, self.keeps_bodies) {
+            return Err(not_kept("total_mass", &total.place));
+        }
+        for entry in &self.bounds {
+            let place = &entry.value.place;
+            let reference = resolve(model, &entry.name, place)?;
+            // A limit of mass and first moment together.
+            if self.keeps_bodies && matches!(reference, Reference::Body(_, BodyQuantity::Centre(_)))
+            {
+                continue;
+            }
+            if !self.keeps_bodies && matches!(reference, Reference::Body(..)) {
+                return Err(not_kept(&entry.name, place));
+            }
+            narrow(model, entry)?;
+        }
+        Ok(())
+    }
+}
+
 /// Parameters that are zero by construction. A product of inertia about the centre of mass is zero about
 /// the origin too only where one of its axes has no first moment; elsewhere it says nothing linear.
-pub(super) fn zero_parameters(model: &mut Model, problem: &ProblemFile) -> Result<(), SetupError> {
-    let listed: Vec<(Reference, &Place)> = problem
-        .robot
-        .zero
+fn zero_parameters(model: &mut Model, zero: &[Located<String>]) -> Result<(), SetupError> {
+    let listed: Vec<(Reference, &Place)> = zero
         .iter()
         .map(|name| Ok((resolve(model, &name.value, &name.place)?, &name.place)))
         .collect::<Result<_, SetupError>>()?;
@@ -57,7 +112,7 @@ pub(crate) fn resolve(model: &Model, name: &str, place: &Place) -> Result<Refere
 }
 
 /// Makes given values known; quantities of one body are taken together.
-pub(crate) fn fix_all(model: &mut Model, given: &[Named<f64>]) -> Result<(), SetupError> {
+fn fix_all(model: &mut Model, given: &[Named<f64>]) -> Result<(), SetupError> {
     let mut bodies: Vec<(usize, Vec<(BodyQuantity, f64)>)> = Vec::new();
     for entry in given {
         let (value, place) = (entry.value.value, &entry.value.place);
@@ -170,14 +225,6 @@ pub(crate) fn single(
     }
 }
 
-/// Whether the estimator keeps constraints on bodies.
-fn keeps_bodies(problem: &ProblemFile) -> bool {
-    matches!(
-        problem.fit.estimator.value,
-        Estimator::Feasible | Estimator::FeasibleMaximumLikelihood
-    )
-}
-
 /// A bound on bodies, of which the estimator knows sums alone.
 fn not_kept(name: &str, place: &Place) -> SetupError {
     SetupError::mismatch(
@@ -189,42 +236,28 @@ fn not_kept(name: &str, place: &Place) -> SetupError {
     )
 }
 
-/// Narrows the bounds of parameters to those of the problem file.
-pub(super) fn bound_all(model: &mut Model, problem: &ProblemFile) -> Result<(), SetupError> {
-    if let (Some(total), false) = (&problem.fit.total_mass, keeps_bodies(problem)) {
-        return Err(not_kept("total_mass", &total.place));
+/// Narrows the bounds of one parameter.
+fn narrow(model: &mut Model, entry: &Named<Interval>) -> Result<(), SetupError> {
+    let place = &entry.value.place;
+    let instead = "bound masses and parameters of effects, and centres of mass with \
+                   `estimator = \"feasible\"`";
+    let parameter = single(model, &entry.name, place, "a bound", instead)?;
+    let interval = &entry.value.value;
+    let current = &model.parameters()[parameter];
+    let (lower, upper) = (
+        interval.lower.max(current.lower),
+        interval.upper.min(current.upper),
+    );
+    if lower > upper {
+        return Err(SetupError::mismatch(
+            place,
+            Mismatch::OutOfBounds {
+                found: interval.upper,
+                lower: current.lower,
+                upper: current.upper,
+            },
+        ));
     }
-    for entry in &problem.fit.bounds {
-        let place = &entry.value.place;
-        let reference = resolve(model, &entry.name, place)?;
-        // A limit of mass and first moment together.
-        if keeps_bodies(problem) && matches!(reference, Reference::Body(_, BodyQuantity::Centre(_)))
-        {
-            continue;
-        }
-        if !keeps_bodies(problem) && matches!(reference, Reference::Body(..)) {
-            return Err(not_kept(&entry.name, place));
-        }
-        let instead = "bound masses and parameters of effects, and centres of mass with \
-                       `estimator = \"feasible\"`";
-        let parameter = single(model, &entry.name, place, "a bound", instead)?;
-        let interval = &entry.value.value;
-        let current = &model.parameters()[parameter];
-        let (lower, upper) = (
-            interval.lower.max(current.lower),
-            interval.upper.min(current.upper),
-        );
-        if lower > upper {
-            return Err(SetupError::mismatch(
-                place,
-                Mismatch::OutOfBounds {
-                    found: interval.upper,
-                    lower: current.lower,
-                    upper: current.upper,
-                },
-            ));
-        }
-        model.bound(parameter, lower, upper);
-    }
+    model.bound(parameter, lower, upper);
     Ok(())
 }

@@ -8,34 +8,50 @@ use crate::setup::error::{Mismatch, SetupError, unknown};
 use crate::setup::robot::Robot;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
-/// Gives a model the platform of a problem file, and the tare as unknowns if it asks for them.
-///
-/// # Errors
-/// A rotor of an unknown joint or on an unknown link, or without `drive.ratio`.
-pub fn apply(problem: &ProblemFile, robot: &Robot, model: &mut Model) -> Result<(), SetupError> {
-    let mut platform = Platform::default();
-    for rotor in &problem.drive.rotors {
-        platform.rotors.push(spinning(rotor, robot)?);
+/// A platform, and whether its tare is unknown.
+#[derive(Debug, Clone)]
+pub(super) struct PlatformSpec {
+    platform: Platform,
+    tare: bool,
+}
+
+impl PlatformSpec {
+    /// The platform of a problem file.
+    ///
+    /// # Errors
+    /// A rotor of an unknown joint or on an unknown link, or without `drive.ratio`.
+    pub(super) fn of(problem: &ProblemFile, robot: &Robot) -> Result<Self, SetupError> {
+        let mut platform = Platform::default();
+        for rotor in &problem.drive.rotors {
+            platform.rotors.push(spinning(rotor, robot)?);
+        }
+        let table = problem
+            .recordings
+            .as_ref()
+            .and_then(|r| r.platform.as_ref());
+        if let Some(table) = table {
+            let [roll, pitch, yaw] = table.rotation;
+            let turn = Rotation3::from_euler_angles(roll, pitch, yaw);
+            let frame = Isometry3::from_parts(
+                Translation3::from(Vector3::from(table.translation)),
+                UnitQuaternion::from_rotation_matrix(&turn),
+            );
+            platform.transfer = Platform::transfer_to(&frame);
+            platform.accuracy = table.accuracy;
+        }
+        Ok(Self {
+            platform,
+            tare: table.is_some_and(|table| table.tare),
+        })
     }
-    let table = problem
-        .recordings
-        .as_ref()
-        .and_then(|r| r.platform.as_ref());
-    if let Some(table) = table {
-        let [roll, pitch, yaw] = table.rotation;
-        let turn = Rotation3::from_euler_angles(roll, pitch, yaw);
-        let frame = Isometry3::from_parts(
-            Translation3::from(Vector3::from(table.translation)),
-            UnitQuaternion::from_rotation_matrix(&turn),
-        );
-        platform.transfer = Platform::transfer_to(&frame);
-        platform.accuracy = table.accuracy;
+
+    /// Gives a model the platform, and the tare as unknowns if it asks for them.
+    pub(super) fn apply(&self, model: &mut Model) {
+        model.stand_on(self.platform.clone());
+        if self.tare {
+            model.add_tare();
+        }
     }
-    model.stand_on(platform);
-    if table.is_some_and(|table| table.tare) {
-        model.add_tare();
-    }
-    Ok(())
 }
 
 fn spinning(entry: &Named<RotorTable>, robot: &Robot) -> Result<Rotor, SetupError> {

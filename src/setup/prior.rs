@@ -1,38 +1,76 @@
 //! Priors of a problem file: an earlier fit, and single values with their uncertainty.
 
-use crate::chain::model::Model;
+use crate::chain::model::{Model, Signal};
 use crate::chain::parameter::Role;
 use crate::chain::prior::Prior;
 use crate::outcome::fit::Posterior;
 use crate::outcome::{Outcome, Part};
-use crate::problem_file::ProblemFile;
 use crate::problem_file::choices::Inertials;
-use crate::setup::controllers;
+use crate::problem_file::fit::PriorValue;
+use crate::problem_file::{Named, ProblemFile};
+use crate::setup::controllers::{self, JointGains};
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::known::single;
 use crate::setup::robot::Robot;
+use crate::setup::signal::signal;
 use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
 
-/// The prior of a problem file; values of an earlier fit go into the model as starts, or as known values
-/// where the inertials are known.
-pub fn build(problem: &ProblemFile, robot: &Robot, model: &mut Model) -> Result<Prior, SetupError> {
-    let mut prior = Prior::none(model.parameters().len());
-    if let Some(path) = &problem.robot.parameters {
-        let earlier =
-            Outcome::read(&path.resolved).map_err(|e| SetupError::Earlier(Box::new(e)))?;
-        let Part::Fit(fit) = &earlier.part else {
-            return Err(SetupError::mismatch(&path.place, Mismatch::NotAFit));
+/// What is known of parameters before a fit.
+#[derive(Debug, Clone, Default)]
+pub(super) struct PriorSpec {
+    /// An earlier fit, whose values go into the model as starts, or as known values where the inertials are known.
+    earlier: Option<Arc<Posterior>>,
+    known_inertials: bool,
+    /// Single parameters.
+    values: Vec<Named<PriorValue>>,
+    /// Gains of position controllers.
+    gains: Vec<JointGains>,
+}
+
+impl PriorSpec {
+    /// The prior of a problem file.
+    ///
+    /// # Errors
+    /// An earlier result that cannot be read, or is none of a fit.
+    pub(super) fn of(problem: &ProblemFile, robot: &Robot) -> Result<Self, SetupError> {
+        let earlier = match &problem.robot.parameters {
+            None => None,
+            Some(path) => {
+                let earlier =
+                    Outcome::read(&path.resolved).map_err(|e| SetupError::Earlier(Box::new(e)))?;
+                let Part::Fit(fit) = earlier.part else {
+                    return Err(SetupError::mismatch(&path.place, Mismatch::NotAFit));
+                };
+                Some(Arc::new(fit.posterior))
+            }
         };
-        take_values(
-            model,
-            &fit.posterior,
-            problem.robot.inertials.value == Inertials::Known,
-        );
-        prior = prior.and(from_posterior(model, &fit.posterior));
+        Ok(Self {
+            earlier,
+            known_inertials: problem.robot.inertials.value == Inertials::Known,
+            values: problem.fit.prior.values.clone(),
+            gains: match signal(problem)? {
+                Signal::PositionCommand => controllers::declared(problem, robot)?,
+                _ => Vec::new(),
+            },
+        })
     }
-    let single = single_values(problem, model)?;
-    let gains = controllers::prior(problem, robot, model)?;
-    Ok(prior.and(single).and(gains))
+
+    /// The prior of a model's parameters, which take the values of an earlier fit.
+    ///
+    /// # Errors
+    /// Names that no single parameter has.
+    pub(super) fn build(&self, model: &mut Model) -> Result<Prior, SetupError> {
+        let mut prior = Prior::none(model.parameters().len());
+        if let Some(earlier) = &self.earlier {
+            take_values(model, earlier, self.known_inertials);
+            prior = prior.and(from_posterior(model, earlier));
+        }
+        let single = single_values(&self.values, model)?;
+        Ok(prior
+            .and(single)
+            .and(controllers::prior(&self.gains, model)))
+    }
 }
 
 /// Values of the earlier fit: starts of free parameters, or known inertials.
@@ -93,8 +131,7 @@ fn from_posterior(model: &Model, posterior: &Posterior) -> Prior {
 }
 
 /// `[fit.prior.values]`: parameters of effects and masses.
-fn single_values(problem: &ProblemFile, model: &Model) -> Result<Prior, SetupError> {
-    let given = &problem.fit.prior.values;
+fn single_values(given: &[Named<PriorValue>], model: &Model) -> Result<Prior, SetupError> {
     let count = model.parameters().len();
     let mut rows = DMatrix::zeros(given.len(), count);
     let mut mean = DVector::zeros(given.len());

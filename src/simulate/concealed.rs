@@ -9,9 +9,10 @@ use crate::problem_file::choices::Signal;
 use crate::problem_file::{Located, Named, ProblemFile};
 use crate::robot::inertia::PER_LINK;
 use crate::setup::known::resolve;
+use crate::setup::laws;
+use crate::setup::model_spec::ModelSpec;
 use crate::setup::names::Reference;
 use crate::setup::robot::Robot;
-use crate::setup::{laws, model};
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
 
 /// The problem with every effect that acts, and its values under the names of its model.
@@ -35,7 +36,9 @@ pub(super) fn add(declared: &ProblemFile, robot: &Robot) -> Result<Acting, Simul
         currents: Vec::new(),
         concealed: Vec::new(),
     };
-    let known = model::build(&commanded(declared), robot)?;
+    let known = ModelSpec::without_prior(&commanded(declared), robot)?
+        .build()?
+        .model;
     for index in 0..acting.values.len() {
         acting.name_load(index, robot)?;
         acting.name_coupling(index, robot);
@@ -211,7 +214,7 @@ fn with_all_effects(problem: &ProblemFile, robot: &Robot) -> Result<Model, Simul
             },
         });
     }
-    Ok(model::build(&all, robot)?)
+    Ok(ModelSpec::without_prior(&all, robot)?.build()?.model)
 }
 
 /// Joint and effect that a name belongs to; `None` for quantities of links.

@@ -14,11 +14,13 @@ use crate::problem_file::choices::Inertials;
 use crate::problem_file::{Located, Named, ProblemFile};
 use crate::robot::inertia::{Inertia, PER_LINK};
 use crate::robot::tree::Tree;
+use crate::setup::declared;
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::known::resolve;
+use crate::setup::model_spec::ModelSpec;
 use crate::setup::names::{BodyQuantity, Reference, with_quantities};
 use crate::setup::robot::Robot;
-use crate::setup::{declared, model, sharing};
+use crate::setup::sharing::{self, Alike};
 use crate::simulate::concealed;
 use crate::simulate::concealed::commanded;
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
@@ -54,9 +56,11 @@ pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateErro
     robot.tree = earlier.with_links(&robot.tree);
     let declared = declared::listed(&all_known(problem), &robot);
     let acting = concealed::add(&declared, &robot)?;
-    let mut plant = model::build(&commanded(&acting.problem), &robot)?;
+    let mut plant = ModelSpec::without_prior(&commanded(&acting.problem), &robot)?
+        .build()?
+        .model;
     let mut assigned = initially_assigned(&plant, &acting.problem);
-    for declared in declared::values(&acting.problem, &robot, &plant) {
+    for declared in declared::values(&declared::file_values(&acting.problem, &robot), &plant) {
         assigned[declared.parameter] = true;
     }
     earlier.assign(&mut plant, &mut assigned);
@@ -74,8 +78,12 @@ pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateErro
             acting.concealed.join(", ")
         ));
     }
-    let mut recorded = model::build(&acting.problem, &robot)?;
-    let mut nominal = model::build(&commanded(&declared), &robot)?;
+    let mut recorded = ModelSpec::without_prior(&acting.problem, &robot)?
+        .build()?
+        .model;
+    let mut nominal = ModelSpec::without_prior(&commanded(&declared), &robot)?
+        .build()?
+        .model;
     copy_values(&plant, &mut recorded)?;
     copy_values(&plant, &mut nominal)?;
     let mut parameters = named(&plant);
@@ -266,7 +274,7 @@ fn share(
     let effects = |joint: &JointModel| joint.effects.iter().map(|(effect, _)| *effect).collect();
     let effects: Vec<_> = plant.joints().iter().map(effects).collect();
     let place = Place::file(&problem.path).key("drive.shared");
-    for sharing in sharing::declared(problem, robot, &effects)? {
+    for sharing in sharing::declared(&Alike::of(problem, robot)?, &effects) {
         for row in sharing.positions(plant.joints()) {
             let Some(given) = row.iter().copied().find(|p| assigned[*p]) else {
                 continue;

@@ -14,6 +14,7 @@ use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::recording::split::Split;
 use crate::setup;
+use crate::setup::model_spec::{ModelSpec, ModelWithPrior};
 use crate::stats::deviation::rms;
 use crate::trials::concealed_effect::Concealed;
 use crate::trials::error::TrialError;
@@ -95,8 +96,8 @@ pub(super) fn informed(
 
 /// A declared model with its recordings.
 pub struct DeclaredModel {
-    problem: ProblemFile,
-    robot: setup::robot::Robot,
+    /// What is declared.
+    pub declared: ModelSpec,
     /// The recordings, prepared.
     pub data: Dataset,
 }
@@ -109,20 +110,16 @@ impl DeclaredModel {
     pub fn read(path: &Path, control: &Control<'_>) -> Result<Self, TrialError> {
         let problem = ProblemFile::read(path, &[], &effect::ids())?;
         let robot = setup::robot::open(&problem)?;
-        let mut model = setup::model::build(&problem, &robot)?;
-        let prior = setup::prior::build(&problem, &robot, &mut model)?;
+        let declared = ModelSpec::of(&problem, &robot)?;
+        let ModelWithPrior { model, prior } = declared.build()?;
         let prepared = bandwidth::prepared(&problem, &robot, &model, &prior, control)?;
         let data = standstill::left_out(&model, prepared);
-        Ok(Self {
-            problem,
-            robot,
-            data,
-        })
+        Ok(Self { declared, data })
     }
 
     /// What fits of a diagnosis share.
     pub fn context<'b>(&'b self, data: &'b Dataset, control: &'b Control<'b>) -> Context<'b> {
-        Context::new(&self.problem, &self.robot, data, control)
+        Context::new(&self.declared, data, control)
     }
 
     /// Fits the declared model with some of what is concealed in it, from its true values.

@@ -19,6 +19,7 @@ use crate::robot::inertia::PER_LINK;
 use crate::setup;
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::limits::JointLimits;
+use crate::setup::model_spec::{ModelSpec, ModelWithPrior, with_unit_constant};
 use crate::setup::names::{self, Reference};
 use crate::setup::robot::Robot;
 use crate::stats::range::within;
@@ -80,13 +81,11 @@ impl Prepared {
             return Err(SetupError::mismatch(&problem.design.kind.place, kind).into());
         }
         // What a plan of constant velocities is for is not known before.
-        let mut model = match problem.design.kind.value {
-            DesignKind::ConstantVelocity => {
-                setup::model::build(&setup::model::with_unit_constant(problem), &robot)?
-            }
-            DesignKind::Fourier => setup::model::build(problem, &robot)?,
+        let declared = match problem.design.kind.value {
+            DesignKind::ConstantVelocity => ModelSpec::of(&with_unit_constant(problem), &robot)?,
+            DesignKind::Fourier => ModelSpec::of(problem, &robot)?,
         };
-        let prior = setup::prior::build(problem, &robot, &mut model)?;
+        let ModelWithPrior { model, prior } = declared.build()?;
         if matches!(model.signal(), Signal::BaseWrench | Signal::Both) {
             let place = problem.recordings.as_ref().map(|r| r.signal.place.clone());
             return Err(SetupError::mismatch(

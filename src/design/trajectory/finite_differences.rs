@@ -116,6 +116,7 @@ mod tests {
     use crate::problem_file::ProblemFile;
     use crate::setup;
     use crate::setup::limits::JointLimits;
+    use crate::setup::model_spec::ModelSpec;
     use std::path::Path;
 
     const NOISE: [f64; 4] = [0.3, 0.2, 1.0, 1.0];
@@ -138,7 +139,11 @@ mod tests {
                 ProblemFile::read(&root.join("problems/parallelogram/problem.toml"), &[], &ids);
             let problem = problem.unwrap();
             let robot = setup::robot::open(&problem).unwrap();
-            let model = setup::model::build(&problem, &robot).unwrap();
+            let model = ModelSpec::without_prior(&problem, &robot)
+                .unwrap()
+                .build()
+                .unwrap()
+                .model;
             let mut values = model.values();
             for (p, parameter) in model.parameters().iter().enumerate() {
                 if parameter.name.ends_with(".w") {

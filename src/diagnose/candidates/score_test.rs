@@ -175,7 +175,7 @@ impl<'a> Linearised<'a> {
     fn enlarged(&self, context: &Context<'_>, hypothesis: &Hypothesis) -> Option<Enlarged<'_>> {
         let mut all = self.fit.hypotheses.clone();
         all.push(hypothesis.clone());
-        let (mut model, _) = context.model(&all).ok()?;
+        let mut model = context.model(&all).ok()?.model;
         if hypothesis.joints.len() == 1 && self.path.leaves_others(&self.fit.model, hypothesis) {
             model.predict_only(hypothesis.joints[0]);
         }

@@ -1,10 +1,10 @@
 //! The recording that would tell a finding from its rivals: a problem file for `exid design` with the criterion
 //! that sets their predictions apart (Atkinson and Fedorov 1975), within the limits of the same robot.
 
-use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::outcome::diagnose::NextExperiment;
+use crate::problem_file::ProblemFile;
 use crate::problem_file::located::FilePath;
 use crate::problem_file::robot::RobotSource;
 use serde_json::{Map, Value, json};
@@ -15,7 +15,8 @@ const STARTS: usize = 8;
 /// The experiment for the first finding with rivals that the recordings cannot set aside; `None` where there is no
 /// such finding, or where a rival cannot be stated as a list of effects.
 pub fn experiment(
-    context: &Context<'_>,
+    problem: &ProblemFile,
+    noise: Option<&[f64]>,
     full: &ModelFit,
     comparisons: &[RivalComparison],
 ) -> Option<NextExperiment> {
@@ -47,21 +48,17 @@ pub fn experiment(
         .zip(&names)
         .map(|(r, name)| rival(r, name))
         .collect();
-    let mut problem = declared(context)?;
-    let design = problem.entry("design").or_insert_with(|| json!({}));
+    let mut next = declared(problem)?;
+    let design = next.entry("design").or_insert_with(|| json!({}));
     let design = design.as_object_mut()?;
     design.insert("criterion".to_string(), json!("discriminate"));
     design.insert("rival".to_string(), Value::Array(rivals));
-    if let Some(noise) = &context.noise {
+    if let Some(noise) = noise {
         design.insert("noise".to_string(), json!(noise));
     }
     // With the same period the new recording fits the problem file of the old.
-    if let Some(period) = context
-        .problem
-        .recordings
-        .as_ref()
-        .and_then(|r| r.period.as_ref())
-    {
+    let recordings = problem.recordings.as_ref();
+    if let Some(period) = recordings.and_then(|r| r.period.as_ref()) {
         design.entry("period").or_insert(json!(period.value));
     }
     if !design.contains_key("budget_s") && !design.contains_key("starts") {
@@ -73,7 +70,7 @@ pub fn experiment(
              their predictions as far apart as the robot's limits allow.",
             names.join(" and ")
         ),
-        problem: toml::to_string(&Value::Object(problem)).ok()?,
+        problem: toml::to_string(&Value::Object(next)).ok()?,
     })
 }
 
@@ -97,10 +94,10 @@ fn whole_paths(entry: &mut Value, paths: &mut impl Iterator<Item = Value>) {
 }
 
 /// The problem file with paths that hold wherever it is written to.
-fn declared(context: &Context<'_>) -> Option<Map<String, Value>> {
-    let mut problem = without_nulls(&context.problem.json);
-    let table = problem.as_object_mut()?;
-    let name = format!("{}_next", context.problem.name.value);
+fn declared(problem: &ProblemFile) -> Option<Map<String, Value>> {
+    let mut written = without_nulls(&problem.json);
+    let table = written.as_object_mut()?;
+    let name = format!("{}_next", problem.name.value);
     table.insert("name".to_string(), json!(name));
     table.retain(|key, _| !matches!(key.as_str(), "diagnose" | "fit" | "simulate"));
     let path = |path: &FilePath| {
@@ -108,16 +105,16 @@ fn declared(context: &Context<'_>) -> Option<Map<String, Value>> {
         json!(whole.to_string_lossy())
     };
     let robot = table.get_mut("robot")?.as_object_mut()?;
-    match &context.problem.robot.source {
+    match &problem.robot.source {
         RobotSource::Urdf(file) => robot.insert("urdf".to_string(), path(file)),
         RobotSource::Mjcf(file) => robot.insert("mjcf".to_string(), path(file)),
         RobotSource::Mdh(file) => robot.insert("mdh".to_string(), path(file)),
         RobotSource::Mechanism { .. } => return None,
     };
-    if let Some(file) = &context.problem.robot.parameters {
+    if let Some(file) = &problem.robot.parameters {
         robot.insert("parameters".to_string(), path(file));
     }
-    let recordings = context.problem.recordings.as_ref()?;
+    let recordings = problem.recordings.as_ref()?;
     let written = table.get_mut("recordings")?.as_object_mut()?;
     for (key, listed) in [
         ("train", &recordings.train),

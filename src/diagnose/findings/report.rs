@@ -28,6 +28,7 @@ use crate::outcome::diagnose::{Baseline, Diagnosis, Final};
 use crate::outcome::finding::Finding;
 use crate::outcome::fit::{AddedEffect, Fit, FittedModel};
 use crate::outcome::parameter::Parameter;
+use crate::problem_file::ProblemFile;
 use crate::recording::split::Split;
 
 const UNMEASURED: &str = "Nothing repeats, so the noise is not known apart from the misfit: shares are of what the \
@@ -57,6 +58,8 @@ pub struct Reporting<'a> {
     pub explanation: &'a Explanation,
     /// What was sought, and how sure a finding has to be.
     pub rules: Rules<'a>,
+    /// As it was written: the problem of the next experiment is made of it.
+    pub problem: &'a ProblemFile,
 }
 
 impl Reporting<'_> {
@@ -127,7 +130,12 @@ impl Reporting<'_> {
                 joints: after.estimate.joints.clone(),
                 parameters,
             },
-            next_experiment: next_experiment::experiment(context, full, &comparisons),
+            next_experiment: next_experiment::experiment(
+                self.problem,
+                context.noise.as_deref(),
+                full,
+                &comparisons,
+            ),
             preprocessing: preprocessing(&after.model, context.data),
             notes: notes(&after.model, context.data)
                 .into_iter()

@@ -1,26 +1,20 @@
-//! The context of all fits of a diagnosis: problem, recordings, and models with further effects.
+//! The context of all fits of a diagnosis: what is declared, recordings, and models with further effects.
 
 use crate::chain::dataset::{Dataset, Prepared};
-use crate::chain::model::Model;
-use crate::chain::prior::Prior;
 use crate::chain::transition_limits::TransitionLimits;
 use crate::diagnose::fit::fit_cache::FitCache;
 use crate::diagnose::fit::hypothesis::{Hypothesis, addition};
 use crate::problem::solution::Control;
-use crate::problem_file::ProblemFile;
 use crate::recording::split::Split;
 use crate::setup::error::SetupError;
-use crate::setup::robot::Robot;
-use crate::setup::{model, prior};
+use crate::setup::model_spec::{ModelSpec, ModelWithPrior};
 use crate::stats::deviation::rms;
 use crate::stats::encompassing::ResidualRows;
 
-/// The problem with its recordings.
+/// What is declared, with its recordings.
 pub struct Context<'a> {
     /// What is declared.
-    pub problem: &'a ProblemFile,
-    /// Tree, order of the joints, and what the robot file says of drives.
-    pub robot: &'a Robot,
+    pub declared: &'a ModelSpec,
     /// The recordings, prepared.
     pub data: &'a Dataset,
     /// Who may interrupt, and how long it may take.
@@ -46,15 +40,9 @@ pub fn is_in_time(data: &Dataset) -> bool {
 
 impl<'a> Context<'a> {
     /// Of recordings whose noise is not known yet.
-    pub fn new(
-        problem: &'a ProblemFile,
-        robot: &'a Robot,
-        data: &'a Dataset,
-        control: &'a Control<'a>,
-    ) -> Self {
+    pub fn new(declared: &'a ModelSpec, data: &'a Dataset, control: &'a Control<'a>) -> Self {
         Self {
-            problem,
-            robot,
+            declared,
             data,
             control,
             in_time: is_in_time(data),
@@ -80,12 +68,10 @@ impl<'a> Context<'a> {
     }
 
     /// The declared model with the physics of hypotheses.
-    pub fn model(&self, hypotheses: &[Hypothesis]) -> Result<(Model, Prior), SetupError> {
-        let mut model =
-            model::build_with_addition(self.problem, self.robot, &addition(hypotheses))?;
-        let prior = prior::build(self.problem, self.robot, &mut model)?;
-        model.limit_transitions(&self.limits);
-        Ok((model, prior))
+    pub fn model(&self, hypotheses: &[Hypothesis]) -> Result<ModelWithPrior, SetupError> {
+        let mut built = self.declared.build_with(&addition(hypotheses))?;
+        built.model.limit_transitions(&self.limits);
+        Ok(built)
     }
 
     /// What the rows of its residuals are.

@@ -7,8 +7,7 @@ use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::held_out::{Purpose, half};
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::problem::solution::Control;
-use crate::problem_file::ProblemFile;
-use crate::setup::robot::Robot;
+use crate::setup::model_spec::ModelSpec;
 
 /// Recordings whose held-out rows are in two halves.
 pub struct HeldOutHalves {
@@ -32,14 +31,13 @@ impl HeldOutHalves {
         }
     }
 
-    /// The problem over either half and over both.
+    /// What is declared over either half and over both.
     pub fn contexts<'a>(
         &'a self,
-        problem: &'a ProblemFile,
-        robot: &'a Robot,
+        declared: &'a ModelSpec,
         control: &'a Control<'a>,
     ) -> Contexts<'a> {
-        let of = |data| Context::new(problem, robot, data, control);
+        let of = |data| Context::new(declared, data, control);
         Contexts {
             selection: Context {
                 between: self.between.clone(),

@@ -9,9 +9,8 @@ use crate::diagnose::fit::fitting::fit_declared;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::estimate::goodness_of_fit::noise_rms;
 use crate::problem::solution::Control;
-use crate::problem_file::ProblemFile;
 use crate::recording::split::Split;
-use crate::setup::robot::Robot;
+use crate::setup::model_spec::ModelSpec;
 use nalgebra::DVector;
 
 /// The declared model, fitted.
@@ -30,13 +29,12 @@ impl Declared {
     /// # Errors
     /// Those of building and fitting the model.
     pub fn fit(
-        problem: &ProblemFile,
-        robot: &Robot,
+        declared: &ModelSpec,
         halves: &HeldOutHalves,
         control: &Control<'_>,
     ) -> Result<Self, DiagnoseError> {
         let settled = TransitionLimits::of(&halves.whole).settle(control, |limits| {
-            let mut contexts = halves.contexts(problem, robot, control);
+            let mut contexts = halves.contexts(declared, control);
             contexts.set(limits, None);
             let fit = fit_declared(&contexts.selection)?;
             Ok::<_, DiagnoseError>(Attempt { fit, halves })

@@ -21,6 +21,7 @@ use crate::problem::form::Structure;
 use crate::problem::solution::{Control, Solution};
 use crate::problem::view::LeastSquares;
 use crate::recording::split::Split;
+use crate::setup::model_spec::ModelWithPrior;
 use crate::solve::{levenberg_marquardt, linear};
 use crate::stats::deviation::deviations;
 use nalgebra::DVector;
@@ -82,7 +83,7 @@ pub fn fit_model_holding(
     from: &WarmStart,
     held: &[(String, f64)],
 ) -> Result<ModelFit, DiagnoseError> {
-    let (mut model, prior) = context.model(hypotheses)?;
+    let ModelWithPrior { mut model, prior } = context.model(hypotheses)?;
     apply(&mut model, &from.values);
     for (name, value) in held {
         let index = model.find(name).map_err(EstimateError::from)?;

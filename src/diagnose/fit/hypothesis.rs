@@ -5,7 +5,7 @@ use crate::chain::effect::{Effect, Law, Memory};
 use crate::chain::model::{Channel, Model};
 use crate::chain::parameter::Role;
 use crate::chain::prior::Prior;
-use crate::setup::model::Addition;
+use crate::setup::model_spec::Addition;
 
 /// An effect with the joints that it acts on.
 #[derive(Debug, Clone)]

@@ -165,7 +165,7 @@ fn probed(
         joints: vec![joint],
         other: None,
     });
-    let (model, _) = context.model(&hypotheses).ok()?;
+    let model = context.model(&hypotheses).ok()?.model;
     let name = &fit.model.joints()[joint].name;
     let mut columns = Vec::new();
     for parameter in PROBED {

@@ -1,15 +1,13 @@
 //! A trial whose recordings repeat, opened for tests of single steps of a diagnosis.
 
 use crate::chain::dataset::{Dataset, Prepared};
-use crate::chain::effect::{find, ids};
+use crate::chain::effect::find;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::problem::solution::Control;
-use crate::problem_file::ProblemFile;
 use crate::recording::experiment::Experiment;
 use crate::recording::split::Split;
-use crate::setup::robot::{Robot, open};
 use crate::trials::files::{PROBLEM, prepare};
 use crate::trials::plan::{Plan, Scope};
 use crate::trials::reference_fits::DeclaredModel;
@@ -31,8 +29,6 @@ pub(super) fn scope(effects: &[&'static str]) -> Scope {
 
 /// A trial of which every recording repeats, with its declared model fitted.
 pub(super) struct Bench {
-    pub problem: ProblemFile,
-    pub robot: Robot,
     pub opened: DeclaredModel,
     pub control: Control<'static>,
     pub plan: Plan,
@@ -56,11 +52,8 @@ impl Bench {
         let control = Control::default();
         prepare(&plan, folder.path(), &control).unwrap();
         let path = folder.path().join(PROBLEM);
-        let problem = ProblemFile::read(&path, &[], &ids()).unwrap();
         Self {
-            robot: open(&problem).unwrap(),
             opened: DeclaredModel::read(&path, &control).unwrap(),
-            problem,
             control,
             plan,
         }

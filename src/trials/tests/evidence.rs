@@ -86,7 +86,7 @@ fn invariant_no_row_judges_what_it_was_fitted_to() {
 fn p_values_are_corrected_for_the_number_of_hypotheses() {
     let bench = Bench::new(&["torque_offset"]);
     let halves = HeldOutHalves::of(bench.opened.data.clone(), Vec::new());
-    let contexts = halves.contexts(&bench.problem, &bench.robot, &bench.control);
+    let contexts = halves.contexts(&bench.opened.declared, &bench.control);
     let context = &contexts.selection;
     let declared = bench.declared(context.data);
     let sought = ["torque_offset".to_string(), "joint_spring".to_string()];
@@ -248,7 +248,7 @@ fn a_search_withdraws_what_it_found_beside_something_larger() {
     let misfit = |s: f64| s + size * (1.0 + 2.0 * (3.0 * s / size).sin());
     let data = bench.with_signals(&[Split::Train, Split::Validation], misfit);
     let halves = HeldOutHalves::of(data, Vec::new());
-    let contexts = halves.contexts(&bench.problem, &bench.robot, &bench.control);
+    let contexts = halves.contexts(&bench.opened.declared, &bench.control);
     let sought = ["torque_offset".to_string()];
     let explaining = Explaining {
         contexts: &contexts,

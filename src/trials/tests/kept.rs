@@ -78,7 +78,7 @@ fn a_richer_model_fits_better_by_more_than_chance() {
 fn a_finding_that_fails_or_raises_the_error_is_struck_out() {
     let bench = Bench::new(&["torque_offset"]);
     let halves = HeldOutHalves::of(bench.opened.data.clone(), Vec::new());
-    let contexts = halves.contexts(&bench.problem, &bench.robot, &bench.control);
+    let contexts = halves.contexts(&bench.opened.declared, &bench.control);
     let joint = bench.plan.concealed[0].hypothesis.joints[0];
     let prefixes = [
         bench.declared(contexts.selection.data),
