@@ -16,6 +16,7 @@ use exid::recording::settings::{Differentiation, Preparation};
 use exid::recording::split::Split;
 use exid::robot::random::{generator, symmetric};
 use exid::setup;
+use exid::setup::model_spec::ModelSpec;
 use std::hint::black_box;
 use std::path::Path;
 
@@ -38,7 +39,9 @@ fn model() -> Model {
     let problem = ProblemFile::parse(&folder.join("arm.toml"), &text, &[], &effect::ids())
         .expect("the problem is complete");
     let robot = setup::robot::open(&problem).expect("the shipped robot file is valid");
-    setup::model::build(&problem, &robot).expect("the model is valid")
+    let declared = ModelSpec::without_prior(&problem, &robot);
+    let built = declared.and_then(|declared| declared.build());
+    built.expect("the model is valid").model
 }
 
 /// States at random.

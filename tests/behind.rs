@@ -11,6 +11,7 @@ use exid::outcome::finding::Finding;
 use exid::problem::solution::Control;
 use exid::problem_file::ProblemFile;
 use exid::setup;
+use exid::setup::model_spec::ModelSpec;
 use exid::simulate::{self, write_csv};
 use std::fs::{self, File};
 use std::path::Path;
@@ -136,7 +137,11 @@ fn invariant_columns_through_a_link_that_sticks_are_derivatives() {
         let effects = with(&[&["joint_elasticity", "link_friction"], play].concat());
         let problem = arm.read(&effects, &[]);
         let robot = setup::robot::open(&problem).unwrap();
-        let model = setup::model::build(&problem, &robot).unwrap();
+        let model = ModelSpec::without_prior(&problem, &robot)
+            .unwrap()
+            .build()
+            .unwrap()
+            .model;
         let mut values = model.generic_values();
         for (name, value) in [GEAR, LINK, PLAY].into_iter().flatten() {
             if let Ok(at) = model.find(&format!("elbow.{name}")) {

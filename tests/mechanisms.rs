@@ -6,6 +6,7 @@ use exid::chain::forward::{Accuracy, Driven, Forward};
 use exid::problem_file::ProblemFile;
 use exid::robot::batch::Trajectory;
 use exid::setup;
+use exid::setup::model_spec::ModelSpec;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -122,7 +123,11 @@ fn recovers_known_truth_of_a_linkage() {
     let ids = exid::chain::effect::ids();
     let problem = ProblemFile::read(&shipped("parallelogram/problem.toml"), &[], &ids).unwrap();
     let robot = setup::robot::open(&problem).unwrap();
-    let model = setup::model::build(&problem, &robot).unwrap();
+    let model = ModelSpec::without_prior(&problem, &robot)
+        .unwrap()
+        .build()
+        .unwrap()
+        .model;
     let mut truth = model.tree().parameters();
     truth.resize(model.parameters().len(), 0.0);
     for (name, value) in [
@@ -219,7 +224,11 @@ fn distance_of_forward(problem: &str, rate: f64) -> f64 {
     let ids = exid::chain::effect::ids();
     let problem = ProblemFile::read(&shipped(problem), &[], &ids).unwrap();
     let robot = setup::robot::open(&problem).unwrap();
-    let mut model = setup::model::build(&problem, &robot).unwrap();
+    let mut model = ModelSpec::without_prior(&problem, &robot)
+        .unwrap()
+        .build()
+        .unwrap()
+        .model;
     for p in 0..model.parameters().len() {
         let (name, scale) = (
             model.parameters()[p].name.clone(),

@@ -15,6 +15,7 @@ use exid::robot::inertia::{PER_LINK, QUANTITIES};
 use exid::robot::regressor::Rows;
 use exid::robot::tree::Tree;
 use exid::setup;
+use exid::setup::model_spec::ModelSpec;
 use nalgebra::DMatrix;
 use numpy::ndarray::{
     Array2, Array3, ArrayView2, ArrayViewMut, ArrayViewMut3, Axis, RemoveAxis, s,
@@ -370,7 +371,7 @@ impl Robot {
         let problem =
             ProblemFile::kept(std::path::Path::new("robot"), &table, &[], &effect::ids())?;
         let robot = setup::robot::open(&problem)?;
-        let model = setup::model::build(&problem, &robot)?;
+        let model = ModelSpec::without_prior(&problem, &robot)?.build()?.model;
         let known = DMatrix::zeros(0, model.parameters().len());
         let base = BaseParameters::structural(&model, &[false], &known);
         let columns = model

@@ -253,6 +253,32 @@ fn what_is_zero_by_construction_is_known() {
     }
 }
 
+/// The order of a ripple has an optimum every half cycle or so: a fit scans it, wherever it is said to start.
+#[test]
+fn recovers_known_order_of_a_ripple_far_from_its_start() {
+    let model = pendulum(&["viscous_friction", "torque_ripple"]);
+    let order = model.find("hinge.torque_ripple.order").unwrap();
+    for true_order in [7.3, 43.0] {
+        let named = [
+            ("viscous_friction.Fv", 1.5),
+            ("torque_ripple.order", true_order),
+            ("torque_ripple.amplitude", 0.6),
+            ("torque_ripple.phase", 0.8),
+            ("torque_ripple.amplitude2", 0.2),
+            ("torque_ripple.phase2", -1.0),
+        ];
+        let torque = torque(&model, &valued(&model, &named));
+        assert!((model.parameters()[order].value - true_order).abs() > 5.0);
+        for way in WAYS {
+            let recordings = vec![USUAL.record(&torque, (1, Split::Train))];
+            let fitted = way.fit(&model, &Dataset { recordings });
+            let found = fitted.estimate.find("hinge.torque_ripple.order").unwrap();
+            let off = (found.value.unwrap() - true_order).abs();
+            assert!(off <= 5.0 * found.std_dev.unwrap(), "{way:?}: {found:?}");
+        }
+    }
+}
+
 /// A sine of negative amplitude is one of positive amplitude half a turn further.
 #[test]
 fn amplitudes_of_sines_are_reported_positive() {

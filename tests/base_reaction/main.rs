@@ -11,6 +11,7 @@ use exid::problem_file::ProblemFile;
 use exid::robot::inertia::CentralInertia;
 use exid::robot::tree::Tree;
 use exid::setup;
+use exid::setup::model_spec::ModelSpec;
 use std::path::{Path, PathBuf};
 
 fn shipped() -> PathBuf {
@@ -22,7 +23,9 @@ fn model(path: &Path, overrides: &[&str]) -> Model {
     let overrides: Vec<String> = overrides.iter().map(|o| o.to_string()).collect();
     let problem = ProblemFile::read(path, &overrides, &ids).unwrap_or_else(|e| panic!("{e}"));
     let robot = setup::robot::open(&problem).unwrap_or_else(|e| panic!("{e}"));
-    setup::model::build(&problem, &robot).unwrap_or_else(|e| panic!("{e}"))
+    let declared = ModelSpec::without_prior(&problem, &robot);
+    let built = declared.and_then(|declared| declared.build());
+    built.unwrap_or_else(|e| panic!("{e}")).model
 }
 
 /// θ_d as the paper prints it (section 5.1), at the bodies of the shipped robot.

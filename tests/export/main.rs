@@ -25,6 +25,7 @@ use exid::robot::newton_euler::NewtonEuler;
 use exid::robot::random::{body, generator, symmetric};
 use exid::robot::tree::Tree;
 use exid::setup;
+use exid::setup::model_spec::ModelSpec;
 use nalgebra::DVector;
 use serde_json::{Value, json};
 use std::fs;
@@ -115,7 +116,9 @@ fn open(path: &Path) -> (ProblemFile, setup::robot::Robot, Model) {
     let ids = exid::chain::effect::ids();
     let problem = ProblemFile::read(path, &[], &ids).unwrap_or_else(|e| panic!("{e}"));
     let robot = setup::robot::open(&problem).unwrap_or_else(|e| panic!("{e}"));
-    let model = setup::model::build(&problem, &robot).unwrap_or_else(|e| panic!("{e}"));
+    let declared = ModelSpec::without_prior(&problem, &robot);
+    let built = declared.and_then(|declared| declared.build());
+    let model = built.unwrap_or_else(|e| panic!("{e}")).model;
     (problem, robot, model)
 }
 

@@ -5,7 +5,8 @@ use exid::chain::effect::ids;
 use exid::chain::evaluate::{Evaluator, Segment};
 use exid::problem_file::ProblemFile;
 use exid::robot::batch::Trajectory;
-use exid::setup::{model, robot};
+use exid::setup::model_spec::ModelSpec;
+use exid::setup::robot;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -26,7 +27,9 @@ fn difference(text: &str, reference: &Reference) -> f64 {
     let problem = problem(own.path(), text);
     let robot = robot::open(&problem).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(robot.order, reference.joints);
-    let model = model::build(&problem, &robot).unwrap_or_else(|e| panic!("{e}"));
+    let declared = ModelSpec::without_prior(&problem, &robot);
+    let built = declared.and_then(|declared| declared.build());
+    let model = built.unwrap_or_else(|e| panic!("{e}")).model;
     let mut evaluator = Evaluator::new(&model, &model.values(), &[]);
     let mut worst = 0.0_f64;
     for state in &reference.states {

@@ -10,6 +10,7 @@ use exid::recording::samples::Recording;
 use exid::robot::batch::Trajectory;
 use exid::robot::random::generator;
 use exid::setup;
+use exid::setup::model_spec::ModelSpec;
 use exid::setup::recording_file::RecordedRobot;
 use exid::setup::robot::Robot;
 use exid::simulate::truth;
@@ -93,7 +94,11 @@ impl Bench {
         let mut problem = open(overrides);
         problem.recordings.as_mut().unwrap().validation.clear();
         let robot = setup::robot::open(&problem).unwrap();
-        let model = setup::model::build(&problem, &robot).unwrap();
+        let model = ModelSpec::without_prior(&problem, &robot)
+            .unwrap()
+            .build()
+            .unwrap()
+            .model;
         let truth = truth::build(&problem, &robot).unwrap();
         let moving: Vec<usize> = (0..6).filter(|&j| robot.locked[j].is_none()).collect();
         let motion = motion(&moving);

@@ -27,6 +27,9 @@ use rayon::prelude::*;
 /// Points of a joint's grid that are tried at most.
 const MOST_POINTS: usize = 36;
 
+/// Values of a scanned parameter from which searches begin.
+const MOST_SCANNED: usize = 4;
+
 /// Steps of a round of searches, and the ends of each joint that go on: a few steps from every point of the grid show
 /// which are worth more.
 const ROUNDS: [(usize, usize); 2] = [(2, 4), (STEPS, 1)];
@@ -50,14 +53,22 @@ pub(in crate::estimate) fn find(
         return Ok(problem.start());
     }
     let joints = 0..problem.model.joints().len();
-    let grids: Vec<Vec<Point>> = joints.clone().map(|joint| grid(problem, joint)).collect();
     let gains = gains(problem);
     let declared = at(problem, std::slice::from_ref(&gains), control)?;
-    if grids.iter().all(|grid| grid.len() <= 1) {
+    let nonlinear = &problem.unknowns.nonlinear;
+    let is_searched = |joint: usize| {
+        let mut all = nonlinear.iter();
+        all.any(|&p| search(problem.model, joint, p).is_some())
+    };
+    if !joints.clone().any(is_searched) {
         return Ok(declared);
     }
-    let laws: Vec<Vec<usize>> = joints.map(|joint| of_motor(problem, joint)).collect();
+    let laws: Vec<Vec<usize>> = joints
+        .clone()
+        .map(|joint| of_motor(problem, joint))
+        .collect();
     let alone = JointSearches::new(problem, &declared, &laws, OtherUnknowns::Free);
+    let grids: Vec<Vec<Point>> = joints.map(|joint| grid(problem, &alone, joint)).collect();
     let ends = best_ends(&alone, &grids).into_iter();
     let mut best: Vec<Point> = ends.map(|end| end.point).collect();
     best.push(gains);
@@ -216,19 +227,24 @@ fn at(
     Ok(start)
 }
 
-/// Points of the shapes of a joint's friction laws, the declared one first.
-fn grid(problem: &FitProblem<'_>, joint: usize) -> Vec<Point> {
+/// Points of the shapes of the laws at a joint's motor, the declared one first.
+fn grid(problem: &FitProblem<'_>, alone: &JointSearches<'_>, joint: usize) -> Vec<Point> {
     let model = problem.model;
     let motion = MotionRange::of(problem.recordings, joint);
     let mut points = vec![Vec::new()];
     let mut declared = Vec::new();
-    for &p in &problem.unknowns.nonlinear {
-        let Some(search) = search(model, joint, p) else {
-            continue;
-        };
+    let nonlinear = problem.unknowns.nonlinear.iter();
+    let searched = nonlinear.filter_map(|&p| Some((p, search(model, joint, p)?)));
+    // What is scanned varies slowest: the best of it keeps its points where there are too many.
+    let (scanned, others): (Vec<_>, Vec<_>) =
+        searched.partition(|(_, search)| *search == Search::Cycles);
+    for (p, search) in scanned.into_iter().chain(others) {
         let parameter = &model.parameters()[p];
         declared.push((p, parameter.value));
-        let values = motion.grid(search, Bounded::of(parameter));
+        let mut values = motion.grid(search, Bounded::of(parameter));
+        if search == Search::Cycles {
+            values = most_promising(alone, joint, p, &values);
+        }
         let longer = |point: Point| -> Vec<Point> {
             let with = |x: &f64| point.iter().copied().chain([(p, *x)]).collect();
             values.iter().map(with).collect()
@@ -242,12 +258,29 @@ fn grid(problem: &FitProblem<'_>, joint: usize) -> Vec<Point> {
     points
 }
 
+/// The values of a scanned parameter that leave least to first order, of those that leave less than their neighbours.
+fn most_promising(
+    alone: &JointSearches<'_>,
+    joint: usize,
+    parameter: usize,
+    values: &[f64],
+) -> Vec<f64> {
+    let points: Vec<Point> = values.iter().map(|&x| vec![(parameter, x)]).collect();
+    let squares = alone.linearised(joint, &points);
+    let of = |k: usize| squares.get(k).copied().unwrap_or(f64::INFINITY);
+    let is_least = |k: &usize| of(*k) <= of(k.wrapping_sub(1)) && of(*k) <= of(k + 1);
+    let mut least: Vec<usize> = (0..values.len()).filter(is_least).collect();
+    least.sort_by(|&a, &b| of(a).total_cmp(&of(b)));
+    least.truncate(MOST_SCANNED);
+    least.into_iter().map(|k| values[k]).collect()
+}
+
 /// How a parameter is looked for, where it shapes a friction law of the joint's motor.
 fn search(model: &Model, joint: usize, parameter: usize) -> Option<Search> {
     let law = motor_law(model, parameter)?;
     let has_grid = matches!(
         law.info.search,
-        Search::Values(_) | Search::Speed(_) | Search::OverSpeed(_)
+        Search::Values(_) | Search::Speed(_) | Search::OverSpeed(_) | Search::Cycles
     );
     (law.joint == joint && has_grid).then_some(law.info.search)
 }

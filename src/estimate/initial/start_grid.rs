@@ -18,6 +18,7 @@ use crate::estimate::residual::rows::{RowBlock, Task, tasks, visit_errors, whole
 use crate::linalg::triangular::Triangular;
 use crate::solve::bounded::{self, Bounds};
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 /// Values of some parameters, by their positions in the model.
 pub(super) type Point = Vec<(usize, f64)>;
@@ -229,6 +230,23 @@ impl<'a> JointSearches<'a> {
                 },
             )
             .collect()
+    }
+
+    /// Sums of the squared residuals that are left at points of one joint by the best that its laws can do there to first
+    /// order, in their shapes and their linear parameters.
+    pub fn linearised(&self, joint: usize, points: &[Point]) -> Vec<f64> {
+        let of = |point: &Point| {
+            let own = self.joints[joint].as_ref()?;
+            let mut searches: Vec<Option<Search>> = self.joints.iter().map(|_| None).collect();
+            searches[joint] = Some(self.begun(own, point));
+            let system = self.projected(&searches).swap_remove(joint)?;
+            let last = system.columns() - 1;
+            Some(system.entry(last, last).powi(2))
+        };
+        let squares = points
+            .par_iter()
+            .map(|point| of(point).unwrap_or(f64::INFINITY));
+        squares.collect()
     }
 
     fn begun(&self, own: &JointShapes, point: &Point) -> Search {
