@@ -97,8 +97,9 @@ impl Fit {
 
     fn solve(&self) -> InteriorSolution {
         let view = ConeProgram::try_from(self as &dyn Problem).expect("an affine problem");
-        let settings = (&Settings::default(), &Terms::default());
-        solve(view, &self.start(), settings, &Control::default()).expect("a finite problem")
+        let (settings, terms) = (Settings::default(), Terms::default());
+        solve(view, &self.start(), &settings, &terms, &Control::default())
+            .expect("a finite problem")
     }
 }
 

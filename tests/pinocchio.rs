@@ -171,7 +171,7 @@ fn compare_state(tree: &Tree, order: &[usize], reference: &State, differences: &
         (1, "torque_by_velocity", &reference.torque_by_velocity),
         (2, "mass", &reference.mass),
     ] {
-        let got = DMatrix::from_fn(n, n, |row, j| derivatives.slope(order, (row, j)));
+        let got = DMatrix::from_fn(n, n, |row, j| derivatives.slope(order, row, j));
         differences.add(name, &got, &square(expected));
     }
     if let Some(expected) = &reference.parameters {

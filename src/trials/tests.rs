@@ -63,7 +63,7 @@ fn several_effects_are_concealed_at_once_each_on_joints_of_its_own() {
         robots: vec!["arm6", "arm7"],
         ..Scope::all(5)
     };
-    let drawn: Vec<Plan> = (0..60).map(|n| Plan::draw(&scope, (n, 0))).collect();
+    let drawn: Vec<Plan> = (0..60).map(|n| Plan::draw(&scope, n, 0)).collect();
     let (controls, others): (Vec<&Plan>, Vec<&Plan>) =
         drawn.iter().partition(|plan| plan.concealed.is_empty());
     assert_eq!(controls.len(), 12);
