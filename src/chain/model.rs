@@ -227,6 +227,15 @@ impl Model {
         self.reference.as_ref()
     }
 
+    /// V by which the motions of a data set are those of motors: that by which recorded positions of joints became them, or
+    /// that at the given values where motors were recorded.
+    pub fn coupling_of_motions(&self, values: &DVector<f64>) -> DMatrix<f64> {
+        match &self.reference {
+            Some(reference) => reference.clone(),
+            None => self.coupling(values),
+        }
+    }
+
     /// States that positions of joints were recorded and became `m = V⁻¹ (q − offset)` by this V: whatever V an
     /// estimate tries, the joints stay where they were recorded.
     pub fn record_joints(&mut self, reference: DMatrix<f64>) {

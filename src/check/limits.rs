@@ -64,7 +64,7 @@ fn of_joint<'a>(
     motors: &'a [Vec<f64>],
     joint: usize,
 ) -> impl Iterator<Item = f64> + 'a {
-    let coupling = ready.model.coupling(&ready.model.values());
+    let coupling = ready.model.coupling_of_motions(&ready.model.values());
     let rows = 0..ready.prepared.experiment.rows();
     rows.map(move |k| {
         (0..motors.len())

@@ -287,5 +287,9 @@ pub(super) fn with_tree(declared: &Model, tree: Tree) -> Model {
         locked: declared.joints().iter().map(|joint| joint.locked).collect(),
     };
     // The declared model has been built from the same tree and coupling, so this one can be built too.
-    Model::new(settings).unwrap_or_else(|_| declared.clone())
+    let mut free = Model::new(settings).unwrap_or_else(|_| declared.clone());
+    if let Some(reference) = declared.reference() {
+        free.record_joints(reference.clone());
+    }
+    free
 }

@@ -293,7 +293,7 @@ fn spread_covariance(noise: &mut Noise, moving: &[usize], n: usize) {
 /// `m = V⁻¹ (q − offset)` for positions of the joints.
 fn from_joints(experiment: &mut Experiment, model: &Model) {
     let n = model.tree().len();
-    let coupling = model.coupling(&model.values());
+    let coupling = model.coupling_of_motions(&model.values());
     let identity = DMatrix::<f64>::identity(n, n);
     if coupling == identity && model.offset().iter().all(|o| *o == 0.0) {
         return;
