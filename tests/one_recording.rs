@@ -3,10 +3,10 @@
 use exid::chain::dataset::{Dataset, Prepared};
 use exid::chain::effect;
 use exid::diagnose::residuals::prediction_error::PredictionError;
-use exid::diagnose::selection::between_periods::successive_periods;
 use exid::diagnose::selection::time_window;
 use exid::diagnose::task;
 use exid::estimate::covariance::of_unknowns;
+use exid::estimate::task as fit;
 use exid::problem::solution::Control;
 use exid::problem_file::ProblemFile;
 use exid::recording::split::Split;
@@ -67,6 +67,34 @@ fn a_push_at_another_time_is_fitted_where_it_is() {
     }
 }
 
+/// A mean over four periods of which one has the push would tell of a quarter of it.
+#[test]
+fn a_fit_of_what_happens_once_is_of_samples_in_the_order_of_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let control = Control::default();
+    let plan = pushed(4.0, 5.5);
+    prepare(&plan, folder.path(), &control).unwrap();
+    let joint = plan.robot.name(plan.concealed[0].joints()[0]);
+    let effects = r#"["coulomb_friction", "viscous_friction", "external_contact"]"#;
+    let values = &plan.concealed[0].values;
+    let mut sets = vec![format!("drive.effects_of={{ {joint} = {effects} }}")];
+    // When it was is known; how large it was is asked.
+    let stated = values.iter().skip(1);
+    sets.extend(stated.map(|(name, value)| format!("drive.values.\"{name}\"={value:?}")));
+    let problem = ProblemFile::read(&folder.path().join(PROBLEM), &sets, &effect::ids()).unwrap();
+    let estimate = fit::run(&problem, &control, |_| ())
+        .unwrap()
+        .fitted
+        .estimate;
+    let (name, truth) = &values[0];
+    let found = estimate.find(name).unwrap();
+    let (value, deviation) = found.value.zip(found.std_dev).unwrap();
+    assert!(
+        (value - truth).abs() < 4.0 * deviation && deviation < 0.05 * truth.abs(),
+        "{value} ± {deviation} in the place of {truth}"
+    );
+}
+
 /// A model of a trial with its push from one time to another, as fitted.
 fn is_shorter(from: f64, to: f64) -> bool {
     let folder = tempfile::tempdir().unwrap();
@@ -74,7 +102,7 @@ fn is_shorter(from: f64, to: f64) -> bool {
     let plan = pushed(from, to);
     prepare(&plan, folder.path(), &control).unwrap();
     let opened = DeclaredModel::read(&folder.path().join(PROBLEM), &control).unwrap();
-    let data = successive_periods(&opened.data);
+    let data = opened.data.in_successive_periods();
     let hypothesis = plan.concealed[0].hypothesis.clone();
     let start = plan.concealed[0].values.clone();
     let fit = opened

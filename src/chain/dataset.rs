@@ -5,6 +5,7 @@ use crate::chain::controller::Commands;
 use crate::chain::evaluate::{KnownBodies, Segment};
 use crate::recording::experiment::Experiment;
 use crate::recording::split::Split;
+use crate::recording::successive_periods::successive_periods;
 use crate::robot::batch::Trajectory;
 use std::sync::Arc;
 
@@ -295,6 +296,27 @@ impl Dataset {
             speeds.fold(0.0, |fastest: f64, v| fastest.max(v.abs()))
         };
         (0..joints).map(of).collect()
+    }
+
+    /// The recordings with their periods one after another. The noise of samples as they were recorded is each row's own,
+    /// so that every row is used; a filter leaves neighbours alike.
+    pub fn in_successive_periods(&self) -> Self {
+        let of = |recording: &Prepared| match successive_periods(&recording.experiment) {
+            Some(experiment) => {
+                let prepare = match experiment.parallel {
+                    Some(_) => Prepared::new,
+                    None => Prepared::with_all_rows,
+                };
+                let name = recording.name.clone();
+                let rows = experiment.rows();
+                let commands = recording.commands().map(|all| all.repeated(rows));
+                prepare(name, recording.split, recording.loaded, experiment).with_commands(commands)
+            }
+            None => recording.clone(),
+        };
+        Self {
+            recordings: self.recordings.iter().map(of).collect(),
+        }
     }
 
     /// Loads with which the training recordings were made: without, with, or both.

@@ -185,6 +185,13 @@ impl Model {
         })
     }
 
+    /// Whether an effect changes with the time since the recording began.
+    pub fn changes_with_time(&self) -> bool {
+        let active = self.joints.iter().filter(|joint| !joint.locked);
+        let mut effects = active.flat_map(|joint| &joint.effects);
+        effects.any(|(effect, _)| effect.needs.memory == Memory::Time)
+    }
+
     /// Whether the signal is affine in all linear parameters together while the others are fixed.
     pub fn is_affine(&self) -> bool {
         let mut effects = self.joints.iter().flat_map(|joint| &joint.effects);

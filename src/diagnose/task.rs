@@ -319,8 +319,8 @@ impl Search<'_> {
             between_periods::sought(&halves.whole, declared.fit.model.catalogue(), self.rules);
         if let Some(effects) = changing.filter(|_| !control.is_interrupted()) {
             (self.on_stage)(Stage::Drift);
-            let successive_periods = between_periods::successive_periods(&halves.whole);
-            let successive_periods = self::halves(successive_periods, self.held_out);
+            let successive_periods =
+                self::halves(halves.whole.in_successive_periods(), self.held_out);
             let mut over_time = successive_periods.contexts(self.declared, control);
             over_time.set(&declared.limits, declared.noise.as_deref());
             // What is selected there is of other rows than those that a defect leaves.

@@ -5,7 +5,6 @@ use crate::chain::effect::Memory;
 use crate::diagnose::fit::hypothesis::joint_names;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::noise_level;
-use crate::diagnose::selection::between_periods::successive_periods;
 use crate::diagnose::selection::rival_models::{Ambiguity, StatedModel, separation};
 use crate::outcome::trials::{Found, LONGER};
 use crate::problem::solution::Control;
@@ -69,7 +68,7 @@ fn rows(data: &Dataset, ambiguity: &Ambiguity) -> Dataset {
     let models = std::iter::once(&ambiguity.found).chain(&ambiguity.rivals);
     let mut hypotheses = models.flat_map(|stated| &stated.hypotheses);
     match hypotheses.any(|h| h.effect.needs.memory == Memory::Time) {
-        true => successive_periods(data),
+        true => data.in_successive_periods(),
         false => data.clone(),
     }
 }

@@ -8,7 +8,6 @@ use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::fit::start::{Start, WarmStart};
 use crate::diagnose::residuals::standstill;
-use crate::diagnose::selection::between_periods::successive_periods;
 use crate::estimate::bandwidth;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
@@ -49,7 +48,7 @@ pub(super) fn sizes(
         let others = plan.concealed.iter().enumerate().filter(|(i, _)| *i != k);
         let others: Vec<&Concealed> = others.map(|(_, other)| other).collect();
         let (data, periods) = match concealed.changes_with_time() {
-            true => (successive_periods(&opened.data), 1.0),
+            true => (opened.data.in_successive_periods(), 1.0),
             false => (opened.data.clone(), periods),
         };
         let left = opened.fit_with(&data, &others, control)?.validation;
@@ -84,7 +83,7 @@ pub(super) fn informed(
     }
     let opened = DeclaredModel::read(problem, control)?;
     let data = match plan.concealed.iter().any(Concealed::changes_with_time) {
-        true => successive_periods(&opened.data),
+        true => opened.data.in_successive_periods(),
         false => opened.data.clone(),
     };
     let concealed: Vec<&Concealed> = plan.concealed.iter().collect();

@@ -1,6 +1,6 @@
 //! Effects that change from period to period, sought in the samples in the order of time, as averages hide them.
 
-use crate::chain::dataset::{Dataset, Prepared};
+use crate::chain::dataset::Dataset;
 use crate::chain::effect::{Catalogue, Memory};
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::fit::context::Context;
@@ -8,7 +8,6 @@ use crate::diagnose::fit::fitting::fit_model;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::residuals::period_changes;
 use crate::diagnose::selection::stepwise::{Rules, Selection, Stepwise};
-use crate::recording::successive_periods::successive_periods as unrolled_experiment;
 
 /// Effects of time to look for where the recordings were averaged and change from period to period.
 pub fn sought(data: &Dataset, catalogue: &Catalogue, rules: Rules<'_>) -> Option<Vec<String>> {
@@ -29,27 +28,6 @@ pub fn sought(data: &Dataset, catalogue: &Catalogue, rules: Rules<'_>) -> Option
     });
     let wanted: Vec<String> = wanted.collect();
     (!wanted.is_empty()).then_some(wanted)
-}
-
-/// The recordings with their periods one after another. The noise of samples as they were recorded is each row's own,
-/// so that every row is used; a filter leaves neighbours alike.
-pub fn successive_periods(data: &Dataset) -> Dataset {
-    let of = |recording: &Prepared| match unrolled_experiment(&recording.experiment) {
-        Some(experiment) => {
-            let prepare = match experiment.parallel {
-                Some(_) => Prepared::new,
-                None => Prepared::with_all_rows,
-            };
-            let name = recording.name.clone();
-            let rows = experiment.rows();
-            let commands = recording.commands().map(|all| all.repeated(rows));
-            prepare(name, recording.split, recording.loaded, experiment).with_commands(commands)
-        }
-        None => recording.clone(),
-    };
-    Dataset {
-        recordings: data.recordings.iter().map(of).collect(),
-    }
 }
 
 /// The model that explains the averages, grown by what changes with time; `None` where nothing does.

@@ -40,11 +40,27 @@ const MOST_STEPS: i32 = 8;
 /// Rows that are fitted for each cut-off, of all recordings together: as many as tell σ to half a per cent.
 const ROWS: usize = 20_000;
 
-/// Reads the recordings of a problem and makes them ready.
+/// Reads the recordings of a problem and makes them ready; in the order of time for a model that changes with it, as averages
+/// over periods are of no one time.
 ///
 /// # Errors
 /// Those of files and of settings.
 pub fn prepared(
+    problem: &ProblemFile,
+    robot: &Robot,
+    model: &Model,
+    prior: &Prior,
+    control: &Control<'_>,
+) -> Result<Dataset, SetupError> {
+    let data = with_best_bandwidth(problem, robot, model, prior, control)?;
+    Ok(match model.changes_with_time() {
+        true => data.in_successive_periods(),
+        false => data,
+    })
+}
+
+/// The recordings with the bandwidth that the data choose.
+fn with_best_bandwidth(
     problem: &ProblemFile,
     robot: &Robot,
     model: &Model,
