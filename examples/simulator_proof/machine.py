@@ -195,7 +195,8 @@ def record(machine, course, periods, rng=None, step=STEP):
             i.append(current.copy())
         drives.follow(current)
     q, i = np.array(q), np.array(i)
-    assert np.isfinite(q).all() and np.abs(q).max() < 6.0, "the machine runs away"
+    if not (np.isfinite(q).all() and np.abs(q).max() < 6.0):
+        raise RuntimeError("the machine runs away")
     if machine.delay:
         # The channel of the currents is late.
         t = np.arange(len(q)) / RATE

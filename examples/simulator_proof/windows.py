@@ -54,7 +54,7 @@ class Held:
 class Exported:
     """The model that `exid export --to mujoco` wrote, with its plugin compiled and loaded."""
 
-    step = 1e-3
+    step = STEP
 
     def __init__(self, folder):
         folder = Path(folder)
@@ -114,6 +114,8 @@ def _roll_exported(path, plugin, source, step, recording, horizon):
             lags.lead(data, q, v)
             data.ctrl = i
             mujoco.mj_step(model, data)
+        # The clock of the drives, which begins at zero.
+        data.plugin_state[0] += start - LEAD
         lags.lead(data, recording.at(recording.q, start), recording.at(recording.v, start))
         for i in current(start + (np.arange(round(horizon / step)) + 0.5) * step):
             data.ctrl = i
