@@ -121,20 +121,20 @@ def loaded(urdf, joint, load):
     return ElementTree.tostring(tree, encoding="unicode")
 
 
-def run(*command):
+def run(leaves, *command):
+    """Runs a command that leaves a file, unless that is there. A search that did not converge leaves what it has come to."""
+    if leaves.exists():
+        return
     done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
-    if done.returncode:
+    if not leaves.exists():
         raise RuntimeError(f"{' '.join(map(str, command))}: {done.stderr[-600:]}{done.stdout[-200:]}")
-    return done.stdout
 
 
 def exported(exid, here, verb, toml, name):
     """The MuJoCo model of a result; the folder with model.xml and the plugin."""
     result, out = here / name, here / f"{name}_mujoco"
-    if not (result / "result.json").exists():
-        run(exid, verb, here / toml, "--out", result, "--quiet", "--threads", "1")
-    if not (out / "model.xml").exists():
-        run(exid, "export", result, "--to", "mujoco", "--out", out)
+    run(result / "result.json", exid, verb, here / toml, "--out", result, "--quiet", "--threads", "1")
+    run(out / "model.xml", exid, "export", result, "--to", "mujoco", "--out", out)
     return out
 
 
