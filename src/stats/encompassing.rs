@@ -6,16 +6,21 @@
 //! holds for any autocorrelation within a block (Newey and West 1987); its degrees of freedom are the effective number
 //! of blocks in which the two models differ (Satterthwaite 1946).
 //!
+//! With d the difference of the models, `b = Σ z e / Σ z d`: by least squares z = d, and any other z that follows from d alone
+//! serves as instrument (Reiersøl 1945). Where a law strikes in few rows, such as the impacts of play, all that d says is in one
+//! block, and nothing shows how that could vary; z is d clipped at the size at which, in noise that is alike in all rows, the
+//! richer model is to be expected to be told best from the poorer.
+//!
 //! Both residuals are taken as innovations of one autoregression per channel, that of the richer model's residual: noise
 //! that remembers is then nearly white, the variance rests on many short blocks and not on a few long ones, and what
 //! distinguishes the models counts where there is little noise (prewhitening: Andrews and Monahan 1992).
 //!
 //! The poorer model's parameters are estimates: an error δθ of covariance C moves its residual by J δθ, alike in all blocks
-//! where held-out motions go beyond the fitted ones, and adds `gᵀC g`, g = Jᵀd, to the variance of `Σ d e` (West 1996,
+//! where held-out motions go beyond the fitted ones, and adds `gᵀC g`, g = Jᵀz, to the variance of `Σ z e` (West 1996,
 //! theorem 4.1). The difference d of the models is nearly independent of it where the poorer model is right, and
 //! efficiently fitted (Hausman 1978).
 //!
-//! Where the noise of a row is known, the variance is at least `τ Σ σ² d²` with the correlation time τ of the residual,
+//! Where the noise of a row is known, the variance is at least `τ Σ σ² z²` with the correlation time τ of the residual,
 //! as of noise of that size, and only what blocks show beyond it has their few degrees of freedom.
 //!
 //! The slope is `b ~ 1 + s t_ν` if the richer model is right, `b ~ s t_ν` if the poorer is. With 1/s the distance and ν the
@@ -70,6 +75,9 @@ const LEAST_BLOCKS: usize = 24;
 
 /// With fewer than one and a half effective blocks there is nothing between which they could vary.
 const LEAST_FREEDOM: f64 = 0.5;
+
+/// Sizes at which instruments are clipped, each half of the one before: from the largest difference down to thousandths of it.
+const CLIPS: usize = 11;
 
 /// Blocks are this many times longer than the residual's correlation time.
 const CORRELATION_TIMES: f64 = 4.0;
@@ -166,11 +174,59 @@ impl ResidualPair<'_> {
     }
 }
 
-/// Σ d e and Σ d² over all channels, with the difference d of what two models predict.
-#[derive(Debug, Clone, Copy)]
+/// Sums over rows of the instrument z, the poorer residual e and the difference d of what two models predict.
+#[derive(Debug, Clone, Copy, Default)]
 struct Sums {
-    product: f64,
+    /// Σ z e.
+    residual: f64,
+    /// Σ z d.
+    difference: f64,
+    /// Σ z².
+    instrument: f64,
+}
+
+/// How what instruments tell is concentrated in blocks, with the share a of a block in Σ z² and s in Σ z d.
+///
+/// In noise that is alike in all rows the scores of blocks, `Σ z (e − b d)`, have the covariance `diag(a) − s aᵀ − a sᵀ + s sᵀ`, in units
+/// of that of `Σ z e`, as the slope was fitted to them.
+#[derive(Debug, Clone, Copy)]
+struct Concentration {
+    /// Σ a².
+    instrument: f64,
+    /// Trace of that covariance.
+    trace: f64,
+    /// Trace of its square.
     square: f64,
+}
+
+impl Concentration {
+    fn of(blocks: &[Sums], total: Sums) -> Self {
+        let sum = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
+            let shares = blocks.iter().map(|block| {
+                let instrument = block.instrument / total.instrument;
+                of(instrument, block.difference / total.difference)
+            });
+            shares.sum()
+        };
+        let (aa, az, ss) = (sum(&|a, _| a * a), sum(&|a, s| a * s), sum(&|_, s| s * s));
+        let mixed = sum(&|a, s| 2.0 * a * s * s - 4.0 * a * a * s);
+        Self {
+            instrument: aa,
+            trace: 1.0 - 2.0 * az + ss,
+            square: aa + mixed + 2.0 * az * az + ss * ss + 2.0 * aa * ss - 4.0 * az * ss,
+        }
+    }
+
+    /// Degrees of freedom of the variance that blocks show: those of Satterthwaite (1946) in noise that is alike in all rows (Bell and
+    /// McCaffrey 2002), and no more than the effective number of blocks but one, as noise may differ between blocks.
+    fn freedom(self) -> f64 {
+        (1.0 / self.instrument - 1.0).min(self.trace * self.trace / self.square)
+    }
+
+    /// What blocks show of the variance.
+    fn shown(self) -> f64 {
+        self.trace
+    }
 }
 
 /// White noise that is added to a residual, as a share of its variance: frequencies at which there is nothing say nothing,
@@ -211,16 +267,70 @@ struct Differences<'a> {
     pair: ResidualPair<'a>,
     scale: Vec<f64>,
     channels: Vec<usize>,
+    /// Rows of a block.
+    block: usize,
+    /// Largest size of the instrument.
+    clip: f64,
 }
 
 impl<'a> Differences<'a> {
     fn of(pair: ResidualPair<'a>) -> Self {
         let channels = 0..pair.richer.len();
-        Self {
+        let mut differences = Self {
             scale: pair.richer.iter().map(|e| deviation(e)).collect(),
             channels: channels.filter(|&c| !pair.richer[c].is_empty()).collect(),
+            block: block_length(pair.richer),
+            clip: f64::INFINITY,
             pair,
-        }
+        };
+        differences.clip = differences.best_clip();
+        differences
+    }
+
+    /// The size at which the instrument is clipped: that with the largest likelihood ratio to be expected where the richer
+    /// model is right, by what the models predict alone.
+    fn best_clip(&self) -> f64 {
+        let rows = |&c: &usize| (0..self.pair.richer[c].len()).map(move |k| self.at(c, k).abs());
+        let largest = self.channels.iter().flat_map(rows).fold(0.0, f64::max);
+        let halved = std::iter::successors(Some(largest), |clip| Some(0.5 * clip));
+        let expected = |clip: &f64| {
+            let blocks = self.blocks(*clip);
+            let total = Sums::of(&blocks);
+            let freedom = Concentration::of(&blocks, total)
+                .freedom()
+                .max(LEAST_FREEDOM);
+            let squared = total.difference * total.difference / total.instrument;
+            0.5 * (freedom + 1.0) * (squared / freedom).ln_1p()
+        };
+        let clips = halved.take(CLIPS).filter(|clip| *clip > 0.0);
+        clips
+            .map(|clip| (clip, expected(&clip)))
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .map_or(largest, |(clip, _)| clip)
+    }
+
+    /// The instrument of a row.
+    fn instrument(&self, c: usize, k: usize) -> f64 {
+        self.at(c, k).max(-self.clip).min(self.clip)
+    }
+
+    /// Sums of every block with an instrument that is clipped.
+    fn blocks(&self, clip: f64) -> Vec<Sums> {
+        let rows = self.pair.richer.iter().map(Vec::len).max().unwrap_or(0);
+        let of = |start: usize| {
+            let mut sums = Sums::default();
+            for &c in &self.channels {
+                for k in start..self.pair.richer[c].len().min(start + self.block) {
+                    let d = self.at(c, k);
+                    let z = d.max(-clip).min(clip);
+                    sums.residual += z * (self.pair.poorer[c][k] / self.scale[c]);
+                    sums.difference += z * d;
+                    sums.instrument += z * z;
+                }
+            }
+            sums
+        };
+        (0..rows).step_by(self.block).map(of).collect()
     }
 
     /// What the models predict otherwise.
@@ -228,19 +338,21 @@ impl<'a> Differences<'a> {
         (self.pair.poorer[c][k] - self.pair.richer[c][k]) / self.scale[c]
     }
 
-    /// Of rows of the poorer residual in Σ d e, `[channel][row]`.
+    /// Of rows of the poorer residual in Σ z e, `[channel][row]`.
     fn weights(&self) -> Vec<Vec<f64>> {
         let of = |c: usize| -> Vec<f64> {
             let rows = 0..self.pair.richer[c].len();
-            rows.map(|k| self.at(c, k) / self.scale[c]).collect()
+            rows.map(|k| self.instrument(c, k) / self.scale[c])
+                .collect()
         };
         (0..self.pair.richer.len()).map(of).collect()
     }
 
-    /// The test, with the RMS noise of a row where it is known, and what estimates add to the variance of Σ d e.
+    /// The test, with the RMS noise of a row where it is known, and what estimates add to the variance of Σ z e.
     fn encompassing(&self, noise: Option<&[f64]>, of_estimates: f64) -> Encompassing {
-        let sums = self.sums();
-        if sums.square <= 0.0 {
+        let blocks = self.blocks(self.clip);
+        let sums = Sums::of(&blocks);
+        if sums.difference <= 0.0 {
             return Encompassing {
                 slope: 0.0,
                 ratio: 0.0,
@@ -249,7 +361,7 @@ impl<'a> Differences<'a> {
                 p_value: 1.0,
             };
         }
-        let blocks = self.variance_of_blocks(sums);
+        let blocks = variance_of_blocks(&blocks, sums);
         let of_noise = noise.map(|noise| self.variance_of_noise(noise));
         let variance = match (blocks, of_noise.filter(|known| known.value > 0.0)) {
             (Some(blocks), Some(noise)) => blocks.at_least(noise),
@@ -262,29 +374,13 @@ impl<'a> Differences<'a> {
         variance.with(of_estimates).encompassing(sums)
     }
 
-    fn of_channel(&self, c: usize) -> Sums {
-        let (mut product, mut square) = (0.0, 0.0);
-        for k in 0..self.pair.richer[c].len() {
-            let d = self.at(c, k);
-            product += d * self.pair.poorer[c][k] / self.scale[c];
-            square += d * d;
-        }
-        Sums { product, square }
-    }
-
-    fn sums(&self) -> Sums {
-        let own: Vec<Sums> = self.channels.iter().map(|&c| self.of_channel(c)).collect();
-        Sums {
-            product: own.iter().map(|sums| sums.product).sum(),
-            square: own.iter().map(|sums| sums.square).sum(),
-        }
-    }
-
-    /// `τ Σ σ² d²`, with the correlation time τ of what the richer model leaves.
+    /// `τ Σ σ² z²`, with the correlation time τ of what the richer model leaves.
     fn variance_of_noise(&self, noise: &[f64]) -> Variance {
         let of = |&c: &usize| {
             let time = correlation_time(&self.pair.richer[c]);
-            time * self.of_channel(c).square * (noise[c] / self.scale[c]).powi(2)
+            let rows = 0..self.pair.richer[c].len();
+            let squares: f64 = rows.map(|k| self.instrument(c, k).powi(2)).sum();
+            time * squares * (noise[c] / self.scale[c]).powi(2)
         };
         let lengths = self.channels.iter().map(|&c| self.pair.richer[c].len());
         let rows: usize = lengths.sum();
@@ -293,35 +389,38 @@ impl<'a> Differences<'a> {
             freedom: rows as f64,
         }
     }
+}
 
-    /// As blocks show it; `None` where the models differ in too few of them.
-    fn variance_of_blocks(&self, sums: Sums) -> Option<Variance> {
-        let slope = sums.product / sums.square;
-        let block = block_length(self.pair.richer);
-        let rows = self.pair.richer.iter().map(Vec::len).max().unwrap_or(0);
-        let (mut variance, mut fourth) = (0.0, 0.0);
-        for start in (0..rows).step_by(block) {
-            let (mut score, mut weight) = (0.0, 0.0);
-            for &c in &self.channels {
-                for k in start..self.pair.richer[c].len().min(start + block) {
-                    let d = self.at(c, k);
-                    score += d * (self.pair.poorer[c][k] / self.scale[c] - slope * d);
-                    weight += d * d;
-                }
-            }
-            variance += score * score;
-            fourth += weight * weight;
+impl Sums {
+    fn of(blocks: &[Self]) -> Self {
+        let sum = |of: &dyn Fn(&Self) -> f64| blocks.iter().map(of).sum();
+        Self {
+            residual: sum(&|block| block.residual),
+            difference: sum(&|block| block.difference),
+            instrument: sum(&|block| block.instrument),
         }
-        let freedom = sums.square * sums.square / fourth - 1.0;
-        (freedom >= LEAST_FREEDOM).then(|| Variance {
-            // Blocks to which the slope was fitted show less than there is.
-            value: variance * (freedom + 1.0) / freedom,
-            freedom: freedom.max(1.0),
-        })
+    }
+
+    /// b.
+    fn slope(self) -> f64 {
+        self.residual / self.difference
     }
 }
 
-/// A variance of `Σ d ε` and its degrees of freedom.
+/// As blocks show it; `None` where the models differ in too few of them.
+fn variance_of_blocks(blocks: &[Sums], total: Sums) -> Option<Variance> {
+    let slope = total.slope();
+    let score = |block: &Sums| (block.residual - slope * block.difference).powi(2);
+    let concentration = Concentration::of(blocks, total);
+    let freedom = concentration.freedom();
+    (freedom >= LEAST_FREEDOM).then(|| Variance {
+        // Blocks to which the slope was fitted show less than there is.
+        value: blocks.iter().map(score).sum::<f64>() / concentration.shown(),
+        freedom: freedom.max(1.0),
+    })
+}
+
+/// A variance of `Σ z ε` and its degrees of freedom.
 #[derive(Debug, Clone, Copy)]
 struct Variance {
     value: f64,
@@ -357,11 +456,11 @@ impl Variance {
             true => sum / self.value.sqrt(),
             false => 0.0,
         };
-        let (ratio, freedom) = (over_deviation(sums.product), self.freedom);
+        let (ratio, freedom) = (over_deviation(sums.residual), self.freedom);
         Encompassing {
-            slope: sums.product / sums.square,
+            slope: sums.slope(),
             ratio,
-            distance: over_deviation(sums.square),
+            distance: over_deviation(sums.difference),
             freedom,
             p_value: Distribution::StudentT { freedom }.upper_tail(ratio),
         }
