@@ -96,6 +96,7 @@ const SIMULATE_EXAMPLES: &str = "Examples:
 const TRIALS_EXAMPLES: &str = "Examples:
   exid trials --count 100 --seed 1
   exid trials --effects backlash,time_delay --robots arm6 --motion moves
+  exid trials --outside --count 300 --seed 1
   exid trials --seed 1 --only 57 --keep trials";
 const FLEET_EXAMPLES: &str = "Examples:
   exid fleet nights.csv
@@ -210,6 +211,9 @@ pub struct Campaign {
     /// How many effects a trial conceals at once, as 3-8 [default: one, two in some]
     #[arg(long, value_name = "N-M")]
     pub at_once: Option<AtOnce>,
+    /// Conceal laws outside the vocabulary, drawn from a grammar, and count the formulas that are proposed for them
+    #[arg(long, conflicts_with_all = ["effects", "laws", "at_once"])]
+    pub outside: bool,
     /// Kinds of random robots, arm3 to arm7 and slide3 to slide7 [default: all]
     #[arg(long, value_name = "X,Y", value_delimiter = ',')]
     pub robots: Vec<String>,

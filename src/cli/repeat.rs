@@ -204,11 +204,16 @@ fn campaign(query: &Repetition, earlier: &Outcome, made: &Trials, out: PathBuf) 
         let words = list.into_iter().flatten().filter_map(|word| word.as_str());
         words.map(str::to_owned).collect()
     };
+    let outside = earlier.run.problem.get("outside").is_some();
     let numbers: Vec<u64> = made.trials.iter().map(|trial| trial.seed).collect();
     let at_once = earlier.run.problem.get("at_once");
     let count = numbers.len() as u64;
     Campaign {
-        effects: listed("effects"),
+        effects: match outside {
+            true => Vec::new(),
+            false => listed("effects"),
+        },
+        outside,
         laws: listed("laws").into_iter().next().map(PathBuf::from),
         at_once: at_once.and_then(|counts| counts.as_str()?.parse().ok()),
         robots: listed("robots"),

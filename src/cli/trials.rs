@@ -195,7 +195,10 @@ impl<'a> Place<'a> {
 }
 
 fn scope(campaign: &Campaign) -> Result<Scope, CliError> {
-    let mut scope = Scope::all(campaign.seed);
+    let mut scope = Scope {
+        outside: campaign.outside,
+        ..Scope::all(campaign.seed)
+    };
     if let Some(path) = &campaign.laws {
         let absolute = std::path::absolute(path).map_err(|e| {
             let path = path.display();
@@ -252,6 +255,9 @@ fn drawn_from(scope: &Scope) -> serde_json::Value {
     });
     if let Some(counts) = scope.at_once {
         drawn["at_once"] = serde_json::json!(counts.to_string());
+    }
+    if scope.outside {
+        drawn["outside"] = true.into();
     }
     if !scope.laws.is_empty() {
         drawn["laws"] = serde_json::json!(scope.laws);

@@ -4,7 +4,7 @@ use crate::chain::dataset::Dataset;
 use crate::chain::model::Model;
 use crate::chain::transition_limits::TransitionLimits;
 use crate::diagnose::error::DiagnoseError;
-use crate::diagnose::findings::report::{Reported, Reporting};
+use crate::diagnose::findings::report::{Nameless, Reported, Reporting};
 use crate::diagnose::fit::context::is_in_time;
 use crate::diagnose::fit::contexts::{Contexts, HeldOutHalves};
 use crate::diagnose::fit::declared::Declared;
@@ -60,6 +60,8 @@ pub struct DiagnoseRun {
     pub finally: Predictions,
     /// Findings with rivals that the recordings cannot set aside.
     pub ambiguities: Vec<Ambiguity>,
+    /// What takes the place of what has no name.
+    pub nameless: Nameless,
     /// What ended the search, where the rest is what was found before it.
     pub defect: Option<Defect>,
 }
@@ -176,6 +178,7 @@ fn of_robot(
         baseline: reported.declared,
         finally: reported.last,
         ambiguities: reported.ambiguities,
+        nameless: reported.nameless,
         data,
         defect,
     })

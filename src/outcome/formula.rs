@@ -13,6 +13,9 @@ pub struct ProposedFormula {
     pub joint: String,
     /// With numbers, as people read it: `0.41·tau·sin(8·q)`.
     pub expression: String,
+    /// Variables of the motion that it has, as formulas of laws name them: `q`, `v[shoulder]`.
+    #[serde(default)]
+    pub variables: Vec<String>,
     /// The law as a table `[[law]]` of a problem file.
     pub law: String,
     /// Number of its parameters.

@@ -128,9 +128,69 @@ pub struct Trial {
     /// the same three models; nothing where the links are known.
     #[serde(default)]
     pub body_error: Option<[f64; 3]>,
+    /// Of trials that conceal laws outside the vocabulary: what took the place of what has no name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nameless: Option<Nameless>,
     /// Why the trial has no answer, where it has none.
     #[serde(default)]
     pub failure: Option<String>,
+}
+
+/// What took the place of what has no name.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Nameless {
+    /// Torque of the law that was concealed; nothing in a control.
+    pub law: Option<String>,
+    /// Variables of the motion that the law has, as formulas of laws name them.
+    pub variables: Vec<String>,
+    /// The formula that was proposed on the joint of the law, in a control on any joint.
+    pub formula: Option<String>,
+    /// Variables of that formula.
+    pub formula_variables: Vec<String>,
+    /// Share of the squares beyond the noise that a smooth correction takes from the held-out residual of the law's joint.
+    #[serde(with = "number::nullable")]
+    pub smooth_share: f64,
+    /// The forecast of a motion of 1.3 times the amplitude; nothing in a control.
+    pub forecast: Option<Forecast>,
+}
+
+/// What is left of the signal of a law's joint in a recording without noise of the same motion with 1.3 times the amplitude, RMS
+/// over the noise of a row.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Forecast {
+    /// By the final model.
+    #[serde(with = "number::nullable")]
+    pub nothing: f64,
+    /// By the final model with its smooth correction, where there is one.
+    #[serde(with = "number::nullable")]
+    pub smooth: f64,
+    /// By the model with the formula.
+    #[serde(default, with = "number::optional")]
+    pub formula: Option<f64>,
+}
+
+/// Rates over trials that conceal laws outside the vocabulary; sizes are multiples of the noise. How many have their joint found is
+/// in [`Self::located`], how many are given a name in [`Rates::outside_named`].
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct OutsideRates {
+    /// Laws of [`Rates::least_size`] and more: the first finding is on their joint.
+    pub located: Share,
+    /// The same of laws of at most two variables: a smooth correction takes at least half of what is beyond the noise.
+    pub smooth_takes_half: Share,
+    /// The size from which on formulas count.
+    #[serde(with = "number::nullable")]
+    pub formula_size: f64,
+    /// Laws of that size that a smooth correction does not forecast: a formula is proposed.
+    pub proposed: Share,
+    /// Of the same: a formula is proposed, and errs in the larger motion at most half as much as the smooth correction.
+    pub forecasts: Share,
+    /// Formulas of laws of that size: their variables are those of the law.
+    pub variables_right: Share,
+    /// Controls, and laws that the smooth correction forecasts to less than the noise in the larger motion: a formula is proposed.
+    pub needless: Share,
+    /// Median of the error of formulas in the larger motion over that of the smooth correction, of laws of that size.
+    #[serde(with = "number::optional")]
+    pub median_forecast_ratio: Option<f64>,
 }
 
 /// A concealed effect.
@@ -277,6 +337,9 @@ pub struct Rates {
     /// Share of trials in which that ratio is at most 1.5.
     #[serde(default)]
     pub bodies_back: Share,
+    /// Rates over laws outside the vocabulary, where these are what is concealed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outside: Option<OutsideRates>,
     /// Processor seconds a trial, of the last run.
     #[serde(with = "number::optional")]
     pub core_seconds: Option<f64>,

@@ -17,7 +17,7 @@ pub(super) fn trial_rates(trials: &Trials) -> Vec<(&'static str, Share)> {
         of: trials.false_findings.controls,
         are: trials.false_findings.with_finding,
     };
-    vec![
+    let mut all = vec![
         ("one effect: the first finding is right", rates.first_right),
         ("one effect: it bears the very name", rates.first_named),
         ("one effect: the joints are right", rates.joints_right),
@@ -42,7 +42,30 @@ pub(super) fn trial_rates(trials: &Trials) -> Vec<(&'static str, Share)> {
             "bodies back within 1.5 of the informed fit",
             rates.bodies_back,
         ),
-    ]
+    ];
+    if let Some(outside) = &rates.outside {
+        all.extend([
+            ("outside: the joint is found", outside.located),
+            (
+                "outside, two variables: a smooth correction takes half of it",
+                outside.smooth_takes_half,
+            ),
+            ("outside: a formula is proposed", outside.proposed),
+            (
+                "outside: a formula forecasts a larger motion twice as well",
+                outside.forecasts,
+            ),
+            (
+                "formulas with the variables of the law",
+                outside.variables_right,
+            ),
+            (
+                "nothing, or forecast smoothly, yet a formula",
+                outside.needless,
+            ),
+        ]);
+    }
+    all
 }
 
 /// What is told of the trials of one kind of motion or noise.

@@ -5,6 +5,7 @@ use crate::chain::effect::{Catalogue, Law};
 use crate::robot::random::{between, generator};
 use crate::trials::concealed_effect::{self, Concealed, RecordingLength, Scale};
 use crate::trials::motion::{Motion, Noise};
+use crate::trials::outside_law::OutsideLaw;
 use crate::trials::robot::{KINDS, RandomRobot};
 use crate::trials::unmodelled_physics::{Neighbours, Unmodelled, UnmodelledLaw};
 use rand::RngExt;
@@ -37,6 +38,8 @@ pub struct Scope {
     pub catalogue: Catalogue,
     /// Ids of the effects that are concealed.
     pub effects: Vec<&'static str>,
+    /// Laws outside the vocabulary are concealed in the place of effects.
+    pub outside: bool,
     /// Kinds of robots.
     pub robots: Vec<&'static str>,
     /// Kinds of motions.
@@ -93,6 +96,7 @@ impl Scope {
                 .map(|e| e.id)
                 .collect(),
             catalogue,
+            outside: false,
             robots: KINDS.to_vec(),
             motions: Motion::ALL.to_vec(),
             noises: Noise::ALL.to_vec(),
@@ -125,6 +129,10 @@ pub struct Plan {
     pub concealed: Vec<Concealed>,
     /// What the robot has beyond the vocabulary.
     pub outside: Option<Unmodelled>,
+    /// A law outside the vocabulary that was drawn from a grammar.
+    pub law: Option<OutsideLaw>,
+    /// Formulas that are proposed are counted.
+    pub counts_formulas: bool,
     /// Kind of its motion.
     pub motion: Motion,
     /// Kind of its noise.
@@ -166,6 +174,8 @@ impl Plan {
             length,
             concealed: Vec::new(),
             outside: None,
+            law: None,
+            counts_formulas: scope.outside,
             motion,
             noise,
             correlation: noise.correlation(&mut apart),
@@ -181,8 +191,31 @@ impl Plan {
         plan
     }
 
+    /// The joint of what the robot has beyond the vocabulary.
+    pub fn outside_joint(&self) -> Option<usize> {
+        let drawn = self.law.as_ref().map(|law| law.joint);
+        self.outside.map(|outside| outside.at.joint).or(drawn)
+    }
+
+    /// Samples of which a row is the average: the periods of a motion that repeats.
+    pub fn averaged(&self) -> f64 {
+        match self.motion.repeats() {
+            true => self.length.periods as f64,
+            false => 1.0,
+        }
+    }
+
     fn conceal(&mut self, rng: &mut ChaCha8Rng, scope: &Scope, shrink: f64) {
         let n = self.robot.tree.len();
+        if scope.outside {
+            let joint = (rng.random::<f64>() * n as f64) as usize;
+            let neighbour = (joint + 1 + (rng.random::<f64>() * (n - 1) as f64) as usize) % n;
+            let least = SHARES.0;
+            let share = Sizes { least, shrink }.draw(rng);
+            let at = Neighbours { joint, neighbour };
+            self.law = Some(OutsideLaw::draw(rng, &self.robot, at, share));
+            return;
+        }
         if let Some(counts) = scope.at_once {
             let count = counts.draw(rng);
             let ids: Vec<&'static str> = pick_apart(rng, &scope.effects, count);

@@ -36,10 +36,7 @@ pub(super) fn sizes(
     control: &Control<'_>,
 ) -> Result<Sizes, TrialError> {
     let opened = DeclaredModel::read(problem, control)?;
-    let periods = match plan.motion.repeats() {
-        true => plan.length.periods as f64,
-        false => 1.0,
-    };
+    let periods = plan.averaged();
     let largest = |left: &[Vec<f64>], joints: &[usize], periods: f64| {
         let of_joint = |j: usize| rms(&left[j]) * periods.sqrt() / plan.robot.noise[j];
         joints.iter().map(|&j| of_joint(j)).fold(f64::NAN, f64::max)
@@ -55,9 +52,9 @@ pub(super) fn sizes(
         Ok(largest(&left, &concealed.joints(), periods))
     };
     let each = plan.concealed.iter().enumerate();
-    let outside = plan.outside.as_ref().map(|outside| {
+    let outside = plan.outside_joint().map(|joint| {
         let left = opened.fit_with(&opened.data, &[], control)?.validation;
-        Ok::<f64, TrialError>(largest(&left, &[outside.at.joint], periods))
+        Ok::<f64, TrialError>(largest(&left, &[joint], periods))
     });
     Ok(Sizes {
         effects: each.map(|(k, c)| without(k, c)).collect::<Result<_, _>>()?,

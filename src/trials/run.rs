@@ -7,7 +7,8 @@ use crate::problem::defect::guarded;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::trials::error::TrialError;
-use crate::trials::files::{CLEAN, PROBLEM, prepare};
+use crate::trials::files::{CLEAN, PROBLEM, prepare, prepare_larger};
+use crate::trials::forecast::forecast;
 use crate::trials::longer_recording;
 use crate::trials::plan::{Plan, Scope};
 use crate::trials::reference_fits::{informed, sizes};
@@ -76,7 +77,7 @@ fn attempts(
 }
 
 fn one(plan: &Plan, folder: &Path, control: &Control<'_>) -> Result<Trial, TrialError> {
-    prepare(plan, folder, control)?;
+    let made = prepare(plan, folder, control)?;
     let problem = folder.join(PROBLEM);
     let diagnosed = {
         let read = ProblemFile::read(&problem, &[], &effect::ids())?;
@@ -96,6 +97,15 @@ fn one(plan: &Plan, folder: &Path, control: &Control<'_>) -> Result<Trial, Trial
         &longer,
         control,
     )?;
+    if plan.counts_formulas {
+        let mut nameless = score::nameless(plan, &diagnosed.diagnosis.findings);
+        if let Some(law) = &plan.law {
+            let problem = prepare_larger(plan, &made, folder, control)?;
+            let of_joint = forecast(plan, &diagnosed.nameless, law.joint, &problem, control)?;
+            nameless.forecast = Some(of_joint);
+        }
+        trial.nameless = Some(nameless);
+    }
     Ok(trial)
 }
 

@@ -7,8 +7,9 @@ use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::task::DiagnoseRun;
 use crate::outcome::diagnose::Verdict;
 use crate::outcome::finding::Finding;
-use crate::outcome::trials::{Found, Hidden, Inseparable, Trial};
+use crate::outcome::trials::{Found, Hidden, Inseparable, Nameless, Trial};
 use crate::trials::naming::{names, same_joints};
+use crate::trials::outside_law::OutsideLaw;
 use crate::trials::plan::Plan;
 use crate::trials::reference_fits::{ReferenceFits, Sizes};
 use crate::trials::{bodies, calibration};
@@ -68,6 +69,31 @@ pub fn judge(
     }
 }
 
+/// What findings have in the place of what has no name, but for its forecast.
+pub fn nameless(plan: &Plan, findings: &[Finding]) -> Nameless {
+    let robot = &plan.robot;
+    let joint = plan.law.as_ref().map(|law| robot.name(law.joint));
+    let is_on = |finding: &&Finding| joint.is_none_or(|joint| finding.joints == [joint]);
+    let formula = findings
+        .iter()
+        .filter(is_on)
+        .find_map(|f| f.formula.as_ref());
+    let unnamed = findings.iter().filter(is_on).find(|f| f.has_no_name());
+    Nameless {
+        law: plan.law.as_ref().map(|law| law.torque(robot)),
+        variables: plan
+            .law
+            .iter()
+            .flat_map(OutsideLaw::variables)
+            .map(|x| x.name(robot))
+            .collect(),
+        formula: formula.map(|formula| formula.expression.clone()),
+        formula_variables: formula.map_or_else(Vec::new, |formula| formula.variables.clone()),
+        smooth_share: unnamed.map_or(0.0, |f| f.explained_share),
+        forecast: None,
+    }
+}
+
 fn found(finding: &Finding) -> Found {
     let rivals = finding.rivals.iter().filter(|rival| !rival.separable);
     Found {
@@ -103,7 +129,12 @@ fn hidden(plan: &Plan, sizes: &Sizes) -> Vec<Hidden> {
         joints: vec![name(&outside.at.joint)],
         effect_over_noise: sizes.outside.unwrap_or(f64::NAN),
     });
-    of_vocabulary.chain(outside).collect()
+    let drawn = plan.law.iter().map(|law| Hidden {
+        effect: law.name().to_string(),
+        joints: vec![name(&law.joint)],
+        effect_over_noise: sizes.outside.unwrap_or(f64::NAN),
+    });
+    of_vocabulary.chain(outside).chain(drawn).collect()
 }
 
 /// Held-out error after over before, of the joint with the largest misfit.

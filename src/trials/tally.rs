@@ -2,7 +2,8 @@
 
 use crate::outcome::finding::UNNAMED;
 use crate::outcome::trials::{
-    self, FalseFindings, Found, Group, Hidden, LONGER, Power, Rates, Share, Trial, Trials,
+    self, FalseFindings, Found, Group, Hidden, LONGER, OutsideRates, Power, Rates, Share, Trial,
+    Trials,
 };
 use crate::stats::distribution::Distribution;
 use crate::trials::calibration;
@@ -11,6 +12,18 @@ use std::collections::BTreeMap;
 
 /// An effect of so many times the noise has to be found.
 pub const LEAST_SIZE: f64 = 3.0;
+
+/// A law outside the vocabulary of so many times the noise should have a formula.
+const FORMULA_SIZE: f64 = 5.0;
+
+/// A formula is of use if it errs in the larger motion at most so many times as much as the smooth correction.
+const OF_USE: f64 = 0.5;
+
+/// Share of what is beyond the noise that a smooth correction should take.
+const TAKEN: f64 = 0.5;
+
+/// Variables of which a smooth correction should take a law.
+const SMOOTH_VARIABLES: usize = 2;
 
 /// Ranges of sizes over noise, by their lower ends.
 const SIZES: [f64; 8] = [0.0, 0.3, 1.0, 2.0, 3.0, 5.0, 10.0, 30.0];
@@ -208,6 +221,7 @@ fn rates(trials: &[&Trial]) -> Rates {
             rates.bodies_back.count(found <= BACK * known);
         }
     }
+    rates.outside = outside(trials);
     rates.median_error_ratio = median(errors);
     rates.median_friction_ratio = median(frictions);
     rates.median_body_ratio = median(bodies);
@@ -223,6 +237,58 @@ fn count_each(trial: &Trial, rates: &mut Rates) {
         let found = trial.found.iter().any(|finding| names(finding, hidden));
         rates.each_found.count(found);
     }
+}
+
+/// Rates over laws that were drawn from the grammar, and their controls; `None` where there are none.
+fn outside(trials: &[&Trial]) -> Option<OutsideRates> {
+    let mut rates = OutsideRates {
+        formula_size: FORMULA_SIZE,
+        ..OutsideRates::default()
+    };
+    let mut ratios = Vec::new();
+    let mut counted = trials
+        .iter()
+        .filter_map(|trial| Some((trial, trial.nameless.as_ref()?)))
+        .peekable();
+    counted.peek()?;
+    for (trial, nameless) in counted {
+        let has_formula = nameless.formula.is_some();
+        let Some(forecast) = &nameless.forecast else {
+            rates.needless.count(has_formula);
+            continue;
+        };
+        if size(trial) >= LEAST_SIZE {
+            rates.located.count(trial.right_joints);
+            if nameless.variables.len() <= SMOOTH_VARIABLES {
+                rates
+                    .smooth_takes_half
+                    .count(nameless.smooth_share >= TAKEN);
+            }
+        }
+        // Less than the noise is left to a formula.
+        if forecast.smooth <= 1.0 {
+            rates.needless.count(has_formula);
+            continue;
+        }
+        if size(trial) < FORMULA_SIZE {
+            continue;
+        }
+        let ratio = forecast.formula.map(|formula| formula / forecast.smooth);
+        rates.proposed.count(has_formula);
+        rates
+            .forecasts
+            .count(ratio.is_some_and(|ratio| ratio <= OF_USE));
+        if has_formula {
+            let is_in = |a: &[String], b: &[String]| a.iter().all(|x| b.contains(x));
+            let [true_ones, found] = [&nameless.variables, &nameless.formula_variables];
+            rates
+                .variables_right
+                .count(is_in(true_ones, found) && is_in(found, true_ones));
+        }
+        ratios.extend(ratio);
+    }
+    rates.median_forecast_ratio = median(ratios);
+    Some(rates)
 }
 
 /// Counts the rivals that a trial said to be inseparable.

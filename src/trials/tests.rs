@@ -19,6 +19,7 @@ use std::collections::BTreeSet;
 mod bench;
 mod evidence;
 mod kept;
+mod outside;
 mod unnamed;
 
 #[test]

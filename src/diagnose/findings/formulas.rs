@@ -42,10 +42,20 @@ struct Rival {
     left: Vec<Vec<f64>>,
 }
 
+/// The model that has the formula of a channel.
+#[derive(Debug, Clone)]
+pub struct FormulaModel {
+    /// The channel of the formula's joint.
+    pub channel: usize,
+    /// The final model with the formula, without the names that it takes the place of.
+    pub fit: ModelFit,
+}
+
 impl Formulas<'_> {
     /// Gives findings the formulas that have earned it; those of the vocabulary come first, in the order of the hypotheses.
-    pub fn propose(&self, findings: &mut [Finding]) -> Result<(), DiagnoseError> {
+    pub fn propose(&self, findings: &mut [Finding]) -> Result<Vec<FormulaModel>, DiagnoseError> {
         let open = self.open(findings);
+        let mut models = Vec::new();
         for place in &open {
             let named = place.findings.iter().copied();
             let named: Vec<usize> = named.filter(|&k| !findings[k].has_no_name()).collect();
@@ -60,13 +70,17 @@ impl Formulas<'_> {
             let rival = self.rival(place.channel, &named, findings);
             let left = rival.as_ref().map(|rival| rival.left.as_slice());
             if let Some(proposal) = proposing.propose(place.channel, left)? {
+                models.push(FormulaModel {
+                    channel: place.channel,
+                    fit: proposal.test.fit.clone(),
+                });
                 let formula = formula(proposal, rival.map(|rival| rival.name));
                 let finding = &mut findings[place.findings[0]];
                 finding.sentence = format!("{} {}", finding.sentence, sentences::formula(&formula));
                 finding.formula = Some(formula);
             }
         }
-        Ok(())
+        Ok(models)
     }
 
     /// Channels of which a finding has no name, or a name of one joint that is less probable than none.
@@ -127,6 +141,7 @@ fn formula(proposal: Proposal, against: Option<String>) -> ProposedFormula {
         joint: proposal.formula.on.clone(),
         expression: proposal.formula.expression(),
         law: proposal.formula.table(),
+        variables: proposal.formula.variables(),
         complexity: proposal.formula.parameters().count(),
         parameters: proposal.parameters,
         rmse_validation: proposal.rmse,

@@ -5,7 +5,7 @@ use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::findings::compared::Compared;
 use crate::diagnose::findings::corrections::Corrections;
 use crate::diagnose::findings::finding::{self, ConfirmedStep};
-use crate::diagnose::findings::formulas::Formulas;
+use crate::diagnose::findings::formulas::{FormulaModel, Formulas};
 use crate::diagnose::findings::summary::{self, About};
 use crate::diagnose::findings::unexplained::SearchState;
 use crate::diagnose::findings::{next_experiment, verdict};
@@ -13,6 +13,7 @@ use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::contexts::Contexts;
 use crate::diagnose::fit::fitting::fit_declared;
 use crate::diagnose::fit::hypothesis::{Hypothesis, joint_names};
+use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::residuals::additive_model::AdditiveModel;
 use crate::diagnose::residuals::location;
 use crate::diagnose::residuals::noise_level::{self, NoiseLevel};
@@ -48,6 +49,19 @@ pub struct Reported {
     pub ambiguities: Vec<Ambiguity>,
     /// What the final model has beside the declared one.
     pub hypotheses: Vec<Hypothesis>,
+    /// What takes the place of what has no name.
+    pub nameless: Nameless,
+}
+
+/// A final model, and what takes the place of what has no name in it.
+#[derive(Debug, Clone)]
+pub struct Nameless {
+    /// The final model.
+    pub full: ModelFit,
+    /// Smooth corrections of what it leaves.
+    pub corrections: Vec<AdditiveModel>,
+    /// Models with the formulas that are proposed.
+    pub formulas: Vec<FormulaModel>,
 }
 
 /// What a report is made of.
@@ -80,8 +94,8 @@ impl Reporting<'_> {
         let predicted = PredictionError::of(context, full, covariance.as_ref());
         let mut after = outcome_with(&of_full, &full.solution, covariance, context.data);
         let confirmed = Corrections::of(self.contexts, &explanation.full, self.rules);
-        let corrections: Vec<AdditiveModel> = confirmed.on(context, full);
-        let corrections: Vec<&AdditiveModel> = corrections.iter().collect();
+        let smooth: Vec<AdditiveModel> = confirmed.on(context, full);
+        let corrections: Vec<&AdditiveModel> = smooth.iter().collect();
         let noise_level = noise_level::of_rows(context, full, &corrections);
         let parameters = after.estimate.parameters.clone();
         let compared = Compared {
@@ -93,6 +107,7 @@ impl Reporting<'_> {
         };
         let comparisons = self.comparisons(&compared);
         let mut findings = self.findings(&compared, &comparisons, &confirmed, &parameters);
+        let mut proposed = Vec::new();
         if !self.is_cut_short() {
             let formulas = Formulas {
                 contexts: self.contexts,
@@ -101,7 +116,7 @@ impl Reporting<'_> {
                 noise_level: &noise_level,
                 significance: self.rules.significance,
             };
-            formulas.propose(&mut findings)?;
+            proposed = formulas.propose(&mut findings)?;
         }
         let last = summary::correct(context, full, &mut after, &corrections);
         judged_in_time(context, &noise_level, [&mut before, &mut after]);
@@ -162,6 +177,11 @@ impl Reporting<'_> {
             last,
             ambiguities: ambiguities(full, &comparisons),
             hypotheses: full.hypotheses.clone(),
+            nameless: Nameless {
+                full: full.clone(),
+                corrections: smooth,
+                formulas: proposed,
+            },
         })
     }
 

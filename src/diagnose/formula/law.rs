@@ -68,6 +68,19 @@ impl Formula {
         words::expression(&self.terms, &self.joints)
     }
 
+    /// The variables of the motion that it has, each once.
+    pub fn variables(&self) -> Vec<String> {
+        let terms = self.terms.iter().map(|named| &named.term);
+        let factors = terms.flat_map(|term| &term.factors);
+        let mut found: Vec<String> = Vec::new();
+        for name in factors.map(|factor| words::variable(factor.quantity, &self.joints)) {
+            if !found.contains(&name) {
+                found.push(name);
+            }
+        }
+        found
+    }
+
     /// Whether it has a term that turns over with the speed of its joint.
     pub fn has_friction(&self) -> bool {
         self.terms.iter().any(|named| named.term.is_friction())

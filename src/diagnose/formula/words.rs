@@ -61,15 +61,20 @@ fn product(term: &NamedTerm, of: &dyn Fn(&Named) -> String, joints: &[String]) -
     std::iter::once(of(&term.size)).chain(factors).collect()
 }
 
-fn written(factor: &Factor, inner: &str, phase: &str, joints: &[String]) -> String {
-    let x = match factor.quantity {
+/// A variable as formulas of laws name it.
+pub fn variable(quantity: Quantity, joints: &[String]) -> String {
+    match quantity {
         Quantity::Position => "q".to_string(),
         Quantity::Velocity => "v".to_string(),
         Quantity::Acceleration => "acc".to_string(),
         Quantity::Load => "tau".to_string(),
         Quantity::OtherPosition(k) => format!("q[{}]", joints[k]),
         Quantity::OtherVelocity(k) => format!("v[{}]", joints[k]),
-    };
+    }
+}
+
+fn written(factor: &Factor, inner: &str, phase: &str, joints: &[String]) -> String {
+    let x = variable(factor.quantity, joints);
     let raised = |base: String, power: u8| match power {
         1 => base,
         power => format!("{base}^{power}"),

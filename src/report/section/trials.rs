@@ -70,6 +70,14 @@ fn rates(trials: &Trials) -> String {
             "error of the bodies' torque over that of the informed fit, median",
             trials.rates.median_body_ratio,
         ),
+        (
+            "error of formulas in a larger motion over that of the smooth correction, median",
+            trials
+                .rates
+                .outside
+                .as_ref()
+                .and_then(|outside| outside.median_forecast_ratio),
+        ),
         ("processor seconds a trial", trials.rates.core_seconds),
     ];
     for (what, value) in figures {
