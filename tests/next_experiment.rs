@@ -54,8 +54,8 @@ const CASES: [Case; 2] = [
         truth: "load_dependent_friction",
     },
     Case {
-        seed: 31,
-        number: 37,
+        seed: 32,
+        number: 0,
         of: &[
             "joint_spring",
             "torque_ripple",
@@ -65,7 +65,7 @@ const CASES: [Case; 2] = [
             "transmission_efficiency",
         ],
         named: "torque_offset",
-        rivals: &["asymmetric_friction", "joint_spring"],
+        rivals: &["joint_spring", "asymmetric_friction", "backlash"],
         truth: "joint_spring",
     },
 ];
