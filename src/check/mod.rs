@@ -266,9 +266,10 @@ fn declared_model(problem: &ProblemFile, robot: &robot::Robot, found: &mut Found
 }
 
 fn build_model(problem: &ProblemFile, robot: &robot::Robot) -> Result<Model, Box<SetupError>> {
-    let built = ModelSpec::of(problem, robot)?.build()?;
+    let declared = ModelSpec::of(problem, robot)?;
+    let built = declared.build()?;
     for compared in &problem.fit.compare {
-        ModelSpec::compared(problem, robot, &compared.effects)?.build()?;
+        declared.compared(&compared.effects.value).build()?;
     }
     Ok(built.model)
 }

@@ -131,7 +131,6 @@ pub fn run(
     fitted.fit.model = Some(in_full(&fitted.model, &fitted.values));
     let others = OtherModels {
         problem,
-        robot: &robot,
         declared: &declared,
         data: &data,
         limits: &limits,
@@ -215,7 +214,6 @@ const THIS_FIT: &str = "this fit";
 /// Models that are fitted beside that of the problem.
 struct OtherModels<'a> {
     problem: &'a ProblemFile,
-    robot: &'a Robot,
     declared: &'a ModelSpec,
     data: &'a Dataset,
     limits: &'a TransitionLimits,
@@ -232,11 +230,11 @@ impl OtherModels<'_> {
                 break;
             }
             let effects = &compared.effects.value;
-            let compared_spec = ModelSpec::compared(problem, self.robot, effects)?;
+            let built = self.declared.compared(effects).build()?;
             let ModelWithPrior {
                 model: mut other,
                 prior,
-            } = compared_spec.build()?;
+            } = built;
             other.limit_transitions(self.limits);
             search_range::start_within_motion(&mut other, data);
             let result = estimate(problem, &other, data, &prior, self.control)?

@@ -86,34 +86,7 @@ impl ModelSpec {
     /// As [`ModelSpec::of`].
     pub fn without_prior(problem: &ProblemFile, robot: &Robot) -> Result<Self, SetupError> {
         let catalogue = laws::catalogue(problem)?;
-        Self::with_effects(
-            problem,
-            robot,
-            effects_of_joints(problem, robot, &catalogue)?,
-        )
-    }
-
-    /// The same with other effects on all joints, as comparisons want it.
-    ///
-    /// # Errors
-    /// As [`ModelSpec::of`].
-    pub fn compared(
-        problem: &ProblemFile,
-        robot: &Robot,
-        listed: &[Located<String>],
-    ) -> Result<Self, SetupError> {
-        let effects = effects_of_motors(&laws::catalogue(problem)?, robot, listed);
-        Ok(Self {
-            prior: PriorSpec::of(problem, robot)?,
-            ..Self::with_effects(problem, robot, effects)?
-        })
-    }
-
-    fn with_effects(
-        problem: &ProblemFile,
-        robot: &Robot,
-        effects: Vec<Vec<&'static Effect>>,
-    ) -> Result<Self, SetupError> {
+        let effects = effects_of_joints(problem, robot, &catalogue)?;
         let known = problem.robot.inertials.value == Inertials::Known;
         if known {
             possible_bodies(robot)?;
@@ -139,7 +112,7 @@ impl ModelSpec {
             offset: Some(offsets(problem, robot)?),
             payload: None,
             locked: robot.locked.iter().map(Option::is_some).collect(),
-            catalogue: laws::catalogue(problem)?,
+            catalogue,
             period: period.map(|period| period.value),
             shared: sharing::declared(&alike, &effects),
             effects,
@@ -157,6 +130,17 @@ impl ModelSpec {
             prior: PriorSpec::default(),
             place: problem_place(problem),
         })
+    }
+
+    /// The same with other effects on all joints that have a motor, as comparisons want it.
+    pub fn compared(&self, listed: &[Located<String>]) -> Self {
+        let mut other = self.clone();
+        let settings = &mut other.settings;
+        let without = without_motor(self.mechanism.as_ref(), &self.dependents);
+        let joints = settings.tree.len();
+        settings.effects = effects_of_motors(&settings.catalogue, listed, joints, without);
+        settings.shared = sharing::declared(&self.alike, &settings.effects);
+        other
     }
 
     /// The same in which every joint has its own parameters.
@@ -286,16 +270,24 @@ fn to_effects(catalogue: &Catalogue, listed: &[Located<String>]) -> Vec<&'static
         .collect()
 }
 
+/// Joints without a motor: those that loops move, and those that follow others.
+fn without_motor<'a>(
+    mechanism: Option<&'a Mechanism>,
+    dependents: &'a [Dependent],
+) -> impl Iterator<Item = usize> + 'a {
+    let passive = mechanism.into_iter().flat_map(|m| m.passive()).copied();
+    passive.chain(dependents.iter().map(|d| d.joint))
+}
+
 /// The listed effects for every joint that has a motor.
 fn effects_of_motors(
     catalogue: &Catalogue,
-    robot: &Robot,
     listed: &[Located<String>],
+    joints: usize,
+    without: impl Iterator<Item = usize>,
 ) -> Vec<Vec<&'static Effect>> {
-    let mut effects = vec![to_effects(catalogue, listed); robot.tree.len()];
-    let passive = robot.mechanism.iter().flat_map(|m| m.passive()).copied();
-    let following = robot.dependents.iter().map(|d| d.joint);
-    passive.chain(following).for_each(|k| effects[k].clear());
+    let mut effects = vec![to_effects(catalogue, listed); joints];
+    without.for_each(|joint| effects[joint].clear());
     effects
 }
 
@@ -304,7 +296,9 @@ fn effects_of_joints(
     robot: &Robot,
     catalogue: &Catalogue,
 ) -> Result<Vec<Vec<&'static Effect>>, SetupError> {
-    let mut effects = effects_of_motors(catalogue, robot, &problem.drive.effects);
+    let without = without_motor(robot.mechanism.as_ref(), &robot.dependents);
+    let (listed, joints) = (&problem.drive.effects, robot.tree.len());
+    let mut effects = effects_of_motors(catalogue, listed, joints, without);
     for entry in &problem.drive.effects_of {
         let Some(k) = robot.tree.joint_index(&entry.name) else {
             return Err(unknown(&entry.value.place, &entry.name, &robot.order));
