@@ -3,8 +3,8 @@
 //! `e = b (e − e_h) + ε`: b = 0 if the poorer model says all that the richer says, 1 if the richer is right
 //! (forecast encompassing: Chong and Hendry 1986; Harvey, Leybourne and Newbold 1998, section 2). The variance of b
 //! is that of sums over blocks, longer than residuals remember, of the residual ε times the regressor, which
-//! holds for any autocorrelation within a block (Newey and West 1987); its degrees of freedom are the effective number
-//! of blocks in which the two models differ (Satterthwaite 1946).
+//! holds for any autocorrelation within a block (Newey and West 1987); its degrees of freedom are at most the effective number
+//! of blocks in which the two models differ, less one (Satterthwaite 1946).
 //!
 //! With d the difference of the models, `b = Σ z e / Σ z d`: by least squares z = d, and any other z that follows from d alone
 //! serves as instrument (Reiersøl 1945). Where a law strikes in few rows, such as the impacts of play, all that d says is in one
@@ -30,9 +30,12 @@
 //! ln Λ = ln f_ν((b − 1)/s) − ln f_ν(b/s),    ln f_ν(x) = −(ν + 1)/2 ln(1 + x²/ν) + const
 //! ```
 
+mod blocks;
+
 use crate::stats::autoregression::{Autoregression, largest_order};
 use crate::stats::deviation::deviation;
 use crate::stats::distribution::Distribution;
+use crate::stats::encompassing::blocks::{Concentration, Sums};
 use crate::stats::estimation_error::EstimationError;
 
 /// The test of one model against another.
@@ -174,61 +177,6 @@ impl ResidualPair<'_> {
     }
 }
 
-/// Sums over rows of the instrument z, the poorer residual e and the difference d of what two models predict.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sums {
-    /// Σ z e.
-    residual: f64,
-    /// Σ z d.
-    difference: f64,
-    /// Σ z².
-    instrument: f64,
-}
-
-/// How what instruments tell is concentrated in blocks, with the share a of a block in Σ z² and s in Σ z d.
-///
-/// In noise that is alike in all rows the scores of blocks, `Σ z (e − b d)`, have the covariance `diag(a) − s aᵀ − a sᵀ + s sᵀ`, in units
-/// of that of `Σ z e`, as the slope was fitted to them.
-#[derive(Debug, Clone, Copy)]
-struct Concentration {
-    /// Σ a².
-    instrument: f64,
-    /// Trace of that covariance.
-    trace: f64,
-    /// Trace of its square.
-    square: f64,
-}
-
-impl Concentration {
-    fn of(blocks: &[Sums], total: Sums) -> Self {
-        let sum = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
-            let shares = blocks.iter().map(|block| {
-                let instrument = block.instrument / total.instrument;
-                of(instrument, block.difference / total.difference)
-            });
-            shares.sum()
-        };
-        let (aa, az, ss) = (sum(&|a, _| a * a), sum(&|a, s| a * s), sum(&|_, s| s * s));
-        let mixed = sum(&|a, s| 2.0 * a * s * s - 4.0 * a * a * s);
-        Self {
-            instrument: aa,
-            trace: 1.0 - 2.0 * az + ss,
-            square: aa + mixed + 2.0 * az * az + ss * ss + 2.0 * aa * ss - 4.0 * az * ss,
-        }
-    }
-
-    /// Degrees of freedom of the variance that blocks show: those of Satterthwaite (1946) in noise that is alike in all rows (Bell and
-    /// McCaffrey 2002), and no more than the effective number of blocks but one, as noise may differ between blocks.
-    fn freedom(self) -> f64 {
-        (1.0 / self.instrument - 1.0).min(self.trace * self.trace / self.square)
-    }
-
-    /// What blocks show of the variance.
-    fn shown(self) -> f64 {
-        self.trace
-    }
-}
-
 /// White noise that is added to a residual, as a share of its variance: frequencies at which there is nothing say nothing,
 /// and would have all the weight.
 const FLOOR: f64 = 1e-3;
@@ -267,6 +215,8 @@ struct Differences<'a> {
     pair: ResidualPair<'a>,
     scale: Vec<f64>,
     channels: Vec<usize>,
+    /// What the models predict otherwise, `[channel][row]`.
+    differences: Vec<Vec<f64>>,
     /// Rows of a block.
     block: usize,
     /// Largest size of the instrument.
@@ -276,8 +226,14 @@ struct Differences<'a> {
 impl<'a> Differences<'a> {
     fn of(pair: ResidualPair<'a>) -> Self {
         let channels = 0..pair.richer.len();
+        let scale: Vec<f64> = pair.richer.iter().map(|e| deviation(e)).collect();
+        let of = |c: usize| -> Vec<f64> {
+            let rows = pair.poorer[c].iter().zip(&pair.richer[c]);
+            rows.map(|(e, e_h)| (e - e_h) / scale[c]).collect()
+        };
         let mut differences = Self {
-            scale: pair.richer.iter().map(|e| deviation(e)).collect(),
+            differences: channels.clone().map(of).collect(),
+            scale,
             channels: channels.filter(|&c| !pair.richer[c].is_empty()).collect(),
             block: block_length(pair.richer),
             clip: f64::INFINITY,
@@ -290,8 +246,8 @@ impl<'a> Differences<'a> {
     /// The size at which the instrument is clipped: that with the largest likelihood ratio to be expected where the richer
     /// model is right, by what the models predict alone.
     fn best_clip(&self) -> f64 {
-        let rows = |&c: &usize| (0..self.pair.richer[c].len()).map(move |k| self.at(c, k).abs());
-        let largest = self.channels.iter().flat_map(rows).fold(0.0, f64::max);
+        let all = self.differences.iter().flatten();
+        let largest = all.fold(0.0_f64, |largest, d| largest.max(d.abs()));
         let halved = std::iter::successors(Some(largest), |clip| Some(0.5 * clip));
         let expected = |clip: &f64| {
             let blocks = self.blocks(*clip);
@@ -309,20 +265,15 @@ impl<'a> Differences<'a> {
             .map_or(largest, |(clip, _)| clip)
     }
 
-    /// The instrument of a row.
-    fn instrument(&self, c: usize, k: usize) -> f64 {
-        self.at(c, k).max(-self.clip).min(self.clip)
-    }
-
     /// Sums of every block with an instrument that is clipped.
     fn blocks(&self, clip: f64) -> Vec<Sums> {
         let rows = self.pair.richer.iter().map(Vec::len).max().unwrap_or(0);
         let of = |start: usize| {
             let mut sums = Sums::default();
             for &c in &self.channels {
-                for k in start..self.pair.richer[c].len().min(start + self.block) {
-                    let d = self.at(c, k);
-                    let z = d.max(-clip).min(clip);
+                let differences = &self.differences[c];
+                for k in start..differences.len().min(start + self.block) {
+                    let (d, z) = (differences[k], clipped(differences[k], clip));
                     sums.residual += z * (self.pair.poorer[c][k] / self.scale[c]);
                     sums.difference += z * d;
                     sums.instrument += z * z;
@@ -333,16 +284,11 @@ impl<'a> Differences<'a> {
         (0..rows).step_by(self.block).map(of).collect()
     }
 
-    /// What the models predict otherwise.
-    fn at(&self, c: usize, k: usize) -> f64 {
-        (self.pair.poorer[c][k] - self.pair.richer[c][k]) / self.scale[c]
-    }
-
     /// Of rows of the poorer residual in Σ z e, `[channel][row]`.
     fn weights(&self) -> Vec<Vec<f64>> {
         let of = |c: usize| -> Vec<f64> {
-            let rows = 0..self.pair.richer[c].len();
-            rows.map(|k| self.instrument(c, k) / self.scale[c])
+            let rows = self.differences[c].iter();
+            rows.map(|d| clipped(*d, self.clip) / self.scale[c])
                 .collect()
         };
         (0..self.pair.richer.len()).map(of).collect()
@@ -378,8 +324,8 @@ impl<'a> Differences<'a> {
     fn variance_of_noise(&self, noise: &[f64]) -> Variance {
         let of = |&c: &usize| {
             let time = correlation_time(&self.pair.richer[c]);
-            let rows = 0..self.pair.richer[c].len();
-            let squares: f64 = rows.map(|k| self.instrument(c, k).powi(2)).sum();
+            let rows = self.differences[c].iter();
+            let squares: f64 = rows.map(|d| clipped(*d, self.clip).powi(2)).sum();
             time * squares * (noise[c] / self.scale[c]).powi(2)
         };
         let lengths = self.channels.iter().map(|&c| self.pair.richer[c].len());
@@ -391,20 +337,9 @@ impl<'a> Differences<'a> {
     }
 }
 
-impl Sums {
-    fn of(blocks: &[Self]) -> Self {
-        let sum = |of: &dyn Fn(&Self) -> f64| blocks.iter().map(of).sum();
-        Self {
-            residual: sum(&|block| block.residual),
-            difference: sum(&|block| block.difference),
-            instrument: sum(&|block| block.instrument),
-        }
-    }
-
-    /// b.
-    fn slope(self) -> f64 {
-        self.residual / self.difference
-    }
+/// The instrument of a row: the difference, of a size at most.
+fn clipped(difference: f64, size: f64) -> f64 {
+    difference.max(-size).min(size)
 }
 
 /// As blocks show it; `None` where the models differ in too few of them.
@@ -415,7 +350,7 @@ fn variance_of_blocks(blocks: &[Sums], total: Sums) -> Option<Variance> {
     let freedom = concentration.freedom();
     (freedom >= LEAST_FREEDOM).then(|| Variance {
         // Blocks to which the slope was fitted show less than there is.
-        value: blocks.iter().map(score).sum::<f64>() / concentration.shown(),
+        value: blocks.iter().map(score).sum::<f64>() / concentration.shown,
         freedom: freedom.max(1.0),
     })
 }
