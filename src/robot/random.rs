@@ -21,6 +21,11 @@ pub fn between(rng: &mut ChaCha8Rng, low: f64, high: f64) -> f64 {
     low + (high - low) * rng.random::<f64>()
 }
 
+/// One of 0 to count − 1.
+pub fn index(rng: &mut ChaCha8Rng, count: usize) -> usize {
+    (rng.random::<f64>() * count as f64) as usize
+}
+
 /// A vector with components uniform in [−half_range, half_range].
 pub fn vector(rng: &mut ChaCha8Rng, half_range: f64) -> Vector3<f64> {
     Vector3::from_fn(|_, _| symmetric(rng, half_range))
@@ -55,7 +60,7 @@ pub fn tree(rng: &mut ChaCha8Rng, n: usize) -> Tree {
     for k in 0..n {
         let parent = match k {
             0 => None,
-            _ if rng.random::<f64>() < 0.25 => Some((rng.random::<f64>() * k as f64) as usize),
+            _ if rng.random::<f64>() < 0.25 => Some(index(rng, k)),
             _ => Some(k - 1),
         };
         let slides = rng.random::<f64>() < 0.2;

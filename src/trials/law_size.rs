@@ -8,10 +8,9 @@ use crate::chain::effect::site::Site;
 use crate::chain::effect::{
     Contribution, Effect, Law, Linearity, Memory, ParameterInfo, Samples, Search, Surroundings,
 };
-use crate::robot::random::between;
+use crate::robot::random::{between, index};
 use crate::stats::deviation::rms;
 use crate::stats::range::within;
-use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
 
@@ -47,7 +46,7 @@ pub fn values(rng: &mut ChaCha8Rng, effect: &'static Effect, site: &Site) -> Vec
 }
 
 fn one(rng: &mut ChaCha8Rng, info: &ParameterInfo, site: &Site) -> f64 {
-    let mut pick = |of: &[f64]| of[(rng.random::<f64>() * of.len() as f64) as usize];
+    let mut pick = |of: &[f64]| of[index(rng, of.len())];
     let range = 2.0 * site.half_range;
     let value = match info.search {
         Search::Typical => info.typical,

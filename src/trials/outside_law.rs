@@ -10,7 +10,7 @@
 //! A function of the joint's own position, speed or load alone, or of speed and load together, is a spring, a contact, a ripple or a
 //! friction: it has a name, and is not drawn.
 
-use crate::robot::random::{between, symmetric};
+use crate::robot::random::{between, index, symmetric};
 use crate::stats::deviation::rms;
 use crate::trials::robot::RandomRobot;
 use crate::trials::unmodelled_physics::Neighbours;
@@ -136,7 +136,7 @@ impl Function {
     pub const KINDS: usize = 9;
 
     fn draw(rng: &mut ChaCha8Rng) -> Self {
-        let kind = (rng.random::<f64>() * Self::KINDS as f64) as usize;
+        let kind = index(rng, Self::KINDS);
         let exponent = between(rng, 1.4, 3.6);
         match kind {
             0 => Self::OddPower { exponent },
@@ -273,7 +273,7 @@ impl Product {
             let mut open = Argument::all(other).to_vec();
             let count = 1 + usize::from(rng.random::<f64>() < PRODUCTS);
             let part = |_| Part {
-                argument: open.remove((rng.random::<f64>() * open.len() as f64) as usize),
+                argument: open.remove(index(rng, open.len())),
                 function: Function::draw(rng),
             };
             let drawn = Self {

@@ -2,7 +2,7 @@
 
 use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::{Catalogue, Law};
-use crate::robot::random::{between, generator};
+use crate::robot::random::{between, generator, index};
 use crate::trials::concealed_effect::{self, Concealed, RecordingLength, Scale};
 use crate::trials::motion::{Motion, Noise};
 use crate::trials::outside_law::OutsideLaw;
@@ -61,7 +61,7 @@ pub struct AtOnce {
 
 impl AtOnce {
     fn draw(self, rng: &mut ChaCha8Rng) -> usize {
-        self.least + (rng.random::<f64>() * (self.most - self.least + 1) as f64) as usize
+        self.least + index(rng, self.most - self.least + 1)
     }
 }
 
@@ -165,8 +165,8 @@ impl Plan {
         let kind = pick(&mut rng, &scope.robots);
         let robot = RandomRobot::draw(&mut rng, kind);
         let length = RecordingLength {
-            period: [5.0, 6.0, 8.0][(rng.random::<f64>() * 3.0) as usize],
-            periods: [3, 3, 4][(rng.random::<f64>() * 3.0) as usize],
+            period: [5.0, 6.0, 8.0][index(&mut rng, 3)],
+            periods: [3, 3, 4][index(&mut rng, 3)],
         };
         let mut plan = Self {
             number,
@@ -208,8 +208,8 @@ impl Plan {
     fn conceal(&mut self, rng: &mut ChaCha8Rng, scope: &Scope, shrink: f64) {
         let n = self.robot.tree.len();
         if scope.outside {
-            let joint = (rng.random::<f64>() * n as f64) as usize;
-            let neighbour = (joint + 1 + (rng.random::<f64>() * (n - 1) as f64) as usize) % n;
+            let joint = index(rng, n);
+            let neighbour = (joint + 1 + index(rng, n - 1)) % n;
             let least = SHARES.0;
             let share = Sizes { least, shrink }.draw(rng);
             let at = Neighbours { joint, neighbour };
@@ -228,7 +228,7 @@ impl Plan {
         }
         let kind = rng.random::<f64>();
         if kind < OUTSIDE && scope.effects.len() > 1 {
-            let joint = (rng.random::<f64>() * n as f64) as usize;
+            let joint = index(rng, n);
             let neighbour = if joint == 0 { 1 } else { joint - 1 };
             let law = pick(rng, &UnmodelledLaw::ALL);
             let least = SHARES.0;
@@ -256,7 +256,7 @@ impl Plan {
         let n = self.robot.tree.len();
         let mut joints: Vec<usize> = (0..n).collect();
         for effect in ids.iter().filter_map(|id| scope.catalogue.find(id)) {
-            let joint = joints.remove((rng.random::<f64>() * joints.len() as f64) as usize);
+            let joint = joints.remove(index(rng, joints.len()));
             let scale = Scale {
                 robot: &self.robot,
                 length: self.length,
@@ -296,11 +296,11 @@ fn pick_apart<T: Copy>(rng: &mut ChaCha8Rng, from: &[T], count: usize) -> Vec<T>
     let mut left = from.to_vec();
     let mut picked = Vec::new();
     while picked.len() < count && !left.is_empty() {
-        picked.push(left.remove((rng.random::<f64>() * left.len() as f64) as usize));
+        picked.push(left.remove(index(rng, left.len())));
     }
     picked
 }
 
 fn pick<T: Copy>(rng: &mut ChaCha8Rng, from: &[T]) -> T {
-    from[(rng.random::<f64>() * from.len() as f64) as usize]
+    from[index(rng, from.len())]
 }

@@ -2,7 +2,7 @@
 
 use crate::robot::batch::{Trajectory, torques};
 use crate::robot::derivative_batch::DerivativeBatch;
-use crate::robot::random::{between, body_about, symmetric, vector};
+use crate::robot::random::{between, body_about, index, symmetric, vector};
 use crate::robot::tree::{Joint, JointKind, Limits, Tree};
 use crate::robot::urdf::inertial;
 use nalgebra::{Rotation3, Vector3};
@@ -53,9 +53,7 @@ impl RandomRobot {
             .trim_start_matches(char::is_alphabetic)
             .parse()
             .unwrap_or(6);
-        let sliding = kind
-            .starts_with("slide")
-            .then(|| (rng.random::<f64>() * count as f64) as usize);
+        let sliding = kind.starts_with("slide").then(|| index(rng, count));
         let tree = draw_tree(rng, count, sliding);
         let (torque, mass) = sizes(rng, &tree);
         let torque_constant: Vec<f64> = torque.iter().map(|t| t / between(rng, 0.5, 2.0)).collect();
@@ -156,7 +154,7 @@ fn draw_tree(rng: &mut ChaCha8Rng, count: usize, sliding: Option<usize>) -> Tree
         let slides = sliding == Some(k);
         let axis = match k {
             0 if rng.random::<f64>() < 0.7 => Vector3::z(),
-            _ => [Vector3::x(), Vector3::y(), Vector3::z()][(rng.random::<f64>() * 3.0) as usize],
+            _ => [Vector3::x(), Vector3::y(), Vector3::z()][index(rng, 3)],
         };
         let length = between(rng, 0.12, 0.45);
         let along = match rng.random::<f64>() < 0.7 {
