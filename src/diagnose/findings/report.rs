@@ -120,7 +120,7 @@ impl Reporting<'_> {
         }
         let last = summary::correct(context, full, &mut after, &corrections);
         judged_in_time(context, &noise_level, [&mut before, &mut after]);
-        let unattested = compared.unattested(&corrections);
+        let unattested = compared.unattested(&corrections, explanation, self.rules);
         let verdict = (!self.is_cut_short())
             .then(|| verdict::verdict(&findings, compared.lack_of_fit(&findings), &unattested));
         let about = About {

@@ -4,6 +4,8 @@ use crate::chain::effect::fitted_effect::{Estimated, FittedEffect};
 use crate::chain::model::Model;
 use crate::chain::words::{list, short};
 use crate::diagnose::fit::hypothesis::{Hypothesis, joint_names};
+use crate::diagnose::selection::explanation::TriedModel;
+use crate::outcome::diagnose::Unattested;
 use crate::outcome::formula::{OtherFormula, ProposedFormula};
 use crate::outcome::parameter::Parameter;
 
@@ -69,12 +71,21 @@ pub fn formula(formula: &ProposedFormula) -> String {
     )
 }
 
-/// What is left of a joint and is not known to be noise.
-pub fn unattested(joint: &str, residual: f64, unit: &str, of_signal: f64) -> String {
+/// What is left of a joint and is not known to be noise, and what left less of it and was not confirmed.
+pub fn unattested(left: &Unattested, tried: Option<TriedModel<'_>>) -> String {
+    let Unattested { joint, unit, .. } = left;
+    let noise = match tried {
+        Some(TriedModel { test, share }) => format!(
+            "it is no noise, for {} at {}, which did not stand the tests, left {:.0} % of it",
+            test.hypothesis.effect.id,
+            list(&joint_names(&test.fit.model, &test.hypothesis.joints)),
+            100.0 * share
+        ),
+        None => "nothing in them says that this is noise".to_string(),
+    };
     format!(
-        "{joint}: the error on recordings that were not fitted is {} {unit}, {:.0} % of the signal, and nothing in them \
-         says that this is noise",
-        short(residual),
-        100.0 * of_signal
+        "{joint}: the error on recordings that were not fitted is {} {unit}, {:.0} % of the signal, and {noise}",
+        short(left.rmse_validation),
+        100.0 * left.of_signal
     )
 }

@@ -8,6 +8,8 @@ use crate::diagnose::residuals::additive_model::{self, AdditiveModel};
 use crate::diagnose::residuals::effect_size::OF_TORQUE;
 use crate::diagnose::residuals::noise_level::{UNEXPLAINED, chance, of_steps};
 use crate::diagnose::residuals::reversal_mask;
+use crate::diagnose::selection::explanation::{Explanation, TriedModel};
+use crate::diagnose::selection::stepwise::Rules;
 use crate::outcome::diagnose::Unattested;
 use crate::outcome::finding::{Finding, UNNAMED};
 use crate::recording::split::Split;
@@ -103,9 +105,14 @@ impl Compared<'_> {
     /// Channels of which the residual is of weight, more than 3 % of the signal, and more than [`UNEXPLAINED`] times the variance of
     /// the noise that is known apart from the misfit: by the scatter of periods, by what no motion reaches in the signal, or by
     /// what successive rows of the residual differ, in which a misfit that follows the motion has no part. Slow noise is not
-    /// told from misfit, and what uncertain parameters add to a prediction is added to it. The final model, with smooth
-    /// corrections.
-    pub fn unattested(&self, corrections: &[&AdditiveModel]) -> Vec<Unattested> {
+    /// told from misfit, and what uncertain parameters add to a prediction is added to it. Whatever the rows show, noise is no
+    /// more than a model that was tried leaves, confirmed or not. The final model, with smooth corrections.
+    pub fn unattested(
+        &self,
+        corrections: &[&AdditiveModel],
+        explanation: &Explanation,
+        rules: Rules<'_>,
+    ) -> Vec<Unattested> {
         let (model, left) = (
             &self.full.model,
             additive_model::left(self.full, corrections),
@@ -122,16 +129,21 @@ impl Compared<'_> {
                 }
             };
             let residual = rms(&left[c]);
+            let by = |tried: &TriedModel<'_>| tried.share * rms(&self.full.validation[c]);
+            let tried = explanation.least_tried(c, rules);
+            let tried = tried.filter(|tried| by(tried) < noise);
+            let noise = tried.as_ref().map_or(noise, by);
             let attested = self.predicted.beside(c, noise);
             let excess = residual > UNEXPLAINED.sqrt() * attested;
-            let of_signal = residual / signal[c];
-            (excess && of_signal > OF_SIGNAL).then(|| Unattested {
+            let mut left = Unattested {
                 joint: channel.name.clone(),
                 unit: channel.unit.to_string(),
                 rmse_validation: residual,
-                of_signal,
-                sentence: sentences::unattested(&channel.name, residual, channel.unit, of_signal),
-            })
+                of_signal: residual / signal[c],
+                sentence: String::new(),
+            };
+            left.sentence = sentences::unattested(&left, tried);
+            (excess && left.of_signal > OF_SIGNAL).then_some(left)
         });
         open.collect()
     }

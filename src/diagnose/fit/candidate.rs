@@ -18,7 +18,16 @@ pub struct Candidate {
     pub others: Vec<Start>,
     /// Of a law with memory, values of what a search for it may lose: scales of speed that have run against a limit
     /// take what belongs to them out of the model.
-    pub anew: Vec<Start>,
+    pub anew: Vec<Anew>,
+}
+
+/// Values from which a search begins again.
+#[derive(Debug, Clone)]
+pub struct Anew {
+    /// All of them.
+    pub start: Start,
+    /// Those of them that are scales of speed, which stay until what belongs to them is found.
+    pub scales: Start,
 }
 
 /// What the hypotheses that are open beside one model promise.
@@ -71,18 +80,26 @@ impl Naming<'_> {
             }
         }
         let remembers = hypothesis.effect.needs.memory == Memory::WholeMotion;
-        let anew = if remembers {
-            self.grid.anew()
-        } else {
-            Vec::new()
+        let anew = match remembers {
+            true => self.anew(),
+            false => Vec::new(),
         };
         Some(Candidate {
             hypothesis: hypothesis.clone(),
             gain: best.gain,
             start: self.start(best),
             others: apart[1..].iter().map(|point| self.start(point)).collect(),
-            anew: anew.into_iter().map(|values| self.named(values)).collect(),
+            anew,
         })
+    }
+
+    fn anew(&self) -> Vec<Anew> {
+        let is_scale = |(own, _): &(usize, f64)| self.grid.is_scale(*own);
+        let of = |values: Vec<(usize, f64)>| Anew {
+            scales: self.named(values.iter().copied().filter(is_scale).collect()),
+            start: self.named(values),
+        };
+        self.grid.anew().into_iter().map(of).collect()
     }
 
     fn start(&self, point: &Point) -> Start {

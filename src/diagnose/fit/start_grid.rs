@@ -101,6 +101,11 @@ impl Grid {
         (0..counts.max().unwrap_or(0)).map(at).collect()
     }
 
+    /// Whether an own parameter, by its number, is a scale that several values are tried of.
+    pub fn is_scale(&self, own: usize) -> bool {
+        self.kinds[self.of[own]].values.len() > 1
+    }
+
     /// Points of what is scanned alone, with everything else at its first value; empty where nothing is.
     pub fn scan(&self) -> Vec<Vec<f64>> {
         if self.kinds.iter().all(|kind| !kind.scanned) {

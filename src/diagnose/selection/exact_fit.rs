@@ -4,7 +4,7 @@
 use crate::chain::effect::{Law, Linearity};
 use crate::chain::parameter::Role;
 use crate::diagnose::error::DiagnoseError;
-use crate::diagnose::fit::candidate::Candidate;
+use crate::diagnose::fit::candidate::{Anew, Candidate};
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::fitting::{fit_model, fit_model_holding};
 use crate::diagnose::fit::hypothesis::Hypothesis;
@@ -75,13 +75,20 @@ impl ExactFit<'_> {
         for other in others.iter().cloned().chain(bent) {
             best = self.better(best, from(&other)?);
         }
-        for own in &candidate.anew {
-            if is_at_a_limit(&best, own) {
+        let is_lost = |one: &Anew| is_at_a_limit(&best, &one.start) || self.forecasts_worse(&best);
+        if candidate.anew.iter().any(is_lost) {
+            for Anew { start: own, scales } in &candidate.anew {
                 let again = WarmStart {
                     values: best.start(),
                     ..start.clone()
                 };
-                best = self.better(best, from(&again.with(own))?);
+                let again = again.with(own);
+                let settled = fit_model_holding(self.context, hypotheses, &again, scales)?;
+                let again = WarmStart {
+                    values: settled.start(),
+                    ..again
+                };
+                best = self.better(best, from(&again)?);
             }
         }
         // A richer model that fits worse was not searched well: everything else first, at the candidate's own values.
@@ -94,6 +101,12 @@ impl ExactFit<'_> {
             best = self.better(best, from(&again)?);
         }
         Ok(best)
+    }
+
+    /// Whether a fit says less of the held-out rows than the model before: a shape may have bent where the fitted rows do not
+    /// tell it.
+    fn forecasts_worse(&self, fit: &ModelFit) -> bool {
+        fit.held_out_score() > self.before.held_out_score()
     }
 
     /// Sum of squares that a fit takes from the fitted rows, in units of what the model before leaves in a row.

@@ -16,6 +16,7 @@ use crate::diagnose::selection::stepwise::{Rules, Selection, SelectionStep, Step
 use crate::diagnose::selection::weak_findings;
 use crate::diagnose::selection::zero_size;
 use crate::diagnose::stage::Stage;
+use crate::stats::deviation::rms;
 
 /// Rounds in which a finding may be exchanged for a better rival, and in which it may be called by a more probable name.
 const EXCHANGES: usize = 3;
@@ -37,6 +38,30 @@ pub struct Explanation {
     pub withdrawn: Vec<usize>,
     /// Every hypothesis that was fitted while the model grew.
     pub tried: Vec<SelectionStep>,
+}
+
+impl Explanation {
+    /// Of the models that a search accepted or might have, the one that leaves least of a channel.
+    pub fn least_tried(&self, channel: usize, rules: Rules<'_>) -> Option<TriedModel<'_>> {
+        let significance = rules.of_choice().significance;
+        let tests = self.tried.iter().flat_map(|step| &step.tests);
+        let needed = tests.filter(|test| test.is_needed(significance));
+        let of = |fit: &ModelFit| rms(&fit.validation[channel]);
+        let left = needed.map(|test| TriedModel {
+            share: of(&test.fit) / of(&self.full),
+            test,
+        });
+        left.min_by(|a, b| a.share.total_cmp(&b.share))
+    }
+}
+
+/// A model that was tried, and what it leaves of a channel.
+#[derive(Debug, Clone, Copy)]
+pub struct TriedModel<'a> {
+    /// Of its last hypothesis.
+    pub test: &'a HypothesisTest,
+    /// Its RMS residual over that of the selected model, on the rows that chose.
+    pub share: f64,
 }
 
 /// A search for what explains the misfit of a model.

@@ -9,7 +9,8 @@
 //! it moves between two samples, since a motion is nowhere farther from the median of five samples than two such steps. One
 //! spike moves a least-squares estimate by as much as its whole size, and a filter spreads it over its neighbours. Before any
 //! filter the median of these takes its place, and in positions the cubic through those that are none, unless the machine made it: impacts
-//! are spikes of the signal too, and come again in every period, or where speed or torque turn over.
+//! are spikes of the signal too, and come again in every period, or where speed or torque turn over, or shake other joints in
+//! the same instant.
 
 use std::collections::HashSet;
 
@@ -119,27 +120,31 @@ pub(in crate::recording) fn replace(
             replaced.push(format!("{count} of {what} {}", number + 1));
         }
     };
+    let mut lost = HashSet::new();
     for (joint, series) in recording.position.iter_mut().enumerate() {
         let found = spikes(series, Channel::Smooth);
         repair(series, &found, Channel::Smooth);
         note("position", joint, found.len());
+        lost.extend(found.iter().map(|spike| spike.at));
     }
-    let joints = recording.position.len();
     let jumping = [
         ("signal", Some(&mut recording.signal)),
         ("velocity", recording.velocity.as_mut()),
     ];
     for (what, columns) in jumping {
-        let columns = columns.into_iter().flatten().enumerate();
+        let Some(columns) = columns else { continue };
         // Channels that are none of joints have no motion of their own to be held against.
-        for (joint, series) in columns.take(joints) {
-            let mut found = spikes(series, Channel::Jumping);
-            match period {
-                Some(period) => found = unrepeated(&found, period, series.len()),
-                None if !are_random(&found, &recording.position[joint], series) => found.clear(),
-                None => {}
-            }
-            repair(series, &found, Channel::Jumping);
+        let joints = recording.position.len().min(columns.len());
+        let taken = Motion {
+            position: &recording.position,
+            columns: &columns[..joints],
+            lost: &lost,
+        };
+        let found: Vec<Vec<Spike>> = (0..joints)
+            .map(|joint| taken.spikes_of_recorder(joint, period))
+            .collect();
+        for (joint, found) in found.iter().enumerate() {
+            repair(&mut columns[joint], found, Channel::Jumping);
             note(what, joint, found.len());
         }
     }
@@ -170,30 +175,72 @@ fn unrepeated(found: &[Spike], period: f64, samples: usize) -> Vec<Spike> {
     found.iter().filter(is_random).copied().collect()
 }
 
-/// Whether spikes come at any speed of the joint and at any size of the signal alike. Impacts, as of play that is gone
-/// through, come where one or the other turns over. The mean of n ranks within (0, 1) has the variance 1/(12 n).
-fn are_random(found: &[Spike], position: &[f64], signal: &[f64]) -> bool {
-    if found.len() < LEAST_SPIKES {
-        return false;
+/// What spikes of one joint's column are held against.
+struct Motion<'a> {
+    /// Of all joints, repaired.
+    position: &'a [Vec<f64>],
+    /// Signals or velocities of the same joints.
+    columns: &'a [Vec<f64>],
+    /// Rows at which a position stood out too.
+    lost: &'a HashSet<usize>,
+}
+
+impl Motion<'_> {
+    /// The spikes of a joint's column in which the machine has no part, with a period in samples where the motion has one.
+    fn spikes_of_recorder(&self, joint: usize, period: Option<f64>) -> Vec<Spike> {
+        let series = &self.columns[joint];
+        let found = spikes(series, Channel::Jumping);
+        if let Some(period) = period {
+            return unrepeated(&found, period, series.len());
+        }
+        let is_lost = |spike: &Spike| self.lost.contains(&spike.at);
+        let (lost, others): (Vec<Spike>, Vec<Spike>) = found.iter().copied().partition(is_lost);
+        match self.are_random(joint, &others) {
+            true => found,
+            false => lost,
+        }
     }
-    let last = position.len() - 1;
-    let speed =
-        |k: usize| (position[(k + HALF).min(last)] - position[k.saturating_sub(HALF)]).abs();
-    let size = |k: usize| around(signal, k).abs();
-    let is_spread = |of: &dyn Fn(usize) -> f64| {
-        let mut all: Vec<f64> = (0..=last).map(of).collect();
-        all.sort_by(f64::total_cmp);
-        let rank = |spike: &Spike| {
-            let value = of(spike.at);
-            let below = all.partition_point(|x| *x < value);
-            let through = all.partition_point(|x| *x <= value);
-            0.5 * (below + through) as f64 / all.len() as f64
-        };
-        let count = found.len() as f64;
-        let mean = found.iter().map(rank).sum::<f64>() / count;
-        (mean - 0.5).abs() * (12.0 * count).sqrt() < RANDOM_SIGMA
+
+    /// Whether spikes of a joint's column come at any speed of the joint and at any size of the column alike, and whatever
+    /// other joints do. Impacts, as of play that is gone through, come where speed or torque turns over, and shake the
+    /// joints that are carried.
+    fn are_random(&self, joint: usize, found: &[Spike]) -> bool {
+        if found.len() < LEAST_SPIKES {
+            return false;
+        }
+        let (position, series) = (&self.position[joint], &self.columns[joint]);
+        let last = series.len() - 1;
+        let speed =
+            |k: usize| (position[(k + HALF).min(last)] - position[k.saturating_sub(HALF)]).abs();
+        let size = |k: usize| around(series, k).abs();
+        let mut others = (0..self.columns.len()).filter(|other| *other != joint);
+        are_spread(found, last, &speed)
+            && are_spread(found, last, &size)
+            && others.all(|other| {
+                let shaken = |k: usize| {
+                    let near = k.saturating_sub(1)..=(k + 1).min(last);
+                    let of =
+                        |k: usize| (self.columns[other][k] - around(&self.columns[other], k)).abs();
+                    near.map(of).fold(0.0, f64::max)
+                };
+                are_spread(found, last, &shaken)
+            })
+    }
+}
+
+/// Whether a quantity has any of its values alike at the spikes: the mean of n ranks within (0, 1) has the variance 1/(12 n).
+fn are_spread(found: &[Spike], last: usize, quantity: &dyn Fn(usize) -> f64) -> bool {
+    let mut all: Vec<f64> = (0..=last).map(quantity).collect();
+    all.sort_by(f64::total_cmp);
+    let rank = |spike: &Spike| {
+        let value = quantity(spike.at);
+        let below = all.partition_point(|x| *x < value);
+        let through = all.partition_point(|x| *x <= value);
+        0.5 * (below + through) as f64 / all.len() as f64
     };
-    is_spread(&speed) && is_spread(&size)
+    let count = found.len() as f64;
+    let mean = found.iter().map(rank).sum::<f64>() / count;
+    (mean - 0.5).abs() * (12.0 * count).sqrt() < RANDOM_SIGMA
 }
 
 fn repair(series: &mut [f64], found: &[Spike], channel: Channel) {
@@ -337,13 +384,48 @@ mod tests {
             .map(|n| ((n as f64 + 0.5) * 50.0 * PI) as usize)
             .collect());
         let anywhere = at((1..40).map(|k| k * 997 % 1999).collect());
-        assert!(!are_random(&reversals, &position, &signal));
-        assert!(are_random(&anywhere, &position, &signal));
-        assert!(!are_random(&anywhere[..5], &position, &signal));
+        let (position, columns) = ([position], [signal]);
+        let are_random = |spikes: &[Spike]| {
+            let motion = Motion {
+                position: &position,
+                columns: &columns,
+                lost: &HashSet::new(),
+            };
+            motion.are_random(0, spikes)
+        };
+        assert!(!are_random(&reversals));
+        assert!(are_random(&anywhere));
+        assert!(!are_random(&anywhere[..5]));
         // Of three periods of 400 samples, 100 comes in two and 700 in one; of six, two are a coincidence.
         let found = at(vec![100, 501, 700]);
         assert_eq!(unrepeated(&found, 400.0, 1200), at(vec![700]));
         assert_eq!(unrepeated(&found, 400.0, 2400), found);
+    }
+
+    /// Spikes at any speed and size, with those of a second joint elsewhere, in the same rows, and where a position is lost too.
+    #[test]
+    fn what_shakes_another_joint_is_the_machines() {
+        let rows: Vec<usize> = (1..20).map(|k| k * 997 % 1960).collect();
+        let position: Vec<f64> = (0..2000).map(|k| (k as f64 / 50.0).sin()).collect();
+        let struck = |later: usize| -> Vec<f64> {
+            let mut series: Vec<f64> = signal().into_iter().chain(signal()).collect();
+            for &row in &rows {
+                series[row + later] += 9.0;
+            }
+            series
+        };
+        let of_recorder = |later: usize, lost: &[usize]| {
+            let motion = Motion {
+                position: &[position.clone(), position.clone()],
+                columns: &[struck(0), struck(later)],
+                lost: &lost.iter().copied().collect(),
+            };
+            motion.spikes_of_recorder(0, None).len()
+        };
+        assert_eq!(of_recorder(30, &[]), rows.len());
+        assert_eq!(of_recorder(0, &[]), 0);
+        assert_eq!(of_recorder(1, &[]), 0);
+        assert_eq!(of_recorder(0, &rows), rows.len());
     }
 
     #[test]

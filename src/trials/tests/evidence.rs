@@ -240,6 +240,7 @@ fn a_size_that_may_be_none_is_the_first_to_be_withdrawn() {
 }
 
 /// Offsets beside a misfit that no effect sought has, of twice their squares: the search finds them, and they are withdrawn.
+/// That they took a third of the squares away is known all the same.
 #[test]
 fn a_search_withdraws_what_it_found_beside_something_larger() {
     let bench = Bench::new(&["torque_offset"]);
@@ -265,6 +266,9 @@ fn a_search_withdraws_what_it_found_beside_something_larger() {
     assert!(explanation.tried.iter().any(|step| step.accepted));
     assert!(explanation.full.hypotheses.is_empty());
     assert!(!explanation.withdrawn.is_empty());
+    let of = |channel: usize| explanation.least_tried(channel, explaining.rules);
+    let share = of(0).unwrap().share;
+    assert!((share.powi(2) - 2.0 / 3.0).abs() < 0.1, "{share}");
 }
 
 /// What is left at the reversals of a joint is not looked at on its own channel, and is on that of any other.
