@@ -410,6 +410,21 @@ fn a_linkage_is_diagnosed_rolled_out_and_exported() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("close loops"));
 }
 
+/// Its motion does not repeat, and its rows are behind a filter: white noise of the samples is what is left of it there.
+#[test]
+fn the_noise_of_samples_attests_what_a_filter_leaves() {
+    let folder = tempfile::tempdir().unwrap();
+    let problem = shipped("h4_parallel/problem.toml");
+    let asked = ["diagnose", problem.to_str().unwrap(), "--out", "found"];
+    let found = said(folder.path(), &asked);
+    assert_eq!(found["verdict"], "nothing_missing", "{found}");
+    for joint in found["final"]["joints"].as_array().unwrap() {
+        // The errors of differentiation are counted as if nothing filtered them.
+        let lack = joint["lack_of_fit"].as_f64().unwrap();
+        assert!((0.6..1.1).contains(&lack), "{joint}");
+    }
+}
+
 #[test]
 fn designs_of_a_linkage_keep_its_limits_and_beat_chance() {
     let folder = tempfile::tempdir().unwrap();

@@ -38,7 +38,9 @@ impl ChannelNoise {
                 measured: true,
             };
         }
-        if let Some(deviation) = experiment.white_noise.get(channel).copied().flatten() {
+        let white = experiment.white_noise.get(channel).copied().flatten();
+        // Behind a filter it is white no longer.
+        if let Some(deviation) = white.filter(|_| experiment.parallel.is_none()) {
             return Self {
                 colour: Autoregression::white(1.0),
                 deviation,

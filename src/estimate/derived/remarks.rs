@@ -162,10 +162,19 @@ pub fn notes(model: &Model, data: &Dataset) -> Vec<String> {
         );
     }
     if data.recordings.iter().all(|r| r.experiment.noise.is_none()) {
-        notes.push(
-            "No recording was averaged over periods of its motion, so nothing tells noise from lack of fit."
-                .to_string(),
-        );
+        let is_white = |r: &Prepared| {
+            let mut channels = r.experiment.white_noise.iter();
+            channels.len() > 0 && channels.all(Option::is_some)
+        };
+        let what = match data.recordings.iter().all(is_white) {
+            true => {
+                "the noise is what successive samples differ by, and slower noise counts as lack of fit"
+            }
+            false => "nothing tells noise from lack of fit",
+        };
+        notes.push(format!(
+            "No recording was averaged over periods of its motion, so {what}."
+        ));
     }
     let assumed = model.joints().iter().any(|joint| joint.width.is_some());
     if assumed

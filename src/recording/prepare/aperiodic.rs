@@ -49,8 +49,6 @@ pub(in crate::recording) fn prepare(
     };
     let mut experiment = assembled(recording, raw, differentiated, timing, parallel)?;
     if experiment.parallel.is_none() {
-        let deviation = |series: &Vec<f64>| white_deviation(series);
-        experiment.white_noise = experiment.signal.iter().map(deviation).collect();
         let remark = coarse_signals(&experiment);
         experiment.remarks.extend(remark);
     }
@@ -97,6 +95,11 @@ fn assembled(
     ] {
         keep(series, &rows);
     }
+    let left = parallel
+        .as_ref()
+        .map_or(1.0, ZeroPhase::gain_of_white_noise);
+    let deviation = |series: &Vec<f64>| white_deviation(series).map(|deviation| left * deviation);
+    let white_noise = signal.iter().map(deviation).collect();
     if let Some(filter) = &parallel {
         signal.iter_mut().for_each(|series| filter.apply(series));
         let all = mask.unwrap_or_else(|| vec![true; rows.len()]);
@@ -114,7 +117,7 @@ fn assembled(
         signal,
         mask,
         noise: None,
-        white_noise: Vec::new(),
+        white_noise,
         raw,
         file: recording.file,
         bandwidth: differentiated.bandwidth,

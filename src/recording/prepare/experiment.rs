@@ -154,8 +154,8 @@ pub struct Experiment {
     pub mask: Option<Vec<bool>>,
     /// None where there are no two periods to compare.
     pub noise: Option<Noise>,
-    /// Per channel the deviation of the noise of a sample that is seen to be white, in the unit of the recording; empty
-    /// where periods tell the noise.
+    /// Per channel the deviation of a row's noise where that of the samples is seen to be white, behind the parallel filter if
+    /// there is one, in the unit of the recording; empty where periods tell the noise.
     pub white_noise: Vec<Option<f64>>,
     /// Every recorded sample with its way back to the rows.
     pub raw: Raw,

@@ -76,6 +76,15 @@ impl ZeroPhase {
         gain(frequency_hz, self.cutoff_hz, self.rate_hz)
     }
 
+    /// What it leaves of the standard deviation of white noise: the RMS of its gain over all frequencies.
+    pub fn gain_of_white_noise(&self) -> f64 {
+        /// Frequencies at which the gain is taken, evenly apart: a cut-off is many times their distance.
+        const FREQUENCIES: usize = 4096;
+        let at = |k: usize| (k as f64 + 0.5) * 0.5 * self.rate_hz / FREQUENCIES as f64;
+        let squares: f64 = (0..FREQUENCIES).map(|k| self.gain(at(k)).powi(2)).sum();
+        (squares / FREQUENCIES as f64).sqrt()
+    }
+
     /// Filters a series in place.
     pub fn apply(&self, series: &mut [f64]) {
         let n = series.len();
@@ -177,6 +186,22 @@ mod tests {
                 // Rounding grows with (rate / cut-off)² of the section: 1e4 ulp at 1 Hz.
                 assert!((row[column] - value).abs() < 1e-11, "{cutoff} Hz");
             }
+        }
+    }
+
+    /// The energy of what one sample becomes is that of white noise of unit variance.
+    #[test]
+    fn matches_the_energy_of_the_impulse_response() {
+        for cutoff in [1.0, 15.0, 40.0] {
+            let filter = ZeroPhase::new(cutoff, 200.0).unwrap();
+            let mut response = vec![0.0; 20_001];
+            response[10_000] = 1.0;
+            filter.apply(&mut response);
+            let energy: f64 = response.iter().map(|x| x * x).sum();
+            assert!(
+                (filter.gain_of_white_noise() / energy.sqrt() - 1.0).abs() < 1e-6,
+                "{cutoff} Hz"
+            );
         }
     }
 
