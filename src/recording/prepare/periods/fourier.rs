@@ -58,11 +58,11 @@ fn noise_of_mean(mean: &[Complex<f64>], differences: &[Vec<Complex<f64>>]) -> Ve
     variances
 }
 
-/// Power of a coefficient at the top of the spectrum.
+/// Mean power of a coefficient at the top of the spectrum. The median would miss the rounding of a motion of few
+/// harmonics, which repeats with them and so lies in a few lines.
 fn top_level(mean: &[Complex<f64>]) -> f64 {
-    let from = (FLOOR_FROM * mean.len() as f64) as usize;
-    let mut powers: Vec<f64> = mean[from..].iter().map(|c| c.norm_sqr()).collect();
-    noise_power(&mut powers, 1.0)
+    let top = &mean[(FLOOR_FROM * mean.len() as f64) as usize..];
+    top.iter().map(|c| c.norm_sqr()).sum::<f64>() / top.len().max(1) as f64
 }
 
 /// The number of harmonics with the least estimated error of the acceleration.
@@ -216,6 +216,24 @@ mod tests {
             // The error is flat about its least; the criterion's own scatter costs little of it.
             assert!(of(chosen) <= 1.3 * best, "sd {sd}: {chosen} harmonics");
         }
+    }
+
+    /// 25 cycles in 1540 samples repeat five times within the period, so that their rounding has a line in every fifth
+    /// harmonic and nothing between. Rounding that is taken for motion would reach up to half the rate.
+    #[test]
+    fn rounding_of_one_harmonic_is_no_motion() {
+        let (samples, cycles, step) = (1540, 25, TAU / 1_048_576.0);
+        let rounded = |k: usize| {
+            let sine = (TAU * (cycles * k) as f64 / samples as f64 + 0.05).sin();
+            (0.09 * sine / step).round() * step
+        };
+        let mean: Vec<f64> = (0..samples).map(rounded).collect();
+        let (c, noise) = analyse(&mean, &vec![0.0; 10 * samples]);
+        let chosen = choose_harmonics(&c, &noise, samples);
+        assert!(
+            (cycles..10 * cycles).contains(&chosen),
+            "{chosen} harmonics"
+        );
     }
 
     #[test]
