@@ -10,7 +10,7 @@ use crate::report::terminal::{GAP, align, cut};
 /// Characters of a line: what a terminal shows beside another window.
 const LINE: usize = 100;
 
-/// Lines of base parameters that are always told: their number, two of them, and where the rest is.
+/// Fewest lines in which some base parameters are told: their number, four of them, and where the rest is.
 const LEAST_BASE: usize = 4;
 
 /// Prefix of the parameters of a load, which have a table of their own.
@@ -33,22 +33,28 @@ fn valued(parameters: &[Parameter]) -> impl Iterator<Item = &Parameter> {
     parameters.iter().filter(has_value)
 }
 
-/// Base parameters that are no parameter by themselves, in at most `room` lines but [`LEAST_BASE`]; the rest is counted.
+/// Base parameters that are no parameter by themselves, in at most `room` lines, or one that counts them.
 pub(super) fn base(parameters: &[Parameter], base: &[BaseParameter], room: usize) -> Vec<String> {
     let single: BTreeSet<&str> = valued(parameters).map(|p| p.name.as_str()).collect();
     let is_told = |b: &&BaseParameter| {
         let expression = b.expression.as_str();
         single.contains(expression) || expression.starts_with(LOAD)
     };
-    let combined = base.iter().filter(|b| !is_told(b));
-    let mut lines = base_lines(&combined.collect::<Vec<_>>());
-    let room = room.max(LEAST_BASE);
-    if lines.len() > room {
-        lines.truncate(room - 1);
-        lines.push(format!(
-            "{GAP}… and the rest in the report and in result.json"
-        ));
+    let combined: Vec<&BaseParameter> = base.iter().filter(|b| !is_told(b)).collect();
+    let mut lines = base_lines(&combined);
+    if lines.len() <= room {
+        return lines;
     }
+    if room < LEAST_BASE {
+        let count = combined.len();
+        return vec![format!(
+            "{count} base parameters: in the report and in result.json"
+        )];
+    }
+    lines.truncate(room - 1);
+    lines.push(format!(
+        "{GAP}… and the rest in the report and in result.json"
+    ));
     lines
 }
 
@@ -230,6 +236,24 @@ mod tests {
         for (line, expected) in lines.iter().zip(expected) {
             assert_eq!(columns(line), columns(expected));
         }
+    }
+
+    #[test]
+    fn base_parameters_keep_to_their_room() {
+        let parameter = |k: usize| BaseParameter {
+            expression: format!("link{k}.Ixx + link{k}.m"),
+            unit: "kg·m²".to_string(),
+            value: Some(1.0),
+            std_dev: Some(0.1),
+            ci95: None,
+        };
+        let all: Vec<BaseParameter> = (0..20).map(parameter).collect();
+        for room in 0..15 {
+            let lines = base(&[], &all, room);
+            assert!(lines.len() <= room.max(1), "{room}: {lines:?}");
+            assert!(lines[0].starts_with("20 base parameters"), "{lines:?}");
+        }
+        assert!(base(&[], &[], 0).is_empty());
     }
 
     #[test]
