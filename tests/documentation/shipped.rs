@@ -99,6 +99,26 @@ fn every_shipped_problem_runs() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
+/// What is wrong with a shipped problem would be taken for what is wrong with the checks.
+#[test]
+fn every_shipped_problem_passes_its_checks() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut faults = Vec::new();
+    for shipped in SHIPPED {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_exid"));
+        command
+            .arg("check")
+            .arg(root().join("problems").join(shipped.problem));
+        let output = command.current_dir(folder.path()).output().unwrap();
+        let printed = String::from_utf8_lossy(&output.stdout);
+        if output.status.code() != Some(0) || printed.contains("warning: ") {
+            let errors = String::from_utf8_lossy(&output.stderr);
+            faults.push(format!("{}\n{printed}{errors}", shipped.problem));
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
 /// No problem ships that the table does not run.
 #[test]
 fn the_table_has_every_shipped_problem() {
