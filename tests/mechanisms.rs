@@ -3,6 +3,7 @@
 
 use exid::chain::evaluate::{Evaluator, Segment};
 use exid::chain::forward::{Accuracy, Driven, Forward};
+use exid::outcome::predictions::{Predictions, Quantity};
 use exid::problem_file::ProblemFile;
 use exid::robot::batch::Trajectory;
 use exid::setup;
@@ -321,6 +322,7 @@ fn said(folder: &Path, arguments: &[&str]) -> Value {
 /// The linkage with values for what acts in it, in a folder of its own.
 fn linkage(folder: &Path, simulate: &str) -> PathBuf {
     let text = fs::read_to_string(shipped("parallelogram/problem.toml")).unwrap();
+    let (text, _) = text.split_once("[simulate]").unwrap();
     // Forward dynamics wants friction that does not jump, and a fit of it the width.
     let text = text.replace(".w\" = 0.0", ".w\" = 0.01");
     let values = "[simulate.values]\n\"shoulder.coulomb_friction.Fc\" = 6.0\n\"lift.coulomb_friction.Fc\" = 4.0\n\
@@ -373,6 +375,35 @@ fn recovers_known_truth_of_a_linkage_that_is_simulated() {
     }
 }
 
+/// In a parallelogram the angles of joints without a motor are differences of those of the motors.
+#[test]
+fn predictions_have_the_motion_of_joints_without_a_motor() {
+    let folder = tempfile::tempdir().unwrap();
+    let problem = shipped("parallelogram/problem.toml");
+    let arguments = ["fit", problem.to_str().unwrap(), "--out", "fit"];
+    said(folder.path(), &arguments);
+    let table = Predictions::read(&folder.path().join("fit/predictions.csv")).unwrap();
+    let recording = &table.recordings[0];
+    for quantity in [Quantity::Position, Quantity::Velocity] {
+        let [shoulder, lift, elbow, coupling] = ["shoulder", "lift", "elbow", "coupling"]
+            .map(|joint| &recording.values[table.column(joint, quantity).unwrap()]);
+        for k in 0..recording.t.len() {
+            let expected = lift[k] - shoulder[k];
+            let error = (elbow[k] - expected)
+                .abs()
+                .max((coupling[k] + expected).abs());
+            // Ten digits of numbers up to 3.
+            assert!(
+                error < 5e-9,
+                "{quantity:?} at {} s: {error:e}",
+                recording.t[k]
+            );
+        }
+    }
+    assert!(table.column("elbow", Quantity::Acceleration).is_some());
+    assert!(table.column("elbow", Quantity::Recorded).is_none());
+}
+
 #[test]
 fn a_linkage_is_diagnosed_rolled_out_and_exported() {
     let folder = tempfile::tempdir().unwrap();
@@ -387,6 +418,13 @@ fn a_linkage_is_diagnosed_rolled_out_and_exported() {
         Some(0),
         "{found}"
     );
+    let page = fs::read_to_string(folder.join("found/report.html")).unwrap();
+    for drawn in ["\"closures\":[{\"ends\":", "\"postures\":{\"t\":"] {
+        assert!(
+            page.contains(drawn),
+            "the report draws the linkage: {drawn}"
+        );
+    }
     let rolled = said(folder, &["rollout", "found", "--out", "rolled"]);
     assert!(!rolled["horizons"].as_array().unwrap().is_empty());
     for format in ["urdf", "mjcf", "toml"] {

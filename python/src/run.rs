@@ -302,8 +302,9 @@ impl Run {
         for recording in table.recordings {
             let columns = PyDict::new(py);
             columns.set_item(("", "t"), recording.t.into_pyarray(py))?;
-            for ((joint, quantity), values) in table.columns.iter().zip(recording.values) {
-                columns.set_item((joint, quantity.as_str()), values.into_pyarray(py))?;
+            for (column, values) in table.columns.iter().zip(recording.values) {
+                let key = (&column.joint, column.quantity.as_str());
+                columns.set_item(key, values.into_pyarray(py))?;
             }
             recordings.push((recording.recording, recording.split.as_str(), columns));
         }

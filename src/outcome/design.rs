@@ -37,6 +37,9 @@ pub struct Design {
     /// The robot and the walls around it, for the picture.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skeleton: Option<Skeleton>,
+    /// Positions of joints without a motor, which closed loops move, for the picture.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub carried: Vec<CarriedJoint>,
     /// Ways of points of the robot.
     #[serde(default)]
     pub ways: Vec<Way>,
@@ -55,6 +58,15 @@ pub struct Design {
     /// Anything a reader should know, one sentence each.
     #[serde(default)]
     pub notes: Vec<String>,
+}
+
+/// A joint that closed loops move.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct CarriedJoint {
+    /// Name of the joint.
+    pub joint: String,
+    /// By trajectory: positions at equal steps of the period, from its start, rad (m).
+    pub positions: Vec<Vec<f64>>,
 }
 
 /// The Fourier coefficients of all trajectories.

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::outcome::machine::{Machine, MachineJoint, MachineLeader, Motion, Pose};
+use crate::outcome::machine::{
+    Machine, MachineAnchor, MachineJoint, MachineLeader, MachineLoop, Motion, Pose,
+};
 
 /// Joints in the order of the tree, parents first.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -11,6 +13,9 @@ pub struct Skeleton {
     pub joints: Vec<Bone>,
     /// Points at the ends of the robot.
     pub tips: Vec<Tip>,
+    /// What closes the loops of joints without a motor.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub closures: Vec<Closure>,
     /// What the robot has to stay on one side of.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub walls: Vec<Wall>,
@@ -35,6 +40,16 @@ pub struct Bone {
     /// The joint that moves this one, which has no motor of its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub follows: Option<MachineLeader>,
+    /// It slides without a motor, and stands for the free motion of what loops carry: there is no such joint to be drawn.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub free: bool,
+}
+
+/// A rod between two points, or two points that are one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Closure {
+    /// The two points, each on its link.
+    pub ends: [MachineAnchor; 2],
 }
 
 /// A named frame on a link that carries no further joint.
@@ -58,13 +73,14 @@ pub struct Wall {
 }
 
 impl Skeleton {
-    /// Joints without walls, and of the frames those at the ends of the robot.
+    /// Joints without loops and walls, and of the frames those at the ends of the robot.
     pub fn new(joints: Vec<Bone>, frames: impl Iterator<Item = Tip>) -> Self {
         let ends = |tip: &Tip| joints.iter().all(|bone| bone.parent != Some(tip.joint));
         let tips = frames.filter(ends).collect();
         Self {
             joints,
             tips,
+            closures: Vec::new(),
             walls: Vec::new(),
         }
     }
@@ -80,6 +96,7 @@ impl From<&Machine> for Skeleton {
             pose: joint.pose,
             locked: joint.locked,
             follows: joint.follows.clone(),
+            free: joint.passive && joint.motion == Motion::Prismatic,
         };
         let frames = machine.frames.iter().filter_map(|frame| {
             Some(Tip {
@@ -88,6 +105,21 @@ impl From<&Machine> for Skeleton {
                 at: frame.pose.translation,
             })
         });
-        Self::new(machine.joints.iter().map(bone).collect(), frames)
+        Self {
+            closures: machine.loops.iter().filter_map(Closure::of).collect(),
+            ..Self::new(machine.joints.iter().map(bone).collect(), frames)
+        }
+    }
+}
+
+impl Closure {
+    /// `None` of joints that have one position: nothing stands between them.
+    pub fn of(closed: &MachineLoop) -> Option<Self> {
+        match closed {
+            MachineLoop::Ball { ends }
+            | MachineLoop::Hinge { ends, .. }
+            | MachineLoop::Rod { ends, .. } => Some(Self { ends: *ends }),
+            MachineLoop::Equal { .. } => None,
+        }
     }
 }

@@ -44,8 +44,8 @@ impl Series {
         let joints: Vec<&str> = predictions
             .columns
             .iter()
-            .filter(|(_, quantity)| *quantity == Quantity::Recorded)
-            .map(|(joint, _)| joint.as_str())
+            .filter(|column| column.quantity == Quantity::Recorded)
+            .map(|column| column.joint.as_str())
             .collect();
         let recordings = predictions
             .recordings
@@ -152,12 +152,14 @@ mod tests {
 
     #[test]
     fn residuals_are_predicted_minus_recorded() {
+        use crate::outcome::predictions::Column;
         let table = Predictions {
-            columns: vec![
-                ("a".to_string(), Quantity::Recorded),
-                ("a".to_string(), Quantity::Predicted),
-                ("a".to_string(), Quantity::Velocity),
-            ],
+            columns: [Quantity::Recorded, Quantity::Predicted, Quantity::Velocity]
+                .map(|quantity| Column {
+                    joint: "a".to_string(),
+                    quantity,
+                })
+                .into(),
             recordings: vec![RecordingPredictions {
                 recording: "r".to_string(),
                 split: Split::Train,

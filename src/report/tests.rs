@@ -15,7 +15,7 @@ use crate::outcome::folder::ResultFolder;
 use crate::outcome::input::Input;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::parameter::{Parameter, Source};
-use crate::outcome::predictions::{Block, PredictionsWriter, Quantity};
+use crate::outcome::predictions::{Block, Column, PredictionsWriter, Quantity};
 use crate::outcome::provenance::{Provenance, VERSION};
 use crate::outcome::run::Run;
 use crate::outcome::sharing::{SeparateValue, SharedParameter, Sharing};
@@ -244,8 +244,14 @@ fn sharing() -> Sharing {
 
 /// Writes the outcome and the predictions of two recordings into a results folder.
 fn write_folder(target: &Path, outcome: &Outcome) {
-    let joints: Vec<String> = (1..=JOINTS).map(|joint| format!("joint{joint}")).collect();
-    let quantities = [Quantity::Recorded, Quantity::Predicted, Quantity::Velocity];
+    let header: Vec<Column> = (1..=JOINTS)
+        .flat_map(|joint| {
+            [Quantity::Recorded, Quantity::Predicted, Quantity::Velocity].map(|quantity| Column {
+                joint: format!("joint{joint}"),
+                quantity,
+            })
+        })
+        .collect();
     let t: Vec<f64> = (0..3000).map(|k| 0.005 * f64::from(k)).collect();
     let wave = |joint: usize, phase: f64| {
         let w = 0.9 + 0.2 * joint as f64;
@@ -275,7 +281,7 @@ fn write_folder(target: &Path, outcome: &Outcome) {
         .unwrap();
     folder
         .write(PREDICTIONS_FILE, |out| {
-            let mut writer = PredictionsWriter::new(out, &joints, &quantities)?;
+            let mut writer = PredictionsWriter::new(out, &header)?;
             for (recording, split) in [
                 ("train.csv", Split::Train),
                 ("validation.csv", Split::Validation),

@@ -53,7 +53,8 @@ pub fn record(
     }
 }
 
-fn closed(condition: &Condition) -> MachineLoop {
+/// A condition as a record of numbers.
+pub(super) fn closed(condition: &Condition) -> MachineLoop {
     let anchors = |ends: &[Anchor; 2]| {
         ends.map(|end| MachineAnchor {
             link: end.link,

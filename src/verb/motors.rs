@@ -6,7 +6,7 @@ use crate::motors::task::{self, MotorRun};
 use crate::outcome::check::Finding;
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::predictions::{
-    Block, Predictions, PredictionsWriter, Quantity, RecordingPredictions,
+    Block, Column, Predictions, PredictionsWriter, Quantity, RecordingPredictions,
 };
 use crate::outcome::{Outcome, PREDICTIONS_FILE, Part};
 use crate::problem_file::ProblemFile;
@@ -43,11 +43,6 @@ pub(super) fn write(folder: &ResultFolder, run: &MotorRun) -> Result<(), VerbErr
 
 /// What the fitted constants give along the steady parts.
 pub(super) fn table(run: &MotorRun) -> Predictions {
-    let quantities = [Quantity::Recorded, Quantity::Predicted];
-    let named = run
-        .joints
-        .iter()
-        .flat_map(|joint| quantities.map(|quantity| (joint.clone(), quantity)));
     let recordings = run
         .predictions
         .iter()
@@ -58,14 +53,24 @@ pub(super) fn table(run: &MotorRun) -> Predictions {
             values: predicted.columns.clone(),
         });
     Predictions {
-        columns: named.collect(),
+        columns: columns(run),
         recordings: recordings.collect(),
     }
 }
 
+/// What is recorded of each joint and what the constants give.
+fn columns(run: &MotorRun) -> Vec<Column> {
+    let of = |joint: &String| {
+        [Quantity::Recorded, Quantity::Predicted].map(|quantity| Column {
+            joint: joint.clone(),
+            quantity,
+        })
+    };
+    run.joints.iter().flat_map(of).collect()
+}
+
 fn write_predictions<W: Write>(out: &mut BufWriter<W>, run: &MotorRun) -> io::Result<()> {
-    let quantities = [Quantity::Recorded, Quantity::Predicted];
-    let mut writer = PredictionsWriter::new(out, &run.joints, &quantities)?;
+    let mut writer = PredictionsWriter::new(out, &columns(run))?;
     for predicted in &run.predictions {
         let columns: Vec<&[f64]> = predicted.columns.iter().map(Vec::as_slice).collect();
         writer.block(&Block {

@@ -6,7 +6,7 @@ use crate::estimate::goodness_of_fit::Predictions;
 use crate::outcome::PREDICTIONS_FILE;
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::predictions::{
-    Block, Predictions as Table, PredictionsWriter, Quantity, RecordingPredictions,
+    Block, Column, Predictions as Table, PredictionsWriter, Quantity, RecordingPredictions,
 };
 use crate::verb::error::VerbError;
 use std::borrow::Cow;
@@ -19,11 +19,19 @@ pub(super) struct Predicted<'a> {
     pub series: &'a [(Quantity, &'a Predictions)],
 }
 
-/// Channels of the signal and what is told of each: the recorded signal, what each series gives, speed and position of the joints.
+/// Motion of a joint; of those with a motor, acceleration is left to the reader.
+const MOTION: [Quantity; 3] = [
+    Quantity::Velocity,
+    Quantity::Position,
+    Quantity::Acceleration,
+];
+
+/// Channels of the signal and what is told of each: the recorded signal, what each series gives, speed and position of the joints;
+/// then the motion of joints that closed loops move.
 struct Columns {
     channels: Vec<usize>,
-    names: Vec<String>,
-    quantities: Vec<Quantity>,
+    passive: Vec<usize>,
+    header: Vec<Column>,
     with_motion: bool,
 }
 
@@ -34,13 +42,25 @@ impl Predicted<'_> {
         let with_motion = all.iter().all(|c| c.joint.is_some());
         let mut quantities = vec![Quantity::Recorded];
         quantities.extend(self.series.iter().map(|(quantity, _)| *quantity));
+        let mut passive: Vec<usize> = Vec::new();
         if with_motion {
-            quantities.extend([Quantity::Velocity, Quantity::Position]);
+            quantities.extend(&MOTION[..2]);
+            passive.extend(self.model.mechanism().map_or(&[][..], |m| m.passive()));
         }
+        let of = |joint: &str, quantities: &[Quantity]| -> Vec<Column> {
+            let column = |&quantity: &Quantity| Column {
+                joint: joint.to_owned(),
+                quantity,
+            };
+            quantities.iter().map(column).collect()
+        };
+        let own = channels.iter().flat_map(|&c| of(&all[c].name, &quantities));
+        let joints = self.model.tree().joints();
+        let moved = passive.iter().flat_map(|&j| of(&joints[j].name, &MOTION));
         Columns {
-            names: channels.iter().map(|&c| all[c].name.clone()).collect(),
+            header: own.chain(moved).collect(),
             channels,
-            quantities,
+            passive,
             with_motion,
         }
     }
@@ -58,14 +78,17 @@ impl Predicted<'_> {
                 .collect();
             let t: Vec<f64> = rows.iter().map(|&row| recording.time(row)).collect();
             let mut series: Vec<Cow<'_, [f64]>> = Vec::new();
+            let motors = recording.segment().motors;
             for &c in &columns.channels {
                 series.push(pick(recording.signal(c), &rows));
                 series.extend(self.series.iter().map(|(_, p)| pick(&p[k][c], &rows)));
                 if let (true, Some(j)) = (columns.with_motion, all[c].joint) {
-                    let motors = recording.segment().motors;
                     series.push(pick(&motors.dq[j], &rows));
                     series.push(pick(&motors.q[j], &rows));
                 }
+            }
+            for &j in &columns.passive {
+                series.extend([&motors.dq, &motors.q, &motors.ddq].map(|all| pick(&all[j], &rows)));
             }
             let slices: Vec<&[f64]> = series.iter().map(AsRef::as_ref).collect();
             each(&Block {
@@ -82,7 +105,7 @@ impl Predicted<'_> {
     pub fn write(&self, folder: &ResultFolder) -> Result<(), VerbError> {
         folder.write(PREDICTIONS_FILE, |out| {
             let columns = self.columns();
-            let mut writer = PredictionsWriter::new(out, &columns.names, &columns.quantities)?;
+            let mut writer = PredictionsWriter::new(out, &columns.header)?;
             self.blocks(&columns, |block| writer.block(block))
         })?;
         Ok(())
@@ -91,12 +114,8 @@ impl Predicted<'_> {
     /// The table itself, with all digits.
     pub fn table(&self) -> Table {
         let columns = self.columns();
-        let named = columns.names.iter().flat_map(|name| {
-            let quantities = columns.quantities.iter();
-            quantities.map(move |quantity| (name.clone(), *quantity))
-        });
         let mut table = Table {
-            columns: named.collect(),
+            columns: columns.header.clone(),
             recordings: Vec::new(),
         };
         // Collecting in memory does not fail.

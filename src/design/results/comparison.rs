@@ -14,12 +14,12 @@ use crate::design::results::report;
 use crate::design::trajectory::fourier_series::Basis;
 use crate::design::trajectory::motion::{Motion, of_motors};
 use crate::design::verify;
-use crate::outcome::design::{Design, ExpectedDeviation, Reference, Way};
+use crate::outcome::design::{CarriedJoint, Design, ExpectedDeviation, Reference, Way};
 use crate::outcome::skeleton::{Skeleton, Wall};
 use crate::robot::batch;
 use crate::setup::skeleton;
 
-/// Points of a way, about.
+/// Points of a way, and positions of a joint in a trajectory, about.
 const POINTS: usize = 400;
 
 impl DesignContext<'_> {
@@ -37,6 +37,7 @@ impl DesignContext<'_> {
         let shown = coverage::of_motion(model, &motors, &torques, &prepared.limits);
         design.expected_std_dev = prepared.deviations(&motors);
         design.coverage = report::coverage(shown);
+        design.carried = carried(experiment, motion);
         design.ways = ways(experiment, motion);
         design.skeleton = Some(prepared.skeleton(experiment));
         design.notes.splice(0..0, prepared.notes.iter().cloned());
@@ -74,6 +75,23 @@ impl Prepared {
         };
         report::deviations(recorded.deviations(motors))
     }
+}
+
+/// Positions of the joints that loops move, trajectory by trajectory.
+fn carried(experiment: &Experiment<'_>, motion: &Motion) -> Vec<CarriedJoint> {
+    let joints = &experiment.joints;
+    let samples = motion.len() / joints.trajectories;
+    let count = samples.min(POINTS);
+    let passive = joints.loops.iter().flat_map(|m| m.passive());
+    passive
+        .map(|&j| CarriedJoint {
+            joint: experiment.workspace.tree.joints()[j].name.clone(),
+            positions: motion.values[0][j]
+                .chunks_exact(samples)
+                .map(|own| (0..count).map(|k| own[k * samples / count]).collect())
+                .collect(),
+        })
+        .collect()
 }
 
 /// The ways of the points that workspace limits name, or of the last link.

@@ -18,17 +18,29 @@ pub enum Quantity {
     Velocity,
     /// Position of the joint in rad or m.
     Position,
+    /// Acceleration of the joint in rad/s² or m/s².
+    Acceleration,
+}
+
+/// A column: a quantity of a joint.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Column {
+    /// Name of the joint, or of the channel of a force.
+    pub joint: String,
+    /// What the column holds of it.
+    pub quantity: Quantity,
 }
 
 impl Quantity {
     /// All of them, in the order of the columns of a joint.
-    pub const ALL: [Quantity; 6] = [
+    pub const ALL: [Quantity; 7] = [
         Quantity::Recorded,
         Quantity::Predicted,
         Quantity::Baseline,
         Quantity::Final,
         Quantity::Velocity,
         Quantity::Position,
+        Quantity::Acceleration,
     ];
 
     /// The word after the joint's name in the header.
@@ -40,6 +52,7 @@ impl Quantity {
             Quantity::Final => "final",
             Quantity::Velocity => "velocity",
             Quantity::Position => "position",
+            Quantity::Acceleration => "acceleration",
         }
     }
 }

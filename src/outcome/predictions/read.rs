@@ -6,15 +6,15 @@ use std::path::Path;
 use csv::{ByteRecord, ReaderBuilder, StringRecord};
 
 use crate::outcome::error::{Action, OutcomeError, OutcomeErrorKind};
-use crate::outcome::predictions::quantity::{LEADING, Quantity};
+use crate::outcome::predictions::quantity::{Column, LEADING, Quantity};
 use crate::outcome::predictions::write::Block;
 use crate::recording::split::Split;
 
 /// The table, by recordings in the order of the file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Predictions {
-    /// Joint and quantity of each column.
-    pub columns: Vec<(String, Quantity)>,
+    /// What each column holds.
+    pub columns: Vec<Column>,
     /// Those that were fitted or held out, as the run had them.
     pub recordings: Vec<RecordingPredictions>,
 }
@@ -72,7 +72,7 @@ impl Predictions {
     pub fn column(&self, joint: &str, quantity: Quantity) -> Option<usize> {
         self.columns
             .iter()
-            .position(|(name, kind)| name == joint && *kind == quantity)
+            .position(|column| column.joint == joint && column.quantity == quantity)
     }
 
     fn push(&mut self, path: &Path, row: &ByteRecord) -> Result<(), OutcomeError> {
@@ -122,10 +122,7 @@ fn number(field: &[u8]) -> Option<f64> {
     std::str::from_utf8(field).ok()?.parse().ok()
 }
 
-fn parse_header(
-    path: &Path,
-    header: &StringRecord,
-) -> Result<Vec<(String, Quantity)>, OutcomeError> {
+fn parse_header(path: &Path, header: &StringRecord) -> Result<Vec<Column>, OutcomeError> {
     let refuse = |reason: String| OutcomeError::new(path, OutcomeErrorKind::NotPredictions(reason));
     if !header.iter().take(LEADING.len()).eq(LEADING) {
         let expected = LEADING.join(",");
@@ -139,7 +136,10 @@ fn parse_header(
                 .into_iter()
                 .find_map(|quantity| {
                     let joint = name.strip_suffix(quantity.as_str())?.strip_suffix('_')?;
-                    Some((joint.to_string(), quantity))
+                    Some(Column {
+                        joint: joint.to_string(),
+                        quantity,
+                    })
                 })
                 .ok_or_else(|| refuse(format!("the column `{name}` is not known")))
         })

@@ -3,18 +3,22 @@
 use std::fs;
 use std::path::PathBuf;
 
-use crate::outcome::predictions::{Block, Predictions, PredictionsWriter, Quantity};
+use crate::outcome::predictions::{Block, Column, Predictions, PredictionsWriter, Quantity};
 use crate::recording::split::Split;
 
-const QUANTITIES: [Quantity; 2] = [Quantity::Recorded, Quantity::Predicted];
-
-fn joints() -> Vec<String> {
-    vec!["a1".to_string(), "left, \"upper\"".to_string()]
+fn columns() -> Vec<Column> {
+    let of = |joint: &str| {
+        [Quantity::Recorded, Quantity::Predicted].map(|quantity| Column {
+            joint: joint.to_string(),
+            quantity,
+        })
+    };
+    [of("a1"), of("left, \"upper\"")].concat()
 }
 
 fn written(blocks: &[Block]) -> Vec<u8> {
     let mut out = Vec::new();
-    let mut writer = PredictionsWriter::new(&mut out, &joints(), &QUANTITIES).unwrap();
+    let mut writer = PredictionsWriter::new(&mut out, &columns()).unwrap();
     for block in blocks {
         writer.block(block).unwrap();
     }
@@ -82,7 +86,7 @@ fn invariant_what_is_written_is_read_to_ten_digits() {
 
 #[test]
 fn refuses_a_block_that_does_not_fit_the_header() {
-    let mut writer = PredictionsWriter::new(Vec::new(), &joints(), &QUANTITIES).unwrap();
+    let mut writer = PredictionsWriter::new(Vec::new(), &columns()).unwrap();
     for columns in [&[[0.0].as_slice()] as &[&[f64]], &[&[], &[], &[], &[]]] {
         let block = Block {
             recording: "r",

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use crate::outcome::predictions::quantity::{LEADING, Quantity};
+use crate::outcome::predictions::quantity::{Column, LEADING};
 use crate::recording::split::Split;
 use rayon::prelude::*;
 
@@ -15,7 +15,7 @@ pub struct Block<'a> {
     pub split: Split,
     /// Time of each row in s.
     pub t: &'a [f64],
-    /// One column per joint and quantity, the quantities of the first joint first, as long as `t`.
+    /// The columns of the header, each as long as `t`.
     pub columns: &'a [&'a [f64]],
 }
 
@@ -33,23 +33,21 @@ const PAGE_ROWS: usize = 256;
 const PAGES_TOGETHER: usize = 64;
 
 impl<W: Write> PredictionsWriter<W> {
-    /// Writes the header for `joints` with the same `quantities` each.
+    /// Writes the header.
     ///
     /// # Errors
     /// What writing to `out` gives.
-    pub fn new(mut out: W, joints: &[String], quantities: &[Quantity]) -> io::Result<Self> {
+    pub fn new(mut out: W, columns: &[Column]) -> io::Result<Self> {
         let mut line = LEADING.join(",").into_bytes();
-        for joint in joints {
-            for quantity in quantities {
-                line.push(b',');
-                push_field(&mut line, &format!("{joint}_{}", quantity.as_str()));
-            }
+        for Column { joint, quantity } in columns {
+            line.push(b',');
+            push_field(&mut line, &format!("{joint}_{}", quantity.as_str()));
         }
         line.push(b'\n');
         out.write_all(&line)?;
         Ok(Self {
             out,
-            columns: joints.len() * quantities.len(),
+            columns: columns.len(),
         })
     }
 

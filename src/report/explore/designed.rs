@@ -1,5 +1,7 @@
 //! The trajectories of a design over one period, from their coefficients.
 
+use std::collections::BTreeMap;
+
 use crate::design::trajectory::fourier_series::{Basis, Series};
 use crate::outcome::design::{Design, JointCoefficients};
 use crate::outcome::skeleton::Skeleton;
@@ -22,19 +24,54 @@ pub(super) fn takes(design: &Design, skeleton: Option<&Skeleton>) -> Vec<Take> {
     let basis = Basis::new(series, SAMPLES);
     let trajectories = design.coefficients.trajectories.iter().enumerate();
     trajectories
-        .filter_map(|(k, joints)| take(&basis, k + 1, joints, skeleton))
+        .filter_map(|(k, joints)| {
+            let mut take = take(&basis, k + 1, joints)?;
+            take.postures = skeleton.and_then(|skeleton| postures(skeleton, design, &basis, k));
+            Some(take)
+        })
         .collect()
 }
 
-fn take(
+/// s from the start of the period.
+fn times(basis: &Basis) -> Vec<f64> {
+    let at = |k: usize| k as f64 * basis.step();
+    (0..basis.samples).map(at).collect()
+}
+
+/// Postures along the trajectory that has this number, from 0.
+fn postures(
+    skeleton: &Skeleton,
+    design: &Design,
     basis: &Basis,
     number: usize,
-    joints: &[JointCoefficients],
-    skeleton: Option<&Skeleton>,
-) -> Option<Take> {
-    let t: Vec<f64> = (0..basis.samples)
-        .map(|k| k as f64 * basis.step())
-        .collect();
+) -> Option<Postures> {
+    let joints = design.coefficients.trajectories[number].iter();
+    let own = joints.filter_map(|joint| {
+        let [position, ..] = motion(basis, joint)?;
+        Some((joint.joint.as_str(), position))
+    });
+    let moved = design.carried.iter().filter_map(|joint| {
+        let position = around(joint.positions.get(number)?, basis.samples);
+        Some((joint.joint.as_str(), position))
+    });
+    let positions: BTreeMap<&str, Vec<f64>> = own.chain(moved).collect();
+    Postures::new(skeleton, &times(basis), |name| {
+        positions.get(name).map(Vec::as_slice)
+    })
+}
+
+/// A periodic series at other, equal steps, straight between its points.
+fn around(series: &[f64], samples: usize) -> Vec<f64> {
+    let at = |k: usize| {
+        let place = (k * series.len()) as f64 / samples as f64;
+        let before = place as usize;
+        let [low, high] = [before, before + 1].map(|k| series[k % series.len()]);
+        low + (place - before as f64) * (high - low)
+    };
+    (0..samples).map(at).collect()
+}
+
+fn take(basis: &Basis, number: usize, joints: &[JointCoefficients]) -> Option<Take> {
     let orders: Vec<[Vec<f64>; 3]> = joints
         .iter()
         .map(|joint| motion(basis, joint))
@@ -66,19 +103,13 @@ fn take(
             spectrum: None,
         }
     });
-    let postures = skeleton.and_then(|skeleton| {
-        Postures::new(skeleton, &t, |name| {
-            let own = joints.iter().position(|joint| joint.joint == name)?;
-            Some(&orders[own][0])
-        })
-    });
     Some(Take {
         name: format!("trajectory {number}"),
         kind: "one period".to_string(),
         start: 0.0,
-        t: floats(t.iter().copied()),
+        t: floats(times(basis).into_iter()),
         channels: channels.collect(),
-        postures,
+        postures: None,
     })
 }
 

@@ -50,8 +50,8 @@ pub(super) fn takes(outcome: &Outcome, predictions: &Predictions) -> Vec<Take> {
 fn joints(predictions: &Predictions) -> Vec<&str> {
     let columns = predictions.columns.iter();
     columns
-        .filter(|(_, quantity)| *quantity == Quantity::Recorded)
-        .map(|(joint, _)| joint.as_str())
+        .filter(|column| column.quantity == Quantity::Recorded)
+        .map(|column| column.joint.as_str())
         .collect()
 }
 

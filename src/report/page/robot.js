@@ -35,6 +35,10 @@ function forward(skeleton, q) {
   return { frames, tips: skeleton.tips.map(tip => carry(frames[tip.joint], tip.at)) };
 }
 
+/** Where the two ends of everything that closes a loop are. */
+const places = ({ closures = [] }, frames) =>
+  closures.map(({ ends }) => ends.map(({ link, point }) => (link === null ? point : carry(frames[link], point))));
+
 class Robot {
   constructor(box, skeleton) {
     this.skeleton = skeleton;
@@ -80,7 +84,7 @@ class Robot {
     for (let k = 0; k < this.t.length; k += stride) {
       const { frames, tips } = forward(this.skeleton, this.q.map(q => q[k] ?? 0));
       this.way.push(tips[0] ?? frames[frames.length - 1].p);
-      reach.push([0, 0, 0], ...frames.map(f => f.p), ...tips);
+      reach.push([0, 0, 0], ...frames.map(f => f.p), ...tips, ...places(this.skeleton, frames).flat());
     }
     const low = [0, 1, 2].map(i => Math.min(...reach.map(p => p[i])));
     const high = [0, 1, 2].map(i => Math.max(...reach.map(p => p[i])));
@@ -137,8 +141,14 @@ class Robot {
     ctx.stroke();
     ctx.globalAlpha = 1;
     const { frames, tips } = forward(this.skeleton, this.posture());
-    const bones = this.skeleton.joints.map((joint, j) => [joint.parent === null ? [0, 0, 0] : frames[joint.parent].p, frames[j].p]);
-    bones.push(...this.skeleton.tips.map((tip, k) => [frames[tip.joint].p, tips[k]]));
+    const { joints, closures = [] } = this.skeleton;
+    const ends = places(this.skeleton, frames);
+    const onLink = (link, place) => [link === null ? [0, 0, 0] : frames[link].p, place];
+    const bones = joints.map((joint, j) => onLink(joint.parent, frames[j].p)).filter((_, j) => !joints[j].free);
+    bones.push(...this.skeleton.tips.map((tip, k) => onLink(tip.joint, tips[k])));
+    closures.forEach((closure, c) => {
+      bones.push(ends[c], ...ends[c].map((place, k) => onLink(closure.ends[k].link, place)));
+    });
     for (const [colour, line] of [["--card", 9], ["--bone", 6]]) {
       ctx.strokeStyle = theme.colour(colour);
       ctx.lineWidth = line;
@@ -148,7 +158,8 @@ class Robot {
       }
     }
     frames.forEach((frame, j) => {
-      const chosen = this.skeleton.joints[j].name === this.selected;
+      if (joints[j].free) return;
+      const chosen = joints[j].name === this.selected;
       ctx.beginPath();
       ctx.arc(...project(frame.p), chosen ? 7 : 4.5, 0, 2 * Math.PI);
       ctx.fillStyle = theme.colour(chosen ? "--accent" : "--card");
