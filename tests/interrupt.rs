@@ -6,7 +6,8 @@ use common::arm::{Arm, EVERY_SAMPLE};
 use common::interrupting::interrupt;
 use serde_json::Value;
 use std::fs;
-use std::process::Command;
+use std::io::Read;
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 /// Periods of 200 samples: the search for w over 80 000 rows takes far longer than a signal does.
@@ -62,9 +63,15 @@ fn an_interrupted_diagnosis_reports_what_it_has() {
     let child = Command::new(env!("CARGO_BIN_EXE_exid"))
         .args(["diagnose", problem, "--quiet", "--out"])
         .arg(folder.path())
-        .spawn()
-        .unwrap();
+        .stderr(Stdio::piped())
+        .spawn();
+    let mut child = child.unwrap();
+    let mut said = child.stderr.take().unwrap();
     assert_eq!(interrupt(child, Duration::from_millis(300)), Some(130));
+    let mut words = String::new();
+    said.read_to_string(&mut words).unwrap();
+    assert!(words.starts_with("interrupted: "), "{words}");
+    assert_eq!(words.lines().count(), 1, "{words}");
     let text = fs::read_to_string(folder.path().join("result.json")).unwrap();
     let result: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(result["solver"]["stop"], "interrupted");

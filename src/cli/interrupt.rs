@@ -1,5 +1,7 @@
 //! Ctrl-C as a flag that long work looks at.
 
+use crate::cli::messages::complain;
+use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
@@ -17,6 +19,11 @@ fn handled() -> Arc<AtomicBool> {
         if seen.swap(true, Ordering::Relaxed) {
             std::process::exit(i32::from(crate::cli::error::CliError::INTERRUPTED));
         }
+        if std::io::stderr().is_terminal() {
+            // In the place of the line of progress.
+            eprint!("\r\u{1b}[2K");
+        }
+        complain("interrupted: ending with what is found so far; a second interrupt ends at once");
     });
     flag
 }

@@ -20,7 +20,7 @@ use crate::trials::plan::Scope;
 use crate::trials::robot::KINDS;
 use crate::trials::run as trial;
 use crate::trials::tally::tally;
-use crate::verb::folder;
+use crate::verb::{folder, remaining};
 use rayon::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -64,7 +64,8 @@ pub fn run(campaign: &Campaign) -> Result<u8, CliError> {
     let all = done.len() + open.len();
     let mut made = 0;
     for batch in open.chunks(BATCH) {
-        progress.say(format!("{} of {all} trials", done.len()));
+        let left = remaining::left(started.elapsed(), made, made + all - done.len());
+        progress.say(format!("{} of {all} trials{left}", done.len()));
         let trials = batch.par_iter().map(|&n| place.run(&scope, n, &control));
         let trials: Vec<Trial> = trials.collect::<Result<_, CliError>>()?;
         if control.is_interrupted() {

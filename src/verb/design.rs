@@ -10,9 +10,10 @@ use crate::problem_file::ProblemFile;
 use crate::verb::completed::{Completed, Found};
 use crate::verb::ending::Ending;
 use crate::verb::error::VerbError;
-use crate::verb::inputs;
 use crate::verb::settings::Settings;
+use crate::verb::{inputs, remaining};
 use std::io::Write;
+use std::time::Duration;
 
 /// Name of the coefficients' file.
 const COEFFICIENTS: &str = "coefficients.json";
@@ -25,11 +26,20 @@ pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, Verb
     let mistakes = settings.mistakes(problem, Extent::Robot)?;
     settings.say("designing");
     let control = settings.control();
+    let planned = problem.design.starts.as_ref().map(|starts| starts.value);
     let mut designed = task::run(problem, settings.seed, &control, |improvement| {
-        settings.say(&format!(
-            "designing: {:.6} after {} starts",
-            improvement.value, improvement.starts
-        ));
+        let (value, made) = (improvement.value, improvement.starts);
+        let elapsed = Duration::from_secs_f64(improvement.elapsed);
+        let starts = planned.map_or_else(
+            || format!("{made} starts"),
+            |all| {
+                format!(
+                    "{made} of {all} starts{}",
+                    remaining::left(elapsed, made, all)
+                )
+            },
+        );
+        settings.say(&format!("designing: {value:.6} after {starts}"));
     })?;
     designed.design.files = names(&designed);
     Ok(Completed {

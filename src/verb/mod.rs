@@ -12,6 +12,7 @@ pub mod inputs;
 pub mod kept;
 mod motors;
 mod predictions;
+pub mod remaining;
 pub mod rollout;
 pub mod settings;
 pub mod simulate;
