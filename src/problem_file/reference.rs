@@ -7,7 +7,8 @@ use crate::problem_file::key::{Form, Key, Length, REQUIRED, Range, sections};
 pub fn markdown() -> String {
     let mut text = String::from(
         "# Keys of problem files\n\nPaths start from the problem file's folder. Units are SI; those of sliding joints stand in \
-         brackets. A value per joint is one number for all joints or a list in their order.\n",
+         brackets. A value per joint is one number for all joints or a list in their order. Keys are there since version 0.1.0, \
+         the first, where their meaning names no later one.\n",
     );
     for section in sections(KEYS) {
         let title = match section.header.as_str() {
