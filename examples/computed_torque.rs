@@ -106,7 +106,7 @@ fn identified(file: &Path) -> Outcome<Model> {
     fs::create_dir_all(&folder)?;
     let problem = open(file, &[])?;
     let simulated = simulate::run(&problem, 1, &Control::default())?;
-    let recording = folder.join("train.csv");
+    let recording = folder.join("train.csv.gz");
     write_csv(File::create(&recording)?, &simulated.recordings[0])?;
     let train = format!("recordings.train=[{:?}]", recording.display().to_string());
     let fitted = task::run(&open(file, &[train])?, &Control::default(), |_| {})?.fitted;
