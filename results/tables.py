@@ -2,7 +2,9 @@
 `<!-- table: NAME -->` and `<!-- end -->` of results/PAGE/README.md. `results/remake` makes the runs and calls it. Standard library only.
 """
 
+import csv
 import json
+import math
 import pathlib
 import sys
 
@@ -19,7 +21,7 @@ def parameters(folder):
 
 
 def rows(head, body):
-    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    lines = ["| " + " | ".join(map(str, head)) + " |", "|" + "---|" * len(head)]
     return "\n".join(lines + ["| " + " | ".join(map(str, row)) + " |" for row in body])
 
 
@@ -86,6 +88,63 @@ def h4_errors():
         body.append([f"eq. {equation}: held out, V"] + [f"{j['rmse_validation']:.4f}" for j in joints])
         body.append([f"eq. {equation}: held out, of the signal"] + [f"{100 * j['relative_validation']:.1f} %" for j in joints])
     return rows(["", "motor 1", "motor 2", "motor 3", "motor 4"], body)
+
+
+# Seconds of the held-out motion that Fig. 4 shows: from where it is fast.
+SHOWN = (7.0, 9.0)
+AXES = ("x", "y", "z")
+
+
+def platform(folder):
+    """Times and accelerations of the platform in the held-out recording."""
+    with open(ROOT / folder / "predictions.csv", newline="") as file:
+        held_out = [row for row in csv.DictReader(file) if row["split"] == "validation"]
+    times = [float(row["t"]) for row in held_out]
+    return times, {axis: [float(row[f"nacelle_{axis}_acceleration"]) for row in held_out] for axis in AXES}
+
+
+def h4_accelerations():
+    """Accelerations of the platform from the motors and from its sensors, as figures and as a picture."""
+    times, by_motors = platform("h4_parallel/fit")
+    _, by_sensors = platform("h4_parallel_sensors/fit")
+    body, panels = [], []
+    size = lambda series: math.sqrt(sum(x * x for x in series) / len(series))
+    for axis in AXES:
+        measured, calculated = by_sensors[axis], by_motors[axis]
+        error = size([m - c for m, c in zip(measured, calculated)])
+        body.append([axis, f"{size(measured):.2f}", f"{error:.2f}"])
+        panels.append((f"{axis} [m/s²]", [("measured", "#8a8f98", measured), ("from the motors", "#0b5fa5", calculated)]))
+    (ROOT / "h4_parallel" / "acceleration.svg").write_text(stacked(times, panels, SHOWN))
+    return rows(["axis", "measured, RMS, m/s²", "calculated minus measured, RMS, m/s²"], body)
+
+
+def stacked(times, panels, shown):
+    """Curves over a stretch of time, one panel below the other, as a picture."""
+    width, height, left, top, gap = 760, 150, 56, 30, 34
+    rows = [k for k, t in enumerate(times) if shown[0] <= t <= shown[1]]
+    whole = top + len(panels) * (height + gap)
+    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {whole}" font-family="sans-serif" font-size="12">']
+    out.append('<rect width="100%" height="100%" fill="white"/>')
+    x = lambda t: left + (t - shown[0]) / (shown[1] - shown[0]) * (width - left - 10)
+    for k, (label, lines) in enumerate(panels):
+        y0 = top + k * (height + gap)
+        most = 1.05 * max(abs(series[row]) for _, _, series in lines for row in rows)
+        y = lambda value: y0 + height / 2 - value / most * height / 2
+        out.append(f'<text x="{left}" y="{y0 - 6}">{label}</text>')
+        for level in (-1, 0, 1):
+            value = level * float(f"{0.8 * most:.1g}")
+            out.append(f'<path d="M{left} {y(value):.1f}H{width - 10}" stroke="#dfe3e8"/>')
+            out.append(f'<text x="{left - 6}" y="{y(value) + 4:.1f}" text-anchor="end">{value:g}</text>')
+        for _, colour, series in lines:
+            points = " ".join(f"{x(times[row]):.1f},{y(series[row]):.1f}" for row in rows)
+            out.append(f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="1.5"/>')
+    for k in range(5):
+        t = shown[0] + k * (shown[1] - shown[0]) / 4
+        out.append(f'<text x="{x(t):.1f}" y="{whole - 18}" text-anchor="middle">{t:g}</text>')
+    out.append(f'<text x="{width / 2}" y="{whole - 4}" text-anchor="middle">t [s]</text>')
+    for k, (name, colour, _) in enumerate(panels[0][1]):
+        out.append(f'<text x="{width - 240 + 110 * k}" y="16" fill="{colour}">{name}</text>')
+    return "\n".join([*out, "</svg>", ""])
 
 
 def h4_gains():
@@ -214,10 +273,88 @@ def panda_hand():
     return rows(["parameter", "truth", "difference of two fits, 95 % interval", "one estimate of arm and hand, 95 % interval"], body)
 
 
+# Limits of designs in the order of the tables, and what they are called there.
+LIMITS = ["position", "velocity", "acceleration", "jerk", "torque"]
+
+
+def left(margin):
+    """How far a motion stays from a limit: lengths in mm, all else as a share of the limit."""
+    share = margin["relative"]
+    if margin["unit"] == "m" and not margin["joint"]:
+        return f"{digits(1e3 * margin['margin'], 2)} mm"
+    if share < 1e-4:
+        return "under 0.01 %"
+    return f"{digits(100 * share, 2)} %"
+
+
+def design_margins(page):
+    """The closest limit of every kind, and what the motion is worth."""
+    design = result(f"{page}/design")
+    closest = {}
+    for margin in design["worst_margins"]:
+        kind = (margin["constraint"], None if margin["joint"] else margin["limit"])
+        if kind not in closest or margin["relative"] < closest[kind]["relative"]:
+            closest[kind] = margin
+    rank = lambda margin: LIMITS.index(margin["constraint"]) if margin["constraint"] in LIMITS else len(LIMITS)
+    body = []
+    for margin in sorted(closest.values(), key=rank):
+        unit = "" if margin["unit"] == "1" else f" {margin['unit']}"
+        body.append([margin["constraint"], margin["joint"] or "", f"{margin['limit']:.4g}{unit}", left(margin), f"{margin['time']:.2f} s"])
+    table = rows(["limit", "joint that comes closest", "at", "left", "time"], body)
+    criterion = f"{design['criterion']} {design['criterion_value']:.4g} after {design['starts']} starts"
+    return table + f"\n\nCondition number of columns of unit norm: {digits(design['condition_number'], 3)}; {criterion}."
+
+
+def design_deviations(page):
+    """Expected deviations beside those of the motion that the design is compared with."""
+    design = result(f"{page}/design")
+    own, other = ({d["name"]: d for d in run["expected_std_dev"]} for run in (design, design["reference"]))
+    body = []
+    for name, d in own.items():
+        by_hand = other[name]["std_dev"]
+        if name.startswith("payload."):
+            label = f"{name.removeprefix('payload.')} [{d['unit']}]"
+            body.append([label, digits(d["std_dev"]), digits(by_hand), f"{d['std_dev'] / by_hand:.3f}"])
+    return rows(["parameter", "designed", "by hand", "ratio"], body)
+
+
+# The same constraints by Pinocchio and CVXPY (tests/reference/lwr4_feasible.py): held-out errors, N·m, and over its own least squares.
+LWR4_INDEPENDENT = [
+    ("the same constraints by Pinocchio and CVXPY (`tests/reference/lwr4_feasible.py`)", [0.273, 0.295, 0.285, 0.191, 0.260, 0.200, 0.234], 3),
+    ("independent, over its own least squares", [1.24, 1.03, 1.15, 1.02, 1.05, 1.07, 1.70], 2),
+    ("independent, without signs of friction", [1.25, 1.01, 1.12, 1.00, 0.94, 1.09, 1.67], 2),
+]
+
+
+def feasible(robot):
+    """Held-out errors of a feasible fit, and those over what least squares leaves."""
+    run = result(f"feasible/{robot}")
+    errors = [j["rmse_validation"] for j in run["joints"]]
+    free = [j["rmse_validation"] for j in run["feasibility"]["unconstrained"]]
+    return errors, [error / least for error, least in zip(errors, free)]
+
+
+def feasible_ur10e():
+    _, ratios = feasible("ur10e")
+    return rows(["pan", "lift", "elbow", "wrist 1", "wrist 2", "wrist 3"], [[f"{ratio:.3f}" for ratio in ratios]])
+
+
+def feasible_lwr4():
+    errors, ratios = feasible("lwr4")
+    solve, squares, unsigned = ([name, *(f"{x:.{d}f}" for x in values)] for name, values, d in LWR4_INDEPENDENT)
+    own = ["feasible", *(f"{error:.3f}" for error in errors)]
+    over = ["feasible over least squares", *(f"{ratio:.2f}" for ratio in ratios)]
+    return rows(["joint", *range(1, 8)], [own, solve, over, squares, unsigned])
+
+
 TABLES = {
-    "h4_parallel": {"parameters": h4_parameters, "errors": h4_errors, "gains": h4_gains},
+    "h4_parallel": {"parameters": h4_parameters, "errors": h4_errors, "accelerations": h4_accelerations, "gains": h4_gains},
     "puma562_reaction": {"parameters": puma_table, "both": puma_both},
     "ur5_motors": {"constants": ur5_constants},
+    "kr150_excitation": {"deviations": lambda: design_deviations("kr150_excitation")},
+    "scara_excitation": {"margins": lambda: design_margins("scara_excitation")},
+    "panda_excitation": {"margins": lambda: design_margins("panda_excitation")},
+    "feasible": {"ur10e": feasible_ur10e, "lwr4": feasible_lwr4},
     "panda_friction": {figure: lambda figure=figure: panda_errors(figure) for figure in PANDA} | {"hand": panda_hand},
 }
 
