@@ -194,8 +194,8 @@ impl Robot {
                 || (),
                 |(), trajectory, mut out| {
                     let mut torque = vec![vec![0.0; trajectory.len()]; n];
-                    let whole = (trajectory, 0..trajectory.len());
-                    torques_into(&self.tree, &parameters, whole, &mut torque);
+                    let whole = 0..trajectory.len();
+                    torques_into(&self.tree, &parameters, trajectory, whole, &mut torque);
                     for (joint, series) in torque.iter().enumerate() {
                         for (sample, &value) in series.iter().enumerate() {
                             out[(sample, joint)] = value;
@@ -332,12 +332,12 @@ impl Robot {
                 slopes.view_mut(),
                 || DerivativeBatch::new(&self.tree, BLOCK),
                 |batch, trajectory, mut out| {
-                    let whole = (trajectory, 0..trajectory.len());
-                    batch.evaluate(&self.tree, &parameters, whole);
+                    let whole = 0..trajectory.len();
+                    batch.evaluate(&self.tree, &parameters, trajectory, whole);
                     for order in 0..3 {
                         for row in 0..n {
                             for joint in 0..n {
-                                let series = batch.slope(order, (row, joint));
+                                let series = batch.slope(order, row, joint);
                                 for sample in 0..trajectory.len() {
                                     out[(sample, order * n + row, joint)] = series[sample];
                                 }
