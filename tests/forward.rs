@@ -1,8 +1,9 @@
 //! The forward model undoes the chain: torques that the chain gives along a motion lead along that motion.
 
+use exid::chain::controller::{Controller, Gain};
 use exid::chain::effect::{Effect, find};
 use exid::chain::evaluate::{Evaluator, Segment};
-use exid::chain::forward::{Accuracy, Driven, Forward, State};
+use exid::chain::forward::{Accuracy, Driven, Forward, State, Told};
 use exid::chain::model::{Inertials, Model, ModelSettings, Signal};
 use exid::robot::batch::Trajectory;
 use exid::robot::random::{generator, tree};
@@ -13,6 +14,11 @@ use std::f64::consts::TAU;
 const RATE: f64 = 4000.0;
 const JOINTS: usize = 3;
 
+const CONTROLLER: Controller = Controller {
+    kp: Gain::known(60.0),
+    kd: Gain::known(4.0),
+};
+
 /// A random arm whose joints have effects, with rotors.
 fn model(effects: &[&str], signal: Signal) -> Model {
     let listed: Vec<&'static Effect> = effects.iter().map(|id| find(id).unwrap()).collect();
@@ -22,6 +28,7 @@ fn model(effects: &[&str], signal: Signal) -> Model {
         rotor_inertia: Some(vec![0.3; JOINTS]),
         effects: vec![listed; JOINTS],
         torque_constant: (signal == Signal::Current).then(|| vec![7.0; JOINTS]),
+        controllers: (signal == Signal::PositionCommand).then(|| vec![CONTROLLER; JOINTS]),
         ..ModelSettings::bodies(robot, signal)
     };
     Model::new(settings).unwrap()
@@ -195,4 +202,36 @@ fn invariant_play_leads_along_the_motion() {
     let far = distance(&effects, &given, Accuracy::default());
     println!("play {far:e}");
     assert!(far < 2e-6, "{far:e}");
+}
+
+/// Half of it is no controller that leads along the motion: the error of its position alone is larger than the bound by far.
+#[test]
+fn invariant_commands_lead_along_the_motion() {
+    let effects = with(&["drive_gain"], &[("drive_gain.gain", 1.2)]);
+    let (course, model) = (course(), model(&effects.0, Signal::PositionCommand));
+    let values = values(&model, &effects.1);
+    let errors = torques(&model, &values, &course);
+    let mut forward = Forward::new(&model, &values, false, Accuracy::default()).unwrap();
+    assert!(forward.is_controlled());
+    let aims = |k: usize| -> Vec<f64> {
+        let of = |j: usize| Told {
+            position: course.motion[0][j][k] + errors[j][k],
+            ..Told::default()
+        };
+        (0..JOINTS).map(|j| forward.aim(j, of(j))).collect()
+    };
+    let rows: Vec<Vec<f64>> = (0..=(0.5 * RATE) as usize).map(aims).collect();
+    let mut state = forward.settled(&at(&course.motion[0], 0), &at(&course.motion[1], 0));
+    let mut most = 0.0_f64;
+    for (k, pair) in rows.windows(2).enumerate() {
+        let driven = Driven::Command {
+            from: &pair[0],
+            to: &pair[1],
+        };
+        forward.advance(&mut state, driven, 1.0 / RATE).unwrap();
+        let pairs = state.position.iter().zip(at(&course.motion[0], k + 1));
+        most = pairs.fold(most, |most, (x, q)| most.max((x - q).abs()));
+    }
+    println!("commands {most:e}");
+    assert!(most < 2e-6, "{most:e}");
 }

@@ -117,7 +117,8 @@ const ROLLOUT_EXAMPLES: &str = "Examples:
 
 From starts all over the recordings that were not fitted, at the recorded position and speed, the motion is integrated under the
 recorded torques for up to two seconds, by the model before and after, and by the final model under its own torques with the
-noise of the signal: what a right model would reach.";
+noise of the signal: what a right model would reach. Where the recordings hold commands, the identified position controllers are
+told them and act on the position of the model.";
 const REPEAT_EXAMPLES: &str = "Examples:
   exid repeat results/arm6/fit
   exid repeat results/arm6/fit --threads 1 --out again";

@@ -1,4 +1,4 @@
-//! What `rollout` adds: how far a model that is simulated forward under the recorded torques strays from the recording.
+//! What `rollout` adds: how far a model that is simulated forward under the recorded torques or commands strays from the recording.
 
 use serde::{Deserialize, Serialize};
 

@@ -7,7 +7,9 @@
 //! ```
 //!
 //! by the model before and after, and by the final model under its own torques with the noise of the signal, from a start
-//! with the errors of the estimated motion: what the noise alone would make of a model that is right. What lags behind a
+//! with the errors of the estimated motion: what the noise alone would make of a model that is right. Where the recordings hold
+//! commands of position controllers, the loop is closed: the identified controllers act on what they are told and on where
+//! the model is, and `e` is what it then strays by. What lags behind a
 //! motor and bristles begin where they come to along the recorded motion before the start.
 
 pub mod candidate;

@@ -2,7 +2,7 @@
 
 use crate::chain::dataset::Prepared;
 use crate::chain::evaluate::Evaluator;
-use crate::chain::forward::{Accuracy, Driven, Forward, NotForward, State};
+use crate::chain::forward::{Accuracy, Driven, Forward, NotForward, State, Told};
 use crate::robot::tree::JointKind;
 use crate::rollout::candidate::Candidate;
 use crate::stats::range::within;
@@ -21,8 +21,9 @@ pub struct ModelRun<'a> {
     acceleration: Vec<Vec<f64>>,
     /// All motors in the first row: where those stand that do not move.
     held: Vec<f64>,
-    /// `[motor][row]`, N·m (N).
+    /// Torques of the motors, or what their controllers aim at, `[motor][row]`, N·m (N).
     torque: Vec<Vec<f64>>,
+    is_controlled: bool,
     /// States at the starts of windows, what lags and remembers among them.
     states: Vec<State>,
     starts: Vec<usize>,
@@ -80,12 +81,30 @@ impl<'a> ModelRun<'a> {
         };
         let motors = forward.motors().to_vec();
         let all = |series: &[Vec<f64>]| motors.iter().map(|&j| moved(series, j)).collect();
+        let motion: [Vec<Vec<f64>>; 2] = [all(&recorded.position), all(&recorded.velocity)];
+        let is_controlled = forward.is_controlled();
+        let commands = recording.commands().map(|commands| commands.from_sample(0));
+        let of_row = |series: Option<&[f64]>, row: usize| {
+            series.and_then(|s| s.get(row).copied()).unwrap_or(0.0)
+        };
         let torque = motors.iter().enumerate().map(|(k, &j)| {
-            let torques: Vec<f64> = signal[j]
-                .iter()
-                .map(|s| forward.motor_torque(k, *s))
+            let signal = signal[j].iter().enumerate();
+            let torques: Vec<f64> = signal
+                .map(|(row, s)| match is_controlled {
+                    true => forward.aim(
+                        k,
+                        Told {
+                            position: motion[0][k][row] + s,
+                            velocity: of_row(commands.map(|c| c.velocity(j)), row),
+                            feed_forward: of_row(commands.map(|c| c.feed_forward(j)), row),
+                        },
+                    ),
+                    false => forward.motor_torque(k, *s),
+                })
                 .collect();
-            let rows = forward.delay(k) * experiment.rate_hz;
+            // A signal is recorded later than it acts, a command acts later than it is recorded.
+            let ahead = if is_controlled { -1.0 } else { 1.0 };
+            let rows = ahead * forward.delay(k) * experiment.rate_hz;
             match rows == 0.0 {
                 true => torques,
                 false => shifted(&torques, rows, experiment.periods.is_some()),
@@ -97,10 +116,11 @@ impl<'a> ModelRun<'a> {
         let mut run = Self {
             candidate,
             recording,
-            motion: [all(&recorded.position), all(&recorded.velocity)],
+            motion,
             acceleration: all(&recorded.acceleration),
             held,
             torque,
+            is_controlled,
             states: Vec::new(),
             starts: starts.to_vec(),
         };
@@ -214,9 +234,10 @@ impl<'a> ModelRun<'a> {
             for (to, series) in to.iter_mut().zip(&self.torque) {
                 *to = series[row + 1];
             }
-            let driven = Driven::Torque {
-                from: &from,
-                to: &to,
+            let (from, to) = (&from[..], &to[..]);
+            let driven = match self.is_controlled {
+                true => Driven::Command { from, to },
+                false => Driven::Torque { from, to },
             };
             // A mass matrix that is not positive, or a mechanism that tears, is as lost as a robot that flies away.
             if forward.advance(&mut state, driven, duration).is_err() {

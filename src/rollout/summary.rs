@@ -3,6 +3,7 @@
 use crate::chain::effect::{Effect, Lasts};
 use crate::chain::forward;
 use crate::chain::forward::Accuracy;
+use crate::chain::model::Signal;
 use crate::outcome::Part;
 use crate::outcome::rollout::{
     ErrorCurve, HeldOut, Horizon, Integrator, JointErrors, RolledRecording, Rollout, Spread,
@@ -231,8 +232,11 @@ impl Summary<'_> {
             .map(|r| r.starts.rows.len())
             .sum::<usize>();
         let mut text = format!(
-            "Simulated forward under the recorded torques from {windows} starts in {}: after {} s the final model's error of \
-             position",
+            "Simulated forward under the recorded {} from {windows} starts in {}: after {} s the final model's error of position",
+            match self.candidates.after.model.signal() {
+                Signal::PositionCommand => "commands, with the controllers in the loop,",
+                _ => "torques",
+            },
             self.held_out.words(),
             horizon.horizon
         );

@@ -77,6 +77,19 @@ periods = 3
         assert!((value - truth).abs() < 4.0 * deviation, "{of}");
         assert!(deviation < 0.1 * truth, "{of}");
     }
+    // In closed loop, the errors of the position are those that the noise makes.
+    let rolled = run_problem(&folder, "rollout", "results/problem/fit");
+    assert!(
+        rolled["summary"].to_string().contains("commands"),
+        "{rolled}"
+    );
+    for horizon in rolled["horizons"].as_array().unwrap() {
+        let errors = &horizon["joints"][0];
+        let [after, noise] =
+            ["after", "noise"].map(|kind| errors[kind]["median"].as_f64().unwrap());
+        assert_eq!(errors["after"]["lost"], 0);
+        assert!(after < 2.0 * noise && after < 5e-4, "{errors}");
+    }
 }
 
 /// A joint that moves alone about the vertical: all of its torque scales with the gain where rotor inertia takes up that of the

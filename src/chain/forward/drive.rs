@@ -6,6 +6,7 @@ use crate::chain::effect::{
     Contribution, Flow, Law, LawDynamics, Memory, Samples, Surroundings, TorqueLaw,
     TransmissionLaw, Transmitted,
 };
+use crate::chain::forward::state::Told;
 use crate::chain::model::{JointModel, Signal};
 use nalgebra::DVector;
 
@@ -48,6 +49,15 @@ pub(super) struct Loss {
     pub by_sign: f64,
 }
 
+/// A position controller, its gains times that of the drive.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Servo {
+    /// N·m/rad (N/m).
+    pub stiffness: f64,
+    /// N·m·s/rad (N·s/m).
+    pub damping: f64,
+}
+
 /// A law with its parameters, borrowed ones behind its own.
 #[derive(Debug)]
 struct Valued<T: 'static + ?Sized> {
@@ -68,6 +78,8 @@ pub(super) struct Drive {
     /// Torque per unit of the signal; of a current with a polynomial the gain alone.
     factor: f64,
     polynomial: Option<[f64; COEFFICIENTS]>,
+    /// Zero of a motor without a position controller.
+    pub servo: Servo,
     by_parameter: Vec<Vec<f64>>,
 }
 
@@ -89,6 +101,10 @@ impl Drive {
                     joint.torque_constant
                 },
             polynomial: polynomial.map(|at| std::array::from_fn(|k| values[at + k])),
+            servo: joint.controller.map_or_else(Servo::default, |at| Servo {
+                stiffness: gain * values[at],
+                damping: gain * values[at + 1],
+            }),
             by_parameter: vec![vec![0.0; LANES]; MOST_PARAMETERS],
         };
         for (index, &(effect, first)) in joint.effects.iter().enumerate() {
@@ -118,6 +134,13 @@ impl Drive {
             Some(c) => self.factor * torque(c, signal),
             None => self.factor * signal,
         }
+    }
+
+    /// Torque of the controller were the motor at rest at position zero.
+    pub fn aim(&self, told: Told) -> f64 {
+        self.servo.stiffness * told.position
+            + self.servo.damping * told.velocity
+            + self.factor * told.feed_forward
     }
 
     pub fn has_memory(&self) -> bool {

@@ -5,6 +5,7 @@
 //! q = V m + offset − E δ = B x + constant
 //! A ẍ = r(x, ẋ, z, t),           A = (1 + ∂losses/∂τ) Bᵀ M B + J
 //! motors:  r = τ_mot − laws(m, ṁ, z) − (losses − ∂losses/∂τ · τ) − (1 + ∂losses/∂τ) (Bᵀ h)
+//!          τ_mot = gain (kp (m_c − m) + kd (v_c − ṁ) + u) under commands
 //! lags:    r = −c(δ, δ̇) − (Bᵀ h)
 //! bristles and the like:  ż = f(z, ṁ)
 //! ```
@@ -37,7 +38,7 @@ use crate::robot::tree::Tree;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 
-pub use crate::chain::forward::state::{Driven, State};
+pub use crate::chain::forward::state::{Driven, State, Told};
 
 /// How finely is integrated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -224,7 +225,17 @@ impl<'m> Forward<'m> {
         self.drives[motor].torque(signal)
     }
 
-    /// s by which the channel of a motor is recorded late.
+    /// Whether what moves the motors is told to position controllers.
+    pub fn is_controlled(&self) -> bool {
+        self.model.signal() == Signal::PositionCommand
+    }
+
+    /// Torque that the controller of a motor, told this, would give at rest at position zero, N·m (N).
+    pub fn aim(&self, motor: usize, told: Told) -> f64 {
+        self.drives[motor].aim(told)
+    }
+
+    /// s by which the channel of a motor is recorded late, or by which a command acts late.
     pub fn delay(&self, motor: usize) -> f64 {
         let joint = &self.model.joints()[self.motors[motor]];
         joint.delay.map_or(0.0, |at| self.values[at])

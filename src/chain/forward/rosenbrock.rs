@@ -159,9 +159,9 @@ impl Rosenbrock {
         Ok(())
     }
 
-    /// Torques of the motors at a share of the time over which they are linear.
+    /// Torques of the motors, or what controllers aim at, at a share of the time over which they are linear.
     fn drive(&mut self, driven: Driven<'_>, share: f64) {
-        if let Driven::Torque { from, to } = driven {
+        if let Driven::Torque { from, to } | Driven::Command { from, to } = driven {
             for (u, (from, to)) in self.torque.iter_mut().zip(from.iter().zip(to)) {
                 *u = from + share * (to - from);
             }
@@ -169,11 +169,19 @@ impl Rosenbrock {
     }
 
     fn evaluate(&self, state: &State, train: &mut Drivetrain<'_>, out: &mut Side) {
+        let is_controlled = train.is_controlled();
         for (k, drive) in train.drives.iter_mut().enumerate() {
             let v = state.velocity[k];
             let taken = drive.taken(state.position[k], v);
             let mut force = self.torque[k] - taken.torque;
             let mut damping = taken.slope;
+            out.stiffness[k] = 0.0;
+            if is_controlled {
+                let servo = drive.servo;
+                force -= servo.stiffness * state.position[k] + servo.damping * v;
+                damping += servo.damping;
+                out.stiffness[k] = servo.stiffness;
+            }
             if let Some(flow) = drive.flow(state.memory[k], v) {
                 force -= flow.torque;
                 damping += flow.torque_by_velocity.max(0.0);

@@ -24,11 +24,29 @@ pub enum Driven<'a> {
         /// At its end.
         to: &'a [f64],
     },
+    /// What position controllers are [told](super::Told) at both ends, linear between them.
+    Command {
+        /// At the start of the step, by [`Forward::aim`](super::Forward::aim).
+        from: &'a [f64],
+        /// At its end.
+        to: &'a [f64],
+    },
     /// Their accelerations, rad/s² (m/s²), whatever it takes: what lags and what has a memory follow.
     Motion {
         /// One per motor that moves, the same over the step.
         acceleration: &'a [f64],
     },
+}
+
+/// What a position controller is told.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Told {
+    /// Position of the motor at joint scale, rad (m).
+    pub position: f64,
+    /// Its speed, rad/s (m/s).
+    pub velocity: f64,
+    /// Torque that is fed forward, N·m (N).
+    pub feed_forward: f64,
 }
 
 /// A link behind an elastic gear or one with play.
@@ -49,6 +67,11 @@ impl Drivetrain<'_> {
     /// Whether the motion of the motors is given.
     pub fn is_given(&self) -> bool {
         matches!(self.driven, Driven::Motion { .. })
+    }
+
+    /// Whether position controllers act.
+    pub fn is_controlled(&self) -> bool {
+        matches!(self.driven, Driven::Command { .. })
     }
 
     pub fn has_losses(&self) -> bool {
