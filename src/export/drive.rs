@@ -167,6 +167,8 @@ fn drive(machine: &Machine, j: usize, catalogue: &Catalogue) -> Result<Drive, Ex
             }
             Law::Spring => elastic = Some([values[0], values[1]]),
             Law::Play => play = Some(values[0]),
+            // A command that acts late is held back by what gives it.
+            Law::Delay if joint.controller.is_some() => {}
             Law::Delay => drive.delay = values[0],
             // They stand in V, in the offsets, in the load and in gravity.
             Law::Coupling | Law::Encoder | Law::Body | Law::Tilt => {}

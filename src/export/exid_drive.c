@@ -1,4 +1,5 @@
-/* The actuator plugin: `ctrl` holds the signals of the motors, `actuator_force` becomes the torques of the drives.
+/* The actuator plugin: `ctrl` holds the signals of the motors, or the positions that their controllers are told, and
+   `actuator_force` becomes the torques of the drives.
 
    Friction near standstill, stiff gears and flanks of teeth are stiffer than a simulator's step, so the drives act with
    the velocity at the end of the step: v+ = v + h M^-1 (free + F(q + h v+, v+)), which Newton's method solves. Contacts
@@ -16,18 +17,19 @@ static int exid_actuators(const mjModel *m, int instance, int *found) {
 
 /* What a step from here to the velocity `next` misses; torques go to `force`, what the drives remember to `after`. */
 typedef struct {
-    double h, before[EXID_STATES], signal[EXID_JOINTS], q[EXID_JOINTS], v[EXID_JOINTS], free[EXID_JOINTS];
+    double h, before[EXID_STATES], ctrl[EXID_JOINTS], q[EXID_JOINTS], v[EXID_JOINTS], free[EXID_JOINTS];
     double inverse[EXID_JOINTS * EXID_JOINTS];
 } exid_step;
 
 static void exid_miss(const exid_step *of, const double *next, double *force, double *after, double *out) {
-    double q[EXID_JOINTS], a[EXID_JOINTS];
+    double q[EXID_JOINTS], a[EXID_JOINTS], signal[EXID_JOINTS];
     for (int j = 0; j < EXID_JOINTS; j++) {
         q[j] = of->q[j] + of->h * next[j];
         a[j] = (next[j] - of->v[j]) / of->h;
     }
     for (int k = 0; k < EXID_STATES; k++) after[k] = of->before[k];
-    exid_drive_step(after, of->h, of->signal, q, next, a, force);
+    exid_signals(of->ctrl, q, next, signal);
+    exid_drive_step(after, of->h, signal, q, next, a, force);
     for (int j = 0; j < EXID_JOINTS; j++) {
         double acceleration = of->free[j];
         for (int k = 0; k < EXID_JOINTS; k++) acceleration += of->inverse[j * EXID_JOINTS + k] * force[k];
@@ -52,7 +54,7 @@ static void exid_compute(const mjModel *m, mjData *d, int instance, int capabili
         of.q[j] = d->qpos[m->jnt_qposadr[joint]];
         of.v[j] = d->qvel[dof[j]];
         of.free[j] = solution[dof[j]];
-        of.signal[j] = d->ctrl[actuator[j]];
+        of.ctrl[j] = d->ctrl[actuator[j]];
     }
     for (int k = 0; k < EXID_JOINTS; k++) {
         mju_zero(right, m->nv);
@@ -63,8 +65,9 @@ static void exid_compute(const mjModel *m, mjData *d, int instance, int capabili
     mj_freeStack(d);
     for (int k = 0; k < EXID_STATES; k++) of.before[k] = held[k];
     if (of.before[1] < 0.5) {
-        double unused[EXID_JOINTS], at_rest[EXID_JOINTS] = {0.0};
-        exid_drive_step(of.before, of.h, of.signal, of.q, of.v, at_rest, unused);
+        double unused[EXID_JOINTS], signal[EXID_JOINTS], at_rest[EXID_JOINTS] = {0.0};
+        exid_signals(of.ctrl, of.q, of.v, signal);
+        exid_drive_step(of.before, of.h, signal, of.q, of.v, at_rest, unused);
     }
     double next[EXID_JOINTS], moved[EXID_JOINTS], force[EXID_JOINTS], tried_force[EXID_JOINTS];
     double after[EXID_STATES], tried_after[EXID_STATES];

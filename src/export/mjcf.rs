@@ -1,13 +1,13 @@
-//! MJCF: bodies, armature, damping and frictionloss; frames as sites.
+//! MJCF: bodies, armature, damping, frictionloss, motors and position controllers; frames as sites.
 
 use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::of_term;
 use crate::export::loop_constraints;
 use crate::export::xml::{escaped, triple};
 use crate::export::{Export, File, term};
-use crate::outcome::machine::{Machine, MachineJoint, Motion, Pose};
+use crate::outcome::machine::{Machine, MachineController, MachineJoint, Motion, Pose};
 use crate::robot::inertia::{CentralInertia, Inertia};
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::fmt::Write;
 
 /// Terms that MuJoCo has attributes for.
@@ -17,6 +17,9 @@ const KEPT: [JointTerm; 4] = [
     JointTerm::DryFriction,
     JointTerm::Spring,
 ];
+
+/// kg and kg·m² of a link without mass.
+const LEAST_BODY: [f64; 2] = [1e-6, 1e-9];
 
 /// What of a drive stands in the joint.
 #[derive(Debug, Clone, Copy, Default)]
@@ -32,7 +35,8 @@ pub struct Native {
 /// What drives the joints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Actuation {
-    None,
+    /// MuJoCo's own: position controllers, and motors whose gears are the torque per signal.
+    Own,
     /// The plugin `exid.drive`, one actuator per joint.
     Plugin,
 }
@@ -43,7 +47,7 @@ pub fn write(machine: &Machine, name: &str) -> Export {
     Export {
         files: vec![File {
             name: format!("{name}.xml"),
-            text: document(machine, &natives, Actuation::None),
+            text: document(machine, &natives, Actuation::Own),
         }],
         notes: lost(machine),
     }
@@ -83,20 +87,67 @@ pub fn document(machine: &Machine, natives: &[Native], actuation: Actuation) -> 
         text.push_str(&format!("  <equality>\n{equalities}  </equality>\n"));
     }
     text.push_str(&loop_constraints::rods(machine));
-    if actuation == Actuation::Plugin {
-        text.push_str("  <actuator>\n");
-        for joint in &machine.joints {
-            let name = escaped(&joint.name);
-            // A text takes whatever is written to it.
-            let _ = writeln!(
-                text,
-                "    <plugin name=\"{name}\" joint=\"{name}\" plugin=\"exid.drive\" instance=\"drives\"/>"
-            );
-        }
-        text.push_str("  </actuator>\n");
+    let actuators: String = match actuation {
+        Actuation::Own if machine.coupling.is_some() => String::new(),
+        Actuation::Own => machine.joints.iter().filter_map(own_actuator).collect(),
+        Actuation::Plugin => machine.joints.iter().map(plugin_actuator).collect(),
+    };
+    if !actuators.is_empty() {
+        text.push_str(&format!("  <actuator>\n{actuators}  </actuator>\n"));
     }
     text.push_str("</mujoco>\n");
     text
+}
+
+/// The position controller of a joint with a motor, or its motor with the torque of a signal of one.
+fn own_actuator(joint: &MachineJoint) -> Option<String> {
+    if joint.follows.is_some() || joint.passive || joint.locked.is_some() {
+        return None;
+    }
+    let name = escaped(&joint.name);
+    let gain = term::drive_gain(joint);
+    Some(match joint.controller {
+        Some(MachineController { kp, kd }) => format!(
+            "    <position name=\"{name}\" joint=\"{name}\" kp=\"{:?}\" kv=\"{:?}\"/>\n",
+            gain * kp,
+            gain * kd
+        ),
+        None => format!(
+            "    <motor name=\"{name}\" joint=\"{name}\" gear=\"{:?}\"/>\n",
+            gain * joint.torque_constant.unwrap_or(1.0)
+        ),
+    })
+}
+
+fn plugin_actuator(joint: &MachineJoint) -> String {
+    let name = escaped(&joint.name);
+    format!(
+        "    <plugin name=\"{name}\" joint=\"{name}\" plugin=\"exid.drive\" instance=\"drives\"/>\n"
+    )
+}
+
+/// What stands for links without mass, which MuJoCo does not load.
+pub fn massless(machine: &Machine) -> Option<String> {
+    let joints = machine.joints.iter();
+    let names = joints.filter(|joint| is_massless(&Inertia(joint.body)));
+    let names: Vec<&str> = names.map(|joint| joint.link.as_str()).collect();
+    let [mass, moment] = LEAST_BODY;
+    (!names.is_empty()).then(|| {
+        format!(
+            "{}: without mass, and with {mass:e} kg and {moment:e} kg·m² here, as MuJoCo loads no other",
+            names.join(", ")
+        )
+    })
+}
+
+/// What the controls of the simulator are.
+pub fn held_by_ctrl(machine: &Machine) -> &'static str {
+    match machine.joints.iter().any(|j| j.controller.is_some()) {
+        true => {
+            "the commanded positions; commanded speeds and torques that are fed forward have no place"
+        }
+        false => "the signals of the motors",
+    }
 }
 
 /// Joints that follow others.
@@ -167,7 +218,18 @@ fn place(pose: &Pose) -> String {
     )
 }
 
+/// Whether MuJoCo refuses a link for having nothing that resists.
+fn is_massless(body: &Inertia) -> bool {
+    body.mass() == 0.0 && body.tensor() == Matrix3::zeros()
+}
+
 fn inertial(body: &Inertia) -> String {
+    if is_massless(body) {
+        let [mass, moment] = LEAST_BODY;
+        return format!(
+            "<inertial pos=\"0 0 0\" mass=\"{mass:?}\" diaginertia=\"{moment:?} {moment:?} {moment:?}\"/>"
+        );
+    }
     let central = body.central().unwrap_or(CentralInertia {
         mass: 0.0,
         centre: Vector3::zeros(),
@@ -224,26 +286,34 @@ fn lost(machine: &Machine) -> Vec<String> {
         for effect in &joint.effects {
             let kept = KEPT.iter().find(|term| of_term(**term).id == effect.id);
             let kept = kept.map_or(&[][..], |term| term::written(*term));
+            if term::is_drive_gain(effect) && machine.coupling.is_none() {
+                continue;
+            }
             let other = effect.parameters.iter().filter(|p| p.value != 0.0);
             let other = other.filter(|p| !kept.iter().any(|known| known.name == p.name));
             names.extend(other.map(|p| format!("{}.{} = {}", effect.id, p.name, p.value)));
         }
-        names.extend(
-            joint
-                .torque_constant
-                .map(|k| format!("torque constant {k} N·m/A")),
-        );
+        if machine.coupling.is_some() {
+            let constant = joint.torque_constant;
+            names.extend(constant.map(|k| format!("torque constant {k} N·m/A")));
+            let controller = joint.controller.iter();
+            names.extend(controller.map(|of| format!("controller kp = {}, kd = {}", of.kp, of.kd)));
+        }
         if !names.is_empty() {
             notes.push(format!("{}: lost: {}", joint.name, names.join(", ")));
         }
     }
     if machine.coupling.is_some() {
         notes.push(
-            "lost: the coupling of motors; armature, damping and frictionloss act on joints here, on motors \
-             in the model"
+            "lost: the coupling of motors, and with it the actuators; armature, damping and frictionloss act on joints here, on \
+             motors in the model"
                 .to_string(),
         );
     }
+    if machine.coupling.is_none() {
+        notes.push(format!("ctrl holds {}", held_by_ctrl(machine)));
+    }
+    notes.extend(massless(machine));
     if machine.payload.is_some() {
         notes.push("the load is part of the link that carries it".to_string());
     }

@@ -44,9 +44,11 @@ pub fn write(robot: Identified<'_>) -> Result<Export, ExportError> {
         SPEED_CHANGE,
     )?;
     let mut notes = vec![
-        "compile exid_drive.c as its first lines say, and load the library before the model: \
-         mujoco.mj_loadPluginLibrary(\"./libexid_drive.so\"); ctrl holds the signals of the motors"
-            .to_string(),
+        format!(
+            "compile exid_drive.c as its first lines say, and load the library before the model: \
+             mujoco.mj_loadPluginLibrary(\"./libexid_drive.so\"); ctrl holds {}",
+            mjcf::held_by_ctrl(machine)
+        ),
         "values of drives that MJCF has no place for are constants of exid_drive.c: two robots in one program need two \
          names of the plugin"
             .to_string(),
@@ -55,13 +57,24 @@ pub fn write(robot: Identified<'_>) -> Result<Export, ExportError> {
             .to_string(),
         "shapes and meshes are not written".to_string(),
     ];
+    if machine
+        .joints
+        .iter()
+        .any(|joint| joint.controller.is_some())
+        && !lagging.is_empty()
+    {
+        notes.push(
+            "position controllers see the links here, not the motors in front of elastic gears"
+                .to_string(),
+        );
+    }
+    notes.extend(mjcf::massless(machine));
     if machine.payload.is_some() {
         notes.push("the load is part of the link that carries it".to_string());
     }
     if !lagging.is_empty() || drives.remember() {
         notes.push(
-            "elastic gears, play and bristles begin without twist, and only their laws have been compared with those of \
-             exid, not motions with them"
+            "elastic gears and play begin with the twist that bears the first signals at rest, bristles without any"
                 .to_string(),
         );
     }

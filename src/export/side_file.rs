@@ -3,7 +3,7 @@
 
 use crate::export::File;
 use crate::export::error::ExportError;
-use crate::outcome::machine::{Machine, MachineLoad};
+use crate::outcome::machine::{Machine, MachineController, MachineLoad};
 use crate::robot::inertia::Inertia;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -13,6 +13,13 @@ struct Document<'a> {
     name: &'a str,
     robot: Robot<'a>,
     drive: Drive<'a>,
+    controller: Option<Controller>,
+}
+
+#[derive(Serialize)]
+struct Controller {
+    kp: Vec<f64>,
+    kd: Vec<f64>,
 }
 
 #[derive(Serialize)]
@@ -63,6 +70,7 @@ pub fn write(machine: &Machine, name: &str, urdf: &str) -> Result<File, ExportEr
         let ids = joint.effects.iter().map(|e| e.id.as_str());
         (joint.name.as_str(), ids.collect())
     });
+    let controllers: Option<Vec<MachineController>> = with_motors().map(|j| j.controller).collect();
     let document = Document {
         name,
         robot: Robot {
@@ -79,6 +87,10 @@ pub fn write(machine: &Machine, name: &str, urdf: &str) -> Result<File, ExportEr
             effects_of: effects.collect(),
             values: values(machine),
         },
+        controller: controllers.map(|all| Controller {
+            kp: all.iter().map(|of| of.kp).collect(),
+            kd: all.iter().map(|of| of.kd).collect(),
+        }),
     };
     let text = toml::to_string(&document).map_err(|e| ExportError::not_encodable(&file, e))?;
     let text = format!(

@@ -5,7 +5,9 @@
 
 use crate::export::error::ExportError;
 use crate::export::{Export, File};
-use crate::outcome::machine::{Machine, MachineFrame, MachineJoint, MachineLoad, Motion, Pose};
+use crate::outcome::machine::{
+    Machine, MachineController, MachineFrame, MachineJoint, MachineLoad, Motion, Pose,
+};
 use crate::outcome::parameter::Parameter;
 use crate::outcome::provenance::VERSION;
 use crate::robot::inertia::{CentralInertia, Inertia, PER_LINK};
@@ -93,6 +95,8 @@ pub struct Joint {
     pub locked: Option<f64>,
     /// N·m/A (N/A) at joint scale; absent where the signal is a torque.
     pub torque_constant: Option<f64>,
+    /// Gains of the position controller; absent without one.
+    pub controller: Option<MachineController>,
     /// Constant of `q = V m + offset`, rad (m).
     pub offset: f64,
     /// The link's frame in its parent's at position 0.
@@ -229,6 +233,7 @@ impl Joint {
             effort: joint.effort,
             locked: joint.locked,
             torque_constant: joint.torque_constant,
+            controller: joint.controller,
             offset: joint.offset,
             pose: joint.pose,
             body: Body::of(&joint.body),

@@ -1,8 +1,8 @@
 //! Parameters of the usual terms of a joint: what other formats have places for.
 
 use crate::chain::effect::knowledge::JointTerm;
-use crate::chain::effect::{ParameterInfo, of_term};
-use crate::outcome::machine::MachineJoint;
+use crate::chain::effect::{Law, ParameterInfo, find, of_term};
+use crate::outcome::machine::{MachineEffect, MachineJoint};
 
 /// The size of a term, if the joint has it.
 pub fn size(joint: &MachineJoint, term: JointTerm) -> Option<f64> {
@@ -21,6 +21,18 @@ pub fn written(term: JointTerm) -> &'static [ParameterInfo] {
         JointTerm::Spring => all,
         _ => &all[..1],
     }
+}
+
+/// Factor of the torque of a joint's motor.
+pub fn drive_gain(joint: &MachineJoint) -> f64 {
+    let found = joint.effects.iter().find(|e| is_drive_gain(e));
+    let value = found.and_then(|e| e.parameters.first());
+    value.map_or(1.0, |gain| gain.value)
+}
+
+/// Whether an effect is a factor of the torque of a motor.
+pub fn is_drive_gain(effect: &MachineEffect) -> bool {
+    find(&effect.id).is_some_and(|known| matches!(known.law, Law::Gain))
 }
 
 fn parameter(joint: &MachineJoint, term: JointTerm, index: usize) -> Option<f64> {

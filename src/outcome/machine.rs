@@ -97,10 +97,22 @@ pub struct MachineJoint {
     pub follows: Option<MachineLeader>,
     /// N·m/A (N/A) at joint scale; absent where the signal is a torque.
     pub torque_constant: Option<f64>,
+    /// The position controller of the motor; absent where the signal is a current or a torque.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub controller: Option<MachineController>,
     /// Constant of `q = V m + offset`, rad (m).
     pub offset: f64,
     /// Friction, elasticity and other physics of its drive, in the order of the vocabulary.
     pub effects: Vec<MachineEffect>,
+}
+
+/// Gains of `kp (command − position) + kd (commanded speed − speed) + feed-forward`, the torque of a motor at joint scale.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct MachineController {
+    /// N·m/rad (N/m).
+    pub kp: f64,
+    /// N·m·s/rad (N·s/m).
+    pub kd: f64,
 }
 
 /// What closes a loop of the tree.

@@ -4,8 +4,8 @@ use crate::chain::effect::tilt::tilted;
 use crate::chain::model::{Model, Signal};
 use crate::mechanism::condition::{Anchor, Condition};
 use crate::outcome::machine::{
-    Machine, MachineAnchor, MachineEffect, MachineFrame, MachineJoint, MachineLeader, MachineLoad,
-    MachineLoop, MachineValue, Pose, RobotDescription,
+    Machine, MachineAnchor, MachineController, MachineEffect, MachineFrame, MachineJoint,
+    MachineLeader, MachineLoad, MachineLoop, MachineValue, Pose, RobotDescription,
 };
 use crate::problem_file::ProblemFile;
 use crate::problem_file::robot::PayloadPlace;
@@ -126,6 +126,10 @@ fn joint(robot: &Robot, model: &Model, values: &DVector<f64>, j: usize) -> Machi
         passive,
         follows,
         torque_constant: (model.signal() == Signal::Current).then_some(drive.torque_constant),
+        controller: drive.controller.map(|at| MachineController {
+            kp: values[at],
+            kd: values[at + 1],
+        }),
         offset: model.offset()[j] + model.encoder_offset(j, values),
         effects: effects.collect(),
     }

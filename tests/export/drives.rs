@@ -2,7 +2,11 @@
 //! language, against the chain along the same course.
 
 use super::*;
-use exid::chain::effect::{EFFECTS, Effect, Law};
+use exid::chain::effect::{
+    Contribution, EFFECTS, Effect, Law, Memory, Samples, Surroundings, find,
+};
+use exid::chain::forward::{Accuracy, Driven, Forward, State, Told, acts};
+use exid::outcome::machine::{MachineEffect, MachineJoint};
 
 /// s between samples.
 const STEP: f64 = 0.002;
@@ -80,6 +84,120 @@ impl Proof {
             (step, self.robot.model.payload().is_some()),
         )
     }
+}
+
+impl Proof {
+    /// Positions of the links from rest at zero on, `[joint][step]`, by the forward model under controls at these times.
+    pub fn simulated(
+        &self,
+        controls: impl Fn(f64) -> [f64; 3],
+        [step, duration]: [f64; 2],
+    ) -> Vec<Vec<f64>> {
+        let Robot {
+            model,
+            values,
+            outcome,
+        } = &self.robot;
+        let accuracy = Accuracy {
+            step,
+            ..Accuracy::default().halved()
+        };
+        let mut forward = Forward::new(model, values, model.payload().is_some(), accuracy).unwrap();
+        let coupling = model.coupling(values);
+        let joints = &outcome.machine().unwrap().joints;
+        let constant = DVector::from_fn(joints.len(), |j, _| joints[j].offset);
+        let inverse = coupling.clone().try_inverse().unwrap();
+        let n = joints.len();
+        // The plugin begins with the twists that bear the torques of the motors at rest.
+        let straight = &inverse * -&constant;
+        let machine = outcome.machine().unwrap();
+        let twist = |j: usize| lags(machine, j, &[-at_rest(&joints[j], straight[j])])[0][0];
+        let twists = DVector::from_fn(n, |j, _| if forward.lags() > 0 { twist(j) } else { 0.0 });
+        let motors = &inverse * (&twists - &constant);
+        let mut state = State {
+            position: motors
+                .iter()
+                .chain(twists.iter())
+                .copied()
+                .take(n + forward.lags())
+                .collect(),
+            velocity: vec![0.0; n + forward.lags()],
+            memory: vec![0.0; n],
+        };
+        assert!([0, n].contains(&forward.lags()));
+        let driven = |forward: &Forward<'_>, time: f64| -> Vec<f64> {
+            let controls = DVector::from_row_slice(&controls(time));
+            // A commanded position is one of a joint.
+            let told = &inverse * (&controls - &constant);
+            let of = |k: usize| match forward.is_controlled() {
+                true => forward.aim(
+                    k,
+                    Told {
+                        position: told[k],
+                        ..Told::default()
+                    },
+                ),
+                false => forward.motor_torque(k, controls[k]),
+            };
+            (0..n).map(of).collect()
+        };
+        let mut out = vec![Vec::new(); n];
+        for k in 0..(duration / step).round() as usize {
+            let [from, to] = [k, k + 1].map(|k| driven(&forward, step * k as f64));
+            let (from, to) = (&from[..], &to[..]);
+            let driven = match forward.is_controlled() {
+                true => Driven::Command { from, to },
+                false => Driven::Torque { from, to },
+            };
+            forward.advance(&mut state, driven, step).unwrap();
+            let moved = &coupling * DVector::from_row_slice(&state.position[..n]) + &constant;
+            for (j, series) in out.iter_mut().enumerate() {
+                series.push(moved[j] - state.position.get(n + j).copied().unwrap_or(0.0));
+            }
+        }
+        out
+    }
+}
+
+/// Torque that the laws of a motor take while it stands.
+fn at_rest(joint: &MachineJoint, position: f64) -> f64 {
+    let of = |effect: &MachineEffect| {
+        let known = find(&effect.id).unwrap();
+        let Law::Motor(law) = known.law else {
+            return 0.0;
+        };
+        // Friction is none at rest.
+        if !known.needs.borrows.is_empty() || known.needs.memory != Memory::None {
+            return 0.0;
+        }
+        let parameters: Vec<f64> = effect.parameters.iter().map(|p| p.value).collect();
+        let mut torque = [0.0];
+        let samples = Samples {
+            position: &[position],
+            velocity: &[0.0],
+            acceleration: &[0.0],
+            sign: &[0.0],
+            time: &[],
+            cyclic: false,
+            surroundings: Surroundings::default(),
+        };
+        let mut out = Contribution {
+            torque: &mut torque,
+            by_parameter: &mut vec![vec![0.0]; parameters.len()],
+            by_sign: &mut [0.0],
+            by_position: &mut [0.0],
+            by_velocity: &mut [0.0],
+        };
+        law.add(samples, &parameters, &mut out);
+        torque[0]
+    };
+    joint.effects.iter().map(of).sum()
+}
+
+/// A robot under position controllers.
+pub fn controlled(effects: &[&str]) -> Proof {
+    let head = "[recordings]\ntrain = [\"none.csv\"]\nsignal = \"position_command\"\n[controller]\nkp = 60.0\nkd = 4.0\n[drive]\n";
+    prove("controlled", effects, head)
 }
 
 fn robot(effects: &[&str], head: &str) -> Robot {
@@ -315,6 +433,9 @@ pub fn proofs() -> Vec<Proof> {
         .collect();
     let head = "[drive]\ntorque_constant = [13.0, -12.0, 8.0]\n";
     proofs.push(prove("all together", &all, head));
+    let moving = EFFECTS.iter().filter(|e| all.contains(&e.id) && acts(e));
+    let moving: Vec<&str> = moving.map(|e| e.id).collect();
+    proofs.push(prove("all of the motion together", &moving, head));
     proofs
 }
 

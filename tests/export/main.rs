@@ -6,6 +6,7 @@ mod code;
 #[path = "../common/mod.rs"]
 mod common;
 mod drives;
+mod loops;
 mod mujoco;
 
 use exid::chain::evaluate::{Evaluator, Segment};

@@ -14,6 +14,7 @@ mod motors;
 mod names;
 mod writer;
 
+use crate::chain::effect::{Law, find};
 use crate::export::code::layout::{Layout, SHORTEST_STEP};
 use crate::export::code::names::{identifier, in_comment};
 use crate::export::code::writer::Writer;
@@ -22,7 +23,7 @@ use crate::export::error::ExportError;
 use crate::export::identified::Identified;
 use crate::export::language::Language;
 use crate::export::{Export, File};
-use crate::outcome::machine::Machine;
+use crate::outcome::machine::{Machine, MachineController};
 use crate::outcome::provenance::VERSION;
 
 /// The code of a machine in a language; C has a header beside it.
@@ -55,9 +56,20 @@ pub fn write(robot: Identified<'_>, language: Language) -> Result<Export, Export
             text: writer.header(name),
         });
     }
-    Ok(Export {
-        files,
-        notes: notes(machine, &drives),
+    let mut notes = notes(machine, &drives);
+    notes.extend(controllers(machine));
+    Ok(Export { files, notes })
+}
+
+/// What the signals of position controllers are, which programs of drives are given and give as torques.
+fn controllers(machine: &Machine) -> impl Iterator<Item = String> {
+    machine.joints.iter().filter_map(|joint| {
+        let MachineController { kp, kd } = joint.controller?;
+        Some(format!(
+            "{}: its signal is here the torque of its position controller, {kp}·(command − position) + {kd}·(commanded speed − speed) \
+             + feed-forward",
+            joint.name
+        ))
     })
 }
 
@@ -66,6 +78,19 @@ pub fn notes(machine: &Machine, drives: &Drives) -> Vec<String> {
     let mut notes = Vec::new();
     for (joint, drive) in machine.joints.iter().zip(&drives.drives) {
         let name = &joint.name;
+        if joint.controller.is_some() {
+            let late = joint
+                .effects
+                .iter()
+                .find(|e| find(&e.id).is_some_and(|e| matches!(e.law, Law::Delay)));
+            let late = late.and_then(|effect| effect.parameters.first());
+            notes.extend(late.map(|by| {
+                format!(
+                    "{name}: its commands act {} s after they are given: give them that much later",
+                    by.value
+                )
+            }));
+        }
         if drive.delay > 0.0 {
             notes.push(format!(
                 "{name}: the recorded signal was {} s late: what inverse_step returns is read that much later, and \
@@ -82,6 +107,33 @@ pub fn notes(machine: &Machine, drives: &Drives) -> Vec<String> {
         }
     }
     notes
+}
+
+/// What position controllers make of commands, in C; other motors are given their signals.
+fn signals(machine: &Machine, drives: &Drives) -> String {
+    let head = "/* Signals of the motors from ctrl, where the joints are. */\nstatic void exid_signals(const double *ctrl, const double \
+                *q, const double *v, double *signal) {\n";
+    if machine
+        .joints
+        .iter()
+        .all(|joint| joint.controller.is_none())
+    {
+        return format!(
+            "{head}    (void)q, (void)v;\n    for (int j = 0; j < EXID_JOINTS; j++) signal[j] = ctrl[j];\n}}\n"
+        );
+    }
+    let mut text = head.to_string();
+    for (j, joint) in machine.joints.iter().enumerate() {
+        let MachineController { kp, kd } = joint.controller.unwrap_or_default();
+        let row = drives.inverse.row(j);
+        let terms = row.iter().enumerate().filter(|(_, share)| **share != 0.0);
+        let terms = terms.map(|(i, share)| {
+            format!("{share:?} * ({kp:?} * (ctrl[{i}] - q[{i}]) - {kd:?} * v[{i}])")
+        });
+        let terms: Vec<String> = terms.collect();
+        text.push_str(&format!("    signal[{j}] = {};\n", terms.join(" + ")));
+    }
+    text + "}\n"
 }
 
 /// The source of a plugin: the drives in C, and `glue` that calls them, with its change of speed for slopes.
@@ -120,6 +172,7 @@ pub fn plugin(robot: Identified<'_>, glue: &str, change: f64) -> Result<String, 
         parts.push(writer.drive_miss());
     }
     parts.push(writer.drive_step());
+    parts.push(signals(machine, &drives));
     parts.push(glue.to_string());
     Ok(parts.join("\n"))
 }
