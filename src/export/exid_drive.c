@@ -37,6 +37,18 @@ static void exid_miss(const exid_step *of, const double *next, double *force, do
     }
 }
 
+/* What an actuator is given, as late as its `delay` says. */
+static double exid_ctrl(const mjModel *m, const mjData *d, int actuator) {
+#ifdef EXID_HELD_BACK
+    mjtNum interpolated;
+    const mjtNum *kept = mj_readCtrl(m, d, actuator, d->time, &interpolated, 1);
+    return kept ? *kept : interpolated;
+#else
+    (void)m;
+    return d->ctrl[actuator];
+#endif
+}
+
 static void exid_compute(const mjModel *m, mjData *d, int instance, int capability) {
     int actuator[EXID_JOINTS], dof[EXID_JOINTS];
     exid_step of;
@@ -54,7 +66,7 @@ static void exid_compute(const mjModel *m, mjData *d, int instance, int capabili
         of.q[j] = d->qpos[m->jnt_qposadr[joint]];
         of.v[j] = d->qvel[dof[j]];
         of.free[j] = solution[dof[j]];
-        of.ctrl[j] = d->ctrl[actuator[j]];
+        of.ctrl[j] = exid_ctrl(m, d, actuator[j]);
     }
     for (int k = 0; k < EXID_JOINTS; k++) {
         mju_zero(right, m->nv);

@@ -21,6 +21,9 @@ const KEPT: [JointTerm; 4] = [
 /// kg and kg·m² of a link without mass.
 const LEAST_BODY: [f64; 2] = [1e-6, 1e-9];
 
+/// Shortest step of the simulator, s, that a delay is kept for.
+const LEAST_STEP: f64 = 1e-4;
+
 /// What of a drive stands in the joint.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Native {
@@ -106,14 +109,15 @@ fn own_actuator(joint: &MachineJoint) -> Option<String> {
     }
     let name = escaped(&joint.name);
     let gain = term::drive_gain(joint);
+    let late = held_back(joint);
     Some(match joint.controller {
         Some(MachineController { kp, kd }) => format!(
-            "    <position name=\"{name}\" joint=\"{name}\" kp=\"{:?}\" kv=\"{:?}\"/>\n",
+            "    <position name=\"{name}\" joint=\"{name}\" kp=\"{:?}\" kv=\"{:?}\"{late}/>\n",
             gain * kp,
             gain * kd
         ),
         None => format!(
-            "    <motor name=\"{name}\" joint=\"{name}\" gear=\"{:?}\"/>\n",
+            "    <motor name=\"{name}\" joint=\"{name}\" gear=\"{:?}\"{late}/>\n",
             gain * joint.torque_constant.unwrap_or(1.0)
         ),
     })
@@ -121,9 +125,24 @@ fn own_actuator(joint: &MachineJoint) -> Option<String> {
 
 fn plugin_actuator(joint: &MachineJoint) -> String {
     let name = escaped(&joint.name);
+    // Signals of other motors are held back by the drives.
+    let late = match joint.controller {
+        Some(_) => held_back(joint),
+        None => String::new(),
+    };
     format!(
-        "    <plugin name=\"{name}\" joint=\"{name}\" plugin=\"exid.drive\" instance=\"drives\"/>\n"
+        "    <plugin name=\"{name}\" joint=\"{name}\" plugin=\"exid.drive\" instance=\"drives\"{late}/>\n"
     )
+}
+
+/// The delay of what is given to an actuator, and the number of steps that are kept for it.
+fn held_back(joint: &MachineJoint) -> String {
+    let delay = term::delay(joint);
+    if delay <= 0.0 {
+        return String::new();
+    }
+    let kept = (delay / LEAST_STEP).ceil() as usize + 1;
+    format!(" delay=\"{delay:?}\" nsample=\"{kept}\"")
 }
 
 /// What stands for links without mass, which MuJoCo does not load.
@@ -286,7 +305,9 @@ fn lost(machine: &Machine) -> Vec<String> {
         for effect in &joint.effects {
             let kept = KEPT.iter().find(|term| of_term(**term).id == effect.id);
             let kept = kept.map_or(&[][..], |term| term::written(*term));
-            if term::is_drive_gain(effect) && machine.coupling.is_none() {
+            let has_place =
+                term::is_drive_gain(effect) || (term::is_delay(effect) && term::delay(joint) > 0.0);
+            if has_place && machine.coupling.is_none() {
                 continue;
             }
             let other = effect.parameters.iter().filter(|p| p.value != 0.0);

@@ -30,6 +30,23 @@ pub fn drive_gain(joint: &MachineJoint) -> f64 {
     value.map_or(1.0, |gain| gain.value)
 }
 
+/// s by which what is given to the motor of a joint acts later; negative of a signal that is recorded late.
+pub fn delay(joint: &MachineJoint) -> f64 {
+    let found = joint.effects.iter().find(|e| is_delay(e));
+    let delay = found
+        .and_then(|e| e.parameters.first())
+        .map_or(0.0, |of| of.value);
+    match joint.controller {
+        Some(_) => delay,
+        None => -delay,
+    }
+}
+
+/// Whether an effect is the delay of a signal or of a command.
+pub fn is_delay(effect: &MachineEffect) -> bool {
+    find(&effect.id).is_some_and(|known| matches!(known.law, Law::Delay))
+}
+
 /// Whether an effect is a factor of the torque of a motor.
 pub fn is_drive_gain(effect: &MachineEffect) -> bool {
     find(&effect.id).is_some_and(|known| matches!(known.law, Law::Gain))

@@ -125,8 +125,9 @@ impl Proof {
             memory: vec![0.0; n],
         };
         assert!([0, n].contains(&forward.lags()));
+        let late = joints[0].value("time_delay", "delay").unwrap_or(0.0);
         let driven = |forward: &Forward<'_>, time: f64| -> Vec<f64> {
-            let controls = DVector::from_row_slice(&controls(time));
+            let controls = DVector::from_row_slice(&controls((time - late).max(0.0)));
             // A commanded position is one of a joint.
             let told = &inverse * (&controls - &constant);
             let of = |k: usize| match forward.is_controlled() {
@@ -216,6 +217,7 @@ fn robot(effects: &[&str], head: &str) -> Robot {
         match end.as_slice() {
             ["roll", _] => *value = 0.2,
             ["pitch", _] => *value = -0.3,
+            ["delay", _] if head.contains("position_command") => *value = -(LATE as f64) * STEP,
             ["delay", _] => *value = LATE as f64 * STEP,
             ["from", _] => *value = 0.031,
             ["to", _] => *value = 0.083,

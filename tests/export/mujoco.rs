@@ -169,7 +169,12 @@ fn invariant_mujoco_with_the_plugin_moves_as_exid_says() {
 
 #[test]
 fn invariant_position_controllers_move_robots_in_mujoco_as_in_the_forward_model() {
-    let smooth = ["rotor_inertia", "viscous_friction", "drive_gain"];
+    let smooth = [
+        "rotor_inertia",
+        "viscous_friction",
+        "drive_gain",
+        "time_delay",
+    ];
     let rough = [&smooth[..], &["coulomb_friction"]].concat();
     let mut failures = Vec::new();
     for (effects, format) in [(&rough[..], Format::Mujoco), (&smooth, Format::Mjcf)] {

@@ -14,7 +14,6 @@ mod motors;
 mod names;
 mod writer;
 
-use crate::chain::effect::{Law, find};
 use crate::export::code::layout::{Layout, SHORTEST_STEP};
 use crate::export::code::names::{identifier, in_comment};
 use crate::export::code::writer::Writer;
@@ -22,8 +21,8 @@ use crate::export::drive::Drives;
 use crate::export::error::ExportError;
 use crate::export::identified::Identified;
 use crate::export::language::Language;
-use crate::export::{Export, File};
-use crate::outcome::machine::{Machine, MachineController};
+use crate::export::{Export, File, term};
+use crate::outcome::machine::{Machine, MachineController, MachineJoint};
 use crate::outcome::provenance::VERSION;
 
 /// The code of a machine in a language; C has a header beside it.
@@ -65,9 +64,13 @@ pub fn write(robot: Identified<'_>, language: Language) -> Result<Export, Export
 fn controllers(machine: &Machine) -> impl Iterator<Item = String> {
     machine.joints.iter().filter_map(|joint| {
         let MachineController { kp, kd } = joint.controller?;
+        let late = match term::delay(joint) {
+            0.0 => String::new(),
+            delay => format!("; commands act {delay} s after they are given"),
+        };
         Some(format!(
-            "{}: its signal is here the torque of its position controller, {kp}·(command − position) + {kd}·(commanded speed − speed) \
-             + feed-forward",
+            "{}: its signal is here the torque of its position controller, {kp}·(command − position) + {kd}·(commanded speed − \
+             speed) + feed-forward{late}",
             joint.name
         ))
     })
@@ -78,19 +81,6 @@ pub fn notes(machine: &Machine, drives: &Drives) -> Vec<String> {
     let mut notes = Vec::new();
     for (joint, drive) in machine.joints.iter().zip(&drives.drives) {
         let name = &joint.name;
-        if joint.controller.is_some() {
-            let late = joint
-                .effects
-                .iter()
-                .find(|e| find(&e.id).is_some_and(|e| matches!(e.law, Law::Delay)));
-            let late = late.and_then(|effect| effect.parameters.first());
-            notes.extend(late.map(|by| {
-                format!(
-                    "{name}: its commands act {} s after they are given: give them that much later",
-                    by.value
-                )
-            }));
-        }
         if drive.delay > 0.0 {
             notes.push(format!(
                 "{name}: the recorded signal was {} s late: what inverse_step returns is read that much later, and \
@@ -155,6 +145,11 @@ pub fn plugin(robot: Identified<'_>, glue: &str, change: f64) -> Result<String, 
         drives: &drives,
         layout: &layout,
     };
+    let is_late = |joint: &MachineJoint| joint.controller.is_some() && term::delay(joint) > 0.0;
+    let held_back = match machine.joints.iter().any(is_late) {
+        true => "#define EXID_HELD_BACK 1\n",
+        false => "",
+    };
     let mut parts = vec![format!(
         "/* Drives of {}, written by exid {VERSION}, as an actuator plugin of MuJoCo. Compile and load it:\n\n   \
          MJ=$(python -c \"import mujoco, os; print(os.path.dirname(mujoco.__file__))\")\n   \
@@ -162,7 +157,7 @@ pub fn plugin(robot: Identified<'_>, glue: &str, change: f64) -> Result<String, 
          -l:$(basename $MJ/libmujoco.so.?*) -lm\n   \
          python -c \"import mujoco; mujoco.mj_loadPluginLibrary('./libexid_drive.so')\" */\n\n\
          #include <math.h>\n#include <mujoco/mujoco.h>\n\n#define EXID_JOINTS {}\n#define EXID_STATES {}\n\
-         #define EXID_SPEED_CHANGE {change:?}\n\n{}",
+         #define EXID_SPEED_CHANGE {change:?}\n{held_back}\n{}",
         in_comment(name),
         writer.joints(),
         layout.size,
