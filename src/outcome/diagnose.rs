@@ -7,6 +7,7 @@ use crate::outcome::fit::{Fit, FittedModel, Preprocessing};
 use crate::outcome::joint::JointFigures;
 use crate::outcome::number;
 use crate::outcome::parameter::Parameter;
+use crate::outcome::rollout::Rollout;
 use crate::outcome::simulator::Simulator;
 
 /// The part of `diagnose`.
@@ -48,6 +49,10 @@ pub struct Diagnosis {
     /// The user's simulator beside the robot; absent without recordings of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub simulator: Option<Simulator>,
+    /// Declared and final model simulated forward along what was not fitted, windows sample by sample left out; absent where no
+    /// motion follows from the signal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rollout: Option<Rollout>,
 }
 
 /// What the findings amount to.

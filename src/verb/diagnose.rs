@@ -3,9 +3,11 @@
 use crate::diagnose::task::{self, DiagnoseRun};
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::predictions::Quantity;
+use crate::outcome::rollout::Rollout;
 use crate::outcome::{FORMULAS_FILE, NEXT_FILE, Outcome, Part};
 use crate::problem::solution::Stop;
 use crate::problem_file::ProblemFile;
+use crate::rollout;
 use crate::verb::completed::{Completed, Found};
 use crate::verb::ending::Ending;
 use crate::verb::error::VerbError;
@@ -34,13 +36,21 @@ pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, Verb
         solver.converged = false;
     }
     let defect = result.defect.take();
-    let outcome = Outcome {
+    let mut outcome = Outcome {
         name: problem.name.value.clone(),
         run: settings.record(problem, &inputs::of_recordings(problem)),
         mistakes,
         estimate: result.estimate.clone(),
         part: Part::Diagnose(Box::new(result.diagnosis.clone())),
     };
+    if stop.is_none() {
+        settings.say("simulating forward");
+        let rollout = rolled_out(problem, &outcome, settings);
+        result.diagnosis.rollout.clone_from(&rollout);
+        if let Part::Diagnose(diagnosis) = &mut outcome.part {
+            diagnosis.rollout = rollout;
+        }
+    }
     Ok(Completed {
         ending: match defect {
             Some(defect) => Ending::Defect(defect),
@@ -48,6 +58,23 @@ pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, Verb
         },
         outcome,
         found: Found::Diagnosis(Box::new(result)),
+    })
+}
+
+/// The models of a diagnosis simulated forward; what stands in the way is said by `exid rollout`.
+fn rolled_out(problem: &ProblemFile, outcome: &Outcome, settings: &Settings) -> Option<Rollout> {
+    let task = rollout::Task {
+        problem,
+        outcome,
+        source: "",
+        set: &[],
+        seed: settings.seed,
+    };
+    let rolled = rollout::run(task, &settings.control(), &|_| ()).ok()?;
+    Some(Rollout {
+        examples: Vec::new(),
+        skeleton: None,
+        ..rolled.rollout
     })
 }
 

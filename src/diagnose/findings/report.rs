@@ -151,6 +151,7 @@ impl Reporting<'_> {
                 full,
                 &comparisons,
             ),
+            rollout: None,
             preprocessing: preprocessing(&after.model, context.data),
             notes: notes(&after.model, context.data)
                 .into_iter()

@@ -303,8 +303,13 @@ pub(super) fn before_and_after(source: &Source) -> Option<Section> {
     );
     let caption = format!("<b>Held-out RMSE in multiples of the noise</b>{legend}");
     let plot = figure(&caption, &bars(&rows, Some(1.0), "RMSE / noise"));
-    let hint = "<p class=\"hint\">How far either model strays from the robot when it is simulated forward: <code>exid \
-                rollout</code> with this results folder.</p>";
+    let hint = match source.diagnosis().is_some_and(|d| d.rollout.is_some()) {
+        true => "",
+        false => {
+            "<p class=\"hint\">How far either model strays from the robot when it is simulated forward: <code>exid \
+             rollout</code> with this results folder.</p>"
+        }
+    };
     let body = format!(
         "<div class=\"plots\">{plot}</div>\n{}{hint}\n",
         table.html()

@@ -14,30 +14,51 @@ use crate::report::terminal_rollout::quartiles;
 use plotters::style::RGBColor;
 
 pub(super) fn section(source: &Source) -> Option<Section> {
-    let Part::Rollout(rollout) = &source.outcome.part else {
-        return None;
+    let rollout = match &source.outcome.part {
+        Part::Rollout(rollout) => rollout.as_ref(),
+        Part::Diagnose(diagnosis) => diagnosis.rollout.as_ref()?,
+        _ => return None,
     };
     let mut body = about(rollout);
     body.push_str(&pictures(rollout));
     body.push_str(&table(rollout));
+    body.push_str(&match &source.outcome.part {
+        Part::Diagnose(_) => beside_a_diagnosis(rollout),
+        _ => windows(source, rollout),
+    });
+    Some(Section::new("rollout", "Simulated forward", body))
+}
+
+fn windows(source: &Source, rollout: &Rollout) -> String {
     let windows = rollout.examples.iter();
     let still: String = windows.map(|example| window(rollout, example)).collect();
-    body.push_str(&format!(
+    format!(
         "<h3>Windows, sample by sample</h3>\n{}",
         explorer(source, None, &still)
-    ));
-    Some(Section::new("rollout", "Simulated forward", body))
+    )
+}
+
+/// What a page of a rollout has in other places.
+fn beside_a_diagnosis(rollout: &Rollout) -> String {
+    let hint = |text: &str| format!("<p class=\"hint\">{text}</p>\n");
+    let notes = rollout.notes.iter();
+    let notes: String = notes.map(|note| hint(&escape(note))).collect();
+    notes + &hint("Windows sample by sample: <code>exid rollout</code> with this results folder.")
 }
 
 fn about(rollout: &Rollout) -> String {
     let before = rollout.before.map_or(String::new(), |before| {
         format!(" Before: {}.", before.words())
     });
+    let models = match rollout.source.as_str() {
+        "" => escape(&rollout.summary) + " Models of this result",
+        source => format!("Models of <code>{}</code>", escape(source)),
+    };
     format!(
-        "<p>Models of <code>{}</code>, in {}.{} Noise alone: the final model under its own torques with the noise of the signal, \
+        "<p>{}, in {}.{} Noise alone: the final model under its own torques with the noise of the signal, \
          from starts with the errors of the estimated motion. Integrated by {} with steps of at most {} s; halving: what half of \
          the steps change in {} windows, RMS.</p>\n",
-        escape(&rollout.source),
+        models,
         rollout.held_out.words(),
         escape(&before),
         escape(&rollout.integrator.name),
