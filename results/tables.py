@@ -3,6 +3,8 @@
 """
 
 import csv
+import gzip
+import io
 import json
 import math
 import pathlib
@@ -347,6 +349,100 @@ def feasible_lwr4():
     return rows(["joint", *range(1, 8)], [own, solve, over, squares, unsigned])
 
 
+MOTIONS = ["fourier", "tones", "moves", "sweeps"]
+
+
+def of(rate):
+    return f"{rate['are']} of {rate['of']}"
+
+
+def pooled(rates):
+    return {"are": sum(r["are"] for r in rates), "of": sum(r["of"] for r in rates)}
+
+
+def percent(rate):
+    return f"{of(rate)} ({100 * rate['are'] / rate['of']:.1f} %)" if rate["of"] else "–"
+
+
+def trials_by_motion():
+    """Rates of every kind of motion and of all together, and every trial in a file of its own."""
+    results = {motion: result(f"trials/{motion}") for motion in MOTIONS}
+    keep_trials(results)
+    shown = ["first_right", "both_found", "wrong_names", "outside_named"]
+    controls = {m: {"are": r["false_findings"]["with_finding"], "of": r["false_findings"]["controls"]} for m, r in results.items()}
+    body = [
+        [motion, len(r["trials"]), *(of(r["rates"][name]) for name in shown), of(controls[motion])]
+        for motion, r in results.items()
+    ]
+    together = [percent(pooled([r["rates"][name] for r in results.values()])) for name in shown]
+    count = sum(len(r["trials"]) for r in results.values())
+    body.append(["all", count, *together, percent(pooled(list(controls.values())))])
+    head = ["motion", "trials", "one effect: the first finding is right", "two effects: both are found", "findings with a wrong name"]
+    return rows([*head, "outside the vocabulary, yet named", "controls with a finding"], body)
+
+
+def keep_trials(results):
+    """One row a trial, compressed."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(["motion", "trial", "robot", "noise_correlation", "concealed", "over_noise", "found", "probability", "verdict", "seconds"])
+    for motion, r in results.items():
+        for t in r["trials"]:
+            concealed = [f"{c['effect']} at {' '.join(c['joints'])}" for c in t["concealed"]]
+            sizes = [c["effect_over_noise"] for c in t["concealed"]]
+            found = [f"{f['effect']} at {' '.join(f['joints'])}" for f in t["found"]]
+            odds = [f"{f['probability']:.3f}" for f in t["found"] if f.get("probability") is not None]
+            over = ["" if size is None else f"{size:.2f}" for size in sizes]
+            row = [motion, t["seed"], t["robot"], f"{t['noise_correlation']:.2f}", "; ".join(concealed), "; ".join(over)]
+            table.writerow([*row, "; ".join(found), "; ".join(odds), t["verdict"], f"{t['seconds']:.1f}"])
+    packed = gzip.compress(text.getvalue().encode(), mtime=0)
+    (ROOT / "trials" / "trials.csv.gz").write_bytes(packed)
+
+
+def trials_by_effect():
+    """What was found first where one effect was concealed, of all sizes that count."""
+    table = {}
+    for motion in MOTIONS:
+        for hidden, found in result(f"trials/{motion}")["confusion"].items():
+            for name, count in found.items():
+                table.setdefault(hidden, {}).setdefault(name, 0)
+                table[hidden][name] += count
+    body = []
+    for hidden, found in sorted(table.items()):
+        own = "unnamed" if hidden.startswith("outside") else hidden
+        others = ", ".join(f"{name} {count}" for name, count in sorted(found.items()) if name != own)
+        body.append([hidden, sum(found.values()), found.get(own, 0), others])
+    return rows(["concealed", "trials", "right", "others found first"], body)
+
+
+def trials_by_size():
+    bins = {}
+    for motion in MOTIONS:
+        for entry in result(f"trials/{motion}")["power"]:
+            one = bins.setdefault(entry["effect_over_noise"], {"are": 0, "of": 0})
+            one["are"] += entry["right"]
+            one["of"] += entry["trials"]
+    return rows(["from", "right", "trials"], [[digits(size, 1), b["are"], b["of"]] for size, b in sorted(bins.items())])
+
+
+def trials_probabilities():
+    """What claims of some probability come to, by tenths."""
+    tenths = {}
+    for motion in MOTIONS:
+        for entry in result(f"trials/{motion}")["calibration"]:
+            if entry["motion"] is None:
+                one = tenths.setdefault(entry["from"], {"claims": 0, "right": 0, "stated": 0.0})
+                one["claims"] += entry["claims"]
+                one["right"] += entry["right"]
+                one["stated"] += entry["claims"] * entry["stated"]
+    body = [
+        [f"{100 * start:.0f} to {100 * start + 10:.0f} %", t["claims"], f"{100 * t['stated'] / t['claims']:.1f} %", f"{100 * t['right'] / t['claims']:.1f} %"]
+        for start, t in sorted(tenths.items())
+        if t["claims"]
+    ]
+    return rows(["probability", "claims", "said, in the mean", "true"], body)
+
+
 TABLES = {
     "h4_parallel": {"parameters": h4_parameters, "errors": h4_errors, "accelerations": h4_accelerations, "gains": h4_gains},
     "puma562_reaction": {"parameters": puma_table, "both": puma_both},
@@ -355,6 +451,12 @@ TABLES = {
     "scara_excitation": {"margins": lambda: design_margins("scara_excitation")},
     "panda_excitation": {"margins": lambda: design_margins("panda_excitation")},
     "feasible": {"ur10e": feasible_ur10e, "lwr4": feasible_lwr4},
+    "trials": {
+        "motions": trials_by_motion,
+        "effects": trials_by_effect,
+        "sizes": trials_by_size,
+        "probabilities": trials_probabilities,
+    },
     "panda_friction": {figure: lambda figure=figure: panda_errors(figure) for figure in PANDA} | {"hand": panda_hand},
 }
 

@@ -435,3 +435,13 @@ fn a_law_with_memory_is_searched_for_again_where_its_shape_is_lost() {
         assert!(trial.right_effect && trial.right_joints, "{trial:#?}");
     }
 }
+
+/// A torque constant of half its value, with friction whose reversals a smoother smears: bristles and friction at standstill would
+/// take what it leaves there, alike at every reversal.
+#[test]
+fn what_a_smoother_leaves_at_reversals_has_no_name() {
+    let trial = of_seed(918273, Motion::Tones, 11);
+    assert_eq!(trial.concealed[0].effect, "drive_gain");
+    assert_eq!(trial.found.len(), 1, "{trial:#?}");
+    assert!(trial.right_effect && trial.right_joints, "{trial:#?}");
+}
