@@ -5,6 +5,7 @@ use crate::outcome::folder::ResultFolder;
 use crate::outcome::predictions::Quantity;
 use crate::outcome::rollout::Rollout;
 use crate::outcome::{FORMULAS_FILE, NEXT_FILE, Outcome, Part};
+use crate::problem::defect::guarded;
 use crate::problem::solution::Stop;
 use crate::problem_file::ProblemFile;
 use crate::rollout;
@@ -61,7 +62,7 @@ pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, Verb
     })
 }
 
-/// The models of a diagnosis simulated forward; what stands in the way is said by `exid rollout`.
+/// The models of a diagnosis simulated forward; what stands in the way, a defect among it, is said by `exid rollout`.
 fn rolled_out(problem: &ProblemFile, outcome: &Outcome, settings: &Settings) -> Option<Rollout> {
     let task = rollout::Task {
         problem,
@@ -70,7 +71,8 @@ fn rolled_out(problem: &ProblemFile, outcome: &Outcome, settings: &Settings) -> 
         set: &[],
         seed: settings.seed,
     };
-    let rolled = rollout::run(task, &settings.control(), &|_| ()).ok()?;
+    let rolled = guarded(|| rollout::run(task, &settings.control(), &|_| ()));
+    let rolled = rolled.ok()?.ok()?;
     Some(Rollout {
         examples: Vec::new(),
         skeleton: None,
