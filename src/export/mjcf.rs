@@ -108,7 +108,7 @@ fn own_actuator(joint: &MachineJoint) -> Option<String> {
         return None;
     }
     let name = escaped(&joint.name);
-    let gain = term::drive_gain(joint);
+    let gain = term::torque_gain(joint);
     let late = held_back(joint);
     Some(match joint.controller {
         Some(MachineController { kp, kd }) => format!(

@@ -24,7 +24,7 @@ pub fn written(term: JointTerm) -> &'static [ParameterInfo] {
 }
 
 /// Factor of the torque of a joint's motor.
-pub fn drive_gain(joint: &MachineJoint) -> f64 {
+pub fn torque_gain(joint: &MachineJoint) -> f64 {
     let found = joint.effects.iter().find(|e| is_drive_gain(e));
     let value = found.and_then(|e| e.parameters.first());
     value.map_or(1.0, |gain| gain.value)

@@ -6,7 +6,7 @@ use crate::chain::effect::{
     Contribution, Flow, Law, LawDynamics, Memory, Samples, Surroundings, TorqueLaw,
     TransmissionLaw, Transmitted,
 };
-use crate::chain::forward::state::Told;
+use crate::chain::forward::told::Told;
 use crate::chain::model::{JointModel, Signal};
 use nalgebra::DVector;
 

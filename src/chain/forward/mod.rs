@@ -21,6 +21,7 @@
 mod drive;
 mod rosenbrock;
 mod state;
+mod told;
 
 use crate::chain::effect::sign::sign;
 use crate::chain::effect::tilt::tilted;
@@ -38,7 +39,8 @@ use crate::robot::tree::Tree;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 
-pub use crate::chain::forward::state::{Driven, State, Told};
+pub use crate::chain::forward::state::{Driven, State};
+pub use crate::chain::forward::told::Told;
 
 /// How finely is integrated.
 #[derive(Debug, Clone, Copy, PartialEq)]

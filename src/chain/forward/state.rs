@@ -38,17 +38,6 @@ pub enum Driven<'a> {
     },
 }
 
-/// What a position controller is told.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Told {
-    /// Position of the motor at joint scale, rad (m).
-    pub position: f64,
-    /// Its speed, rad/s (m/s).
-    pub velocity: f64,
-    /// Torque that is fed forward, N·m (N).
-    pub feed_forward: f64,
-}
-
 /// A link behind an elastic gear or one with play.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lagging {
