@@ -385,16 +385,15 @@ def keep_trials(results):
     """One row a trial, compressed."""
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
-    table.writerow(["motion", "trial", "robot", "noise_correlation", "concealed", "over_noise", "found", "probability", "verdict", "seconds"])
+    table.writerow(["motion", "trial", "robot", "noise_correlation", "concealed", "over_noise", "found", "verdict", "seconds"])
     for motion, r in results.items():
         for t in r["trials"]:
             concealed = [f"{c['effect']} at {' '.join(c['joints'])}" for c in t["concealed"]]
             sizes = [c["effect_over_noise"] for c in t["concealed"]]
             found = [f"{f['effect']} at {' '.join(f['joints'])}" for f in t["found"]]
-            odds = [f"{f['probability']:.3f}" for f in t["found"] if f.get("probability") is not None]
             over = ["" if size is None else f"{size:.2f}" for size in sizes]
             row = [motion, t["seed"], t["robot"], f"{t['noise_correlation']:.2f}", "; ".join(concealed), "; ".join(over)]
-            table.writerow([*row, "; ".join(found), "; ".join(odds), t["verdict"], f"{t['seconds']:.1f}"])
+            table.writerow([*row, "; ".join(found), t["verdict"], f"{t['seconds']:.1f}"])
     packed = gzip.compress(text.getvalue().encode(), mtime=0)
     (ROOT / "trials" / "trials.csv.gz").write_bytes(packed)
 
