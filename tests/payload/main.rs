@@ -24,8 +24,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Iterations from the linear start, where the scatter of the periods gives the weights.
 const MOST_ITERATIONS: u64 = 20;
 
-/// Share of recordings that are doubted by chance and weighted again by their residuals, of which some are found to agree after all.
-const DOUBTED: f64 = 0.01;
+/// Share of recordings whose optimum may lie on a kink: the losses of an axis have another slope on either side of the row in which
+/// its load changes sign, no step of any length keeps its promise there, and the search halves them down to rounding.
+const ON_A_KINK: f64 = 0.005;
 
 fn estimate(bench: &Bench, seed: u64) -> Fitted {
     let data = bench.data(seed);
@@ -44,9 +45,10 @@ fn intervals_of_the_load_cover_the_truth() {
             let fitted = estimate(&bench, seed);
             let solver = fitted.estimate.solver.as_ref().unwrap();
             assert!(solver.converged, "{solver:?}");
+            // One recording in some hundred is doubted by chance and weighted again by its residuals.
             let of_periods = |note: &String| note.contains("from the scatter of the periods");
-            let agrees = fitted.fit.notes.iter().any(of_periods);
-            if agrees && solver.iterations > MOST_ITERATIONS {
+            let at_once = fitted.fit.notes.iter().any(of_periods);
+            if at_once && solver.iterations > MOST_ITERATIONS {
                 slow.fetch_add(1, Ordering::Relaxed);
             }
             let load = Payload::of(&fitted.estimate.parameters);
@@ -59,7 +61,7 @@ fn intervals_of_the_load_cover_the_truth() {
         .collect();
     let slow = slow.into_inner() as f64 / SEEDS as f64;
     assert!(
-        slow <= DOUBTED,
+        slow <= ON_A_KINK,
         "{slow} needed more than {MOST_ITERATIONS} iterations"
     );
     let share = |k: usize| covered.iter().filter(|c| c[k]).count() as f64 / SEEDS as f64;
