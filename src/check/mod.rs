@@ -35,6 +35,7 @@ mod tests;
 use crate::chain::dataset::Dataset;
 use crate::chain::model::Model;
 use crate::check::context::{CheckContext, PreparedRecording, RawRecording};
+pub use crate::check::scale::SignalScale;
 use crate::fault::Fault;
 use crate::outcome::check::{Finding, Severity};
 use crate::problem::solution::Control;
@@ -115,6 +116,29 @@ pub fn mistakes(problem: &ProblemFile, control: &Control<'_>, extent: Extent) ->
         true => worst_first(mistakes),
         false => Vec::new(),
     }
+}
+
+/// How the signals of the first recording compare to the torques that the robot file's inertials give; none where files cannot be
+/// read or nothing is determined.
+pub fn signal_scales(problem: &ProblemFile) -> Vec<SignalScale> {
+    let scales = || -> Option<Vec<SignalScale>> {
+        let robot = robot::open(problem).ok()?;
+        let model = build_model(problem, &robot).ok()?;
+        let table = problem.recordings.as_ref()?;
+        let named = list(table).into_iter().next()?;
+        let recording = read_one(table, &robot, named.path).ok()?;
+        let recorded = RecordedRobot {
+            table,
+            robot: &robot,
+            model: &model,
+        };
+        let prepared = prepare_one(recording, &named, recorded).ok()?;
+        let context = CheckContext::new(problem, table, &robot);
+        // The regressions know trees alone.
+        let is_tree = robot.mechanism.is_none();
+        is_tree.then(|| SignalScale::of(&PreparedRecording::new(&context, &model, &prepared)))
+    };
+    scales().unwrap_or_default()
 }
 
 fn look(problem: &ProblemFile, control: &Control<'_>, extent: Extent) -> Found {

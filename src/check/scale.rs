@@ -22,6 +22,27 @@ const WRONG: f64 = 3.0;
 /// Factors of a wrong constant agree this closely between joints: inertials scatter more.
 const AGREEMENT: f64 = 1.6;
 
+/// The factor of a joint, by its name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SignalScale {
+    /// The joint's name.
+    pub joint: String,
+    /// The torques that were recorded, by the declared constants, over those that the robot file's inertials give; no unit.
+    pub factor: f64,
+}
+
+impl SignalScale {
+    /// Of the joints of a recording for which it is determined.
+    pub(super) fn of(ready: &PreparedRecording<'_>) -> Vec<Self> {
+        let joints = ready.model.tree().joints();
+        let of = |factor: Factor| Self {
+            joint: joints[factor.joint].name.clone(),
+            factor: factor.value,
+        };
+        factors(ready).into_iter().map(of).collect()
+    }
+}
+
 /// The factor of one joint.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Factor {

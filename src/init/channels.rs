@@ -35,6 +35,9 @@ const WORDS: &[(Quantity, &[&str])] = &[
             "torque",
             "torques",
             "effort",
+            "force",
+            "forces",
+            "kraft",
             "trq",
             "drehmoment",
             "moment",
@@ -218,6 +221,16 @@ fn families(present: &[String], joints: &[String], of: QuantityOf) -> Vec<Channe
         }
     }
     let mut families = Vec::new();
+    if let [_] = joints {
+        // The one joint needs neither name nor number.
+        let plain = |column: &&String| {
+            with_joint(column, joints).is_none() && with_number(column).is_none()
+        };
+        families.extend(present.iter().filter(plain).filter_map(|column| {
+            let at = ColumnsAt::Pattern(column.clone());
+            family(column, at, vec![(0, column.clone())], of)
+        }));
+    }
     for (pattern, mut members) in by_name {
         members.sort();
         families.extend(family(

@@ -1,9 +1,10 @@
 //! What the files of a robot and its recordings are taken to say.
 
+use crate::check::SignalScale;
 use crate::init::channels::Channel;
 use crate::init::channels::Channels;
 use crate::init::error::InitError;
-use crate::init::measure;
+use crate::init::measure::{self, Standing};
 use crate::outcome::check::Finding;
 use crate::problem::solution::Control;
 use crate::recording::format::format_of;
@@ -59,14 +60,56 @@ impl Form {
     }
 }
 
+/// Torque constants of the joints, N·m/A at the joint side (N/A).
+pub(super) struct TorqueConstants {
+    pub(super) values: Vec<f64>,
+    /// Whether the recordings were held against the robot file's inertials.
+    is_measured: bool,
+    /// Whether these speak for the constants; else all are one.
+    pub(super) by_inertials: bool,
+}
+
+impl TorqueConstants {
+    fn ones(count: usize) -> Self {
+        Self {
+            values: vec![1.0; count],
+            is_measured: false,
+            by_inertials: false,
+        }
+    }
+
+    /// Those for which the recorded currents are the torques of the robot file's inertials, where constants of one were declared. A joint
+    /// that this says nothing of is given the mean of the others.
+    fn of(joints: &[String], scales: &[SignalScale]) -> Self {
+        let constant = |joint: &String| {
+            let own = scales.iter().find(|scale| scale.joint == *joint);
+            own.map(|scale| scale.factor.recip())
+                .filter(|constant| *constant > 0.0 && constant.is_finite())
+        };
+        let own: Vec<Option<f64>> = joints.iter().map(constant).collect();
+        let known: Vec<f64> = own.iter().flatten().map(|k| k.ln()).collect();
+        let mean = match known.is_empty() {
+            true => 1.0,
+            false => (known.iter().sum::<f64>() / known.len() as f64).exp(),
+        };
+        Self {
+            values: own.iter().map(|k| k.unwrap_or(mean)).collect(),
+            is_measured: true,
+            by_inertials: !known.is_empty(),
+        }
+    }
+}
+
 /// What the files are taken to say.
 pub(super) struct Guess<'a> {
     pub(super) tree: &'a Tree,
     pub(super) channels: Channels,
     pub(super) train: Vec<PathBuf>,
     pub(super) validation: Vec<PathBuf>,
-    /// Joints without a column, which are taken to stand at zero.
-    pub(super) locked: Vec<String>,
+    /// Joints that stand still; those without a column are taken to stand at zero.
+    pub(super) locked: Vec<Standing>,
+    /// Of currents.
+    pub(super) constants: Option<TorqueConstants>,
     /// After how many seconds the motion repeats.
     pub(super) period: Option<f64>,
     /// Hz, of recordings without time stamps.
@@ -103,9 +146,9 @@ impl<'a> Guess<'a> {
             }
         }
         let measured = measure::measure(first, &mut channels, &names)?;
-        let joints = &channels.position.joints;
-        let locked = (0..names.len()).filter(|j| !joints.contains(j));
-        let locked = locked.map(|j| names[j].clone()).collect();
+        let is_current = channels.kind == SignalKind::Current;
+        let constants = is_current.then(|| TorqueConstants::ones(names.len()));
+        let locked = measure::standing(&used, &channels, &names)?;
         remarks.extend(measured.remarks);
         let (train, validation) = split(used);
         Ok(Self {
@@ -114,14 +157,48 @@ impl<'a> Guess<'a> {
             train,
             validation,
             locked,
+            constants,
             period: measured.period,
             rate: measured.rate,
             remarks,
         })
     }
 
+    /// Names of the joints, in the order of the tree.
+    fn names(&self) -> Vec<String> {
+        let joints = self.tree.joints().iter();
+        joints.map(|joint| joint.name.clone()).collect()
+    }
+
+    /// Names of the joints that move.
+    pub(super) fn moving(&self) -> Vec<String> {
+        let mut names = self.names();
+        let stand = |name: &String| self.locked.iter().any(|locked| locked.joint == *name);
+        names.retain(|name| !stand(name));
+        names
+    }
+
+    /// Whether every body has a mass in the robot file.
+    pub(super) fn has_inertials(&self) -> bool {
+        let mut joints = self.tree.joints().iter();
+        joints.all(|joint| joint.inertia.mass() > 0.0)
+    }
+
+    /// Whether signals are currents whose torque constants have not been measured.
+    pub(super) fn asks_for_constants(&self) -> bool {
+        self.constants.as_ref().is_some_and(|c| !c.is_measured)
+    }
+
+    /// Takes the constants that signals show, beside constants of one.
+    pub(super) fn take_constants(&mut self, scales: &[SignalScale]) {
+        self.constants = Some(TorqueConstants::of(&self.names(), scales));
+    }
+
     /// Changes what the checks of the inputs object to and units explain; whether anything was.
-    pub(super) fn amend(&mut self, findings: &[Finding]) -> bool {
+    ///
+    /// # Errors
+    /// Those of files.
+    pub(super) fn amend(&mut self, findings: &[Finding]) -> Result<bool, InitError> {
         let has = |code: &str| findings.iter().any(|f| f.code == code);
         if has("position-in-degrees") && self.channels.position.unit.is_none() {
             self.channels.position.unit = Some("deg");
@@ -134,7 +211,9 @@ impl<'a> Guess<'a> {
                  state recordings.position_side = \"motor\" and drive.ratio"
                     .into(),
             );
-            return true;
+            let used = [&self.train[..], &self.validation].concat();
+            self.locked = measure::standing(&used, &self.channels, &self.names())?;
+            return Ok(true);
         }
         let doubts = [
             "velocity-factor",
@@ -149,31 +228,53 @@ impl<'a> Guess<'a> {
                 velocity.written()
             ));
             self.channels.velocity = None;
-            return true;
+            return Ok(true);
         }
-        false
+        Ok(false)
     }
 
     /// What the files do not show, one sentence each.
     pub(super) fn assumed(&self) -> Vec<String> {
         let mut all = self.remarks.clone();
-        if !self.locked.is_empty() {
+        let of = |recorded: bool| {
+            let joints = self.locked.iter().filter(|l| l.is_recorded == recorded);
+            joints
+                .map(|l| l.joint.clone())
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
+        let [without, still] = [of(false), of(true)];
+        if !without.is_empty() {
             all.push(format!(
-                "{} have no column and are taken to stand at 0",
-                self.locked.join(", ")
+                "{without} have no column and are taken to stand at 0"
             ));
         }
+        if !still.is_empty() {
+            all.push(format!("{still} stand still, and are locked where they do: what does not move has no friction to fit"));
+        }
         match self.channels.kind {
+            SignalKind::PositionCommand if self.has_inertials() => all.push(
+                "no torque channel: torques follow from commanded positions and the gains of the controllers, which are estimated with the \
+                 robot file's inertials as known; with gains that are known under controller.kp and controller.kd, robot.inertials = \
+                 \"estimate\" has the inertials estimated"
+                    .into(),
+            ),
             SignalKind::PositionCommand => all.push(
                 "no torque channel: torques follow from commanded positions and the gains of the controllers; state these under \
-                 controller.kp and controller.kd, or say robot.inertials = \"known\" to estimate them"
+                 controller.kp and controller.kd, or complete the robot file's inertials and say robot.inertials = \"known\" to \
+                 estimate them"
                     .into(),
             ),
-            SignalKind::Current => all.push(
-                "torque constants are not known: with 1 N·m/A, parameters come out divided by the true ones; state those of the \
-                 robot under drive.torque_constant"
+            SignalKind::Current => all.push(match self.constants {
+                Some(TorqueConstants {
+                    by_inertials: true, ..
+                }) => "torque constants are not known: they are those that the robot file's inertials ask for, to a third, and what makes \
+                     them agree with each other is estimated; state those of the robot under drive.torque_constant and leave their gains out"
                     .into(),
-            ),
+                _ => "torque constants are not known, nor do inertials of the robot file speak for any: with 1 N·m/A, all parameters come out \
+                     divided by one common factor; state those of the robot under drive.torque_constant and leave their gains out"
+                    .into(),
+            }),
             _ => all.push(
                 "torques are taken to be those of the motors at the joint side; sensors behind the gear are signal = \
                  \"link_torque\""

@@ -9,13 +9,19 @@ use crate::recording::samples::{Recording, SignalKind};
 use crate::recording::timing::examine;
 use crate::recording::units::{self, Quantity};
 use crate::stats::robust::median;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Rates that controllers and loggers have, Hz.
 const RATES: std::ops::RangeInclusive<f64> = 5.0..=20_000.0;
 
-/// Motors of robots take less, A; a larger number is one of milliamperes.
+/// Motors of robots take less, A; larger numbers are milliamperes.
 const MOST_AMPERES: f64 = 500.0;
+
+/// Share of the samples that are no transients and no faults of a recorder.
+const USUAL: f64 = 0.99;
+
+/// A joint stands still that moves less, rad or m: what bodies weigh about the other joints then changes by a hundredth.
+const STILL: f64 = 0.01;
 
 /// Length over which velocities are integrated, s: longer than their filters, shorter than a swing.
 const WINDOW_S: f64 = 0.1;
@@ -57,12 +63,16 @@ pub(super) fn measure(
         }));
     }
     if channels.signal.quantity == Quantity::Current && channels.signal.unit.is_none() {
-        let values = raw.signal.iter().flatten();
-        let largest = values.fold(0.0_f64, |most, i| most.max(i.abs()));
-        if largest > MOST_AMPERES {
+        let mut sizes: Vec<f64> = raw.signal.iter().flatten().map(|i| i.abs()).collect();
+        let at = ((USUAL * sizes.len() as f64) as usize).min(sizes.len().saturating_sub(1));
+        let usual = match sizes.is_empty() {
+            true => 0.0,
+            false => *sizes.select_nth_unstable_by(at, f64::total_cmp).1,
+        };
+        if usual > MOST_AMPERES {
             channels.signal.unit = Some("mA");
             remarks.push(format!(
-                "currents up to {largest:.0} are taken as milliamperes"
+                "currents of {usual:.0} and more are taken as milliamperes"
             ));
         }
     }
@@ -89,6 +99,53 @@ pub(super) fn measure(
         rate,
         remarks,
     })
+}
+
+/// A joint that does not move.
+pub(super) struct Standing {
+    pub joint: String,
+    /// Median of its positions, rad or m; zero of a joint without a column.
+    pub at: f64,
+    /// Whether it has a column.
+    pub is_recorded: bool,
+}
+
+/// The joints that no recording moves or has a column for; where all that are recorded stand, those are not among them.
+///
+/// # Errors
+/// Those of files.
+pub(super) fn standing(
+    files: &[PathBuf],
+    channels: &Channels,
+    names: &[String],
+) -> Result<Vec<Standing>, InitError> {
+    let recorded = &channels.position.joints;
+    let mut all: Vec<Vec<f64>> = vec![Vec::new(); recorded.len()];
+    for file in files {
+        let recording = open(file, channels, names)?;
+        for (to, series) in all.iter_mut().zip(recording.position) {
+            to.extend(series);
+        }
+    }
+    let stands = |series: &Vec<f64>| -> Option<f64> {
+        let at = median(series)?;
+        series.iter().all(|q| (q - at).abs() < STILL).then_some(at)
+    };
+    let stand: Vec<Option<f64>> = all.iter().map(stands).collect();
+    let any_moves = stand.contains(&None);
+    let of = |joint: usize| {
+        let place = recorded.iter().position(|j| *j == joint);
+        let at = match place {
+            Some(place) => stand[place].filter(|_| any_moves)?,
+            None => 0.0,
+        };
+        Some(Standing {
+            joint: names[joint].clone(),
+            at,
+            is_recorded: place.is_some(),
+        })
+    };
+    Ok((0..names.len()).filter_map(of).collect())
 }
 
 fn open(file: &Path, channels: &Channels, names: &[String]) -> Result<Recording, InitError> {

@@ -46,17 +46,22 @@ pub fn draft(sources: &Sources, control: &Control<'_>) -> Result<Draft, InitErro
         Form::Urdf => urdf::read(&sources.robot)?,
     };
     let mut guess = Guess::new(sources, &tree, control)?;
-    // A unit that the checks object to is changed, and what follows from it is looked at again.
+    // A unit that the checks object to is changed, torque constants are measured, and what follows from it is looked at again.
     loop {
         let text = write::toml(sources, &guess);
         let problem = ProblemFile::parse(&sources.target, &text, &[], &effect::ids())?;
         let findings = check::mistakes(&problem, control, Extent::Recordings);
-        if !guess.amend(&findings) {
-            return Ok(Draft {
-                text,
-                assumed: guess.assumed(),
-                findings,
-            });
+        if guess.amend(&findings)? {
+            continue;
         }
+        if guess.asks_for_constants() {
+            guess.take_constants(&check::signal_scales(&problem));
+            continue;
+        }
+        return Ok(Draft {
+            text,
+            assumed: guess.assumed(),
+            findings,
+        });
     }
 }

@@ -1,12 +1,16 @@
 //! The draft as TOML with comments.
 
 use crate::chain::effect::knowledge::JointTerm;
-use crate::chain::effect::of_term;
+use crate::chain::effect::{of_term, term_name};
 use crate::init::channels::Channel;
 use crate::init::{Form, Guess, Sources};
 use crate::problem_file::choices::{Choice, Signal};
 use crate::recording::column_map::ColumnsAt;
 use std::path::{Path, PathBuf};
+
+/// Relative standard deviation of torque constants that follow from the robot file's inertials, which are right to a factor of two: half of
+/// ln 2.
+const OF_CONSTANTS: f64 = 0.35;
 
 /// Friction, offsets and rotors: what drives have, all linear in their parameters but for the speed at which friction turns.
 const TERMS: [JointTerm; 4] = [
@@ -40,14 +44,20 @@ pub(super) fn toml(sources: &Sources, guess: &Guess<'_>) -> String {
         "[robot]".into(),
         format!("{robot} = {}", text(&relative(&sources.robot, target))),
     ]);
+    if guess.channels.kind == Signal::PositionCommand && guess.has_inertials() {
+        lines.push("inertials = \"known\"         # those of the robot file".into());
+    }
     if !guess.locked.is_empty() {
-        let stand = guess
-            .locked
-            .iter()
-            .map(|joint| format!("{} = 0.0", text(joint)));
+        let stand = guess.locked.iter().map(|locked| {
+            format!(
+                "{} = {:?}",
+                text(&locked.joint),
+                (1e4 * locked.at).round() / 1e4
+            )
+        });
         let stand: Vec<String> = stand.collect();
         lines.push(format!(
-            "locked = {{ {} }}    # rad (m); no columns",
+            "locked = {{ {} }}    # rad (m); joints that do not move",
             stand.join(", ")
         ));
     }
@@ -57,14 +67,24 @@ pub(super) fn toml(sources: &Sources, guess: &Guess<'_>) -> String {
         "[drive]".into(),
     ]);
     let signal = guess.channels.kind;
-    if signal == Signal::Current {
-        let ones = vec!["1.0"; guess.tree.len()].join(", ");
+    let gains = gains(guess);
+    if let Some(constants) = &guess.constants {
+        let values: Vec<String> = constants.values.iter().map(|k| rounded(*k)).collect();
+        let why = match constants.by_inertials {
+            true => "as the robot file's inertials ask for; state the robot's",
+            false => "not known, state the robot's",
+        };
         lines.push(format!(
-            "torque_constant = [{ones}]    # N·m/A at the joint: not known, state the robot's"
+            "torque_constant = [{}]    # N·m/A at the joint: {why}",
+            values.join(", ")
         ));
     }
+    let mut effects = TERMS.map(|term| of_term(term).id).to_vec();
+    if !gains.is_empty() {
+        effects.push(of_term(JointTerm::Gain).id);
+    }
     lines.extend([
-        format!("effects = {:?}", TERMS.map(|term| of_term(term).id)),
+        format!("effects = {effects:?}"),
         String::new(),
         "[recordings]".into(),
         format!("train = {}", files(&guess.train)),
@@ -97,7 +117,37 @@ pub(super) fn toml(sources: &Sources, guess: &Guess<'_>) -> String {
             "kd = \"estimate\"    # N·m·s/rad (N·s/m)".into(),
         ]);
     }
+    if !gains.is_empty() {
+        lines.extend([
+            String::new(),
+            "[fit.prior.values]            # factors of the torque constants above".into(),
+        ]);
+        lines.extend(gains);
+    }
     lines.join("\n") + "\n"
+}
+
+/// Prior knowledge of the factors of torque constants, a line for each joint that moves; none of a single one, whose factor scales all
+/// that is unknown.
+fn gains(guess: &Guess<'_>) -> Vec<String> {
+    let moving = guess.moving();
+    if guess.constants.is_none() || moving.len() < 2 {
+        return Vec::new();
+    }
+    let gain = term_name(JointTerm::Gain);
+    let line = |joint: &String| {
+        let name = text(&format!("{joint}.{gain}"));
+        format!("{name} = {{ value = 1.0, std_dev = {OF_CONSTANTS} }}")
+    };
+    moving.iter().map(line).collect()
+}
+
+/// Three digits of a number.
+fn rounded(value: f64) -> String {
+    let three = format!("{value:.2e}");
+    three
+        .parse()
+        .map_or(three, |number: f64| format!("{number:?}"))
 }
 
 /// A channel as a value of `[recordings.columns]`.

@@ -148,4 +148,6 @@ pub enum JointTerm {
     RotorInertia,
     /// A spring between link and parent: stiffness, then position of rest.
     Spring,
+    /// A factor of the declared torque constant.
+    Gain,
 }

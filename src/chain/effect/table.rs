@@ -48,6 +48,7 @@ pub fn of_term(term: JointTerm) -> &'static Effect {
         JointTerm::Offset => &torque_offset::EFFECT,
         JointTerm::RotorInertia => &rotor_inertia::EFFECT,
         JointTerm::Spring => &joint_spring::EFFECT,
+        JointTerm::Gain => &drive_gain::EFFECT,
     }
 }
 
