@@ -373,11 +373,16 @@ impl Model {
         })
     }
 
-    /// Makes a parameter known, and those that are shared with it.
+    /// Makes a parameter known, and those that are shared with it. One that estimates may take out of its limits may be
+    /// known out of them too: what one fit gives, another takes.
+    ///
+    /// # Errors
+    /// A value outside of limits that estimates keep.
     pub fn fix(&mut self, index: usize, value: f64) -> Result<(), ModelError> {
         let index = self.estimated_as(index);
         let parameter = &mut self.parameters[index];
-        if !(parameter.lower..=parameter.upper).contains(&value) {
+        let estimable = value.is_finite() && !parameter.keeps_limits();
+        if !estimable && !parameter.is_within_limits(value) {
             return Err(ModelError::OutOfBounds {
                 name: parameter.name.clone(),
                 value,

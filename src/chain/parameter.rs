@@ -117,6 +117,11 @@ impl Parameter {
         self.bounded || self.linearity == Linearity::Nonlinear
     }
 
+    /// Whether a value lies within its limits.
+    pub fn is_within_limits(&self, value: f64) -> bool {
+        (self.lower..=self.upper).contains(&value)
+    }
+
     /// Whether the signal is affine in it.
     pub fn is_linear(&self) -> bool {
         self.linearity == Linearity::Linear

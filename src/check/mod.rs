@@ -11,6 +11,7 @@ mod delay;
 mod drift;
 mod extent;
 mod identifiability;
+mod known_values;
 mod limits;
 mod locked;
 mod magnitude;
@@ -212,6 +213,9 @@ fn with_robot(
         true => None,
         false => declared_model(problem, robot, found),
     };
+    if let Some(model) = &model {
+        found.mistakes.extend(known_values::check(problem, model));
+    }
     let Some(table) = &problem.recordings else {
         return;
     };

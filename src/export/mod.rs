@@ -23,7 +23,7 @@ mod urdf;
 mod urdf_edit;
 mod xml;
 
-use crate::chain::effect::{Law, TILT, find};
+use crate::chain::effect::{Law, Power, TILT, find};
 use crate::export::error::ExportError;
 pub use crate::export::file::{Export, File};
 use crate::export::identified::Identified;
@@ -102,6 +102,7 @@ pub fn export(outcome: &Outcome, format: Format) -> Result<Export, ExportError> 
         export.notes.push(CUT.to_string());
     }
     export.notes.extend(caveats(machine));
+    export.notes.extend(beyond_physics(robot));
     export.notes.extend(nameless(outcome));
     Ok(export)
 }
@@ -125,6 +126,34 @@ fn nameless(outcome: &Outcome) -> Option<String> {
             joints.join(", ")
         )
     })
+}
+
+/// What was estimated without the limits of physics and lies beyond them.
+fn beyond_physics(robot: Identified<'_>) -> Vec<String> {
+    let mut notes = Vec::new();
+    for joint in &robot.machine.joints {
+        for effect in &joint.effects {
+            let Some(known) = robot.catalogue.find(&effect.id) else {
+                continue;
+            };
+            let drives = match known.law {
+                Law::Motor(law) | Law::Joint(law) if law.power() == Power::Dissipates => {
+                    ", it drives where it should brake, and simulated motions may grow"
+                }
+                _ => "",
+            };
+            let beyond = known.parameters.iter().filter_map(|info| {
+                let value = joint.value(&effect.id, info.name)?;
+                let words = info.beyond_physics(value)?;
+                Some(format!(
+                    "{}: {}.{} = {words}{drives}; estimator = \"feasible\" keeps such limits",
+                    joint.name, effect.id, info.name
+                ))
+            });
+            notes.extend(beyond);
+        }
+    }
+    notes
 }
 
 /// What holds of the model in every format.

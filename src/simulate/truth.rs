@@ -6,7 +6,7 @@
 use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::{self, Linearity};
 use crate::chain::model::{JointModel, Model};
-use crate::chain::parameter::Role;
+use crate::chain::parameter::{self, Role};
 use crate::fault::Place;
 use crate::outcome::parameter::Parameter;
 use crate::outcome::{Outcome, Part};
@@ -68,6 +68,7 @@ pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateErro
         .chain(problem.drive.values.iter().cloned())
         .chain(acting.values.iter().cloned())
         .collect();
+    refuse_beyond_limits(&plant, &acting.values)?;
     assign(&mut plant, &given, &mut assigned)?;
     share(problem, &robot, &mut plant, &mut assigned)?;
     let place = Place::file(&problem.path).key("simulate.values");
@@ -205,7 +206,7 @@ impl FittedValues {
 /// Parameters that have a value without anyone giving one by name.
 fn initially_assigned(model: &Model, problem: &ProblemFile) -> Vec<bool> {
     let (rotor, coupling) = (&problem.drive.rotor_inertia, &problem.drive.coupling);
-    let has = |parameter: &crate::chain::parameter::Parameter| match parameter.role {
+    let has = |parameter: &parameter::Parameter| match parameter.role {
         Role::Inertial { .. } | Role::Tare { .. } => true,
         Role::Payload { .. } => false,
         Role::Coupling { .. } => coupling.is_some(),
@@ -294,16 +295,30 @@ fn share(
 }
 
 fn fix(model: &mut Model, p: usize, value: f64, place: &Place) -> Result<(), SimulateError> {
-    let (lower, upper) = (model.parameters()[p].lower, model.parameters()[p].upper);
-    model.fix(p, value).map_err(|_| {
-        let found = value;
-        let kind = Mismatch::OutOfBounds {
-            found,
-            lower,
-            upper,
-        };
-        SetupError::mismatch(place, kind).into()
-    })
+    let fixed = model.fix(p, value);
+    fixed.map_err(|_| beyond_limits(&model.parameters()[p], value, place))
+}
+
+/// A truth that is made up keeps limits that estimates may leave.
+fn refuse_beyond_limits(model: &Model, given: &[Named<f64>]) -> Result<(), SimulateError> {
+    for Named { name, value } in given {
+        let Located { value, place } = value;
+        if let Reference::Parameter(p) = resolve(model, name, place)?
+            && !model.parameters()[p].is_within_limits(*value)
+        {
+            return Err(beyond_limits(&model.parameters()[p], *value, place));
+        }
+    }
+    Ok(())
+}
+
+fn beyond_limits(parameter: &parameter::Parameter, found: f64, place: &Place) -> SimulateError {
+    let kind = Mismatch::OutOfBounds {
+        found,
+        lower: parameter.lower,
+        upper: parameter.upper,
+    };
+    SetupError::mismatch(place, kind).into()
 }
 
 /// Defaults of nonlinear parameters; the notes say which.

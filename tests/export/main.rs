@@ -20,6 +20,7 @@ use exid::outcome::machine::Machine;
 use exid::outcome::provenance::Provenance;
 use exid::outcome::run::Run;
 use exid::outcome::{Outcome, Part};
+use exid::problem::solution::Control;
 use exid::problem_file::ProblemFile;
 use exid::robot::batch::Trajectory;
 use exid::robot::newton_euler::NewtonEuler;
@@ -261,6 +262,48 @@ fn invariant_urdf_and_its_side_file_read_back_to_the_same_signal() {
             assert_close(&found, &case.signal(&motors, loaded), TORQUES, "URDF");
         }
     }
+}
+
+/// Least squares without the limits of physics may leave friction that drives.
+#[test]
+fn invariant_what_a_fit_leaves_beyond_physics_reads_back_with_a_warning() {
+    let mut case = tree();
+    let name = "viscous_friction.Fv";
+    let index = case
+        .model
+        .parameters()
+        .iter()
+        .position(|p| p.name.ends_with(name));
+    case.values[index.unwrap()] = -0.3;
+    let parameter = case.model.parameters()[index.unwrap()].name.clone();
+    let Part::Fit(fit) = &mut case.outcome.part else {
+        panic!("a fit")
+    };
+    let joints = &mut fit.machine.as_mut().unwrap().joints;
+    let joint = joints
+        .iter_mut()
+        .find(|joint| parameter == format!("{}.{name}", joint.name));
+    let effects = &mut joint.unwrap().effects;
+    let friction = effects.iter_mut().find(|e| e.id == "viscous_friction");
+    friction.unwrap().parameters[0].value = -0.3;
+
+    let (export, _) = case.export(Format::Urdf);
+    let notes = export.notes.join("\n");
+    assert!(notes.contains("drives where it should brake"), "{notes}");
+    let side = case.folder.path().join(&export.files[1].name);
+    let (problem, robot, model) = open(&side);
+    let motors = motion(model.tree().len());
+    let found = signal(&model, &model.values(), &motors, false);
+    assert_close(&found, &case.signal(&motors, false), TORQUES, "URDF");
+    let truth = exid::simulate::truth::build(&problem, &robot).unwrap_or_else(|e| panic!("{e}"));
+    let simulated = signal(&truth.plant, &truth.plant.values(), &motors, false);
+    assert_close(&simulated, &found, TORQUES, "simulated");
+    let warned: Vec<_> = exid::check::run(&problem, &Control::default())
+        .into_iter()
+        .filter(|finding| finding.code == "value-beyond-physics")
+        .collect();
+    assert_eq!(warned.len(), 1, "{warned:?}");
+    assert_eq!(warned[0].channel.as_ref(), Some(&parameter));
 }
 
 #[test]
