@@ -1,10 +1,11 @@
-//! Drives with the formulas of their laws, numbers in the places of parameters.
+//! Drives with the formulas of their laws, values in the places of parameters.
 
-use crate::chain::effect::current_polynomial::{Branch, COEFFICIENTS, branch};
+use crate::chain::effect::current_polynomial::{Branch, COEFFICIENTS, branch, branch_up_to};
 use crate::chain::effect::expression::{Expression, StateLaw, Variable};
-use crate::chain::effect::{Catalogue, Effect, Law, NEXT, PREVIOUS, flank};
+use crate::chain::effect::{COUPLING, Catalogue, Effect, Law, Linearity, NEXT, PREVIOUS, flank};
 use crate::export::error::ExportError;
-use crate::outcome::machine::{Machine, MachineJoint};
+use crate::export::values::{Setting, Values, product};
+use crate::outcome::machine::{Machine, MachineController, MachineJoint};
 use nalgebra::DMatrix;
 
 /// The drives of a robot, one per joint, and what mixes their motions.
@@ -12,16 +13,27 @@ use nalgebra::DMatrix;
 pub struct Drives {
     pub drives: Vec<Drive>,
     /// V of `q = V m + offset`.
-    pub coupling: DMatrix<f64>,
-    pub inverse: DMatrix<f64>,
-    pub offset: Vec<f64>,
+    pub coupling: DMatrix<Expression>,
+    pub inverse: DMatrix<Expression>,
+    pub offset: Vec<Expression>,
+    /// Of position controllers, of the joints that have them.
+    pub gains: Vec<Option<Gains>>,
+    /// What stands for the numbers.
+    pub values: Values,
+}
+
+/// Gains of a position controller.
+#[derive(Debug)]
+pub struct Gains {
+    pub kp: Expression,
+    pub kd: Expression,
 }
 
 /// The drive of a joint.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Drive {
     /// Transition speed w of the regularised sign.
-    pub width: f64,
+    pub width: Expression,
     pub motor: Vec<MotorLaw>,
     /// Torques at the joint.
     pub joint: Vec<Expression>,
@@ -30,14 +42,21 @@ pub struct Drive {
     /// What the signal shows beyond the torque of the motor.
     pub signal: Vec<Expression>,
     /// Torque at the motor over the reading of the signal, where it is proportional.
-    pub factor: f64,
-    pub current: Option<Branch>,
-    /// Torque at which the current begins to flow.
-    pub threshold: f64,
+    pub factor: Expression,
+    pub current: Option<Current>,
     /// What resists the lag of the link.
     pub contact: Option<Expression>,
     /// s by which the signal is late.
     pub delay: f64,
+}
+
+/// The polynomial from current to torque.
+#[derive(Debug)]
+pub struct Current {
+    pub coefficients: [Expression; COEFFICIENTS],
+    /// Current at which the polynomial is left.
+    pub end: Expression,
+    pub branch: Branch,
 }
 
 /// A torque at the motor.
@@ -52,22 +71,46 @@ impl Drives {
     ///
     /// # Errors
     /// An effect or a parameter that the machine does not hold, as in results of other versions.
-    pub fn of(machine: &Machine, catalogue: &Catalogue) -> Result<Self, ExportError> {
-        let n = machine.joints.len();
-        let coupling = match &machine.coupling {
-            Some(rows) => DMatrix::from_fn(n, n, |r, c| rows[r][c]),
-            None => DMatrix::identity(n, n),
+    pub fn of(
+        machine: &Machine,
+        catalogue: &Catalogue,
+        values: Values,
+    ) -> Result<Self, ExportError> {
+        let joints = &machine.joints;
+        let n = joints.len();
+        let drives = (0..n).map(|j| drive(machine, j, (catalogue, &values)));
+        let drives = drives.collect::<Result<_, _>>()?;
+        let (coupling, inverse) = match &machine.coupling {
+            Some(rows) => coupled(joints, rows, &values),
+            None => (identity(n), identity(n)),
         };
-        let inverse = coupling.clone().try_inverse();
+        let offset = joints.iter().map(|joint| match joint.offset {
+            0.0 => Expression::Number(0.0),
+            offset => values.stand_for(Setting::of(&joint.name, "offset", offset)),
+        });
+        let offset = offset.collect();
+        let gains = joints.iter().map(|joint| {
+            let MachineController { kp, kd } = joint.controller?;
+            let of = |name, value| values.stand_for(Setting::of(&joint.name, name, value));
+            Some(Gains {
+                kp: of("controller.kp", kp),
+                kd: of("controller.kd", kd),
+            })
+        });
+        let gains = gains.collect();
         Ok(Self {
-            drives: (0..n)
-                .map(|j| drive(machine, j, catalogue))
-                .collect::<Result<_, _>>()?,
-            // The model of the fit has refused couplings without inverse.
-            inverse: inverse.unwrap_or_else(|| coupling.clone()),
+            drives,
             coupling,
-            offset: machine.joints.iter().map(|j| j.offset).collect(),
+            inverse,
+            offset,
+            gains,
+            values,
         })
+    }
+
+    /// Whether motors move other joints than their own.
+    pub fn is_coupled(&self) -> bool {
+        self.coupling != identity(self.drives.len())
     }
 
     /// Whether a law at a motor has a state of its own.
@@ -102,11 +145,96 @@ impl Drive {
     }
 }
 
-fn drive(machine: &Machine, j: usize, catalogue: &Catalogue) -> Result<Drive, ExportError> {
+fn identity(n: usize) -> DMatrix<Expression> {
+    DMatrix::from_fn(n, n, |r, c| Expression::Number(f64::from(u8::from(r == c))))
+}
+
+/// V of motors that move several joints, and its inverse.
+fn coupled(
+    joints: &[MachineJoint],
+    rows: &[Vec<f64>],
+    values: &Values,
+) -> (DMatrix<Expression>, DMatrix<Expression>) {
+    let n = joints.len();
+    let numbers = DMatrix::from_fn(n, n, |r, c| rows[r][c]);
+    if numbers == DMatrix::identity(n, n) {
+        return (identity(n), identity(n));
+    }
+    let coupling =
+        numbers.map_with_location(|r, c, entry| match entry == f64::from(u8::from(r == c)) {
+            true => Expression::Number(entry),
+            false => {
+                let name = format!("{}.{}", COUPLING.id, joints[c].name);
+                values.stand_for(Setting::of(&joints[r].name, &name, entry))
+            }
+        });
+    let inverse = match values {
+        Values::Array(array) => {
+            DMatrix::from_row_iterator(n, n, (0..n * n).map(|_| array.derived()))
+        }
+        // The model of the fit has refused couplings without inverse.
+        Values::Numbers => match numbers.try_inverse() {
+            Some(inverse) => inverse.map(Expression::Number),
+            None => coupling.clone(),
+        },
+    };
+    (coupling, inverse)
+}
+
+/// What stands for the parameters of an effect of a joint.
+struct Parameters<'a> {
+    joint: &'a MachineJoint,
+    effect: &'a Effect,
+    catalogue: &'a Catalogue,
+    numbers: Vec<f64>,
+    values: &'a Values,
+}
+
+impl Parameters<'_> {
+    /// The effect's own, and behind them those that it borrows.
+    fn at(&self, position: usize) -> Expression {
+        let own = self.effect.parameters;
+        let (id, info) = match own.get(position) {
+            Some(info) => (self.effect.id, Some(info)),
+            None => {
+                let (id, name) = self.effect.needs.borrows[position - own.len()];
+                let lender = self.catalogue.find(id);
+                (
+                    id,
+                    lender.and_then(|of| of.parameters.iter().find(|info| info.name == name)),
+                )
+            }
+        };
+        let value = self.numbers[position];
+        let Some(info) = info else {
+            return Expression::Number(value);
+        };
+        let name = format!("{id}.{}", info.name);
+        let mut setting = Setting::of(&self.joint.name, &name, value);
+        // Estimates may take linear parameters out of their limits, and the formulas hold there too.
+        if info.linearity == Linearity::Nonlinear {
+            (setting.lower, setting.upper) = (info.lower, info.upper);
+        }
+        self.values.stand_for(setting)
+    }
+}
+
+fn drive(
+    machine: &Machine,
+    j: usize,
+    (catalogue, values): (&Catalogue, &Values),
+) -> Result<Drive, ExportError> {
     let joint = &machine.joints[j];
     let mut drive = Drive {
-        factor: joint.torque_constant.unwrap_or(1.0),
-        ..Drive::default()
+        width: Expression::Number(0.0),
+        motor: Vec::new(),
+        joint: Vec::new(),
+        losses: Vec::new(),
+        signal: Vec::new(),
+        factor: Expression::Number(1.0),
+        current: None,
+        contact: None,
+        delay: 0.0,
     };
     let effects = joint.effects.iter().map(|found| {
         catalogue
@@ -121,12 +249,18 @@ fn drive(machine: &Machine, j: usize, catalogue: &Catalogue) -> Result<Drive, Ex
     let mut play = None;
     let mut elastic = None;
     for effect in &effects {
-        let values = values(joint, effect)?;
+        let parameters = Parameters {
+            joint,
+            effect,
+            catalogue,
+            numbers: numbers(joint, effect)?,
+            values,
+        };
         let others = others(machine, j, effect)?;
         writable(joint, effect)?;
         let with_values = |law: &Expression| {
             law.replaced(&|e| match e {
-                Expression::Parameter(at) => Some(Expression::Number(values[*at])),
+                Expression::Parameter(at) => Some(parameters.at(*at)),
                 Expression::Variable(Variable::OtherPosition(k)) => {
                     Some(Expression::name(format!("m{}", others[*k])))
                 }
@@ -137,7 +271,7 @@ fn drive(machine: &Machine, j: usize, catalogue: &Catalogue) -> Result<Drive, Ex
             })
         };
         if let Some(transition) = effect.knowledge.transition {
-            drive.width = values[transition.speed];
+            drive.width = parameters.at(transition.speed);
         }
         match effect.law {
             Law::Motor(_) if is_replaced(effect.id) => {}
@@ -159,33 +293,56 @@ fn drive(machine: &Machine, j: usize, catalogue: &Catalogue) -> Result<Drive, Ex
             Law::Joint(_) => {}
             Law::Transmission(law) => drive.losses.push(with_values(&law.added())),
             Law::Signal(law) => drive.signal.push(with_values(&law.added())),
-            Law::Gain => drive.factor *= values[0],
-            Law::Current => {
-                let c: [f64; COEFFICIENTS] = std::array::from_fn(|k| values[k]);
-                drive.current = Some(branch(c));
-                drive.threshold = c[0];
-            }
-            Law::Spring => elastic = Some([values[0], values[1]]),
-            Law::Play => play = Some(values[0]),
+            Law::Gain => drive.factor = parameters.at(0),
+            Law::Current => drive.current = Some(current(&parameters)),
+            Law::Spring => elastic = Some([0, 1].map(|at| parameters.at(at))),
+            Law::Play => play = Some(parameters.at(0)),
             // A command that acts late is held back by what gives it.
             Law::Delay if joint.controller.is_some() => {}
-            Law::Delay => drive.delay = values[0],
+            Law::Delay => drive.delay = parameters.numbers[0],
             // They stand in V, in the offsets, in the load and in gravity.
             Law::Coupling | Law::Encoder | Law::Body | Law::Tilt => {}
         }
     }
-    if drive.current.is_some() {
-        drive.factor /= joint.torque_constant.unwrap_or(1.0);
+    if let (Some(constant), None) = (joint.torque_constant, &drive.current) {
+        let constant = values.stand_for(Setting::of(&joint.name, "torque_constant", constant));
+        drive.factor = product(constant, drive.factor);
     }
     if joint.locked.is_none() && (play.is_some() || elastic.is_some()) {
-        let [stiffness, damping] = elastic.unwrap_or([flank::STIFFNESS, flank::DAMPING]);
-        let of = [stiffness, damping, 0.5 * play.unwrap_or(0.0)];
+        let of_teeth = || [flank::STIFFNESS, flank::DAMPING].map(Expression::Number);
+        let [stiffness, damping] = elastic.unwrap_or_else(of_teeth);
+        let gap = play.unwrap_or(Expression::Number(0.0));
+        let of = [stiffness, damping, product(gap, Expression::Number(0.5))];
         drive.contact = Some(flank::torque().replaced(&|e| match e {
-            Expression::Parameter(at) => Some(Expression::Number(of[*at])),
+            Expression::Parameter(at) => Some(of[*at].clone()),
             _ => None,
         }));
     }
     Ok(drive)
+}
+
+fn current(parameters: &Parameters<'_>) -> Current {
+    let coefficients: [Expression; COEFFICIENTS] = std::array::from_fn(|k| parameters.at(k));
+    match parameters.values {
+        Values::Numbers => {
+            let (branch, end) = branch(std::array::from_fn(|k| parameters.numbers[k]));
+            let end = Expression::Number(end);
+            Current {
+                coefficients,
+                end,
+                branch,
+            }
+        }
+        Values::Array(array) => {
+            let end = array.derived();
+            let branch = branch_up_to(&coefficients, end.clone());
+            Current {
+                coefficients,
+                end,
+                branch,
+            }
+        }
+    }
 }
 
 /// Places of the joints whose motion an effect of a joint knows.
@@ -239,7 +396,7 @@ fn writable(joint: &MachineJoint, effect: &Effect) -> Result<(), ExportError> {
 }
 
 /// Parameters of an effect of a joint, borrowed ones behind its own.
-pub fn values(joint: &MachineJoint, effect: &Effect) -> Result<Vec<f64>, ExportError> {
+fn numbers(joint: &MachineJoint, effect: &Effect) -> Result<Vec<f64>, ExportError> {
     let own = effect.parameters.iter().map(|info| (effect.id, info.name));
     let all = own.chain(effect.needs.borrows.iter().copied());
     all.map(|(id, name)| {

@@ -3,6 +3,7 @@
 use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::of_term;
 use crate::export::loop_constraints;
+use crate::export::values::Setting;
 use crate::export::xml::{escaped, triple};
 use crate::export::{Export, File, term};
 use crate::outcome::machine::{Machine, MachineController, MachineJoint, Motion, Pose};
@@ -36,12 +37,12 @@ pub struct Native {
 }
 
 /// What drives the joints.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Actuation {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Actuation<'a> {
     /// MuJoCo's own: position controllers, and motors whose gears are the torque per signal.
     Own,
-    /// The plugin `exid.drive`, one actuator per joint.
-    Plugin,
+    /// The plugin `exid.drive` with its numbers, one actuator per joint.
+    Plugin(&'a [Setting]),
 }
 
 /// The robot as MJCF, the load on its link where there is one.
@@ -68,7 +69,7 @@ fn of_joint(joint: &MachineJoint) -> Native {
 }
 
 /// The text of the model.
-pub fn document(machine: &Machine, natives: &[Native], actuation: Actuation) -> String {
+pub fn document(machine: &Machine, natives: &[Native], actuation: Actuation<'_>) -> String {
     let gravity = Vector3::from(machine.gravity);
     let mut text = format!(
         "<mujoco model=\"{}\">\n  <compiler angle=\"radian\" inertiafromgeom=\"false\" boundmass=\"0\" \
@@ -76,10 +77,9 @@ pub fn document(machine: &Machine, natives: &[Native], actuation: Actuation) -> 
         escaped(&machine.name),
         triple(&gravity)
     );
-    if actuation == Actuation::Plugin {
-        let extension = "  <extension>\n    <plugin plugin=\"exid.drive\">\n      <instance name=\"drives\"/>\n    \
-                         </plugin>\n  </extension>\n  <worldbody>\n";
-        text = text.replace("  <worldbody>\n", extension);
+    if let Actuation::Plugin(settings) = actuation {
+        let extension = extension(settings) + "  <worldbody>\n";
+        text = text.replace("  <worldbody>\n", &extension);
     }
     sites(machine, None, "    ", &mut text);
     loop_constraints::sites(machine, None, "    ", &mut text);
@@ -93,13 +93,27 @@ pub fn document(machine: &Machine, natives: &[Native], actuation: Actuation) -> 
     let actuators: String = match actuation {
         Actuation::Own if machine.coupling.is_some() => String::new(),
         Actuation::Own => machine.joints.iter().filter_map(own_actuator).collect(),
-        Actuation::Plugin => machine.joints.iter().map(plugin_actuator).collect(),
+        Actuation::Plugin(_) => machine.joints.iter().map(plugin_actuator).collect(),
     };
     if !actuators.is_empty() {
         text.push_str(&format!("  <actuator>\n{actuators}  </actuator>\n"));
     }
     text.push_str("</mujoco>\n");
     text
+}
+
+/// The instance of the plugin that drives all joints.
+fn extension(settings: &[Setting]) -> String {
+    let of = |Setting { key, value, .. }: &Setting| {
+        let key = escaped(key);
+        // The shortest decimal that reads back to the same number.
+        format!("        <config key=\"{key}\" value=\"{value:?}\"/>\n")
+    };
+    let configuration: String = settings.iter().map(of).collect();
+    format!(
+        "  <extension>\n    <plugin plugin=\"exid.drive\">\n      <instance name=\"drives\">\n{configuration}      \
+         </instance>\n    </plugin>\n  </extension>\n"
+    )
 }
 
 /// The position controller of a joint with a motor, or its motor with the torque of a signal of one.
@@ -125,11 +139,7 @@ fn own_actuator(joint: &MachineJoint) -> Option<String> {
 
 fn plugin_actuator(joint: &MachineJoint) -> String {
     let name = escaped(&joint.name);
-    // Signals of other motors are held back by the drives.
-    let late = match joint.controller {
-        Some(_) => held_back(joint),
-        None => String::new(),
-    };
+    let late = held_back(joint);
     format!(
         "    <plugin name=\"{name}\" joint=\"{name}\" plugin=\"exid.drive\" instance=\"drives\"{late}/>\n"
     )

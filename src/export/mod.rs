@@ -21,6 +21,7 @@ mod tape;
 mod term;
 mod urdf;
 mod urdf_edit;
+mod values;
 mod xml;
 
 use crate::chain::effect::{Law, Power, TILT, find};

@@ -1,14 +1,16 @@
 //! MuJoCo, complete: the bodies with what MJCF has laws for as `model.xml`, and the drives as the C source of an actuator
-//! plugin, `exid.drive`.
+//! plugin, `exid.drive`, whose numbers stand in the configuration of the plugin in `model.xml`.
 
 use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::{Catalogue, Law, TRANSITION, of_term};
+use crate::export::code::Plugin;
 use crate::export::drive::Drives;
 use crate::export::error::ExportError;
 use crate::export::identified::Identified;
 use crate::export::mjcf::{self, Actuation, Native};
+use crate::export::values::Values;
 use crate::export::{Export, File, code, term};
-use crate::outcome::machine::MachineJoint;
+use crate::outcome::machine::{Machine, MachineJoint};
 
 /// The glue between the drives and the simulator.
 const PLUGIN: &str = include_str!("exid_drive.c");
@@ -24,7 +26,7 @@ pub fn write(robot: Identified<'_>) -> Result<Export, ExportError> {
     let Identified {
         machine, catalogue, ..
     } = robot;
-    let drives = Drives::of(machine, catalogue)?;
+    let drives = Drives::of(machine, catalogue, Values::Numbers)?;
     let lagging = drives.lagging();
     let mut driven = machine.clone();
     let mut natives = Vec::new();
@@ -34,8 +36,7 @@ pub fn write(robot: Identified<'_>) -> Result<Export, ExportError> {
         let lossless = drive.losses.is_empty() && drive.signal.is_empty();
         natives.push(take(joint, catalogue, straight && lossless));
     }
-    let text = mjcf::document(&driven, &natives, Actuation::Plugin);
-    let source = code::plugin(
+    let Plugin { source, settings } = code::plugin(
         Identified {
             machine: &driven,
             ..robot
@@ -43,14 +44,16 @@ pub fn write(robot: Identified<'_>) -> Result<Export, ExportError> {
         PLUGIN,
         SPEED_CHANGE,
     )?;
+    let text = mjcf::document(&driven, &natives, Actuation::Plugin(&settings));
     let mut notes = vec![
         format!(
             "compile exid_drive.c as its first lines say, and load the library before the model: \
              mujoco.mj_loadPluginLibrary(\"./libexid_drive.so\"); ctrl holds {}",
             mjcf::held_by_ctrl(machine)
         ),
-        "values of drives that MJCF has no place for are constants of exid_drive.c: two robots in one program need two \
-         names of the plugin"
+        "numbers of drives that MJCF has no place for are the config of the plugin in model.xml, by the names that results \
+         give them: with others, compile nothing again; robots with other joints or effects in one program need plugins of \
+         other names"
             .to_string(),
         "the drives act with the velocity at the end of a step of the Euler or implicitfast integrators; with RK4 they are \
          those of the end of the step at every stage"
@@ -78,7 +81,7 @@ pub fn write(robot: Identified<'_>) -> Result<Export, ExportError> {
                 .to_string(),
         );
     }
-    notes.extend(code::notes(machine, &drives));
+    notes.extend(recorded_late(machine));
     Ok(Export {
         files: vec![
             File {
@@ -91,6 +94,19 @@ pub fn write(robot: Identified<'_>) -> Result<Export, ExportError> {
             },
         ],
         notes,
+    })
+}
+
+/// Motors whose signals were recorded later than they acted.
+fn recorded_late(machine: &Machine) -> impl Iterator<Item = String> {
+    machine.joints.iter().filter_map(|joint| {
+        let late = -term::delay(joint);
+        (late > 0.0).then(|| {
+            format!(
+                "{}: the recorded signal was {late} s late; ctrl is the signal as it acts at the motor",
+                joint.name
+            )
+        })
     })
 }
 

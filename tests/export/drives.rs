@@ -87,6 +87,15 @@ impl Proof {
 }
 
 impl Proof {
+    /// The same robot with another value of a parameter; what the chain says of its recorded course stays that of before.
+    pub fn with(mut self, name: &str, value: f64) -> Self {
+        let index = self.robot.model.find(name).unwrap();
+        self.robot.values[index] = value;
+        set(&mut self.robot.outcome, name, value);
+        set(&mut self.outcome, name, value);
+        self
+    }
+
     /// Positions of the links from rest at zero on, `[joint][step]`, by the forward model under controls at these times.
     pub fn simulated(
         &self,
@@ -201,6 +210,12 @@ pub fn controlled(effects: &[&str]) -> Proof {
     prove("controlled", effects, head)
 }
 
+/// A robot with rotors, friction and an effect.
+pub fn with_effect(id: &str) -> Proof {
+    let effect = find(id).unwrap();
+    proof(effect)
+}
+
 fn robot(effects: &[&str], head: &str) -> Robot {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("three.urdf"), ROBOT).unwrap();
@@ -223,6 +238,8 @@ fn robot(effects: &[&str], head: &str) -> Robot {
             ["to", _] => *value = 0.083,
             ["time_constant", _] => *value = 0.05,
             ["c3", _] => *value = -0.02,
+            // No gear gives more torque than it takes.
+            ["R", _] => *value *= 0.75,
             ["K", _] => *value = 3e3,
             ["gap", _] => *value = 0.004,
             ["order", _] => *value = 7.0,

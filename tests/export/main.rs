@@ -160,6 +160,25 @@ fn outcome(machine: Machine) -> Outcome {
     }
 }
 
+/// Gives a parameter of an effect of the identified robot another value.
+fn set(outcome: &mut Outcome, name: &str, value: f64) {
+    let Part::Fit(fit) = &mut outcome.part else {
+        panic!("a fit")
+    };
+    let joints = &mut fit.machine.as_mut().unwrap().joints;
+    let all = joints.iter_mut().flat_map(|joint| {
+        let of = joint.name.clone();
+        let effects = joint.effects.iter_mut();
+        effects.flat_map(move |effect| {
+            let head = format!("{of}.{}", effect.id);
+            let parameters = effect.parameters.iter_mut();
+            parameters.map(move |p| (format!("{head}.{}", p.name), p))
+        })
+    });
+    let mut found = all.filter(|(other, _)| other == name);
+    found.next().unwrap().1.value = value;
+}
+
 fn motion(joints: usize) -> Motion {
     let mut rng = generator(99);
     [1.5, 2.0, 8.0].map(|range| {
@@ -276,16 +295,7 @@ fn invariant_what_a_fit_leaves_beyond_physics_reads_back_with_a_warning() {
         .position(|p| p.name.ends_with(name));
     case.values[index.unwrap()] = -0.3;
     let parameter = case.model.parameters()[index.unwrap()].name.clone();
-    let Part::Fit(fit) = &mut case.outcome.part else {
-        panic!("a fit")
-    };
-    let joints = &mut fit.machine.as_mut().unwrap().joints;
-    let joint = joints
-        .iter_mut()
-        .find(|joint| parameter == format!("{}.{name}", joint.name));
-    let effects = &mut joint.unwrap().effects;
-    let friction = effects.iter_mut().find(|e| e.id == "viscous_friction");
-    friction.unwrap().parameters[0].value = -0.3;
+    set(&mut case.outcome, &parameter, -0.3);
 
     let (export, _) = case.export(Format::Urdf);
     let notes = export.notes.join("\n");

@@ -36,9 +36,10 @@ import json, subprocess, sys, os
 import numpy as np, mujoco
 root = os.path.dirname(mujoco.__file__)
 library = [f for f in os.listdir(root) if f.startswith('libmujoco.so.')][0]
-if os.path.exists('exid_drive.c'):
+if os.path.exists('exid_drive.c') and not os.path.exists('libexid_drive.so'):
     subprocess.run(['cc', '-O2', '-Wall', '-Wextra', '-Werror', '-shared', '-fPIC', f'-I{root}/include', 'exid_drive.c', '-o',
                     'libexid_drive.so', f'-L{root}', f'-l:{library}', '-lm'], check=True)
+if os.path.exists('libexid_drive.so'):
     mujoco.mj_loadPluginLibrary('./libexid_drive.so')
 out = []
 for h in json.loads(sys.argv[1]):
@@ -104,36 +105,71 @@ fn distance(proof: &Proof, run: &Value, step: f64) -> f64 {
     (error / size).sqrt()
 }
 
+/// An export in a folder of its own, for a Python that has MuJoCo.
+struct Exported {
+    folder: TempDir,
+    python: std::ffi::OsString,
+    /// Name of the model's file.
+    model: String,
+}
+
+impl Exported {
+    /// `None`, recorded as a skip, without MuJoCo.
+    fn new(proof: &Proof, format: Format) -> Option<Self> {
+        let python = drives::python()?;
+        let has = |program: &std::ffi::OsStr, arguments: &[&str]| {
+            let asked = Command::new(program).args(arguments).output();
+            asked.is_ok_and(|output| output.status.success())
+        };
+        if !has(&python, &["-c", "import mujoco"]) || !has("cc".as_ref(), &["--version"]) {
+            common::skip("no Python with MuJoCo (EXID_PYTHON names one), or no cc");
+            return None;
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let written = export(&proof.outcome, format).unwrap();
+        for file in &written.files {
+            fs::write(folder.path().join(&file.name), &file.text).unwrap();
+        }
+        Some(Self {
+            folder,
+            python,
+            model: written.files[0].name.clone(),
+        })
+    }
+
+    /// The simulator's motion with every step, or what it complains of. What was compiled once is not compiled again.
+    fn run(&self) -> Result<Vec<Value>, String> {
+        let output = Command::new(&self.python)
+            .current_dir(self.folder.path())
+            .args([
+                "-c",
+                SCRIPT,
+                &json!(STEPS).to_string(),
+                &DURATION.to_string(),
+                &self.model,
+            ])
+            .output()
+            .unwrap();
+        match output.status.success() {
+            true => Ok(serde_json::from_slice(&output.stdout).unwrap()),
+            false => Err(String::from_utf8_lossy(&output.stderr).into_owned()),
+        }
+    }
+
+    fn text(&self) -> String {
+        fs::read_to_string(self.folder.path().join(&self.model)).unwrap()
+    }
+
+    fn rewrite(&self, text: &str) {
+        fs::write(self.folder.path().join(&self.model), text).unwrap();
+    }
+}
+
 /// What MuJoCo makes of a robot in this format with every step; `None`, recorded as a skip, without it.
 fn runs(proof: &Proof, format: Format) -> Option<Vec<Value>> {
-    let python = drives::python()?;
-    let has = |program: &std::ffi::OsStr, arguments: &[&str]| {
-        let asked = Command::new(program).args(arguments).output();
-        asked.is_ok_and(|output| output.status.success())
-    };
-    if !has(&python, &["-c", "import mujoco"]) || !has("cc".as_ref(), &["--version"]) {
-        common::skip("no Python with MuJoCo (EXID_PYTHON names one), or no cc");
-        return None;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let written = export(&proof.outcome, format).unwrap();
-    for file in &written.files {
-        fs::write(folder.path().join(&file.name), &file.text).unwrap();
-    }
-    let output = Command::new(&python)
-        .current_dir(folder.path())
-        .args([
-            "-c",
-            SCRIPT,
-            &json!(STEPS).to_string(),
-            &DURATION.to_string(),
-            &written.files[0].name,
-        ])
-        .output()
-        .unwrap();
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{}: {words}", proof.effect);
-    Some(serde_json::from_slice(&output.stdout).unwrap())
+    let exported = Exported::new(proof, format)?;
+    let runs = exported.run();
+    Some(runs.unwrap_or_else(|words| panic!("{}: {words}", proof.effect)))
 }
 
 /// Of first order: a quarter of the error with a quarter of the step, less where friction turns over.
@@ -186,4 +222,179 @@ fn invariant_position_controllers_move_robots_in_mujoco_as_in_the_forward_model(
         failures.extend(shrinks(&what, &runs, |run, h| distance(&proof, run, h)));
     }
     assert!(failures.is_empty(), "{failures:#?}");
+}
+
+/// The line of the configuration that has a key.
+fn config<'t>(text: &'t str, key: &str) -> &'t str {
+    let start = format!("<config key=\"{key}\"");
+    text.lines().find(|line| line.contains(&start)).unwrap()
+}
+
+/// The text of a model with another value, or without the key.
+fn edited(text: &str, key: &str, value: Option<&str>) -> String {
+    let line = value.map_or(String::new(), |value| {
+        format!("<config key=\"{key}\" value=\"{value}\"/>")
+    });
+    text.replace(config(text, key), &line)
+}
+
+#[test]
+fn invariant_a_value_that_is_changed_in_the_model_changes_the_motion_without_compiling() {
+    let finest = STEPS[2];
+    let mut failures = Vec::new();
+    for (effect, parameter, value) in [
+        ("stribeck_friction", "j2.stribeck_friction.vs", 3.0),
+        (
+            "transmission_efficiency",
+            "j1.transmission_efficiency.R",
+            0.4,
+        ),
+        ("joint_elasticity", "j3.joint_elasticity.K", 300.0),
+        ("drive_gain", "j1.drive_gain.gain", 0.4),
+        (
+            "torque_current_nonlinearity",
+            "j2.torque_current_nonlinearity.c3",
+            -1.5,
+        ),
+    ] {
+        let before = drives::with_effect(effect);
+        let Some(exported) = Exported::new(&before, Format::Mujoco) else {
+            return;
+        };
+        let first = exported.run().unwrap();
+        let library = exported.folder.path().join("libexid_drive.so");
+        let compiled = fs::read(&library).unwrap();
+        exported.rewrite(&edited(
+            &exported.text(),
+            parameter,
+            Some(&format!("{value:?}")),
+        ));
+        let second = exported.run().unwrap();
+        assert!(fs::read(&library).unwrap() == compiled);
+        let after = drives::with_effect(effect).with(parameter, value);
+        let changed = distance(&before, &second[2], finest);
+        let own = distance(&before, &first[2], finest);
+        println!("{effect}: {own:.1e} of the way apart, {changed:.1e} with another value");
+        if changed < 10.0 * own {
+            failures.push(format!(
+                "{effect}: {changed:.1e} is nothing beside {own:.1e}"
+            ));
+        }
+        failures.extend(shrinks(effect, &second, |run, h| distance(&after, run, h)));
+    }
+    assert!(failures.is_empty(), "{failures:#?}");
+}
+
+#[test]
+fn invariant_numbers_of_the_plugin_read_back_to_the_same_bits() {
+    for proof in &proofs() {
+        let written = export(&proof.outcome, Format::Mujoco).unwrap();
+        let [model, source] = &written.files[..] else {
+            panic!("two files")
+        };
+        for joint in &proof.outcome.machine().unwrap().joints {
+            let constant = joint
+                .torque_constant
+                .map(|value| ("torque_constant".to_string(), value));
+            let of_effects = joint.effects.iter().flat_map(|effect| {
+                let parameters = effect.parameters.iter();
+                parameters.map(|p| (format!("{}.{}", effect.id, p.name), p.value))
+            });
+            for (name, value) in of_effects.chain(constant) {
+                let key = format!("{}.{name}", joint.name);
+                if !model.text.contains(&format!("key=\"{key}\"")) {
+                    continue;
+                }
+                let line = config(&model.text, &key);
+                let text = line.split('"').nth(3).unwrap();
+                assert_eq!(
+                    text.parse::<f64>().unwrap().to_bits(),
+                    value.to_bits(),
+                    "{line}"
+                );
+                assert!(source.text.contains(&format!("\"{key}\"")));
+            }
+        }
+        // A robot of this kind with other numbers has the same source.
+        let mut other = proof.outcome.clone();
+        let Part::Fit(fit) = &mut other.part else {
+            panic!("a fit")
+        };
+        let machine = fit.machine.as_mut().unwrap();
+        for joint in &mut machine.joints {
+            joint.offset *= 0.99;
+            joint.torque_constant = joint.torque_constant.map(|constant| 0.99 * constant);
+            let parameters = joint.effects.iter_mut().flat_map(|e| &mut e.parameters);
+            parameters.for_each(|parameter| parameter.value *= 0.99);
+        }
+        let entries = machine.coupling.iter_mut().flatten().flatten();
+        entries
+            .filter(|entry| **entry != 1.0)
+            .for_each(|entry| *entry *= 0.99);
+        let written = export(&other, Format::Mujoco).unwrap();
+        assert_eq!(written.files[1].text, source.text, "{}", proof.effect);
+        assert_ne!(written.files[0].text, model.text, "{}", proof.effect);
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_value_is_said_with_key_joint_and_value() {
+    let Some(exported) = Exported::new(&drives::with_effect("kinematic_coupling"), Format::Mujoco)
+    else {
+        return;
+    };
+    exported.run().unwrap();
+    let text = exported.text();
+    let constant = "j2.torque_constant";
+    let key = |words: &str| format!("config key \"{constant}\" (joint j2) {words}");
+    for (model, words) in [
+        (
+            edited(&text, constant, None),
+            format!("config has no key \"{constant}\" (joint j2)"),
+        ),
+        (
+            edited(&text, constant, Some("")),
+            format!("config has no key \"{constant}\" (joint j2)"),
+        ),
+        (
+            edited(&text, constant, Some("12,5")),
+            format!("value \"12,5\" of {}", key("is no number")),
+        ),
+        (
+            edited(&text, constant, Some("1 2")),
+            format!("value \"1 2\" of {}", key("is no number")),
+        ),
+        (
+            edited(&text, constant, Some("nan")),
+            format!("value \"nan\" of {}", key("is no number")),
+        ),
+        (
+            edited(&text, constant, Some("1e999")),
+            format!("value \"1e999\" of {}", key("is no number")),
+        ),
+        (
+            edited(&text, constant, Some("0x10")),
+            format!("value \"0x10\" of {}", key("is no number")),
+        ),
+        (
+            text.replace(constant, "j2.torque_konstant"),
+            "j2.torque_konstant".to_string(),
+        ),
+    ] {
+        exported.rewrite(&model);
+        let said = exported.run().unwrap_err();
+        assert!(said.contains(&words), "{words}: {said}");
+    }
+    // Numbers that a law does not allow.
+    let key = "j2.stribeck_friction.vs";
+    let exported =
+        Exported::new(&drives::with_effect("stribeck_friction"), Format::Mujoco).unwrap();
+    exported.rewrite(&edited(&exported.text(), key, Some("0")));
+    let said = exported.run().unwrap_err();
+    assert!(
+        said.contains(key) && said.contains("from 1e-05 to 100"),
+        "{said}"
+    );
+    exported.rewrite(&edited(&exported.text(), key, Some(" +1.5e-1 ")));
+    exported.run().unwrap();
 }

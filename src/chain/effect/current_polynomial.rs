@@ -118,43 +118,44 @@ pub(super) fn last_rising(c: [f64; COEFFICIENTS], least: f64) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// The rising branch as a formula of the size of the current: torque and slope, and what they rest on.
+/// The rising branch as a formula of the size of the current.
 #[derive(Debug, Clone)]
 pub struct Branch {
     /// c0 + c1·x + c2·x² + c3·x³ up to the end, and its tangent from there on, N·m (N).
     pub torque: Expression,
     /// Derivative of that torque by the size of the current, N·m/A.
     pub slope: Expression,
-    /// Current at which the polynomial is left; infinite where it never is.
-    pub end: f64,
 }
 
-/// `rising` for given coefficients.
-pub fn branch(c: [f64; COEFFICIENTS]) -> Branch {
-    let least = LEAST_SLOPE * c[1];
-    let end = last_rising(c, least);
-    let inside = || Expression::from(Variable::Current).call_with(Function::Smaller, end);
-    let value = ((inside() * c[3] + c[2]) * inside() + c[1]) * inside() + c[0];
-    let slope = (inside() * (3.0 * c[3]) + 2.0 * c[2]) * inside() + c[1];
-    match end.is_finite() {
-        true => {
-            let beyond = Expression::from(Variable::Current) - end;
-            Branch {
-                torque: value + beyond.call_with(Function::Larger, 0.0) * least,
-                slope,
-                end,
-            }
-        }
-        false => {
-            let unbounded = |of: &Expression| {
-                of.replaced(&|e| (*e == inside()).then(|| Variable::Current.into()))
-            };
-            Branch {
-                torque: unbounded(&value),
-                slope: unbounded(&slope),
-                end,
-            }
-        }
+/// `rising` for given coefficients, and the current at which the polynomial is left, infinite where it never is, A.
+pub fn branch(c: [f64; COEFFICIENTS]) -> (Branch, f64) {
+    let end = last_rising(c, LEAST_SLOPE * c[1]);
+    let coefficients = c.map(Expression::Number);
+    let branch = match end.is_finite() {
+        true => branch_up_to(&coefficients, end.into()),
+        false => polynomial(&coefficients, &Variable::Current.into()),
+    };
+    (branch, end)
+}
+
+/// `rising` for coefficients and an end, A, that a program reads.
+pub fn branch_up_to(c: &[Expression; COEFFICIENTS], end: Expression) -> Branch {
+    let current = || Expression::from(Variable::Current);
+    let inside = current().call_with(Function::Smaller, end.clone());
+    let Branch { torque, slope } = polynomial(c, &inside);
+    let beyond = (current() - end).call_with(Function::Larger, 0.0);
+    Branch {
+        torque: torque + beyond * (c[1].clone() * LEAST_SLOPE),
+        slope,
+    }
+}
+
+fn polynomial(c: &[Expression; COEFFICIENTS], x: &Expression) -> Branch {
+    let x = || x.clone();
+    let [c0, c1, c2, c3] = [0, 1, 2, 3].map(|k| c[k].clone());
+    Branch {
+        torque: ((x() * c3.clone() + c2.clone()) * x() + c1.clone()) * x() + c0,
+        slope: (x() * (c3 * 3.0) + c2 * 2.0) * x() + c1,
     }
 }
 

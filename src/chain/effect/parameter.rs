@@ -37,10 +37,19 @@ pub struct Span {
 impl ParameterInfo {
     /// In words, where a value is not one that the physics allows.
     pub fn beyond_physics(&self, value: f64) -> Option<String> {
-        let Self { lower, upper, meaning, .. } = self;
+        let Self {
+            lower,
+            upper,
+            meaning,
+            ..
+        } = self;
         match () {
-            () if value < *lower => Some(format!("{value} is less than {lower}, the least possible {meaning}")),
-            () if value > *upper => Some(format!("{value} is more than {upper}, the largest possible {meaning}")),
+            () if value < *lower => Some(format!(
+                "{value} is less than {lower}, the least possible {meaning}"
+            )),
+            () if value > *upper => Some(format!(
+                "{value} is more than {upper}, the largest possible {meaning}"
+            )),
             () => None,
         }
     }

@@ -4,9 +4,9 @@ use crate::chain::effect::expression::{Expression, Function};
 use crate::export::code::lag::LAG_SHARE;
 use crate::export::code::layout::DelayLine;
 use crate::export::code::motors::with_current;
-use crate::export::code::writer::of_column;
 use crate::export::code::writer::{Writer, name};
 use crate::export::program::{Argument, Body, Head, Visibility};
+use crate::export::values::{combination, product};
 
 /// Change of a torque by which slopes are measured, N·m (N): the laws are straight on either side of zero.
 pub(super) const TORQUE_CHANGE: f64 = 1e-3;
@@ -17,19 +17,16 @@ impl Writer<'_> {
         for (j, drive) in self.drives.drives.iter().enumerate() {
             let read = name(format!("{signal}[{j}]"));
             let torque = match &drive.current {
-                Some(branch) => {
+                Some(current) => {
                     let size = body.bind(&format!("size{j}"), &read.clone().magnitude());
                     let Expression::Name(size) = size else {
                         continue;
                     };
-                    read.call(Function::Signum) * with_current(&branch.torque, &size)
+                    read.call(Function::Signum) * with_current(&current.branch.torque, &size)
                 }
                 None => read,
             };
-            let torque = match drive.factor {
-                1.0 => torque,
-                factor => torque * factor,
-            };
+            let torque = product(torque, drive.factor.clone());
             let torque = match self.shown(j) {
                 Some(shown) => torque - shown,
                 None => torque,
@@ -61,7 +58,8 @@ impl Writer<'_> {
 
     pub(super) fn drive_miss_arguments(&self) -> Vec<Argument> {
         let n = self.joints();
-        vec![
+        let mut arguments = self.values();
+        arguments.extend([
             Argument::Read("state", self.layout.size),
             Argument::Scalar("dt"),
             Argument::Read("signal", n),
@@ -70,7 +68,8 @@ impl Writer<'_> {
             Argument::Read("ddq", n),
             Argument::Read("x", n),
             Argument::Written("out", n),
-        ]
+        ]);
+        arguments
     }
 
     /// Motors, joint torques `tau{j}` and loads where the links are at q and `x` holds lags and torques.
@@ -101,7 +100,7 @@ impl Writer<'_> {
         }
         for j in 0..self.joints() {
             let column = self.drives.coupling.column(j);
-            let load = of_column(column, |k| name(format!("tau{k}")));
+            let load = combination(&column, |k| name(format!("tau{k}")));
             body.bind(&format!("load{j}"), &load);
         }
     }
@@ -200,7 +199,7 @@ impl Writer<'_> {
         }
         for j in 0..self.joints() {
             let column = self.drives.inverse.column(j);
-            let torque = of_column(column, |k| name(format!("load{k}")));
+            let torque = combination(&column, |k| name(format!("load{k}")));
             body.assign(&format!("out[{j}]"), &torque);
         }
     }
@@ -219,7 +218,11 @@ impl Writer<'_> {
                 None => Expression::Number(TORQUE_CHANGE),
             })
             .collect();
-        let before = ["state", "dt", "acting", "q", "dq", "ddq"];
+        let values = self.values();
+        let values = values.iter().map(|argument| argument.name());
+        let before: Vec<&str> = values
+            .chain(["state", "dt", "acting", "q", "dq", "ddq"])
+            .collect();
         self.newton(body, "drive_miss", &before, &change);
         self.bind_shaft(body);
         for j in 0..n {

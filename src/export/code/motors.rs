@@ -1,10 +1,10 @@
 //! From the torque that the motors transmit to their signal: laws, losses, currents, delays.
 
 use crate::chain::effect::expression::{Expression, Function, Variable};
-use crate::export::code::writer::combination;
-use crate::export::code::writer::of_column;
 use crate::export::code::writer::{Writer, name};
+use crate::export::drive::Current;
 use crate::export::program::{Body, Head, Visibility};
+use crate::export::values::combination;
 
 /// What moves in the places of a law's variables.
 pub(super) struct Moving<'a> {
@@ -29,15 +29,11 @@ impl Writer<'_> {
     /// `m = V⁻¹ (q − offset)` and its derivatives, of the arrays with these names.
     pub(super) fn bind_motors(&self, body: &mut Body, series: [&str; 3]) {
         for j in 0..self.joints() {
-            let row: Vec<f64> = self.drives.inverse.row(j).iter().copied().collect();
-            let shift: f64 = row
-                .iter()
-                .zip(&self.drives.offset)
-                .map(|(w, o)| w * o)
-                .sum();
+            let row = self.drives.inverse.row(j);
+            let shift = combination(&row, |k| self.drives.offset[k].clone());
             let position = combination(&row, |k| name(format!("{}[{k}]", series[0])));
             let position = match shift {
-                0.0 => position,
+                Expression::Number(0.0) => position,
                 shift => position - shift,
             };
             body.bind(&format!("m{j}"), &position);
@@ -45,7 +41,7 @@ impl Writer<'_> {
                 let value = combination(&row, |k| name(format!("{series}[{k}]")));
                 body.bind(&format!("{letter}{j}"), &value);
             }
-            let width = self.language.number(self.drives.drives[j].width);
+            let width = self.language.formula(&self.drives.drives[j].width);
             body.bind(&format!("s{j}"), &name(format!("sign(v{j}, {width})")));
         }
     }
@@ -164,7 +160,7 @@ impl Writer<'_> {
         [positions, velocities]: [&str; 2],
     ) -> Option<Expression> {
         let velocity = format!("{velocities}[{j}]");
-        let width = self.language.number(self.drives.drives[j].width);
+        let width = self.language.formula(&self.drives.drives[j].width);
         let laws = self.drives.drives[j].joint.iter().map(|law| {
             law.replaced(&|e| match e {
                 Expression::Variable(Variable::Position) => Some(name(format!("{positions}[{j}]"))),
@@ -191,7 +187,7 @@ impl Writer<'_> {
             let column = self.drives.coupling.column(j);
             body.bind(
                 &format!("load{j}"),
-                &of_column(column, |k| name(format!("tau[{k}]"))),
+                &combination(&column, |k| name(format!("tau[{k}]"))),
             );
             self.bind_states(body, j);
             let mut torque = self.before_losses(j);
@@ -235,10 +231,15 @@ impl Writer<'_> {
             if let Some(shown) = self.shown(j) {
                 body.assign(&out, &(name(&out) + shown));
             }
-            if drive.factor != 1.0 {
-                body.assign(&out, &(name(&out) / drive.factor));
+            if drive.factor != Expression::Number(1.0) {
+                body.assign(&out, &(name(&out) / drive.factor.clone()));
             }
-            let Some(branch) = &drive.current else {
+            let Some(Current {
+                coefficients,
+                branch,
+                ..
+            }) = &drive.current
+            else {
                 continue;
             };
             // Newton's steps, and bisection where they leave the bracket: the branch rises.
@@ -249,7 +250,7 @@ impl Writer<'_> {
             body.variable(&low, &Expression::Number(0.0));
             body.variable(&high, &Expression::Number(1.0));
             body.variable(&at, &Expression::Number(0.0));
-            let bound = Expression::Number(drive.threshold.max(0.0));
+            let bound = coefficients[0].clone().call_with(Function::Larger, 0.0);
             body.if_less(&bound, &size);
             let grown = with_current(&branch.torque, &high);
             body.repeat("_k", 1000);

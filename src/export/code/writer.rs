@@ -6,9 +6,9 @@ use crate::export::code::names::{in_comment, quoted};
 use crate::export::drive::Drives;
 use crate::export::language::Language;
 use crate::export::program::{Argument, Body, Head, Visibility};
+use crate::export::values::Values;
 use crate::outcome::machine::Machine;
 use crate::outcome::provenance::VERSION;
-use nalgebra::DVectorView;
 
 pub(super) struct Writer<'a> {
     pub(super) machine: &'a Machine,
@@ -194,13 +194,22 @@ impl Writer<'_> {
     }
 
     pub(super) fn drive_arguments(&self) -> Vec<Argument> {
-        let mut arguments = vec![
+        let mut arguments = self.values();
+        arguments.extend([
             Argument::Written("state", self.layout.size),
             Argument::Scalar("dt"),
             Argument::Read("signal", self.joints()),
-        ];
+        ]);
         arguments.extend(self.motion_arguments());
         arguments
+    }
+
+    /// The array of numbers that were read, where there is one.
+    pub(super) fn values(&self) -> Vec<Argument> {
+        match &self.drives.values {
+            Values::Numbers => Vec::new(),
+            Values::Array(_) => vec![Argument::Read("p", self.drives.values.count().max(1))],
+        }
     }
 
     pub(super) fn body(&self) -> Body {
@@ -255,27 +264,4 @@ impl Writer<'_> {
         );
         parts.join("\n\n")
     }
-}
-
-/// `Σ factor · of(k)` without the terms that are zero.
-pub(super) fn combination(factors: &[f64], of: impl Fn(usize) -> Expression) -> Expression {
-    let terms = factors
-        .iter()
-        .enumerate()
-        .filter(|(_, factor)| **factor != 0.0);
-    let terms = terms.map(|(k, factor)| match *factor {
-        1.0 => of(k),
-        factor => of(k) * factor,
-    });
-    terms
-        .reduce(|sum, term| sum + term)
-        .unwrap_or(Expression::Number(0.0))
-}
-
-pub(super) fn of_column(
-    column: DVectorView<'_, f64>,
-    of: impl Fn(usize) -> Expression,
-) -> Expression {
-    let factors: Vec<f64> = column.iter().copied().collect();
-    combination(&factors, of)
 }
