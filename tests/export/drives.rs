@@ -236,7 +236,7 @@ fn robot(effects: &[&str], head: &str) -> Robot {
             ["delay", _] => *value = LATE as f64 * STEP,
             ["from", _] => *value = 0.031,
             ["to", _] => *value = 0.083,
-            ["time_constant", _] => *value = 0.05,
+            ["time_constant", _] => *value = 0.1,
             ["c3", _] => *value = -0.02,
             // No gear gives more torque than it takes.
             ["R", _] => *value *= 0.75,

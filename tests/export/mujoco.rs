@@ -253,8 +253,8 @@ fn invariant_a_value_that_is_changed_in_the_model_changes_the_motion_without_com
         ("drive_gain", "j1.drive_gain.gain", 0.4),
         (
             "torque_current_nonlinearity",
-            "j2.torque_current_nonlinearity.c3",
-            -1.5,
+            "j2.torque_current_nonlinearity.c1",
+            5.0,
         ),
     ] {
         let before = drives::with_effect(effect);
