@@ -145,6 +145,11 @@ fn recovers_what_the_true_model_reaches_after_a_diagnosis() {
     );
     assert_eq!(found["before"], "declared_fitted");
     assert_eq!(found["held_out"], "validation");
+    // The diagnosis rolls out over the recordings that it has read, to the same figures.
+    let diagnosis = json(&at.join("found/result.json"));
+    for part in ["horizons", "curves", "recordings", "summary", "notes"] {
+        assert_eq!(diagnosis["rollout"][part], found[part], "{part}");
+    }
     says(at, &["fit", "true.toml", "--quiet", "--out", "fitted"], 0);
     says(at, &["rollout", "fitted", "--quiet", "--out", "truth"], 0);
     let truth = json(&at.join("truth/result.json"));

@@ -54,6 +54,8 @@ pub struct DiagnoseRun {
     pub values: DVector<f64>,
     /// The recordings, as they were fitted.
     pub data: Dataset,
+    /// The recordings with all their rows, in the motion that suits the declared model.
+    pub prepared: Dataset,
     /// Predictions of the declared and of the final model, `[recording][channel][row]`.
     pub baseline: Predictions,
     /// Predictions of the final model, in the same order.
@@ -112,13 +114,13 @@ fn of_robot(
     // A motor that is taken for the like of another would look like missing physics: every joint is searched by itself.
     let separated = asked.separated();
     let ModelWithPrior { model, prior } = separated.build()?;
-    let data = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
+    let prepared = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
     let sought = sought(problem);
     let rules = Rules {
         sought: sought.as_deref(),
         significance: problem.diagnose.significance.value,
     };
-    let mut recorded = Recorded::of(&model, data);
+    let mut recorded = Recorded::of(&model, prepared.clone());
     let mut motions = 1;
     let (found, defect, limits) = loop {
         on_stage(Stage::Fitting);
@@ -180,6 +182,7 @@ fn of_robot(
         ambiguities: reported.ambiguities,
         nameless: reported.nameless,
         data,
+        prepared,
         defect,
     })
 }

@@ -55,14 +55,37 @@ pub fn run(
     on_step("reading and differentiating the recordings");
     let declared = ModelSpec::of(problem, &robot)?.build()?;
     let data = bandwidth::prepared(problem, &robot, &declared.model, &declared.prior, control)?;
-    let (data, held_out) = held_out_part(data, &task.outcome.part);
     on_step("simulating forward");
+    simulated(task, &candidates, data, control)
+}
+
+/// The same over recordings that a diagnosis has prepared.
+///
+/// # Errors
+/// As [`run`].
+pub fn over_prepared(
+    task: Task<'_>,
+    data: Dataset,
+    control: &Control<'_>,
+) -> Result<RolloutRun, RolloutError> {
+    let robot = setup::robot::open(task.problem)?;
+    let candidates = Candidates::of(task.outcome, task.problem, &robot)?;
+    simulated(task, &candidates, data, control)
+}
+
+fn simulated(
+    task: Task<'_>,
+    candidates: &Candidates,
+    data: Dataset,
+    control: &Control<'_>,
+) -> Result<RolloutRun, RolloutError> {
+    let (data, held_out) = held_out_part(data, &task.outcome.part);
     let rolled = data
         .recordings
         .iter()
         .enumerate()
         .map(|(number, recording)| {
-            SimulatedWindows::of(&candidates, number, recording, task.seed, control)
+            SimulatedWindows::of(candidates, number, recording, task.seed, control)
         })
         .collect::<Result<Vec<_>, _>>()?;
     let rolled: Vec<SimulatedWindows<'_>> = rolled.into_iter().flatten().collect();
@@ -72,7 +95,7 @@ pub fn run(
     }
     Summary {
         task,
-        candidates: &candidates,
+        candidates,
         held_out,
         rolled: &rolled,
     }

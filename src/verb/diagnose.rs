@@ -1,5 +1,6 @@
 //! `diagnose`: where model and recordings differ, what physics is missing, the model with it.
 
+use crate::chain::dataset::Dataset;
 use crate::diagnose::task::{self, DiagnoseRun};
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::predictions::Quantity;
@@ -46,7 +47,8 @@ pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, Verb
     };
     if stop.is_none() {
         settings.say("simulating forward");
-        let rollout = rolled_out(problem, &outcome, settings);
+        let prepared = std::mem::take(&mut result.prepared);
+        let rollout = rolled_out(problem, &outcome, prepared, settings);
         result.diagnosis.rollout.clone_from(&rollout);
         if let Part::Diagnose(diagnosis) = &mut outcome.part {
             diagnosis.rollout = rollout;
@@ -63,7 +65,12 @@ pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, Verb
 }
 
 /// The models of a diagnosis simulated forward; what stands in the way, a defect among it, is said by `exid rollout`.
-fn rolled_out(problem: &ProblemFile, outcome: &Outcome, settings: &Settings) -> Option<Rollout> {
+fn rolled_out(
+    problem: &ProblemFile,
+    outcome: &Outcome,
+    prepared: Dataset,
+    settings: &Settings,
+) -> Option<Rollout> {
     let task = rollout::Task {
         problem,
         outcome,
@@ -71,7 +78,7 @@ fn rolled_out(problem: &ProblemFile, outcome: &Outcome, settings: &Settings) -> 
         set: &[],
         seed: settings.seed,
     };
-    let rolled = guarded(|| rollout::run(task, &settings.control(), &|_| ()));
+    let rolled = guarded(|| rollout::over_prepared(task, prepared, &settings.control()));
     let rolled = rolled.ok()?.ok()?;
     Some(Rollout {
         examples: Vec::new(),

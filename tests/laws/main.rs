@@ -446,6 +446,11 @@ fn a_law_of_a_file_is_searched_for_explained_and_exported() {
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.success(), "{format}: {said}");
     }
+    let model = fs::read_to_string(folder.path("mujoco/model.xml")).unwrap();
+    for parameter in ["a", "n", "phi"] {
+        let key = format!("<config key=\"elbow.cogging_by_load.{parameter}\" value=");
+        assert!(model.contains(&key), "{model}");
+    }
     let source = fs::read_to_string(folder.path("rust/arm.rs")).unwrap();
     assert!(source.contains("f64::sin("), "{source}");
     let report = fs::read_to_string(folder.path("found/report.html")).unwrap();
