@@ -2,13 +2,10 @@
 
 use crate::diagnose::simulator::contrast::{LEVEL, Tested};
 use crate::diagnose::simulator::sentences;
-use crate::diagnose::simulator::side::{Named, Side};
+use crate::diagnose::simulator::side::{NEGLIGIBLE, Named, Side};
 use crate::diagnose::simulator::subject::Subject;
 use crate::outcome::finding::Finding;
 use crate::outcome::simulator::{Contrast, OneSided};
-
-/// Share of a signal that is too small to matter, as it is for a finding.
-const NEGLIGIBLE: f64 = 0.002;
 
 /// Contrasts by what they say.
 #[derive(Default)]
@@ -58,6 +55,12 @@ pub(super) fn sort(tested: Vec<Tested>, simulator: &Side<'_>, robot: &Side<'_>) 
         (Subject::Simulator, simulator, robot),
     ];
     for (subject, own, other) in sides {
+        let left = own.unexplained();
+        if !left.is_empty() && !sorted.differences.is_empty() {
+            sorted
+                .notes
+                .push(sentences::left_unexplained(subject, &left));
+        }
         for finding in own.findings {
             let lists = match subject {
                 Subject::Robot => &mut sorted.only_robot,

@@ -66,7 +66,36 @@ fn values(contrast: &Contrast) -> String {
 
 pub(super) fn contrast(contrast: &Contrast, robot: &Side<'_>) -> String {
     let name = called(contrast, robot);
-    format!("In the simulation {name} is {}.", values(contrast))
+    let share = match contrast.share_of_signal.is_finite() {
+        true => format!(", {} % of the signal", percent(contrast.share_of_signal)),
+        false => String::new(),
+    };
+    format!("In the simulation {name} is {}{share}.", values(contrast))
+}
+
+/// A share to two digits in percent.
+fn percent(share: f64) -> String {
+    let value = 100.0 * share;
+    let decimals = (1 - value.log10().floor() as i32).max(0) as usize;
+    format!("{value:.decimals$}")
+}
+
+/// What a model leaves of signals beyond their noise, as shares of them by joint.
+pub(super) fn left_unexplained(subject: Subject, shares: &[(String, f64)]) -> String {
+    let shares: Vec<String> = shares
+        .iter()
+        .map(|(joint, share)| format!("{} % of {joint}", percent(*share)))
+        .collect();
+    let of = match subject {
+        Subject::Robot => "robot",
+        Subject::Simulator => "simulation",
+    };
+    format!(
+        "Of the {of}'s signals its model leaves {} unexplained, beyond their noise: differences that make little more of the \
+         signal than that may come of what is not in the model, such as a filter between sensor and file, and intervals do not \
+         count it.",
+        shares.join(", ")
+    )
 }
 
 /// Of an effect whose size one of the two has at none.

@@ -9,9 +9,13 @@ use crate::diagnose::selection::zero_size::sizes_alone;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::finding::Finding;
 use crate::outcome::fit::Fit;
+use crate::outcome::joint::JointFigures;
 use crate::outcome::parameter::Parameter;
 use crate::stats::distribution::Distribution;
 use nalgebra::DVector;
+
+/// Share of a signal that is too small to matter, as it is for a finding.
+pub(super) const NEGLIGIBLE: f64 = 0.002;
 
 /// An identified model.
 #[derive(Debug, Clone, Copy)]
@@ -140,6 +144,17 @@ impl Side<'_> {
         }
         // What has no parameter that is its size is there where the model has it.
         !own.is_empty() && !has_size
+    }
+
+    /// Joints whose signals the model leaves more of than noise and more than is negligible, with the share.
+    pub(super) fn unexplained(&self) -> Vec<(String, f64)> {
+        let of = |figures: &JointFigures| {
+            let noise = figures.noise_rms?;
+            let beyond = (figures.rmse_train.powi(2) - noise.powi(2)).max(0.0).sqrt();
+            let share = figures.relative_train * beyond / figures.rmse_train;
+            (share > NEGLIGIBLE).then(|| (figures.joint.clone(), share))
+        };
+        self.estimate.joints.iter().filter_map(of).collect()
     }
 
     /// Parameters of an effect.
