@@ -156,7 +156,12 @@ fn counterpart(finding: &Finding, other: &Side<'_>) -> Counterpart {
         let mut alike = f.rivals.iter().filter(|r| !r.separable);
         alike.any(|r| r.effect == finding.effect && r.joints == finding.joints)
     });
-    match theirs {
+    // What has no name on one side may be what has one on the other, at the same joint.
+    let nameless = other.findings.iter().find(|f| {
+        let shares_a_joint = f.joints.iter().any(|joint| finding.joints.contains(joint));
+        shares_a_joint && (f.has_no_name() || finding.has_no_name())
+    });
+    match theirs.or(nameless) {
         Some(finding) => Counterpart::Alike(finding.effect.clone()),
         None => Counterpart::None,
     }

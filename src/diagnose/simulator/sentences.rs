@@ -2,7 +2,7 @@
 
 use crate::diagnose::simulator::side::Side;
 use crate::diagnose::simulator::subject::Subject;
-use crate::outcome::finding::Finding;
+use crate::outcome::finding::{Finding, UNNAMED};
 use crate::outcome::simulator::{Contrast, Simulator};
 
 /// A number to four digits, without trailing zeros.
@@ -129,10 +129,18 @@ pub(super) fn not_told_apart(subject: Subject, finding: &Finding, other: &str) -
         Subject::Robot => ("robot", "simulation"),
         Subject::Simulator => ("simulation", "robot"),
     };
+    let own = match finding.has_no_name() {
+        true => "What has no name",
+        false => &finding.effect,
+    };
+    let other = match other == UNNAMED {
+        true => "what has no name",
+        false => other,
+    };
     format!(
         "{} of {} in the {here} and {other} in the {there} are physics that the recordings do not tell apart, and count as \
          neither equal nor different.",
-        finding.effect,
+        own,
         finding.joints.join(", ")
     )
 }
