@@ -64,6 +64,8 @@ impl FittedEffect<'_> {
     pub fn scaled(&self, name: &str, unit: &str, of: impl Fn(f64) -> f64) -> Option<String> {
         let parameter = self.of(name)?;
         let value = of(parameter.value?);
+        // A factor stands without the unit of numbers.
+        let unit = if unit == "1" { "" } else { unit };
         let size = format!("{} {unit}", short(value));
         Some(match parameter.ci95 {
             Some(ends) => {

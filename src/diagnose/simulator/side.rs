@@ -146,13 +146,14 @@ impl Side<'_> {
         !own.is_empty() && !has_size
     }
 
-    /// Joints whose signals the model leaves more of than noise and more than is negligible, with the share.
+    /// Joints of whose signals the model leaves more beyond the noise than the noise itself, and more than is negligible, with
+    /// the share.
     pub(super) fn unexplained(&self) -> Vec<(String, f64)> {
         let of = |figures: &JointFigures| {
             let noise = figures.noise_rms?;
             let beyond = (figures.rmse_train.powi(2) - noise.powi(2)).max(0.0).sqrt();
             let share = figures.relative_train * beyond / figures.rmse_train;
-            (share > NEGLIGIBLE).then(|| (figures.joint.clone(), share))
+            (beyond > noise && share > NEGLIGIBLE).then(|| (figures.joint.clone(), share))
         };
         self.estimate.joints.iter().filter_map(of).collect()
     }

@@ -168,7 +168,7 @@ fn signals(drives: &Drives) -> String {
         let signal = match gains {
             None if controlled => Expression::Number(0.0),
             None => name(format!("ctrl[{j}]")),
-            Some(Gains { kp, kd }) => combination(&drives.inverse.row(j), |i| {
+            Some(Gains { kp, kd }) => combination(drives.inverse.row(j).iter(), |i| {
                 let error = name(format!("ctrl[{i}]")) - name(format!("q[{i}]"));
                 kp.clone() * error - kd.clone() * name(format!("v[{i}]"))
             }),
