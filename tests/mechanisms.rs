@@ -270,10 +270,8 @@ fn distance_of_forward(problem: &str, rate: f64) -> f64 {
     let at =
         |series: &[Vec<f64>], k: usize| motors.iter().map(|&j| series[j][k]).collect::<Vec<_>>();
     let torque = |k: usize| -> Vec<f64> {
-        let signal = motors.iter().enumerate();
-        signal
-            .map(|(m, &j)| forward.motor_torque(m, block.value(j)[k]))
-            .collect()
+        let signals: Vec<f64> = motors.iter().map(|&j| block.value(j)[k]).collect();
+        forward.motor_torques(&signals)
     };
     let torques: Vec<Vec<f64>> = (0..rows).map(torque).collect();
     forward.hold(&at_all(q, 0));

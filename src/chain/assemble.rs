@@ -1,8 +1,10 @@
 //! Assembly of a model's list of parameters: of links, effects, coupling, tilt and load.
 
+use crate::chain::crosstalk::Heard;
 use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::{
-    CURRENT_LAW, Dependence, Effect, Law, Linearity, NEXT, PREVIOUS, ParameterInfo, of_term,
+    CROSSTALK, CURRENT_LAW, Dependence, Effect, Law, Linearity, NEXT, PREVIOUS, ParameterInfo,
+    of_term,
 };
 use crate::chain::error::ModelError;
 use crate::chain::model::{Channel, Inertials, JointModel, ModelSettings, Signal, WRENCH};
@@ -178,11 +180,11 @@ fn effects_with_known_values(settings: &ModelSettings, j: usize) -> Vec<&'static
     effects
 }
 
-/// V has entries, the load has bodies and the base has angles, which are not per joint; behind the gear
+/// V has entries, channels hear others, the load has bodies and the base has angles, which are not per joint; behind the gear
 /// neither rotors nor losses of the gear nor laws of the current are seen.
 fn has_own_parameters(effect: &Effect, signal: Signal) -> bool {
     match effect.law {
-        Law::Coupling | Law::Body | Law::Tilt => false,
+        Law::Coupling | Law::Crosstalk | Law::Body | Law::Tilt => false,
         Law::Current => signal == Signal::Current,
         Law::Transmission(_) => signal != Signal::LinkTorque,
         Law::Signal(_) => {
@@ -371,6 +373,55 @@ pub(super) fn coupling_parameters(
                 linearity: info.linearity,
             });
         }
+    }
+}
+
+/// Whose channels hear whom: every pair of a joint that lists the effect, and the stated ones.
+fn heard(settings: &ModelSettings) -> Vec<Heard> {
+    let n = settings.tree.len();
+    let of_motors = settings.signal.has_channels_of_motors();
+    let lists = |j: usize| {
+        let mut effects = settings.effects[j].iter();
+        effects.any(|effect| matches!(effect.law, Law::Crosstalk))
+    };
+    let pairs = (0..n).flat_map(|channel| (0..n).map(move |source| Heard { channel, source }));
+    pairs
+        .filter(|pair| {
+            let Heard { channel, source } = *pair;
+            let move_both = !settings.locked[channel] && !settings.locked[source];
+            let is_named = lists(channel) || settings.crosstalk.contains(pair);
+            of_motors && move_both && channel != source && is_named
+        })
+        .collect()
+}
+
+pub(super) fn crosstalk_parameters(settings: &ModelSettings, parameters: &mut Vec<Parameter>) {
+    let joints = settings.tree.joints();
+    let info = &CROSSTALK.parameters[0];
+    for pair in heard(settings) {
+        let [channel, source] = [pair.channel, pair.source].map(|j| &joints[j]);
+        parameters.push(Parameter {
+            name: format!("{}.{}.{}", channel.name, CROSSTALK.id, source.name),
+            unit: share_unit(settings.signal, channel.kind, source.kind).to_string(),
+            role: Role::Crosstalk(pair),
+            state: State::Free,
+            value: 0.0,
+            lower: info.lower,
+            upper: info.upper,
+            bounded: false,
+            scale: info.typical,
+            linearity: info.linearity,
+        });
+    }
+}
+
+/// Unit of a share of one channel's signal in another's: torques and forces are different quantities, currents are not.
+fn share_unit(signal: Signal, channel: JointKind, source: JointKind) -> &'static str {
+    match (channel, source) {
+        _ if signal == Signal::Current => "1",
+        (JointKind::Revolute, JointKind::Prismatic) => "m",
+        (JointKind::Prismatic, JointKind::Revolute) => "1/m",
+        _ => "1",
     }
 }
 

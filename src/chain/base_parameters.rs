@@ -156,7 +156,7 @@ pub fn scan_order(model: &Model) -> Vec<usize> {
                 _ => 4,
             }
         }
-        Role::Coupling { .. } | Role::Tilt { .. } => 5,
+        Role::Coupling { .. } | Role::Crosstalk(_) | Role::Tilt { .. } => 5,
         Role::Controller { .. } => 6,
     };
     let mut unknowns: Vec<usize> = (0..model.parameters().len())

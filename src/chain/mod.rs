@@ -5,6 +5,7 @@
 //! τ = Y(q, q̇, q̈) π  (+ payload)         joint torque;  τ_M = Vᵀ τ
 //! τ_mot = τ_M + Σ laws(m, ṁ, m̈)         rotor inertia, friction, offsets
 //! s = τ_mot / (k · gain)                 current (k: torque constant) or torque (k = 1)
+//! s_i = s_i + Σ x_ij s_j                 crosstalk of the channels of motors
 //! s = (τ_mot / gain + kd (ṁ − v_c) − u) / kp     error of a position controller, see [`controller`]
 //! ```
 //!
@@ -16,7 +17,7 @@
 //!
 //! | step | files |
 //! |---|---|
-//! | what a model is made of | `settings`, `effect/`, `platform`, `controller` |
+//! | what a model is made of | `settings`, `effect/`, `platform`, `controller`, `crosstalk` |
 //! | the model with its parameters | `model` (by `assemble`), `joint_model`, `parameter`, `sharing`, `channel`, `transition_limits` |
 //! | what the signal depends on | `base_parameters` |
 //! | recordings, and what is known before them | `dataset`, `prior` |
@@ -27,6 +28,7 @@ pub mod assemble;
 pub mod base_parameters;
 mod channel;
 pub mod controller;
+pub mod crosstalk;
 pub mod dataset;
 pub mod effect;
 pub mod error;

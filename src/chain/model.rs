@@ -3,6 +3,7 @@
 use crate::chain::assemble;
 pub use crate::chain::channel::Channel;
 pub(super) use crate::chain::channel::WRENCH;
+use crate::chain::crosstalk::Heard;
 use crate::chain::effect::{Catalogue, Law, Memory};
 use crate::chain::error::ModelError;
 pub use crate::chain::joint_model::JointModel;
@@ -44,7 +45,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// Lays out the parameters: bodies, effects joint by joint, controllers, coupling, tilt of the base, load, in this order.
+    /// Lays out the parameters: bodies, effects joint by joint, controllers, coupling, crosstalk, tilt of the base, load, in this order.
     ///
     /// # Errors
     /// [`ModelError::SingularCoupling`] and effects that need another effect or joint that is not there.
@@ -64,6 +65,7 @@ impl Model {
         sharing::tie(&settings.shared, &joints, &mut parameters);
         let joints = assemble::controlled(&settings, joints, &mut parameters);
         assemble::coupling_parameters(&settings, &coupling, &mut parameters);
+        assemble::crosstalk_parameters(&settings, &mut parameters);
         let tilt = assemble::tilt_parameters(&settings, &mut parameters);
         let payload = settings.payload.map(|payload| {
             let first = parameters.len();
@@ -436,6 +438,26 @@ impl Model {
             }
         }
         self.with_followers(coupling)
+    }
+
+    /// Whose channels hear whom, with the position of the share.
+    pub fn heard(&self) -> impl Iterator<Item = (Heard, usize)> + '_ {
+        let all = self.parameters.iter().enumerate();
+        all.filter_map(|(p, parameter)| match parameter.role {
+            Role::Crosstalk(heard) => Some((heard, p)),
+            _ => None,
+        })
+    }
+
+    /// `(1 + X)⁻¹`, by which recorded signals of the joints become those of their motors; `None` where no channel hears
+    /// another, or where the channels do not tell the signals apart.
+    pub fn crosstalk_removal(&self, values: &DVector<f64>) -> Option<DMatrix<f64>> {
+        let n = self.joints.len();
+        let mut mixing = DMatrix::identity(n, n);
+        for (Heard { channel, source }, at) in self.heard() {
+            mixing[(channel, source)] = values[at];
+        }
+        (!mixing.is_identity(0.0)).then(|| mixing.try_inverse())?
     }
 
     /// True where V is the identity whatever the parameters are.

@@ -1,5 +1,6 @@
 //! The parameters of a model: what each is, its unit, its value and whether it is known.
 
+use crate::chain::crosstalk::Heard;
 use crate::chain::effect::Linearity;
 
 /// What a parameter stands for.
@@ -33,6 +34,8 @@ pub enum Role {
         /// The motor that moves it.
         column: usize,
     },
+    /// Share of the signal of one joint in what is recorded of another.
+    Crosstalk(Heard),
     /// Roll (0) or pitch (1) of the base.
     Tilt {
         /// Rotation about x or y of the base frame, rad.

@@ -1,6 +1,7 @@
 //! Settings of a model: the robot, its drives, the signal and the effects of every joint.
 
 use crate::chain::controller::Controller;
+use crate::chain::crosstalk::Heard;
 use crate::chain::effect::{Catalogue, Effect, current_polynomial};
 use crate::chain::sharing::Sharing;
 pub use crate::chain::signal::Signal;
@@ -66,6 +67,8 @@ pub struct ModelSettings {
     pub offset: Option<Vec<f64>>,
     /// The physics of every joint beside rigid bodies.
     pub effects: Vec<Vec<&'static Effect>>,
+    /// Joints whose channels hear others, beside those that list the effect and hear all.
+    pub crosstalk: Vec<Heard>,
     /// Effects whose parameters joints have in common.
     pub shared: Vec<Sharing>,
     /// The effects that it may have.
@@ -94,6 +97,7 @@ impl ModelSettings {
             coupling: None,
             offset: None,
             effects: vec![Vec::new(); n],
+            crosstalk: Vec::new(),
             shared: Vec::new(),
             catalogue: Catalogue::known(),
             period: None,

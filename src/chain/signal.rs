@@ -20,6 +20,14 @@ pub enum Signal {
 }
 
 impl Signal {
+    /// Whether the currents or torques of motors are measured, each in a channel of its own.
+    pub fn has_channels_of_motors(self) -> bool {
+        matches!(
+            self,
+            Self::Current | Self::Torque | Self::LinkTorque | Self::Both
+        )
+    }
+
     /// Rows of the rigid-body regressor that the signal needs.
     pub fn rows(self) -> Rows {
         match self {

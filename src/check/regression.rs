@@ -280,6 +280,7 @@ pub(super) fn with_tree(declared: &Model, tree: Tree) -> Model {
         coupling: Some(declared.coupling(&declared.values())),
         offset: Some(declared.offset().iter().copied().collect()),
         effects: vec![effects; n],
+        crosstalk: Vec::new(),
         shared: Vec::new(),
         catalogue: declared.catalogue().clone(),
         period: declared.period(),

@@ -2,7 +2,9 @@
 
 use crate::chain::effect::current_polynomial::{Branch, COEFFICIENTS, branch, branch_up_to};
 use crate::chain::effect::expression::{Expression, StateLaw, Variable};
-use crate::chain::effect::{COUPLING, Catalogue, Effect, Law, Linearity, NEXT, PREVIOUS, flank};
+use crate::chain::effect::{
+    COUPLING, CROSSTALK, Catalogue, Effect, Law, Linearity, NEXT, PREVIOUS, flank,
+};
 use crate::export::error::ExportError;
 use crate::export::values::{Setting, Values, product};
 use crate::outcome::machine::{Machine, MachineController, MachineJoint};
@@ -13,8 +15,9 @@ use nalgebra::DMatrix;
 pub struct Drives {
     pub drives: Vec<Drive>,
     /// V of `q = V m + offset`.
-    pub coupling: DMatrix<Expression>,
-    pub inverse: DMatrix<Expression>,
+    pub coupling: Mixing,
+    /// 1 + X of recorded signals by those of the motors.
+    pub crosstalk: Mixing,
     pub offset: Vec<Expression>,
     /// Of position controllers, of the joints that have them.
     pub gains: Vec<Option<Gains>>,
@@ -27,6 +30,13 @@ pub struct Drives {
 pub struct Gains {
     pub kp: Expression,
     pub kd: Expression,
+}
+
+/// A matrix that mixes what joints have, and its inverse.
+#[derive(Debug)]
+pub struct Mixing {
+    pub matrix: DMatrix<Expression>,
+    pub inverse: DMatrix<Expression>,
 }
 
 /// The drive of a joint.
@@ -80,10 +90,11 @@ impl Drives {
         let n = joints.len();
         let drives = (0..n).map(|j| drive(machine, j, (catalogue, &values)));
         let drives = drives.collect::<Result<_, _>>()?;
-        let (coupling, inverse) = match &machine.coupling {
-            Some(rows) => coupled(joints, rows, &values),
-            None => (identity(n), identity(n)),
+        let motors = match &machine.coupling {
+            Some(rows) => DMatrix::from_fn(n, n, |r, c| rows[r][c]),
+            None => DMatrix::identity(n, n),
         };
+        let channels = channels(machine)?;
         let offset = joints.iter().map(|joint| match joint.offset {
             0.0 => Expression::Number(0.0),
             offset => values.stand_for(Setting::of(&joint.name, "offset", offset)),
@@ -100,8 +111,8 @@ impl Drives {
         let gains = gains.collect();
         Ok(Self {
             drives,
-            coupling,
-            inverse,
+            coupling: Mixing::of(joints, &motors, COUPLING.id, &values),
+            crosstalk: Mixing::of(joints, &channels, CROSSTALK.id, &values),
             offset,
             gains,
             values,
@@ -110,7 +121,7 @@ impl Drives {
 
     /// Whether motors move other joints than their own.
     pub fn is_coupled(&self) -> bool {
-        self.coupling != identity(self.drives.len())
+        !self.coupling.is_identity()
     }
 
     /// Whether a law at a motor has a state of its own.
@@ -149,36 +160,40 @@ fn identity(n: usize) -> DMatrix<Expression> {
     DMatrix::from_fn(n, n, |r, c| Expression::Number(f64::from(u8::from(r == c))))
 }
 
-/// V of motors that move several joints, and its inverse.
-fn coupled(
-    joints: &[MachineJoint],
-    rows: &[Vec<f64>],
-    values: &Values,
-) -> (DMatrix<Expression>, DMatrix<Expression>) {
-    let n = joints.len();
-    let numbers = DMatrix::from_fn(n, n, |r, c| rows[r][c]);
-    if numbers == DMatrix::identity(n, n) {
-        return (identity(n), identity(n));
-    }
-    let coupling =
-        numbers.map_with_location(|r, c, entry| match entry == f64::from(u8::from(r == c)) {
-            true => Expression::Number(entry),
-            false => {
-                let name = format!("{}.{}", COUPLING.id, joints[c].name);
-                values.stand_for(Setting::of(&joints[r].name, &name, entry))
-            }
-        });
-    let inverse = match values {
-        Values::Array(array) => {
-            DMatrix::from_row_iterator(n, n, (0..n * n).map(|_| array.derived()))
+impl Mixing {
+    /// A matrix with an inverse, whose entries belong to an effect: `ROW.effect.COLUMN`, by names of joints.
+    fn of(joints: &[MachineJoint], numbers: &DMatrix<f64>, id: &str, values: &Values) -> Self {
+        let n = joints.len();
+        if *numbers == DMatrix::identity(n, n) {
+            return Self {
+                matrix: identity(n),
+                inverse: identity(n),
+            };
         }
-        // The model of the fit has refused couplings without inverse.
-        Values::Numbers => match numbers.try_inverse() {
-            Some(inverse) => inverse.map(Expression::Number),
-            None => coupling.clone(),
-        },
-    };
-    (coupling, inverse)
+        let matrix =
+            numbers.map_with_location(|r, c, entry| match entry == f64::from(u8::from(r == c)) {
+                true => Expression::Number(entry),
+                false => {
+                    let name = format!("{id}.{}", joints[c].name);
+                    values.stand_for(Setting::of(&joints[r].name, &name, entry))
+                }
+            });
+        let inverse = match values {
+            Values::Array(array) => {
+                DMatrix::from_row_iterator(n, n, (0..n * n).map(|_| array.derived()))
+            }
+            Values::Numbers => match numbers.clone().try_inverse() {
+                Some(inverse) => inverse.map(Expression::Number),
+                None => matrix.clone(),
+            },
+        };
+        Self { matrix, inverse }
+    }
+
+    /// Whether nothing is mixed.
+    pub fn is_identity(&self) -> bool {
+        self.matrix == identity(self.matrix.nrows())
+    }
 }
 
 /// What stands for the parameters of an effect of a joint.
@@ -249,6 +264,10 @@ fn drive(
     let mut play = None;
     let mut elastic = None;
     for effect in &effects {
+        // It lies between the drives.
+        if matches!(effect.law, Law::Crosstalk) {
+            continue;
+        }
         let parameters = Parameters {
             joint,
             effect,
@@ -300,8 +319,8 @@ fn drive(
             // A command that acts late is held back by what gives it.
             Law::Delay if joint.controller.is_some() => {}
             Law::Delay => drive.delay = parameters.numbers[0],
-            // They stand in V, in the offsets, in the load and in gravity.
-            Law::Coupling | Law::Encoder | Law::Body | Law::Tilt => {}
+            // They stand in V, between the channels, in the offsets, in the load and in gravity.
+            Law::Coupling | Law::Crosstalk | Law::Encoder | Law::Body | Law::Tilt => {}
         }
     }
     if let (Some(constant), None) = (joint.torque_constant, &drive.current) {
@@ -342,6 +361,44 @@ fn current(parameters: &Parameters<'_>) -> Current {
                 branch,
             }
         }
+    }
+}
+
+/// Channels whose signals are the same mixture.
+fn alike(machine: &Machine) -> ExportError {
+    let hears = |joint: &&MachineJoint| joint.effects.iter().any(|e| e.id == CROSSTALK.id);
+    let joint = machine.joints.iter().find(hears);
+    ExportError::NotWritable {
+        joint: joint.map_or_else(String::new, |joint| joint.name.clone()),
+        effect: CROSSTALK.id.to_string(),
+        why: "signals of the motors do not follow from recorded ones that are one mixture",
+    }
+}
+
+/// 1 + X of the shares that the channels have of one another's signals.
+///
+/// # Errors
+/// Of channels whose signals are the same mixture.
+fn channels(machine: &Machine) -> Result<DMatrix<f64>, ExportError> {
+    let joints = &machine.joints;
+    let mut mixing = DMatrix::identity(joints.len(), joints.len());
+    for (channel, joint) in joints.iter().enumerate() {
+        let heard = joint
+            .effects
+            .iter()
+            .filter(|effect| effect.id == CROSSTALK.id);
+        for share in heard.flat_map(|effect| &effect.parameters) {
+            let source = joints.iter().position(|other| other.name == share.name);
+            let source = source.ok_or_else(|| ExportError::Incomplete {
+                joint: joint.name.clone(),
+                parameter: format!("{}: joint {}", CROSSTALK.id, share.name),
+            })?;
+            mixing[(channel, source)] = share.value;
+        }
+    }
+    match mixing.clone().try_inverse().is_some() {
+        true => Ok(mixing),
+        false => Err(alike(machine)),
     }
 }
 

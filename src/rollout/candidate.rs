@@ -88,13 +88,8 @@ fn rebuilt(
     let mut addition = Addition::default();
     for added in &fitted.added {
         for joint in added.joints.iter().filter_map(index) {
-            match (
-                added.other.as_ref().and_then(index),
-                catalogue.find(&added.effect),
-            ) {
-                (Some(other), _) => addition.coupling.push((joint, other)),
-                (None, Some(effect)) => addition.effects.push((joint, effect)),
-                (None, None) => {}
+            if let Some(effect) = catalogue.find(&added.effect) {
+                addition.add(effect, joint, added.other.as_ref().and_then(index));
             }
         }
     }

@@ -7,6 +7,7 @@ use crate::robot::tree::JointKind;
 use crate::rollout::candidate::Candidate;
 use crate::stats::range::within;
 use nalgebra::DMatrix;
+use std::borrow::Cow;
 
 /// Largest distance from the recording, rad or m by kind of joint, at which a model is not lost.
 pub const DIVERGED: [f64; 2] = [std::f64::consts::PI, 1.0];
@@ -87,30 +88,35 @@ impl<'a> ModelRun<'a> {
         let of_row = |series: Option<&[f64]>, row: usize| {
             series.and_then(|s| s.get(row).copied()).unwrap_or(0.0)
         };
-        let torque = motors.iter().enumerate().map(|(k, &j)| {
-            let signal = signal[j].iter().enumerate();
-            let torques: Vec<f64> = signal
-                .map(|(row, s)| match is_controlled {
-                    true => forward.aim(
-                        k,
-                        Told {
-                            position: motion[0][k][row] + s,
-                            velocity: of_row(commands.map(|c| c.velocity(j)), row),
-                            feed_forward: of_row(commands.map(|c| c.feed_forward(j)), row),
-                        },
-                    ),
-                    false => forward.motor_torque(k, *s),
-                })
-                .collect();
-            // A signal is recorded later than it acts, a command acts later than it is recorded.
-            let ahead = if is_controlled { -1.0 } else { 1.0 };
+        // A signal is recorded later than it acts, a command acts later than it is recorded.
+        let ahead = if is_controlled { -1.0 } else { 1.0 };
+        let acting = motors.iter().enumerate().map(|(k, &j)| {
+            let aim = |(row, s): (usize, &f64)| {
+                let told = Told {
+                    position: motion[0][k][row] + s,
+                    velocity: of_row(commands.map(|c| c.velocity(j)), row),
+                    feed_forward: of_row(commands.map(|c| c.feed_forward(j)), row),
+                };
+                forward.aim(k, told)
+            };
+            let series = match is_controlled {
+                true => Cow::Owned(signal[j].iter().enumerate().map(aim).collect()),
+                false => Cow::Borrowed(&signal[j]),
+            };
             let rows = ahead * forward.delay(k) * experiment.rate_hz;
             match rows == 0.0 {
-                true => torques,
-                false => shifted(&torques, rows, experiment.periods.is_some()),
+                true => series.into_owned(),
+                false => shifted(&series, rows, experiment.periods.is_some()),
             }
         });
-        let torque = torque.collect();
+        let mut torque: Vec<Vec<f64>> = acting.collect();
+        if !is_controlled {
+            for row in 0..torque.first().map_or(0, Vec::len) {
+                let torques = forward.motor_torques(&Self::at(&torque, row));
+                let pairs = torque.iter_mut().zip(torques);
+                pairs.for_each(|(series, torque)| series[row] = torque);
+            }
+        }
         let held: Vec<f64> = (0..n).map(|j| moved(&recorded.position, j)[0]).collect();
         forward.hold(&held);
         let mut run = Self {

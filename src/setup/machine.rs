@@ -1,5 +1,6 @@
 //! The identified robot as a record of numbers: geometry of the tree, bodies and drives at parameter values.
 
+use crate::chain::effect::CROSSTALK;
 use crate::chain::effect::tilt::tilted;
 use crate::chain::model::{Model, Signal};
 use crate::mechanism::condition::{Anchor, Condition};
@@ -102,6 +103,18 @@ fn joint(robot: &Robot, model: &Model, values: &DVector<f64>, j: usize) -> Machi
             })
             .collect(),
     });
+    let heard: Vec<MachineValue> = model
+        .heard()
+        .filter(|(pair, _)| pair.channel == j)
+        .map(|(pair, at)| MachineValue {
+            name: model.joints()[pair.source].name.clone(),
+            value: values[at],
+        })
+        .collect();
+    let crosstalk = (!heard.is_empty()).then(|| MachineEffect {
+        id: CROSSTALK.id.to_string(),
+        parameters: heard,
+    });
     let first = PER_LINK * j;
     let behind = robot.dependents.iter().find(|d| d.joint == j);
     let follows = behind.map(|d| MachineLeader {
@@ -131,7 +144,7 @@ fn joint(robot: &Robot, model: &Model, values: &DVector<f64>, j: usize) -> Machi
             kd: values[at + 1],
         }),
         offset: model.offset()[j] + model.encoder_offset(j, values),
-        effects: effects.collect(),
+        effects: effects.chain(crosstalk).collect(),
     }
 }
 

@@ -1,5 +1,6 @@
 //! What the model of a robot is made of: effects, known values, bounds, the load, what is known before a fit.
 
+use crate::chain::crosstalk::Heard;
 use crate::chain::effect::current_polynomial::COEFFICIENTS;
 use crate::chain::effect::{self, Catalogue, Effect, Law};
 use crate::chain::model::{self, Model, ModelSettings, Payload};
@@ -55,8 +56,24 @@ pub struct Addition {
     pub effects: Vec<(usize, &'static Effect)>,
     /// Entries (row, column) of V that become free.
     pub coupling: Vec<(usize, usize)>,
+    /// Channels that hear others.
+    pub crosstalk: Vec<Heard>,
     /// Effects whose parameters joints have in common, beside those that are declared.
     pub shared: Vec<Sharing>,
+}
+
+impl Addition {
+    /// Adds an effect to a joint, or to an ordered pair of joints.
+    pub fn add(&mut self, effect: &'static Effect, joint: usize, other: Option<usize>) {
+        match (effect.law, other) {
+            (Law::Crosstalk, Some(source)) => self.crosstalk.push(Heard {
+                channel: joint,
+                source,
+            }),
+            (_, Some(other)) => self.coupling.push((joint, other)),
+            (_, None) => self.effects.push((joint, effect)),
+        }
+    }
 }
 
 /// A model with what is known of its parameters before a fit.
@@ -114,6 +131,7 @@ impl ModelSpec {
             locked: robot.locked.iter().map(Option::is_some).collect(),
             catalogue,
             period: period.map(|period| period.value),
+            crosstalk: Vec::new(),
             shared: sharing::declared(&alike, &effects),
             effects,
         };
@@ -191,6 +209,7 @@ impl ModelSpec {
         let mut settings = self.settings.clone();
         // What is added shares nothing unless that is asked for: a hypothesis about one joint has its own parameters.
         settings.shared.extend(addition.shared.iter().cloned());
+        settings.crosstalk.extend_from_slice(&addition.crosstalk);
         let freed = addition.coupling.as_slice();
         let of_coupling = freed.iter().map(|&(row, _)| (row, effect::COUPLING));
         for (joint, effect) in addition.effects.iter().copied().chain(of_coupling) {

@@ -136,7 +136,9 @@ pub(super) fn proposed(alike: &[Alike], model: &Model) -> Vec<Sharing> {
 
 /// Whether an effect has parameters of single joints in the model's list.
 fn is_of_joints(effect: &Effect) -> bool {
-    !matches!(effect.law, Law::Coupling | Law::Body | Law::Tilt) && !effect.parameters.is_empty()
+    !effect.law.is_of_pairs()
+        && !matches!(effect.law, Law::Body | Law::Tilt)
+        && !effect.parameters.is_empty()
 }
 
 fn joints(table: &SharedTable, robot: &Robot) -> Result<Vec<usize>, SetupError> {

@@ -19,7 +19,7 @@ use crate::simulate::error::{SimulateError, SimulateErrorKind};
 pub(super) struct Acting {
     pub problem: ProblemFile,
     pub values: Vec<Named<f64>>,
-    /// Values of laws between torque and current, which the commanded torque does not have.
+    /// Values of laws between torque and recorded signal, which the commanded torque does not have.
     pub currents: Vec<Named<f64>>,
     /// Names of the parameters of effects that the problem file does not declare.
     pub concealed: Vec<String>,
@@ -71,7 +71,7 @@ pub(super) fn add(declared: &ProblemFile, robot: &Robot) -> Result<Acting, Simul
 }
 
 impl Acting {
-    /// Sets values of laws between torque and current, and gains of controllers, apart and lists their effects.
+    /// Sets values of laws between torque and recorded signal, and gains of controllers, apart and lists their effects.
     fn take_currents(&mut self, robot: &Robot) -> Result<(), SimulateError> {
         let sensed = with_all_effects(&self.problem, robot)?;
         for entry in std::mem::take(&mut self.values) {
@@ -171,11 +171,11 @@ impl Acting {
     }
 }
 
-/// Whether an effect lies between torque and current.
+/// Whether an effect lies between torque and recorded signal.
 fn is_of_current(model: &Model, effect: &str) -> bool {
     let found = model.catalogue().find(effect);
     found.is_some_and(|effect| match effect.law {
-        Law::Current => true,
+        Law::Current | Law::Crosstalk => true,
         Law::Signal(_) => effect.depends_on.contains(&Dependence::Current),
         _ => false,
     })
@@ -231,6 +231,7 @@ fn owner(model: &Model, reference: Reference) -> Option<(usize, &'static str)> {
                 Some((joint, model.joints()[joint].effects[effect].0.id))
             }
             Role::Coupling { row, .. } => Some((row, effect::COUPLING.id)),
+            Role::Crosstalk(heard) => Some((heard.channel, effect::CROSSTALK.id)),
             Role::Tilt { .. } => Some((0, effect::TILT.id)),
         },
     }

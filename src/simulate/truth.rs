@@ -211,6 +211,8 @@ fn initially_assigned(model: &Model, problem: &ProblemFile) -> Vec<bool> {
         Role::Payload { .. } => false,
         Role::Coupling { .. } => coupling.is_some(),
         Role::Tilt { .. } => false,
+        // What nobody states is not heard.
+        Role::Crosstalk(_) => true,
         Role::Controller { .. } => !parameter.is_free(),
         Role::Effect { joint, effect, .. } => {
             rotor.is_some()

@@ -7,6 +7,7 @@ use crate::chain::effect::knowledge::{Drawn, Trial};
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{Catalogue, Effect, Law, Memory};
 use crate::diagnose::fit::hypothesis::Hypothesis;
+use crate::robot::random::index;
 use crate::trials::law_size;
 use crate::trials::robot::RandomRobot;
 use rand::RngExt;
@@ -93,8 +94,13 @@ pub fn draw(
             let values = all.iter().flat_map(of).collect();
             (all, None, values)
         }
-        Law::Coupling => {
-            let other = if joint == 0 { 1 } else { joint - 1 };
+        Law::Coupling | Law::Crosstalk => {
+            let other = match effect.law {
+                // Any two channels may lie side by side.
+                Law::Crosstalk => (joint + 1 + index(rng, all.len() - 1)) % all.len(),
+                _ if joint == 0 => 1,
+                _ => joint - 1,
+            };
             let entries = scale.values(rng, effect, joint).into_iter();
             let entry =
                 |entry: Drawn| (format!("{}.{}", of_joint(joint), name(other)), entry.value);

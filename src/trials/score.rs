@@ -8,7 +8,7 @@ use crate::diagnose::task::DiagnoseRun;
 use crate::outcome::diagnose::Verdict;
 use crate::outcome::finding::Finding;
 use crate::outcome::trials::{Found, Hidden, Inseparable, Nameless, Trial};
-use crate::trials::naming::{names, same_joints};
+use crate::trials::naming::names;
 use crate::trials::outside_law::OutsideLaw;
 use crate::trials::plan::Plan;
 use crate::trials::reference_fits::{ReferenceFits, Sizes};
@@ -52,7 +52,7 @@ pub fn judge(
         right_joints: first.is_some_and(|finding| {
             concealed
                 .iter()
-                .any(|hidden| same_joints(&finding.joints, &hidden.joints))
+                .any(|hidden| finding.joints == hidden.joints)
         }),
         all_found: !concealed.is_empty()
             && concealed

@@ -139,17 +139,17 @@ impl Proof {
             let controls = DVector::from_row_slice(&controls((time - late).max(0.0)));
             // A commanded position is one of a joint.
             let told = &inverse * (&controls - &constant);
-            let of = |k: usize| match forward.is_controlled() {
-                true => forward.aim(
-                    k,
-                    Told {
-                        position: told[k],
-                        ..Told::default()
-                    },
-                ),
-                false => forward.motor_torque(k, controls[k]),
+            let aim = |k: usize| {
+                let told = Told {
+                    position: told[k],
+                    ..Told::default()
+                };
+                forward.aim(k, told)
             };
-            (0..n).map(of).collect()
+            match forward.is_controlled() {
+                true => (0..n).map(aim).collect(),
+                false => forward.motor_torques(controls.as_slice()),
+            }
         };
         let mut out = vec![Vec::new(); n];
         for k in 0..(duration / step).round() as usize {

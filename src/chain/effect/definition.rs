@@ -125,6 +125,8 @@ pub enum Law {
     Current,
     /// Entries of the matrix V.
     Coupling,
+    /// Shares of other joints' signals in what is recorded of one.
+    Crosstalk,
     /// A body on a link.
     Body,
     /// The direction of gravity.
@@ -148,6 +150,7 @@ impl Law {
                 | Self::Joint(_)
                 | Self::Gain
                 | Self::Coupling
+                | Self::Crosstalk
                 | Self::Body
                 | Self::Tilt
                 | Self::Encoder
@@ -161,6 +164,11 @@ impl Law {
             self,
             Self::Coupling | Self::Encoder | Self::Spring | Self::Play
         )
+    }
+
+    /// Whether it acts on an ordered pair of joints, with one parameter that is named after the second.
+    pub fn is_of_pairs(self) -> bool {
+        matches!(self, Self::Coupling | Self::Crosstalk)
     }
 
     /// Whether a diagnosis looks for it where nobody asks for it by name. A zero that is off is first moments that are other

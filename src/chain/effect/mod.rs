@@ -7,6 +7,7 @@ pub mod asymmetric_friction;
 pub mod backlash;
 pub mod base_tilt;
 pub mod catalogue;
+pub mod channel_crosstalk;
 pub mod coulomb_friction;
 pub mod current_polynomial;
 mod definition;
@@ -51,8 +52,8 @@ pub use crate::chain::effect::definition::{
 };
 pub use crate::chain::effect::parameter::{Linearity, ParameterInfo, Search, Span};
 pub use crate::chain::effect::table::{
-    COUPLING, CURRENT_LAW, DELAY, EFFECTS, EffectParameter, GAIN, LOAD, TILT, TRANSITION, WARMING,
-    of_term, term_name,
+    COUPLING, CROSSTALK, CURRENT_LAW, DELAY, EFFECTS, EffectParameter, GAIN, LOAD, TILT,
+    TRANSITION, WARMING, of_term, term_name,
 };
 pub use catalogue::Catalogue;
 pub use law::{

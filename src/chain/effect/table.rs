@@ -3,11 +3,11 @@
 use crate::chain::effect::definition::Effect;
 use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::{
-    asymmetric_friction, backlash, base_tilt, coulomb_friction, drive_gain, encoder_offset,
-    external_contact, joint_elasticity, joint_spring, kinematic_coupling, load_dependent_friction,
-    position_dependent_friction, presliding_hysteresis, rotor_inertia, sigmoid_friction,
-    stribeck_friction, thermal_drift, time_delay, torque_current_nonlinearity, torque_offset,
-    torque_ripple, transmission_efficiency, unmodelled_payload, viscous_friction,
+    asymmetric_friction, backlash, base_tilt, channel_crosstalk, coulomb_friction, drive_gain,
+    encoder_offset, external_contact, joint_elasticity, joint_spring, kinematic_coupling,
+    load_dependent_friction, position_dependent_friction, presliding_hysteresis, rotor_inertia,
+    sigmoid_friction, stribeck_friction, thermal_drift, time_delay, torque_current_nonlinearity,
+    torque_offset, torque_ripple, transmission_efficiency, unmodelled_payload, viscous_friction,
     viscous_nonlinearity,
 };
 
@@ -36,6 +36,7 @@ pub const EFFECTS: &[&Effect] = &[
     &base_tilt::EFFECT,
     &encoder_offset::EFFECT,
     &time_delay::EFFECT,
+    &channel_crosstalk::EFFECT,
     &thermal_drift::EFFECT,
     &external_contact::EFFECT,
 ];
@@ -91,6 +92,9 @@ pub const DELAY: &Effect = &time_delay::EFFECT;
 
 /// The effect that adds entries to the matrix from motors to joints.
 pub const COUPLING: &Effect = &kinematic_coupling::EFFECT;
+
+/// The effect that puts shares of other joints' signals into what is recorded of one.
+pub const CROSSTALK: &Effect = &channel_crosstalk::EFFECT;
 
 /// The effect that is a body on a link.
 pub const LOAD: &Effect = &unmodelled_payload::EFFECT;

@@ -202,7 +202,7 @@ impl Evaluator<'_> {
         {
             return true;
         }
-        let mut wanted = (0..self.wanted.len()).filter(|&c| self.wanted[c]);
+        let mut wanted = (0..self.wanted.len()).filter(|&c| self.is_needed(c));
         match &self.coupling {
             Some(v) => wanted.any(|c| c >= v.ncols() || v[(row, c)] != 0.0),
             None => wanted.any(|c| c == row),

@@ -11,6 +11,7 @@ mod block;
 mod bodies;
 mod contact_march;
 mod coupling;
+mod crosstalk;
 mod delay;
 mod known_bodies;
 mod lag;
@@ -25,6 +26,7 @@ mod segment;
 pub use block::Block;
 pub use known_bodies::KnownBodies;
 
+use crate::chain::crosstalk::Heard;
 use crate::chain::effect::tilt::tilted;
 use crate::chain::effect::{Law, Memory};
 pub use crate::chain::evaluate::segment::{BLOCK, Segment};
@@ -59,6 +61,8 @@ pub struct Evaluator<'m> {
     along: bool,
     /// Channels that are asked for; the others are left unfinished.
     wanted: Vec<bool>,
+    /// Whose channels hear whom, with the positions of their shares.
+    heard: Vec<(Heard, usize)>,
     joint_motion: [Vec<Vec<f64>>; 3],
     /// ∂τ_j/∂q_j and ∂τ_j/∂q̇_j of laws at the joints; empty without such laws.
     stiffness: Vec<Vec<f64>>,
@@ -155,6 +159,7 @@ impl<'m> Evaluator<'m> {
             derivatives: None,
             along,
             wanted: model.channels().iter().map(|c| c.active).collect(),
+            heard: model.heard().collect(),
             joint_motion: [motion(), motion(), motion()],
             stiffness: if has_joint_laws { motion() } else { Vec::new() },
             damping: if has_joint_laws { motion() } else { Vec::new() },
@@ -260,7 +265,7 @@ impl<'m> Evaluator<'m> {
         self.add_tare();
         self.coupling_torque_columns(samples);
         for j in 0..self.model.joints().len() {
-            if self.channel_of(j).is_some() && self.wanted[j] {
+            if self.channel_of(j).is_some() && self.is_needed(j) {
                 self.motor_sign(j, segment.motors, range.clone());
                 self.transmission(j, segment, range.clone());
                 self.motor_laws(j, segment, range.clone());
@@ -269,6 +274,7 @@ impl<'m> Evaluator<'m> {
                 self.carry_to_signal(j, segment, range.clone());
             }
         }
+        self.hear_others(samples);
     }
 
     /// Whether something beside the bodies asks where the joints are.

@@ -119,6 +119,8 @@ pub struct Forward<'m> {
     /// Positions of the joints while x vanishes.
     constant: Vec<f64>,
     drives: Vec<Drive>,
+    /// Signals of the motors by recorded ones, where channels hear one another.
+    unmixed: Option<DMatrix<f64>>,
     solver: Rosenbrock,
     accuracy: Accuracy,
     /// Mean of ẍ over the last step.
@@ -181,6 +183,9 @@ impl<'m> Forward<'m> {
             .map(|&j| Drive::new(&joints[j], values, model.signal()))
             .collect();
         Ok(Self {
+            unmixed: model
+                .crosstalk_removal(values)
+                .map(|all| all.select_rows(&motors).select_columns(&motors)),
             dynamics: ForwardDynamics::new(&tree),
             bodies: bodies(model, values, loaded),
             direct: size == n && map.is_identity(0.0),
@@ -222,9 +227,18 @@ impl<'m> Forward<'m> {
         self.drives.iter().any(Drive::has_memory)
     }
 
-    /// Torque of a motor at joint scale that its signal stands for, N·m (N).
-    pub fn motor_torque(&self, motor: usize, signal: f64) -> f64 {
-        self.drives[motor].torque(signal)
+    /// Torques of the motors at joint scale that their recorded signals stand for, N·m (N).
+    pub fn motor_torques(&self, signals: &[f64]) -> Vec<f64> {
+        let own = match &self.unmixed {
+            Some(unmixed) => {
+                Cow::Owned((unmixed * DVector::from_column_slice(signals)).data.into())
+            }
+            None => Cow::Borrowed(signals),
+        };
+        let drives = self.drives.iter().zip(own.iter());
+        drives
+            .map(|(drive, signal)| drive.torque(*signal))
+            .collect()
     }
 
     /// Whether what moves the motors is told to position controllers.

@@ -11,16 +11,17 @@ pub enum SignalPath {
     Simple,
     /// The same, but that links lag their motors.
     Lagging,
-    /// Motors are coupled, signals late, or joints driven together.
+    /// Motors are coupled, signals late or heard by other channels, or joints driven together.
     Other,
 }
 
 impl SignalPath {
-    /// Of a model, by its coupling, loops, delays and lags.
+    /// Of a model, by its coupling, loops, crosstalk, delays and lags.
     pub fn of(model: &Model) -> Self {
         let own = |(c, channel): (usize, &Channel)| channel.joint == Some(c);
         let is_plain = model.is_uncoupled()
             && model.mechanism().is_none()
+            && model.heard().next().is_none()
             && model.channels().iter().enumerate().all(own)
             && model.joints().iter().all(|joint| joint.delay.is_none());
         match (is_plain, model.joints().iter().any(JointModel::has_lag)) {
@@ -35,9 +36,12 @@ impl SignalPath {
         let joints = hypothesis.joints.iter();
         let lags = joints.clone().any(|&j| model.joints()[j].has_lag());
         let is_of_drive = match hypothesis.effect.law {
-            Law::Motor(_) | Law::Transmission(_) | Law::Signal(_) | Law::Gain | Law::Current => {
-                true
-            }
+            Law::Motor(_)
+            | Law::Transmission(_)
+            | Law::Signal(_)
+            | Law::Crosstalk
+            | Law::Gain
+            | Law::Current => true,
             // A torque at a joint moves a link that lags.
             Law::Joint(_) => !lags,
             _ => false,

@@ -1,6 +1,7 @@
 //! Hypotheses: an effect of the vocabulary on a joint, on a pair of joints, or on all of them.
 
 use crate::chain::assemble::has_others;
+use crate::chain::crosstalk::Heard;
 use crate::chain::effect::{Effect, Law, Memory};
 use crate::chain::model::{Channel, Model};
 use crate::chain::parameter::Role;
@@ -14,7 +15,7 @@ pub struct Hypothesis {
     pub effect: &'static Effect,
     /// Joints in whose lists the effect stands.
     pub joints: Vec<usize>,
-    /// Column of the entry of V, for a coupling: the motor that moves the joint too.
+    /// The second joint of an effect of pairs: the motor that moves the joint too, or the channel that is heard.
     pub other: Option<usize>,
 }
 
@@ -35,11 +36,10 @@ impl Hypothesis {
         }
     }
 
-    /// Joints that a finding names: both of a coupling.
+    /// Joints that a finding names: of an ordered pair the one that it acts on, then the other.
     pub fn named_joints(&self) -> Vec<usize> {
         let mut joints = self.joints.clone();
         joints.extend(self.other);
-        joints.sort_unstable();
         joints
     }
 
@@ -60,10 +60,7 @@ pub fn addition(hypotheses: &[Hypothesis]) -> Addition {
     let mut addition = Addition::default();
     for hypothesis in hypotheses {
         for &joint in &hypothesis.joints {
-            match hypothesis.other {
-                Some(other) => addition.coupling.push((joint, other)),
-                None => addition.effects.push((joint, hypothesis.effect)),
-            }
+            addition.add(hypothesis.effect, joint, hypothesis.other);
         }
     }
     addition
@@ -92,7 +89,7 @@ pub fn open(
     let mut open = Vec::new();
     for &effect in model.catalogue().effects().iter().filter(wanted) {
         match effect.law {
-            Law::Coupling => open.extend(couplings(model, effect, &joints)),
+            Law::Coupling | Law::Crosstalk => open.extend(pairs(model, effect, &joints)),
             Law::Body => open.extend(bodies(model, prior, effect, &joints)),
             Law::Tilt if model.tilt().is_none() => {
                 open.push(Hypothesis::on(effect, joints.clone()));
@@ -123,18 +120,30 @@ fn may_have(model: &Model, joint: usize, effect: &Effect) -> bool {
     !has(effect.id) && lent && refined && has_others(model.tree(), joint, effect)
 }
 
-fn couplings(model: &Model, effect: &'static Effect, joints: &[usize]) -> Vec<Hypothesis> {
-    let taken = |row: usize, column: usize| {
-        let here = Role::Coupling { row, column };
+/// An effect on the pairs of joints that do not have it; of channels where every joint has its own.
+fn pairs(model: &Model, effect: &'static Effect, joints: &[usize]) -> Vec<Hypothesis> {
+    let is_of_channels = matches!(effect.law, Law::Crosstalk);
+    let shows = !is_of_channels || model.signal().has_channels_of_motors();
+    let taken = |joint: usize, other: usize| {
+        let here = match is_of_channels {
+            true => Role::Crosstalk(Heard {
+                channel: joint,
+                source: other,
+            }),
+            false => Role::Coupling {
+                row: joint,
+                column: other,
+            },
+        };
         model.parameters().iter().any(|p| p.role == here)
     };
     let mut open = Vec::new();
-    for &row in joints {
-        for &column in joints.iter().filter(|&&c| c != row && !taken(row, c)) {
+    for &joint in joints.iter().filter(|_| shows) {
+        for &other in joints.iter().filter(|&&c| c != joint && !taken(joint, c)) {
             open.push(Hypothesis {
                 effect,
-                joints: vec![row],
-                other: Some(column),
+                joints: vec![joint],
+                other: Some(other),
             });
         }
     }
@@ -220,7 +229,7 @@ mod tests {
     fn no_joint_has_an_effect_twice() {
         for id in open_beside(&[]) {
             let has = find(id).unwrap().law;
-            if !matches!(has, Law::Coupling | Law::Body) {
+            if !has.is_of_pairs() && !matches!(has, Law::Body) {
                 assert!(!open_beside(&[id]).contains(&id), "{id}");
             }
         }

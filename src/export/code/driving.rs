@@ -5,6 +5,7 @@ use crate::export::code::lag::LAG_SHARE;
 use crate::export::code::layout::DelayLine;
 use crate::export::code::motors::with_current;
 use crate::export::code::writer::{Writer, name};
+use crate::export::code::writer::{combination, of_column};
 use crate::export::program::{Argument, Body, Head, Visibility};
 use crate::export::values::{combination, product};
 
@@ -15,7 +16,8 @@ impl Writer<'_> {
     /// Binds `drive{j}`, the torque of each motor, from the signals in the array of this name.
     pub(super) fn bind_driving(&self, body: &mut Body, signal: &str) {
         for (j, drive) in self.drives.drives.iter().enumerate() {
-            let read = name(format!("{signal}[{j}]"));
+            let row = self.drives.crosstalk.inverse.row(j);
+            let read = combination(row.iter(), |k| name(format!("{signal}[{k}]")));
             let torque = match &drive.current {
                 Some(current) => {
                     let size = body.bind(&format!("size{j}"), &read.clone().magnitude());
@@ -99,7 +101,7 @@ impl Writer<'_> {
             body.bind(&format!("tau{j}"), &torque);
         }
         for j in 0..self.joints() {
-            let column = self.drives.coupling.column(j);
+            let column = self.drives.coupling.matrix.column(j);
             let load = combination(&column, |k| name(format!("tau{k}")));
             body.bind(&format!("load{j}"), &load);
         }
@@ -198,7 +200,7 @@ impl Writer<'_> {
             body.bind(&format!("load{j}"), &load);
         }
         for j in 0..self.joints() {
-            let column = self.drives.inverse.column(j);
+            let column = self.drives.coupling.inverse.column(j);
             let torque = combination(&column, |k| name(format!("load{k}")));
             body.assign(&format!("out[{j}]"), &torque);
         }

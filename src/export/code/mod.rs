@@ -15,6 +15,7 @@ mod names;
 mod plugin;
 mod writer;
 
+use crate::chain::effect::CROSSTALK;
 use crate::export::code::layout::{Layout, SHORTEST_STEP};
 use crate::export::code::names::identifier;
 pub use crate::export::code::plugin::{Plugin, plugin};
@@ -88,6 +89,12 @@ fn notes(machine: &Machine, drives: &Drives) -> Vec<String> {
                 "{name}: the recorded signal was {} s late: what inverse_step returns is read that much later, and \
                  drive_step takes the signal as it acts at the motor, not as it was recorded",
                 drive.delay
+            ));
+        }
+        if joint.effects.iter().any(|effect| effect.id == CROSSTALK.id) {
+            notes.push(format!(
+                "{name}: the recorded signal has shares of other joints' in it, and so have the signals that inverse_step \
+                 gives and drive_step takes; what a controller commands has none"
             ));
         }
         if drive.delay < 0.0 {

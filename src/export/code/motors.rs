@@ -29,7 +29,7 @@ impl Writer<'_> {
     /// `m = V⁻¹ (q − offset)` and its derivatives, of the arrays with these names.
     pub(super) fn bind_motors(&self, body: &mut Body, series: [&str; 3]) {
         for j in 0..self.joints() {
-            let row = self.drives.inverse.row(j);
+            let row = self.drives.coupling.inverse.row(j);
             let shift = combination(&row, |k| self.drives.offset[k].clone());
             let position = combination(&row, |k| name(format!("{}[{k}]", series[0])));
             let position = match shift {
@@ -184,7 +184,7 @@ impl Writer<'_> {
             }
         }
         for j in 0..self.joints() {
-            let column = self.drives.coupling.column(j);
+            let column = self.drives.coupling.matrix.column(j);
             body.bind(
                 &format!("load{j}"),
                 &combination(&column, |k| name(format!("tau[{k}]"))),
@@ -287,6 +287,22 @@ impl Writer<'_> {
             body.close();
             body.close();
             body.assign(&out, &(name(&out).call(Function::Signum) * name(&at)));
+        }
+        self.hear_others(body);
+    }
+
+    /// Signals of the motors in `out` become those of channels that hear one another.
+    fn hear_others(&self, body: &mut Body) {
+        let crosstalk = &self.drives.crosstalk;
+        if crosstalk.is_identity() {
+            return;
+        }
+        for j in 0..self.joints() {
+            body.bind(&format!("own{j}"), &name(format!("out[{j}]")));
+        }
+        for (j, row) in crosstalk.matrix.row_iter().enumerate() {
+            let heard = combination(row.iter(), |k| name(format!("own{k}")));
+            body.assign(&format!("out[{j}]"), &heard);
         }
     }
 }

@@ -136,7 +136,13 @@ fn derivation(drives: &Drives) -> String {
             "    {end} = last_rising({c1}, {c2}, {c3}, {LEAST_SLOPE:?});\n"
         ));
     }
-    if drives.is_coupled() {
+    for (mixing, what) in [
+        (&drives.coupling, "the coupling of the motors"),
+        (&drives.crosstalk, "the crosstalk of the channels"),
+    ] {
+        if mixing.is_identity() {
+            continue;
+        }
         let n = drives.drives.len();
         let entries = |of: &DMatrix<Expression>| -> Vec<String> {
             let rows = of
@@ -144,14 +150,14 @@ fn derivation(drives: &Drives) -> String {
                 .flat_map(|row| row.iter().map(formula).collect::<Vec<_>>());
             rows.collect()
         };
-        let first = formula(&drives.inverse[(0, 0)]);
+        let first = formula(&mixing.inverse[(0, 0)]);
         text.push_str(&format!(
-            "    for (int c = 0; c < {n}; c++) {{\n        double coupling[{}] = {{{}}}, column[{n}] = {{0.0}};\n        \
-             column[c] = 1.0;\n        solve({n}, coupling, column);\n        for (int r = 0; r < {n}; r++) {{\n            \
-             if (!isfinite(column[r])) return \"the coupling of the motors has no inverse\";\n            \
+            "    for (int c = 0; c < {n}; c++) {{\n        double mixing[{}] = {{{}}}, column[{n}] = {{0.0}};\n        \
+             column[c] = 1.0;\n        solve({n}, mixing, column);\n        for (int r = 0; r < {n}; r++) {{\n            \
+             if (!isfinite(column[r])) return \"{what} has no inverse\";\n            \
              (&{first})[r * {n} + c] = column[r];\n        }}\n    }}\n",
             n * n,
-            entries(&drives.coupling).join(", ")
+            entries(&mixing.matrix).join(", ")
         ));
     }
     text + "    return NULL;\n}\n"
@@ -168,7 +174,7 @@ fn signals(drives: &Drives) -> String {
         let signal = match gains {
             None if controlled => Expression::Number(0.0),
             None => name(format!("ctrl[{j}]")),
-            Some(Gains { kp, kd }) => combination(drives.inverse.row(j).iter(), |i| {
+            Some(Gains { kp, kd }) => combination(drives.coupling.inverse.row(j).iter(), |i| {
                 let error = name(format!("ctrl[{i}]")) - name(format!("q[{i}]"));
                 kp.clone() * error - kd.clone() * name(format!("v[{i}]"))
             }),
