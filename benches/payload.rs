@@ -89,6 +89,7 @@ fn model(file: &Path, further: &[&str]) -> Option<Model> {
             frame: Isometry3::identity(),
         }),
         locked: vec![true, true, false, false, false, false],
+        crosstalk: Vec::new(),
         shared: Vec::new(),
     })
     .ok()?;

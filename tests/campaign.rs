@@ -210,11 +210,29 @@ fn an_effect_a_robot_a_motion_or_a_noise_that_does_not_exist_is_refused() {
 /// held-out rows alone.
 #[test]
 fn names_what_is_missing_and_nothing_else_where_a_search_had_gone_wrong() {
-    let of_one = [(2, 56), (2, 62), (2, 32), (2, 127)];
-    let of_another = [26, 402, 68, 87, 306, 207, 302].map(|number| (9, number));
-    let of_others = [(13, 12), (13, 155), (14, 67)];
-    for (seed, number) in of_one.into_iter().chain(of_another).chain(of_others) {
-        let trial = run::run(&Scope::periodic(seed), number, &Control::default());
+    let trials: [(u64, u64, &[&str]); 14] = [
+        (2, 56, &["stribeck_friction"]),
+        (2, 62, &["transmission_efficiency"]),
+        (2, 32, &["presliding_hysteresis"]),
+        (2, 127, &["backlash"]),
+        (9, 26, &["external_contact"]),
+        (9, 402, &["backlash"]),
+        (9, 68, &["rotor_inertia"]),
+        (9, 87, &["presliding_hysteresis"]),
+        (9, 306, &["sigmoid_friction"]),
+        (9, 207, &["kinematic_coupling"]),
+        (9, 302, &["asymmetric_friction", "time_delay"]),
+        (13, 12, &["torque_offset"]),
+        (13, 155, &["backlash", "asymmetric_friction"]),
+        (14, 67, &["torque_offset"]),
+    ];
+    for (seed, number, effects) in trials {
+        let scope = Scope {
+            effects: effects.to_vec(),
+            ..Scope::periodic(seed)
+        };
+        let trial = run::run(&scope, number, &Control::default());
+        assert_eq!(trial.concealed.len(), effects.len(), "{seed}, {number}");
         let found: Vec<&str> = trial.found.iter().map(|f| f.effect.as_str()).collect();
         assert!(trial.all_found, "{seed}, {number}: {found:?}");
         assert_eq!(

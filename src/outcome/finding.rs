@@ -13,7 +13,8 @@ pub const UNNAMED: &str = "unnamed";
 pub struct Finding {
     /// Identifier of the effect.
     pub effect: String,
-    /// Joints, or channels of a wrench, at which it acts.
+    /// Joints, or channels of a wrench, at which it acts; of an effect of an ordered pair the joint that it acts on, then the
+    /// other.
     pub joints: Vec<String>,
     /// Its estimated parameters.
     pub parameters: Vec<Parameter>,
@@ -59,7 +60,7 @@ impl Finding {
 pub struct Rival {
     /// Identifier of the effect.
     pub effect: String,
-    /// Joints at which it would act.
+    /// Joints at which it would act, in the same order.
     pub joints: Vec<String>,
     /// Share that it takes in the place of the finding, 0 to 1.
     #[serde(with = "number::nullable")]

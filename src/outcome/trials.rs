@@ -109,7 +109,7 @@ pub struct Trial {
     pub stated: Vec<Stated>,
     /// The first finding is a concealed effect, or lists one among the rivals that it cannot set aside.
     pub right_effect: bool,
-    /// The joints of that finding are those of the effect.
+    /// The joints of that finding are those of the effect, of an ordered pair in its direction.
     pub right_joints: bool,
     /// Every concealed effect is found so.
     pub all_found: bool,

@@ -2,6 +2,7 @@
 
 pub mod combined_limits;
 mod controllers;
+pub mod coupling_entry;
 pub mod declared;
 pub mod error;
 pub mod known;

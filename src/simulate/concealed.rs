@@ -8,6 +8,7 @@ use crate::chain::parameter::Role;
 use crate::problem_file::choices::Signal;
 use crate::problem_file::{Located, Named, ProblemFile};
 use crate::robot::inertia::PER_LINK;
+use crate::setup::coupling_entry;
 use crate::setup::known::resolve;
 use crate::setup::laws;
 use crate::setup::model_spec::ModelSpec;
@@ -119,28 +120,10 @@ impl Acting {
     /// `<joint>.<coupling>.<other>` is an entry of V, which may be one that is not declared.
     fn name_coupling(&mut self, index: usize, robot: &Robot) {
         let entry = &self.values[index];
-        let id = effect::COUPLING.id;
-        let names = &robot.order;
-        let pairs = (0..names.len()).flat_map(|i| (0..names.len()).map(move |j| (i, j)));
-        let found = pairs
-            .filter(|(i, j)| i != j)
-            .find(|&(i, j)| entry.name == format!("{}.{id}.{}", names[i], names[j]));
-        let Some((row, column)) = found else { return };
-        let (value, place) = (entry.value.value, entry.value.place.clone());
-        let joint = names[row].clone();
-        let identity = || {
-            (0..names.len())
-                .map(|i| (0..names.len()).map(|j| f64::from(i == j)).collect())
-                .collect()
-        };
-        let coupling = self.problem.drive.coupling.get_or_insert_with(|| Located {
-            value: identity(),
-            place,
-        });
-        if let Some(slot) = coupling.value.get_mut(row).and_then(|r| r.get_mut(column)) {
-            *slot = value;
+        let joint = coupling_entry::declare(&mut self.problem, &robot.order, entry);
+        if let Some(joint) = joint {
+            self.list(&joint, effect::COUPLING.id);
         }
-        self.list(&joint, id);
     }
 
     /// Lists an effect for a joint.
@@ -237,11 +220,16 @@ fn owner(model: &Model, reference: Reference) -> Option<(usize, &'static str)> {
     }
 }
 
-/// The problem with the commanded torque as its signal.
+/// The problem with the commanded torque as its signal, which no channel mixes.
 pub(super) fn commanded(problem: &ProblemFile) -> ProblemFile {
     let mut torque = problem.clone();
     torque.drive.current_law = None;
     torque.controller = None;
+    let of_joints = torque.drive.effects_of.iter_mut();
+    let lists = of_joints.map(|of| &mut of.value.value);
+    for list in lists.chain([&mut torque.drive.effects]) {
+        list.retain(|listed| listed.value != effect::CROSSTALK.id);
+    }
     if let Some(recordings) = &mut torque.recordings {
         recordings.signal.value = Signal::Torque;
     }

@@ -64,8 +64,12 @@ pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateErro
         assigned[declared.parameter] = true;
     }
     earlier.assign(&mut plant, &mut assigned);
+    // What channels hear of one another is none of the torque that is commanded.
+    let is_heard = |v: &Named<f64>| v.name.split('.').any(|part| part == effect::CROSSTALK.id);
+    let declared_values = problem.drive.values.iter().cloned();
+    let (heard, known): (Vec<_>, Vec<_>) = declared_values.partition(is_heard);
     let given: Vec<Named<f64>> = zeros(problem)
-        .chain(problem.drive.values.iter().cloned())
+        .chain(known)
         .chain(acting.values.iter().cloned())
         .collect();
     refuse_beyond_limits(&plant, &acting.values)?;
@@ -88,7 +92,11 @@ pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateErro
     copy_values(&plant, &mut recorded)?;
     copy_values(&plant, &mut nominal)?;
     let mut parameters = named(&plant);
-    for entry in &acting.currents {
+    let shares: Vec<usize> = recorded.heard().map(|(_, at)| at).collect();
+    for share in shares {
+        fix(&mut recorded, share, 0.0, &place)?;
+    }
+    for entry in heard.iter().chain(&acting.currents) {
         if let Reference::Parameter(p) = resolve(&recorded, &entry.name, &entry.value.place)? {
             fix(&mut recorded, p, entry.value.value, &entry.value.place)?;
             let known = &recorded.parameters()[p];
@@ -207,12 +215,10 @@ impl FittedValues {
 fn initially_assigned(model: &Model, problem: &ProblemFile) -> Vec<bool> {
     let (rotor, coupling) = (&problem.drive.rotor_inertia, &problem.drive.coupling);
     let has = |parameter: &parameter::Parameter| match parameter.role {
-        Role::Inertial { .. } | Role::Tare { .. } => true,
+        Role::Inertial { .. } | Role::Tare { .. } | Role::Crosstalk(_) => true,
         Role::Payload { .. } => false,
         Role::Coupling { .. } => coupling.is_some(),
         Role::Tilt { .. } => false,
-        // What nobody states is not heard.
-        Role::Crosstalk(_) => true,
         Role::Controller { .. } => !parameter.is_free(),
         Role::Effect { joint, effect, .. } => {
             rotor.is_some()

@@ -221,11 +221,11 @@ fn recordings_repeat_only_where_the_motion_does() {
 /// A rotor and a spring that the declared model lacks: its links take their place, and no longer do with what is found.
 #[test]
 fn bodies_are_as_right_with_what_is_found_as_with_the_truth() {
-    let springs = Scope {
-        effects: vec!["joint_spring"],
-        ..Scope::periodic(31)
-    };
-    for (scope, number) in [(Scope::periodic(5), 13), (springs, 8)] {
+    for (effect, seed, number) in [("rotor_inertia", 5, 13), ("joint_spring", 31, 8)] {
+        let scope = Scope {
+            effects: vec![effect],
+            ..Scope::periodic(seed)
+        };
         let trial = run(&scope, number, &Control::default());
         let [declared, found, known] = trial.body_error.unwrap();
         assert!(declared > 5.0 * known, "{number}: {declared} {known}");
@@ -351,23 +351,37 @@ fn longer_recordings_judge_what_is_said_to_be_inseparable() {
     assert_eq!(told, [Some(false), Some(true)]);
 }
 
-fn in_motion(motion: Motion, number: u64) -> Trial {
-    of_seed(77413, motion, number)
+/// A trial that conceals one effect, if it conceals anything.
+struct Concealing {
+    effect: &'static str,
+    seed: u64,
+    motion: Motion,
+    number: u64,
 }
 
-fn of_seed(seed: u64, motion: Motion, number: u64) -> Trial {
-    let scope = Scope {
-        motions: vec![motion],
-        ..Scope::all(seed)
-    };
-    run(&scope, number, &Control::default())
+impl Concealing {
+    fn run(self) -> Trial {
+        let scope = Scope {
+            effects: vec![self.effect],
+            motions: vec![self.motion],
+            ..Scope::all(self.seed)
+        };
+        let trial = run(&scope, self.number, &Control::default());
+        assert_eq!(trial.concealed[0].effect, self.effect);
+        trial
+    }
 }
 
 /// Bristles that differ from dry friction in a few rows about reversals: eight times the noise, and too few rows to confirm.
 #[test]
 fn a_name_that_unseen_rows_do_not_confirm_leaves_a_finding() {
-    let trial = in_motion(Motion::Fourier, 32);
-    assert_eq!(trial.concealed[0].effect, "presliding_hysteresis");
+    let trial = Concealing {
+        effect: "presliding_hysteresis",
+        seed: 77413,
+        motion: Motion::Fourier,
+        number: 32,
+    }
+    .run();
     let joints = &trial.concealed[0].joints;
     assert!(trial.found.iter().any(|f| f.joints == *joints), "{trial:?}");
 }
@@ -375,8 +389,13 @@ fn a_name_that_unseen_rows_do_not_confirm_leaves_a_finding() {
 /// A ripple of which the fitted motion shows 0.62 of a cycle and the held-out one 0.94.
 #[test]
 fn a_ripple_that_held_out_motion_shows_is_named() {
-    let trial = in_motion(Motion::Fourier, 73);
-    assert_eq!(trial.concealed[0].effect, "torque_ripple");
+    let trial = Concealing {
+        effect: "torque_ripple",
+        seed: 77413,
+        motion: Motion::Fourier,
+        number: 73,
+    }
+    .run();
     assert_eq!(trial.found.len(), 1, "{trial:?}");
     assert_eq!(trial.found[0].effect, "torque_ripple");
     assert_eq!(trial.found[0].joints, trial.concealed[0].joints);
@@ -386,8 +405,13 @@ fn a_ripple_that_held_out_motion_shows_is_named() {
 /// another joint seemed to be elastic.
 #[test]
 fn a_motion_that_suits_the_load_leaves_no_second_name() {
-    let trial = in_motion(Motion::Moves, 131);
-    assert_eq!(trial.concealed[0].effect, "unmodelled_payload");
+    let trial = Concealing {
+        effect: "unmodelled_payload",
+        seed: 77413,
+        motion: Motion::Moves,
+        number: 131,
+    }
+    .run();
     assert_eq!(trial.found.len(), 1, "{trial:?}");
     assert_eq!(trial.found[0].effect, "unmodelled_payload");
 }
@@ -396,9 +420,14 @@ fn a_motion_that_suits_the_load_leaves_no_second_name() {
 /// which it is.
 #[test]
 fn a_rival_that_unseen_rows_do_not_refute_is_inseparable() {
-    let trial = in_motion(Motion::Moves, 165);
+    let trial = Concealing {
+        effect: "asymmetric_friction",
+        seed: 77413,
+        motion: Motion::Moves,
+        number: 165,
+    }
+    .run();
     let hidden = &trial.concealed[0];
-    assert_eq!(hidden.effect, "asymmetric_friction");
     let is_there = |effect: &String, joints: &Vec<String>| {
         *effect == hidden.effect && *joints == hidden.joints
     };
@@ -412,8 +441,13 @@ fn a_rival_that_unseen_rows_do_not_refute_is_inseparable() {
 /// times as probable.
 #[test]
 fn a_finding_has_the_name_that_unseen_rows_find_more_probable() {
-    let trial = of_seed(81925, Motion::Moves, 95);
-    assert_eq!(trial.concealed[0].effect, "torque_offset");
+    let trial = Concealing {
+        effect: "torque_offset",
+        seed: 81925,
+        motion: Motion::Moves,
+        number: 95,
+    }
+    .run();
     assert_eq!(trial.found.len(), 1, "{trial:?}");
     assert_eq!(trial.found[0].effect, "torque_offset");
     assert_eq!(trial.found[0].joints, trial.concealed[0].joints);
@@ -422,7 +456,13 @@ fn a_finding_has_the_name_that_unseen_rows_find_more_probable() {
 /// Impacts of play at any speed and any current, of which the recorder has no part: they shake other joints too.
 #[test]
 fn impacts_that_shake_other_joints_are_no_spikes() {
-    let trial = of_seed(640171, Motion::Tones, 72);
+    let trial = Concealing {
+        effect: "backlash",
+        seed: 640171,
+        motion: Motion::Tones,
+        number: 72,
+    }
+    .run();
     assert!(trial.right_effect && trial.right_joints, "{trial:#?}");
 }
 
@@ -431,7 +471,13 @@ fn impacts_that_shake_other_joints_are_no_spikes() {
 #[test]
 fn a_law_with_memory_is_searched_for_again_where_its_shape_is_lost() {
     for motion in [Motion::Fourier, Motion::Moves] {
-        let trial = of_seed(640171, motion, 60);
+        let trial = Concealing {
+            effect: "presliding_hysteresis",
+            seed: 640171,
+            motion,
+            number: 60,
+        }
+        .run();
         assert!(trial.right_effect && trial.right_joints, "{trial:#?}");
     }
 }
@@ -440,8 +486,13 @@ fn a_law_with_memory_is_searched_for_again_where_its_shape_is_lost() {
 /// take what it leaves there, alike at every reversal.
 #[test]
 fn what_a_smoother_leaves_at_reversals_has_no_name() {
-    let trial = of_seed(918273, Motion::Tones, 11);
-    assert_eq!(trial.concealed[0].effect, "drive_gain");
+    let trial = Concealing {
+        effect: "drive_gain",
+        seed: 918273,
+        motion: Motion::Tones,
+        number: 11,
+    }
+    .run();
     assert_eq!(trial.found.len(), 1, "{trial:#?}");
     assert!(trial.right_effect && trial.right_joints, "{trial:#?}");
 }

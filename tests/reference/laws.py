@@ -159,6 +159,12 @@ case("torque_current_nonlinearity",
      both([f"torque_current_nonlinearity.c{k}" for k in range(4)], list(zip(*powers))),
      [[current(x, powers[j]) for x in rigid()[j]] for j in range(2)], signal="current")
 
+# Each channel records a share of the other's current too.
+heard = (0.15, -0.08)
+case("channel_crosstalk",
+     {"first.channel_crosstalk.second": heard[0], "second.channel_crosstalk.first": heard[1]},
+     [WITHOUT[0] + heard[0] * WITHOUT[1], WITHOUT[1] + heard[1] * WITHOUT[0]], signal="current")
+
 # What the bodies do.
 WITHOUT = rigid()
 load = (1.5, (0.05, -0.03, -0.25), (0.01, 0.008, 0.004))

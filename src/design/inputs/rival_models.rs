@@ -9,6 +9,7 @@ use crate::design::inputs::prepared::Prepared;
 use crate::problem_file::choices::Criterion;
 use crate::problem_file::design::Rival as Stated;
 use crate::problem_file::{Named, ProblemFile};
+use crate::setup::coupling_entry;
 
 /// The rivals where the criterion is to tell them apart; a single one stands against the problem file's model.
 ///
@@ -27,7 +28,10 @@ pub fn of<'a>(
         models.push(rival(problem.name.value.clone(), problem)?);
     }
     for one in stated {
-        models.push(rival(one.name.value.clone(), &altered(problem, one))?);
+        models.push(rival(
+            one.name.value.clone(),
+            &altered(problem, one, &prepared.robot.order),
+        )?);
     }
     if models.len() < 2 {
         let place = &problem.design.criterion.place;
@@ -40,8 +44,8 @@ pub fn of<'a>(
     }))
 }
 
-/// The problem file with what a rival replaces.
-fn altered(problem: &ProblemFile, rival: &Stated) -> ProblemFile {
+/// The problem file with what a rival replaces; `order` are the joints as the file has them.
+fn altered(problem: &ProblemFile, rival: &Stated, order: &[String]) -> ProblemFile {
     let mut own = problem.clone();
     if let Some(effects) = &rival.effects {
         own.drive.effects.clone_from(&effects.value);
@@ -68,6 +72,9 @@ fn altered(problem: &ProblemFile, rival: &Stated) -> ProblemFile {
     }
     if rival.parameters.is_some() {
         own.robot.parameters.clone_from(&rival.parameters);
+    }
+    for entry in &rival.values {
+        coupling_entry::declare(&mut own, order, entry);
     }
     own.design.values.extend(rival.values.iter().map(|v| Named {
         name: v.name.clone(),

@@ -13,7 +13,7 @@ use serde_json::{Map, Value, json};
 const STARTS: usize = 8;
 
 /// The experiment for the first finding with rivals that the recordings cannot set aside; `None` where there is no
-/// such finding, or where a rival cannot be stated as a list of effects.
+/// such finding.
 pub fn experiment(
     problem: &ProblemFile,
     noise: Option<&[f64]>,
@@ -30,10 +30,6 @@ pub fn experiment(
     })?;
     let finding = &full.hypotheses[k];
     let all: Vec<&ModelFit> = std::iter::once(full).chain(open.iter().copied()).collect();
-    let stated = |fit: &&ModelFit| fit.hypotheses.iter().all(|h| h.other.is_none());
-    if !all.iter().all(stated) {
-        return None;
-    }
     let word = |fit: &ModelFit| fit.hypotheses.last().map_or("", |h| h.effect.id);
     let mut names = vec![finding.effect.id.to_string()];
     for fit in &open {
@@ -134,13 +130,16 @@ fn declared(problem: &ProblemFile) -> Option<Map<String, Value>> {
 
 /// A model as `[[design.rival]]` has it: effects by joint, and the values to which it was fitted.
 fn rival(fit: &ModelFit, name: &str) -> Value {
-    let effects: Map<String, Value> = fit
-        .model
-        .joints()
-        .iter()
-        .filter(|joint| !joint.locked)
-        .map(|joint| {
-            let ids: Vec<&str> = joint.effects.iter().map(|(e, _)| e.id).collect();
+    let joints = fit.model.joints().iter().enumerate();
+    let effects: Map<String, Value> = joints
+        .filter(|(_, joint)| !joint.locked)
+        .map(|(j, joint)| {
+            let mut ids: Vec<&str> = joint.effects.iter().map(|(e, _)| e.id).collect();
+            // Which other joint it is with is in the names of the values.
+            let of_pairs = fit.hypotheses.iter().filter(|h| h.other.is_some());
+            let of_pairs = of_pairs.filter(|h| h.joints.contains(&j));
+            ids.extend(of_pairs.map(|h| h.effect.id));
+            ids.dedup();
             (joint.name.clone(), json!(ids))
         })
         .collect();

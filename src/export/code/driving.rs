@@ -5,7 +5,6 @@ use crate::export::code::lag::LAG_SHARE;
 use crate::export::code::layout::DelayLine;
 use crate::export::code::motors::with_current;
 use crate::export::code::writer::{Writer, name};
-use crate::export::code::writer::{combination, of_column};
 use crate::export::program::{Argument, Body, Head, Visibility};
 use crate::export::values::{combination, product};
 
