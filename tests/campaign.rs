@@ -243,9 +243,8 @@ fn names_what_is_missing_and_nothing_else_where_a_search_had_gone_wrong() {
     }
 }
 
-/// A channel that hears another joint's current had been called a coupling, a gain or an offset of this one, for what
-/// they have in common; resistance by the product of two speeds, of 19 times the noise and 2 % of the torque, had been
-/// passed over.
+/// Friction that grows with the square of a neighbour's speed, of five and of forty times the noise; and resistance by the
+/// product of two speeds, of 19 times the noise and 2 % of the torque, which had been passed over.
 #[test]
 fn what_comes_of_another_joint_has_no_name() {
     for (seed, number) in [(14, 198), (14, 445), (14, 562), (21, 152)] {

@@ -42,9 +42,9 @@ struct Case {
     truth: &'static str,
 }
 
-/// The truth is named, with a rival; and it is not what is named but one of its rivals. Longer recordings of the same motion
-/// would tell them too, but none of these is longer.
-const CASES: [Case; 2] = [
+/// The truth is named, with a rival; it is not what is named but one of its rivals; and a channel hears another, which a coupling of
+/// the two would do nearly as well. Longer recordings of the same motion would tell them too, but none of these is longer.
+const CASES: [Case; 3] = [
     Case {
         seed: 4711,
         number: 36,
@@ -67,6 +67,14 @@ const CASES: [Case; 2] = [
         named: "torque_offset",
         rivals: &["joint_spring", "asymmetric_friction", "backlash"],
         truth: "joint_spring",
+    },
+    Case {
+        seed: 14,
+        number: 562,
+        of: &["channel_crosstalk"],
+        named: "channel_crosstalk",
+        rivals: &["kinematic_coupling"],
+        truth: "channel_crosstalk",
     },
 ];
 

@@ -335,7 +335,7 @@ impl Evaluator<'_> {
                 {
                     *to += weight * x;
                 }
-                if !self.wanted[channel] {
+                if !self.is_needed(channel) {
                     continue;
                 }
                 for column in 0..self.block.columns {

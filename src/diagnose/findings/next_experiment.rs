@@ -1,6 +1,9 @@
 //! The recording that would tell a finding from its rivals: a problem file for `exid design` with the criterion
 //! that sets their predictions apart (Atkinson and Fedorov 1975), within the limits of the same robot.
 
+use crate::chain::effect::{COUPLING, CROSSTALK};
+use crate::chain::model::Model;
+use crate::chain::parameter::Role;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::outcome::diagnose::NextExperiment;
@@ -135,11 +138,7 @@ fn rival(fit: &ModelFit, name: &str) -> Value {
         .filter(|(_, joint)| !joint.locked)
         .map(|(j, joint)| {
             let mut ids: Vec<&str> = joint.effects.iter().map(|(e, _)| e.id).collect();
-            // Which other joint it is with is in the names of the values.
-            let of_pairs = fit.hypotheses.iter().filter(|h| h.other.is_some());
-            let of_pairs = of_pairs.filter(|h| h.joints.contains(&j));
-            ids.extend(of_pairs.map(|h| h.effect.id));
-            ids.dedup();
+            ids.extend(of_pairs(&fit.model, j));
             (joint.name.clone(), json!(ids))
         })
         .collect();
@@ -149,6 +148,16 @@ fn rival(fit: &ModelFit, name: &str) -> Value {
         .map(|(k, p)| (p.name.clone(), json!(fit.values[k])))
         .collect();
     json!({ "name": name, "effects_of": effects, "values": values })
+}
+
+/// The effects that a joint has with others; with which ones is in the names of their values.
+fn of_pairs(model: &Model, joint: usize) -> Vec<&'static str> {
+    let roles = || model.parameters().iter().map(|p| p.role);
+    let hears = |role: Role| matches!(role, Role::Crosstalk(heard) if heard.channel == joint);
+    let is_moved = |role: Role| matches!(role, Role::Coupling { row, .. } if row == joint);
+    let crosstalk = roles().any(hears).then_some(CROSSTALK.id);
+    let coupling = roles().any(is_moved).then_some(COUPLING.id);
+    crosstalk.into_iter().chain(coupling).collect()
 }
 
 fn without_nulls(value: &Value) -> Value {
