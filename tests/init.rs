@@ -156,7 +156,6 @@ fn units_and_names_of_another_logger_are_seen() {
     for line in [
         "name = \"arm\"",
         "urdf = \"arm.urdf\"",
-        "torque_constant = [1.0, 1.0]",
         "train = [\"train.csv\"]",
         "validation = [\"validation.csv\"]",
         "time = { column = \"zeit\", unit = \"ms\" }",
@@ -168,6 +167,15 @@ fn units_and_names_of_another_logger_are_seen() {
             draft.lines().any(|l| l.starts_with(line)),
             "{line}: {draft}"
         );
+    }
+    // The robot file has the inertials with which the recordings were made, and constants of 12 and 8 N·m/A.
+    let constants = draft
+        .lines()
+        .find_map(|line| line.strip_prefix("torque_constant = [")?.split_once(']'));
+    let constants = constants.unwrap().0.split(", ");
+    let constants: Vec<f64> = constants.map(|k| k.parse().unwrap()).collect();
+    for (constant, truth) in constants.iter().zip([12.0, 8.0]) {
+        assert!((constant / truth - 1.0).abs() < 0.05, "{constants:?}");
     }
     drafted(plain.folder(), &files);
     let [found, expected] = [&arm, &plain].map(|a| errors(a.folder(), "problem.toml", &[]));
@@ -345,15 +353,24 @@ const OF_BENCH6: Foreign = Foreign {
 
 const FOREIGN: &[Foreign] = &[
     Foreign {
-        recordings: &["data/ur10e/excitation_30s.csv", "data/ur10e/excitation_40s.csv"],
+        recordings: &[
+            "data/ur10e/excitation_30s.csv",
+            "data/ur10e/excitation_40s.csv",
+        ],
         ..OF_UR10E
     },
     Foreign {
-        recordings: &["data/ur10e/excitation_50s.csv", "data/ur10e/excitation_30s.csv"],
+        recordings: &[
+            "data/ur10e/excitation_50s.csv",
+            "data/ur10e/excitation_30s.csv",
+        ],
         ..OF_UR10E
     },
     Foreign {
-        recordings: &["data/ur10e/excitation_50s.csv", "data/ur10e/point_to_point.csv"],
+        recordings: &[
+            "data/ur10e/excitation_50s.csv",
+            "data/ur10e/point_to_point.csv",
+        ],
         ..OF_UR10E
     },
     // One joint moves.
@@ -368,7 +385,10 @@ const FOREIGN: &[Foreign] = &[
         ..OF_UR10E
     },
     Foreign {
-        recordings: &["data/lwr4/measurements_1.csv", "data/lwr4/measurements_2.csv"],
+        recordings: &[
+            "data/lwr4/measurements_1.csv",
+            "data/lwr4/measurements_2.csv",
+        ],
         ..OF_LWR4
     },
     Foreign {
@@ -393,7 +413,10 @@ const FOREIGN: &[Foreign] = &[
     },
     // Its currents begin with a transient of 900 A.
     Foreign {
-        recordings: &["trials_whole/q01/train.csv", "trials_whole/q01/validation.csv"],
+        recordings: &[
+            "trials_whole/q01/train.csv",
+            "trials_whole/q01/validation.csv",
+        ],
         ..OF_BENCH6
     },
 ];
@@ -436,10 +459,17 @@ fn drafts_of_foreign_robots_fit_as_well_as_by_hand() {
         let files = [&[foreign.robot], foreign.recordings].concat();
         let files: Vec<PathBuf> = files.iter().map(|f| data.join(f)).collect();
         drafted(temporary.path(), &files);
-        fs::write(temporary.path().join("by_hand.toml"), foreign.by_hand(&data)).unwrap();
+        fs::write(
+            temporary.path().join("by_hand.toml"),
+            foreign.by_hand(&data),
+        )
+        .unwrap();
         let found = errors(temporary.path(), "problem.toml", &[]);
         let by_hand = errors(temporary.path(), "by_hand.toml", &[]);
-        eprintln!("{:?}: draft {found:.3?}, by hand {by_hand:.3?}", foreign.recordings);
+        eprintln!(
+            "{:?}: draft {found:.3?}, by hand {by_hand:.3?}",
+            foreign.recordings
+        );
         assert_as_good(&found, &by_hand, &format!("{:?}", foreign.recordings));
     }
 }
@@ -465,10 +495,16 @@ fn a_single_joint_needs_no_number() {
             0.2 * (3.0 * phase).cos() + 0.2 * (7.1 * phase).cos(),
             -9.0 * wave(3.0) - 7.1 * 7.1 * wave(7.1),
         ];
-        lines.push(format!("{phase},{q},{}", 5.0 * a + 2.0 * v + 3.0 * v.signum()));
+        lines.push(format!(
+            "{phase},{q},{}",
+            5.0 * a + 2.0 * v + 3.0 * v.signum()
+        ));
     }
     fs::write(temporary.path().join("run.csv"), lines.join("\n")).unwrap();
-    drafted(temporary.path(), &["slide.urdf", "run.csv"].map(PathBuf::from));
+    drafted(
+        temporary.path(),
+        &["slide.urdf", "run.csv"].map(PathBuf::from),
+    );
     let draft = fs::read_to_string(temporary.path().join("problem.toml")).unwrap();
     for line in ["position = \"position\"", "torque = \"force\""] {
         assert!(draft.lines().any(|l| l == line), "{line}: {draft}");

@@ -119,11 +119,6 @@ impl Drives {
         })
     }
 
-    /// Whether motors move other joints than their own.
-    pub fn is_coupled(&self) -> bool {
-        !self.coupling.is_identity()
-    }
-
     /// Whether a law at a motor has a state of its own.
     pub fn remember(&self) -> bool {
         let mut laws = self.drives.iter().flat_map(|drive| &drive.motor);
