@@ -82,7 +82,7 @@ class DriveSharedTable(TypedDict, total=False):
 
     joints: list[str]
     """Two joints or more whose motors are of one type. Required."""
-    effects: list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "encoder_offset", "time_delay", "thermal_drift", "external_contact"], str]]
+    effects: list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "encoder_offset", "time_delay", "channel_crosstalk", "thermal_drift", "external_contact"], str]]
     """Effects whose parameters are one unknown for all of the joints; the recordings are asked whether they refuse that. Default: none: every joint has its own parameters, and what could be shared is proposed."""
     separate: list[str]
     """Parameters of these effects that every joint has for itself. Default: none."""
@@ -116,9 +116,9 @@ class DriveTable(TypedDict, total=False):
     """Joint position where the motor stands at zero: q = V·(q_enc / ratio) + offset. Unit: rad (m). Default: none."""
     coupling: list[list[float]]
     """V, a square matrix by rows: joint speeds = V·(motor speeds / ratio). Default: the identity."""
-    effects: list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "encoder_offset", "time_delay", "thermal_drift", "external_contact"], str]]
+    effects: list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "encoder_offset", "time_delay", "channel_crosstalk", "thermal_drift", "external_contact"], str]]
     """Physics in the model, for all joints; `exid effects` lists it. Default: none."""
-    effects_of: dict[str, list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "encoder_offset", "time_delay", "thermal_drift", "external_contact"], str]]]
+    effects_of: dict[str, list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "encoder_offset", "time_delay", "channel_crosstalk", "thermal_drift", "external_contact"], str]]]
     """What replaces the list of effects on single joints. Default: none."""
     values: dict[str, float]
     """Parameters of the model with known values. Unit: each parameter's own. Default: none."""
@@ -1480,7 +1480,7 @@ class FitCompareTable(TypedDict, total=False):
 
     name: str
     """Name of the comparison. Required."""
-    effects: list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "encoder_offset", "time_delay", "thermal_drift", "external_contact"], str]]
+    effects: list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "encoder_offset", "time_delay", "channel_crosstalk", "thermal_drift", "external_contact"], str]]
     """What replaces drive.effects. Required."""
 
 
@@ -1521,9 +1521,9 @@ class DesignRivalTable(TypedDict, total=False):
 
     name: str
     """Name of the rival. Required."""
-    effects: list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "encoder_offset", "time_delay", "thermal_drift", "external_contact"], str]]
+    effects: list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "encoder_offset", "time_delay", "channel_crosstalk", "thermal_drift", "external_contact"], str]]
     """What replaces drive.effects. Default: the problem file's."""
-    effects_of: dict[str, list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "encoder_offset", "time_delay", "thermal_drift", "external_contact"], str]]]
+    effects_of: dict[str, list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "encoder_offset", "time_delay", "channel_crosstalk", "thermal_drift", "external_contact"], str]]]
     """What replaces the effects of single joints. Default: none."""
     parameters: str
     """Result of a fit of this model: its values. Default: the problem file's values."""
@@ -1685,7 +1685,7 @@ class SimulateTable(TypedDict, total=False):
 class DiagnoseTable(TypedDict, total=False):
     """The physics to look for, and how sure a finding has to be. Default: the keys' own defaults."""
 
-    effects: Union[Literal["all"], list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "encoder_offset", "time_delay", "thermal_drift", "external_contact"], str]]]
+    effects: Union[Literal["all"], list[Union[Literal["coulomb_friction", "viscous_friction", "asymmetric_friction", "stribeck_friction", "viscous_nonlinearity", "sigmoid_friction", "presliding_hysteresis", "position_dependent_friction", "transmission_efficiency", "load_dependent_friction", "torque_current_nonlinearity", "drive_gain", "torque_offset", "rotor_inertia", "kinematic_coupling", "joint_elasticity", "backlash", "torque_ripple", "joint_spring", "unmodelled_payload", "base_tilt", "encoder_offset", "time_delay", "channel_crosstalk", "thermal_drift", "external_contact"], str]]]
     """The physics to look for. Default: "all"."""
     significance: float
     """Probability of a false finding, after correction for the number of hypotheses tried. Default: 0.001."""
