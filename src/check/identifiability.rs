@@ -273,12 +273,12 @@ fn asked_for(context: &CheckContext<'_>, model: &Model) -> Vec<String> {
     names
 }
 
-/// A free gain needs something that is known in N·m.
+/// A free gain needs something that is known in N·m, of itself or of another parameter.
 fn gains(context: &CheckContext<'_>, model: &Model) -> Vec<Finding> {
-    let anchored = model
-        .parameters()
-        .iter()
-        .any(|p| !p.is_free() && p.value != 0.0);
+    let mut parameters = model.parameters().iter();
+    let mut expected = context.problem.fit.prior.values.iter();
+    let anchored = parameters.any(|p| !p.is_free() && p.value != 0.0)
+        || expected.any(|entry| entry.value.value.value != 0.0);
     let free = |joint: &&JointModel| {
         joint
             .gain
