@@ -23,9 +23,6 @@ const LARGEST_DAMPING: f64 = 1e24;
 /// residual hides the rest: the point is within sqrt(2e-8 rows) standard deviations of the optimum.
 const HIDDEN_BY_ROUNDING: f64 = 1e-8;
 
-/// Factor by which the first refusal of a step raises the damping; every further one has twice the factor (Nielsen 1999).
-const GROWTH: f64 = 2.0;
-
 /// Least factor by which an accepted step lowers the damping (Nielsen 1999).
 const LARGEST_RELIEF: f64 = 1.0 / 3.0;
 
@@ -51,7 +48,7 @@ impl<'a> Iteration<'a> {
             control,
             model,
             norms: None,
-            growth: GROWTH,
+            growth: 2.0,
             stop: None,
             trace: Trace::default(),
         }
@@ -106,61 +103,8 @@ impl<'a> Iteration<'a> {
         let gain = (self.model.cost - model.cost) / predicted;
         let relief = 1.0 - (2.0 * gain.clamp(0.0, 1.0) - 1.0).powi(3);
         self.lambda = (self.lambda * relief.max(LARGEST_RELIEF)).max(LEAST_DAMPING);
-        self.growth = GROWTH;
+        self.growth = 2.0;
         self.model = model;
-    }
-
-    /// What becomes of a point whose trial is refused: a shorter step next, from here or from a lower point along a kink that lies between the
-    /// two. Returns that point.
-    fn refuse(
-        &mut self,
-        problem: &mut Problem<LeastSquares>,
-        x: &DVector<f64>,
-        trial: &DVector<f64>,
-    ) -> Result<Option<DVector<f64>>, Error> {
-        // A shorter step was refused too: a kink may be in the way.
-        let lower = match self.growth > GROWTH {
-            true => self.along_kink(problem, x, trial)?,
-            false => None,
-        };
-        if self.stop.is_none() {
-            self.reject();
-        }
-        Ok(lower)
-    }
-
-    /// A lower point along a kink, or the end where there is none.
-    fn along_kink(
-        &mut self,
-        problem: &mut Problem<LeastSquares>,
-        x: &DVector<f64>,
-        trial: &DVector<f64>,
-    ) -> Result<Option<DVector<f64>>, Error> {
-        let beyond = problem.problem("linearizations", |view| {
-            Ok(Model::at(view.problem(), trial))
-        })?;
-        let along = beyond
-            .ok()
-            .flatten()
-            .and_then(|beyond| self.model.along_kink(&beyond));
-        let Some(along) = along else {
-            return Ok(None);
-        };
-        let hidden = HIDDEN_BY_ROUNDING * self.model.cost;
-        if along.promised <= hidden {
-            // Gradients of points that are far apart combine to nothing about any minimum, and those beside a smooth one are small.
-            if self.model.promised > hidden && self.model.size(&(trial - x)) <= hidden {
-                self.stop = Some(Stop::CostTolerance);
-            }
-            return Ok(None);
-        }
-        let view = problem.problem.ok_or_else(|| Error::msg("no problem"))?;
-        let point = bounds::project(view.problem().form(), &(x + &along.step));
-        let model = self.try_point(problem, &point)?;
-        Ok(model.map(|model| {
-            self.model = model;
-            point
-        }))
     }
 
     fn reject(&mut self) {
@@ -246,25 +190,24 @@ impl<'a> Solver<LeastSquares<'a>, Iterate> for Iteration<'a> {
         let trial = bounds::project(form, &(&x + &step));
         let step = &trial - &x;
         let predicted = self.model.predicted_decrease(&step);
-        let accepted = match predicted > 0.0 {
-            true => self.try_point(problem, &trial)?,
-            false => None,
+        let accepted = if predicted > 0.0 {
+            self.try_point(problem, &trial)?
+        } else {
+            None
         };
-        let next = match accepted {
+        let x = match accepted {
             Some(model) => {
                 self.accept(model, predicted);
-                Some(trial)
+                self.stop = self.convergence(form, &trial);
+                self.record(iteration, scaled_length(form, &step));
+                trial
             }
-            None => self.refuse(problem, &x, &trial)?,
+            None => {
+                self.reject();
+                self.record(iteration, 0.0);
+                x
+            }
         };
-        let moved = next
-            .as_ref()
-            .map_or(0.0, |next| scaled_length(form, &(next - &x)));
-        if let Some(next) = &next {
-            self.stop = self.convergence(form, next);
-        }
-        self.record(iteration, moved);
-        let x = next.unwrap_or(x);
         Ok((state.param(x).cost(self.model.cost), None))
     }
 

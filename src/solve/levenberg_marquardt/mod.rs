@@ -2,9 +2,8 @@
 //!
 //! A step d minimises |J d + r|² + lambda |D d|² within the bounds, by QR of [R; sqrt(lambda) D], where R is
 //! the triangular factor of J and D holds the largest column norms seen. It is accepted if the nonlinear cost
-//! falls; lambda follows the ratio of actual to predicted decrease. Where steps are refused at a kink of the residual, such as
-//! that of a loss in proportion to |load| at a row without load, the search goes along it. Sources: Moré (1978) for D, Nielsen
-//! (1999) for lambda, Bates and Watts (1981) for the test of convergence, Lemaréchal (1975) for kinks. The iterations run in argmin.
+//! falls; lambda follows the ratio of actual to predicted decrease. Sources: Moré (1978) for D, Nielsen
+//! (1999) for lambda, Bates and Watts (1981) for the test of convergence. The iterations run in argmin.
 
 use argmin::core::{Executor, State, TerminationReason, TerminationStatus};
 use nalgebra::DVector;

@@ -26,24 +26,6 @@ pub(super) struct Model {
     pub promised: f64,
     /// The undamped step.
     newton: DVector<f64>,
-    free: Free,
-}
-
-/// Independent columns of the variables that no bound holds.
-#[derive(Default)]
-struct Free {
-    columns: Vec<usize>,
-    /// Their triangular factor R.
-    factor: DMatrix<f64>,
-    /// R⁻ᵀ times the gradient.
-    gradient: DVector<f64>,
-}
-
-/// A step that promises as much on either side of a kink.
-pub(super) struct AlongKink {
-    pub step: DVector<f64>,
-    /// Decrease of the cost.
-    pub promised: f64,
 }
 
 impl Model {
@@ -72,7 +54,6 @@ impl Model {
             gradient: point.gradient,
             promised: 0.0,
             newton: DVector::zeros(x.len()),
-            free: Free::default(),
         };
         model.look_ahead(problem.form(), x);
         Ok(Some(model))
@@ -95,50 +76,6 @@ impl Model {
                 self.newton[columns[*k]] = *value;
             }
         }
-        self.free = Free {
-            columns: kept.iter().map(|k| columns[*k]).collect(),
-            factor: system.matrix,
-            gradient: -system.right,
-        };
-    }
-
-    /// The step by the shortest combination of the gradients here and beyond a kink, in the metric of the model:
-    ///
-    /// ```text
-    /// min over θ in [0, 1]  |R⁻ᵀ((1 - θ) g + θ g_beyond)|
-    /// ```
-    ///
-    /// It leads along the kink, which both sides have in common, and vanishes where the point is a minimum although neither
-    /// gradient does (Lemaréchal 1975).
-    pub(super) fn along_kink(&self, beyond: &Self) -> Option<AlongKink> {
-        let Free {
-            columns,
-            factor,
-            gradient: here,
-        } = &self.free;
-        let there =
-            DVector::from_iterator(columns.len(), columns.iter().map(|&j| beyond.gradient[j]));
-        let there = factor.tr_solve_upper_triangular(&there)?;
-        let change = &there - here;
-        let share = -here.dot(&change) / change.norm_squared();
-        if !share.is_finite() {
-            return None;
-        }
-        let shortest = here + share.clamp(0.0, 1.0) * change;
-        let own = factor.solve_upper_triangular(&shortest)?;
-        let mut step = DVector::zeros(self.norms.len());
-        for (j, value) in columns.iter().zip(own.iter()) {
-            step[*j] = -value;
-        }
-        Some(AlongKink {
-            step,
-            promised: 0.5 * shortest.norm_squared(),
-        })
-    }
-
-    /// Half the square of a step's length in the metric of the model, in which a standard deviation is as long in every direction.
-    pub(super) fn size(&self, step: &DVector<f64>) -> f64 {
-        0.5 * (&self.matrix * step).norm_squared()
     }
 
     /// Column norms of the Jacobian, none of them zero.
