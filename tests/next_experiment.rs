@@ -65,7 +65,7 @@ const CASES: [Case; 3] = [
             "transmission_efficiency",
         ],
         named: "torque_offset",
-        rivals: &["joint_spring", "asymmetric_friction", "backlash"],
+        rivals: &["joint_spring", "asymmetric_friction"],
         truth: "joint_spring",
     },
     Case {
