@@ -283,18 +283,13 @@ pub(super) fn tilt_parameters(
     let effect = listed.find(|effect| matches!(effect.law, Law::Tilt))?;
     let first = parameters.len();
     for (angle, info) in effect.parameters.iter().enumerate() {
-        parameters.push(Parameter {
-            name: format!("{}.{}", effect.id, info.name),
-            unit: info.unit.of(JointKind::Revolute).to_string(),
-            role: Role::Tilt { angle },
-            state: State::Free,
-            value: 0.0,
-            lower: info.lower,
-            upper: info.upper,
-            bounded: false,
-            scale: info.typical,
-            linearity: info.linearity,
-        });
+        let name = format!("{}.{}", effect.id, info.name);
+        parameters.push(beyond_joints(
+            name,
+            info.unit.of(JointKind::Revolute),
+            Role::Tilt { angle },
+            info,
+        ));
     }
     Some(first)
 }
@@ -360,19 +355,25 @@ pub(super) fn coupling_parameters(
             _ => declared,
         };
         for column in columns {
+            let name = format!("{}.{}.{}", joints[row].name, effect.id, joints[column].name);
+            let role = Role::Coupling { row, column };
+            let unit = info.unit.of(joints[row].kind);
             parameters.push(Parameter {
-                name: format!("{}.{}.{}", joints[row].name, effect.id, joints[column].name),
-                unit: info.unit.of(joints[row].kind).to_string(),
-                role: Role::Coupling { row, column },
-                state: State::Free,
                 value: coupling[(row, column)],
-                lower: info.lower,
-                upper: info.upper,
-                bounded: false,
-                scale: info.typical,
-                linearity: info.linearity,
+                ..beyond_joints(name, unit, role, info)
             });
         }
+    }
+}
+
+/// A free parameter of an effect that no joint has by itself; a fit may take it out of its limits.
+fn beyond_joints(name: String, unit: &str, role: Role, info: &ParameterInfo) -> Parameter {
+    Parameter {
+        lower: info.lower,
+        upper: info.upper,
+        scale: info.typical,
+        linearity: info.linearity,
+        ..unbounded(name, unit, role)
     }
 }
 
@@ -400,18 +401,9 @@ pub(super) fn crosstalk_parameters(settings: &ModelSettings, parameters: &mut Ve
     let info = &CROSSTALK.parameters[0];
     for pair in heard(settings) {
         let [channel, source] = [pair.channel, pair.source].map(|j| &joints[j]);
-        parameters.push(Parameter {
-            name: format!("{}.{}.{}", channel.name, CROSSTALK.id, source.name),
-            unit: share_unit(settings.signal, channel.kind, source.kind).to_string(),
-            role: Role::Crosstalk(pair),
-            state: State::Free,
-            value: 0.0,
-            lower: info.lower,
-            upper: info.upper,
-            bounded: false,
-            scale: info.typical,
-            linearity: info.linearity,
-        });
+        let name = format!("{}.{}.{}", channel.name, CROSSTALK.id, source.name);
+        let unit = share_unit(settings.signal, channel.kind, source.kind);
+        parameters.push(beyond_joints(name, unit, Role::Crosstalk(pair), info));
     }
 }
 

@@ -11,7 +11,7 @@ use crate::setup::robot::Robot;
 
 /// A locked joint may be this far from where it is locked, rad or m: what bodies weigh about the other joints then
 /// changes by a hundredth.
-const STILL: f64 = 0.01;
+pub(crate) const STILL: f64 = 0.01;
 
 /// Compares positions of locked joints, where the file has them, with those that are stated.
 pub(super) fn check(context: &CheckContext<'_>, named: &NamedRecording<'_>) -> Vec<Finding> {

@@ -36,6 +36,7 @@ mod tests;
 use crate::chain::dataset::Dataset;
 use crate::chain::model::Model;
 use crate::check::context::{CheckContext, PreparedRecording, RawRecording};
+pub(crate) use crate::check::locked::STILL;
 pub use crate::check::scale::SignalScale;
 use crate::fault::Fault;
 use crate::outcome::check::{Finding, Severity};

@@ -88,7 +88,7 @@ impl Drives {
     ) -> Result<Self, ExportError> {
         let joints = &machine.joints;
         let n = joints.len();
-        let drives = (0..n).map(|j| drive(machine, j, (catalogue, &values)));
+        let drives = (0..n).map(|j| drive(machine, j, catalogue, &values));
         let drives = drives.collect::<Result<_, _>>()?;
         let motors = match &machine.coupling {
             Some(rows) => DMatrix::from_fn(n, n, |r, c| rows[r][c]),
@@ -232,7 +232,8 @@ impl Parameters<'_> {
 fn drive(
     machine: &Machine,
     j: usize,
-    (catalogue, values): (&Catalogue, &Values),
+    catalogue: &Catalogue,
+    values: &Values,
 ) -> Result<Drive, ExportError> {
     let joint = &machine.joints[j];
     let mut drive = Drive {

@@ -1,5 +1,6 @@
 //! What the numbers of a recording say: the unit of time, units of positions and velocities, rate and period.
 
+use crate::check::STILL;
 use crate::init::channels::Channels;
 use crate::init::error::InitError;
 use crate::recording::column_map::ColumnMap;
@@ -8,7 +9,7 @@ use crate::recording::period;
 use crate::recording::samples::{Recording, SignalKind};
 use crate::recording::timing::examine;
 use crate::recording::units::{self, Quantity};
-use crate::stats::robust::median;
+use crate::stats::robust::{median, quantile};
 use std::path::{Path, PathBuf};
 
 /// Rates that controllers and loggers have, Hz.
@@ -19,9 +20,6 @@ const MOST_AMPERES: f64 = 500.0;
 
 /// Share of the samples that are no transients and no faults of a recorder.
 const USUAL: f64 = 0.99;
-
-/// A joint stands still that moves less, rad or m: what bodies weigh about the other joints then changes by a hundredth.
-const STILL: f64 = 0.01;
 
 /// Length over which velocities are integrated, s: longer than their filters, shorter than a swing.
 const WINDOW_S: f64 = 0.1;
@@ -64,10 +62,9 @@ pub(super) fn measure(
     }
     if channels.signal.quantity == Quantity::Current && channels.signal.unit.is_none() {
         let mut sizes: Vec<f64> = raw.signal.iter().flatten().map(|i| i.abs()).collect();
-        let at = ((USUAL * sizes.len() as f64) as usize).min(sizes.len().saturating_sub(1));
         let usual = match sizes.is_empty() {
             true => 0.0,
-            false => *sizes.select_nth_unstable_by(at, f64::total_cmp).1,
+            false => quantile(&mut sizes, USUAL),
         };
         if usual > MOST_AMPERES {
             channels.signal.unit = Some("mA");

@@ -27,6 +27,12 @@ pub fn median(values: &[f64]) -> Option<f64> {
     Some(0.5 * (lower + upper))
 }
 
+/// The value up to which a share of some values lies, of at least one.
+pub fn quantile(values: &mut [f64], share: f64) -> f64 {
+    let at = (share * (values.len() - 1) as f64) as usize;
+    *values.select_nth_unstable_by(at, f64::total_cmp).1
+}
+
 /// Standard deviation of normal noise from the median absolute deviation about the median.
 pub fn mad_scale(values: &[f64]) -> Option<f64> {
     let centre = median(values)?;

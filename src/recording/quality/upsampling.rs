@@ -10,6 +10,7 @@ use std::collections::HashSet;
 use crate::fault::Place;
 use crate::recording::channels::samples::{Manner, Recording, Upsampled};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
+use crate::stats::robust::quantile;
 
 /// Most rows of one sample: 10 Hz written at 1 kHz.
 const MOST_ROWS: usize = 100;
@@ -200,11 +201,6 @@ fn interpolated(series: &[f64]) -> Option<Pattern> {
         .find_map(|every| largest((begin, end), every))?;
     let whole = largest((1, length - 1), every)?;
     (whole == (every, phase)).then(|| Pattern::every(Manner::Interpolated, every, phase, length))
-}
-
-fn quantile(values: &mut [f64], share: f64) -> f64 {
-    let at = (share * (values.len() - 1) as f64) as usize;
-    *values.select_nth_unstable_by(at, f64::total_cmp).1
 }
 
 #[cfg(test)]
