@@ -8,7 +8,7 @@ use exid::recording::error::RecordingError;
 use exid::recording::experiment::Experiment;
 use exid::recording::preprocess::prepare;
 use exid::recording::samples::SignalKind;
-use exid::recording::settings::{Differentiation, Preparation};
+use exid::recording::settings::{Differentiation, InCommon, Preparation};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -84,7 +84,7 @@ fn preparations() -> [Preparation; 4] {
         method: None,
         cutoff_hz,
         parallel_hz,
-        common_hz: None,
+        in_common: InCommon::default(),
     };
     [
         Preparation::default(),

@@ -2,7 +2,7 @@
 
 use crate::problem_file::choices::DifferentiationMethod;
 use crate::problem_file::{Located, RecordingsTable};
-use crate::recording::settings::{Differentiation, Method, Preparation};
+use crate::recording::settings::{Differentiation, InCommon, Method, Preparation};
 
 /// How the problem file wants its recordings made ready.
 pub fn preparation(table: &RecordingsTable) -> Preparation {
@@ -19,7 +19,7 @@ pub fn preparation(table: &RecordingsTable) -> Preparation {
             }),
             cutoff_hz: number(&differentiation.cutoff_hz),
             parallel_hz: number(&differentiation.parallel_hz),
-            common_hz: None,
+            in_common: InCommon::default(),
         },
     }
 }

@@ -14,7 +14,7 @@ use crate::recording::join::separate_encoder::{EncoderFiles, read_with_separate_
 use crate::recording::join::{Source, read_joined};
 use crate::recording::preprocess::prepare;
 use crate::recording::samples::Recording;
-use crate::recording::settings::Preparation;
+use crate::recording::settings::{InCommon, Preparation};
 use crate::recording::split::Split;
 use crate::recording::upsampling::thinned;
 use crate::setup::error::SetupError;
@@ -45,17 +45,17 @@ pub fn read_all<'a>(
     }
 }
 
-/// Makes every recording of a problem file ready, those that do not repeat with a bandwidth in common where one is given.
+/// Makes every recording of a problem file ready, those that do not repeat with what their smoothers have in common.
 pub fn prepare_all(
     problem: &ProblemFile,
     robot: &Robot,
     model: &Model,
     read: Vec<ReadRecording<'_>>,
-    common_hz: Option<f64>,
+    in_common: InCommon,
 ) -> Result<Dataset, SetupError> {
     let table = problem.recordings()?;
     let mut settings = preparation(table);
-    settings.differentiation.common_hz = common_hz;
+    settings.differentiation.in_common = in_common;
     let recorded = RecordedRobot {
         table,
         robot,
@@ -71,7 +71,8 @@ pub fn prepare_all(
 
 /// Reads and prepares every recording of a problem file.
 pub fn open(problem: &ProblemFile, robot: &Robot, model: &Model) -> Result<Dataset, SetupError> {
-    prepare_all(problem, robot, model, read_all(problem, robot)?, None)
+    let read = read_all(problem, robot)?;
+    prepare_all(problem, robot, model, read, InCommon::default())
 }
 
 /// Makes one recording ready, in motor coordinates at joint scale.

@@ -68,12 +68,16 @@ pub fn preprocessing(model: &Model, data: &Dataset) -> Vec<Preprocessing> {
                     bandwidth.cutoff_hz
                 ),
                 None => format!(
-                    "{} at {:.4} Hz, {chosen}",
+                    "{} at {:.4} Hz, {chosen}{}",
                     match recording.experiment.method {
                         Method::Smoother => "smoothed",
                         _ => "low-pass",
                     },
-                    bandwidth.cutoff_hz
+                    bandwidth.cutoff_hz,
+                    match bandwidth.reversals {
+                        0 => String::new(),
+                        count => format!(", wider about {count} reversals"),
+                    }
                 ),
             };
             lines.push(Preprocessing {
@@ -161,7 +165,8 @@ pub fn notes(model: &Model, data: &Dataset) -> Vec<String> {
                 .to_string(),
         );
     }
-    if data.recordings.iter().all(|r| r.experiment.noise.is_none()) {
+    let is_without_noise = |r: &Prepared| r.experiment.noise.is_none();
+    if data.recordings.iter().all(is_without_noise) {
         let is_white = |r: &Prepared| {
             let mut channels = r.experiment.white_noise.iter();
             channels.len() > 0 && channels.all(Option::is_some)

@@ -6,10 +6,11 @@
 //! too, therefore get the cut-off for which the model that is fitted leaves least of the training recordings,
 //!
 //! ```text
-//! min over cut-offs   Σ_c N_c ln σ_c,    σ_c² = mean square of the residual of channel c,
+//! min over cut-offs   Σ_c ln(σ_c/√N),    σ_c² = mean square of the residual of channel c,
 //! ```
 //!
-//! the profile likelihood of one parameter more. The signal is not filtered, so that residuals may be compared.
+//! where N rows count: the profile likelihood of one parameter more. The signal is not filtered, so that residuals may be
+//! compared, and σ of two cut-offs is of the rows whose motion is known with both.
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
@@ -22,12 +23,13 @@ use crate::estimate::residual::noise::counting_rows;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::recording::experiment::Chosen;
-use crate::recording::settings::Method;
+use crate::recording::settings::{InCommon, Method};
 use crate::recording::split::Split;
 use crate::setup::error::SetupError;
 use crate::setup::recording_file::ReadRecording;
 use crate::setup::recordings::{prepare_all, read_all};
 use crate::setup::robot::Robot;
+use crate::stats::distribution::Distribution;
 use crate::stats::robust::median;
 
 /// Ratio of one cut-off to the next. About its optimum the error of a motion changes by less than a tenth of what noise
@@ -36,6 +38,9 @@ const STEP: f64 = 1.3;
 
 /// Steps up or down at most: an eighth to eight times what the spectrum says.
 const MOST_STEPS: i32 = 8;
+
+/// With what probability a band that is even is not said to be wider about reversals.
+const CONFIDENCE: f64 = 0.99;
 
 /// Rows that are fitted for each cut-off, of all recordings together: as many as tell σ to half a per cent.
 const ROWS: usize = 20_000;
@@ -68,7 +73,8 @@ fn with_best_bandwidth(
     control: &Control<'_>,
 ) -> Result<Dataset, SetupError> {
     let read = read_all(problem, robot)?;
-    let first = prepare_all(problem, robot, model, read.clone(), None)?;
+    let even = InCommon::default();
+    let first = prepare_all(problem, robot, model, read.clone(), even)?;
     let Some(begin_hz) = in_common(&first) else {
         return Ok(first);
     };
@@ -134,6 +140,22 @@ fn in_common(data: &Dataset) -> Option<f64> {
     (!logarithms.is_empty()).then(|| mean.exp())
 }
 
+/// The band about reversals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Band {
+    Even,
+    WiderAboutReversals,
+}
+
+/// Whether the band of a joint is wider about reversals.
+fn is_wider(recording: &Prepared) -> bool {
+    recording
+        .experiment
+        .bandwidth
+        .iter()
+        .any(|b| b.reversals > 0)
+}
+
 struct Search<'a> {
     problem: &'a ProblemFile,
     robot: &'a Robot,
@@ -145,45 +167,77 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// From the spectrum's bandwidth in the direction in which less is left, as long as less is left.
+    /// From the spectrum's bandwidth to the best, and from there to the best with a wider band about reversals where the motion shows one and the
+    /// signal agrees.
     fn run(&self) -> Result<Dataset, SetupError> {
-        let first = self.at(0)?;
+        let first = self.at(0, Band::Even)?;
         let Some(left) = self.left(&first) else {
             return Ok(first);
         };
-        let mut best: (i32, f64, Dataset) = (0, left, first);
-        for direction in [1, -1] {
-            let mut step = best.0 + direction;
-            while step.abs() <= MOST_STEPS && !self.control.is_interrupted() {
-                let data = self.at(step)?;
-                match self.left(&data).filter(|left| *left < best.1) {
-                    Some(left) => best = (step, left, data),
-                    None => break,
+        let first = Candidate {
+            step: 0,
+            data: first,
+            left,
+        };
+        let even = self.climb(first, Band::Even)?;
+        if self.control.is_interrupted() {
+            return Ok(even.data);
+        }
+        let data = self.at(even.step, Band::WiderAboutReversals)?;
+        if !data.recordings.iter().any(is_wider) {
+            return Ok(even.data);
+        }
+        let by_chance = Distribution::ChiSquared { freedom: 1.0 }.quantile(CONFIDENCE);
+        match self.left(&data) {
+            Some(left) => {
+                let step = even.step;
+                let wider = Candidate { step, data, left };
+                match wider.likelihood_ratio(&even) > by_chance {
+                    true => Ok(self.climb(wider, Band::WiderAboutReversals)?.data),
+                    false => Ok(even.data),
                 }
+            }
+            None => Ok(even.data),
+        }
+    }
+
+    /// In the direction in which less is left, as long as less is left.
+    fn climb(&self, begin: Candidate, band: Band) -> Result<Candidate, SetupError> {
+        let from = begin.step;
+        let mut best = begin;
+        for direction in [1, -1] {
+            let mut step = from + direction;
+            while step.abs() <= MOST_STEPS && !self.control.is_interrupted() {
+                let data = self.at(step, band)?;
+                let Some(left) = self.left(&data) else { break };
+                let next = Candidate { step, data, left };
+                if next.likelihood_ratio(&best) <= 0.0 {
+                    break;
+                }
+                best = next;
                 step += direction;
             }
-            if best.0 != 0 {
+            if best.step != from {
                 break;
             }
         }
-        Ok(best.2)
+        Ok(best)
     }
 
-    fn at(&self, step: i32) -> Result<Dataset, SetupError> {
-        let common_hz = Some(self.begin_hz * STEP.powi(step));
-        prepare_all(
-            self.problem,
-            self.robot,
-            self.model,
-            self.read.clone(),
-            common_hz,
-        )
+    fn at(&self, step: i32, band: Band) -> Result<Dataset, SetupError> {
+        let in_common = InCommon {
+            cutoff_hz: Some(self.begin_hz * STEP.powi(step)),
+            reversals_apart: band == Band::WiderAboutReversals,
+        };
+        let read = self.read.clone();
+        prepare_all(self.problem, self.robot, self.model, read, in_common)
     }
 
-    /// `Σ_c N_c ln σ_c` of a fit; `None` where the model cannot be fitted, which the fit itself will say.
-    fn left(&self, data: &Dataset) -> Option<f64> {
+    /// What a fit leaves; `None` where the model cannot be fitted, which the fit itself will say.
+    fn left(&self, data: &Dataset) -> Option<Left> {
         let all: Vec<&Prepared> = data.of(Split::Train).collect();
-        let every = counting_rows(&all).div_ceil(ROWS).max(1);
+        let rows = counting_rows(&all);
+        let every = rows.div_ceil(ROWS).max(1);
         let thinned: Vec<Prepared> = all.iter().map(|r| r.thinned(every)).collect();
         let recordings: Vec<&Prepared> = thinned.iter().collect();
         let unknowns = Unknowns::find(self.model, data, self.prior);
@@ -199,22 +253,60 @@ impl Search<'_> {
         };
         let Optimum { solution, problem } = minimisation.run().ok()?;
         let residuals = problem.counted_residuals(&solution.x);
-        let channels = self.model.channels().iter().enumerate();
-        let of = |c: usize| {
-            let (mut squares, mut rows) = (0.0, 0.0);
-            for (recording, series) in recordings.iter().zip(&residuals) {
-                for row in recording.counting() {
-                    squares += series[c][row].powi(2);
-                    rows += 1.0;
-                }
-            }
-            (squares > 0.0).then(|| 0.5 * f64::ln(squares / rows))
+        let of = |(recording, series): (&&Prepared, &Vec<Vec<f64>>)| {
+            let row = |row: usize| (recording.time(row), series.iter().map(|s| s[row]).collect());
+            recording.counting().map(row).collect()
         };
-        let left: f64 = channels
-            .filter(|(_, channel)| channel.active)
-            .filter_map(|(c, _)| of(c))
-            .sum();
-        left.is_finite().then_some(left)
+        let channels = self.model.channels().iter().enumerate();
+        Some(Left {
+            residuals: recordings.iter().zip(&residuals).map(of).collect(),
+            channels: channels.filter(|(_, c)| c.active).map(|(c, _)| c).collect(),
+            rows,
+        })
+    }
+}
+
+/// A motion of all recordings.
+struct Candidate {
+    /// Of the cut-off.
+    step: i32,
+    data: Dataset,
+    left: Left,
+}
+
+impl Candidate {
+    /// Twice the logarithm of how many times likelier a signal is with this motion than with another. What is told of a
+    /// parameter is in proportion to `N/σ²`, with the N rows whose motion is known well enough to count, and σ of the rows
+    /// that both know.
+    fn likelihood_ratio(&self, other: &Self) -> f64 {
+        let gain = other.left.of_rows_of(&self.data) - self.left.of_rows_of(&other.data);
+        2.0 * gain * self.left.rows as f64
+    }
+}
+
+/// What a fit leaves of the training recordings.
+struct Left {
+    /// Per recording: time in s and residuals by channel of the rows that were fitted.
+    residuals: Vec<Vec<(f64, Vec<f64>)>>,
+    /// Those that count.
+    channels: Vec<usize>,
+    /// All that count, fitted or left out for speed.
+    rows: usize,
+}
+
+impl Left {
+    /// `Σ_c ln(σ_c/√N)`, of the rows that some data know.
+    fn of_rows_of(&self, data: &Dataset) -> f64 {
+        let recordings = self.residuals.iter().zip(data.of(Split::Train));
+        let known = recordings.flat_map(|(rows, recording)| {
+            rows.iter().filter(|(t, _)| recording.experiment.knows(*t))
+        });
+        let known: Vec<&Vec<f64>> = known.map(|(_, residuals)| residuals).collect();
+        let of = |channel: &usize| {
+            let squares: f64 = known.iter().map(|r| r[*channel].powi(2)).sum();
+            (squares > 0.0).then(|| 0.5 * (squares / (known.len() * self.rows) as f64).ln())
+        };
+        self.channels.iter().filter_map(of).sum()
     }
 }
 
@@ -245,6 +337,7 @@ mod tests {
             cutoff_hz,
             clear_hz: cutoff_hz,
             chosen,
+            reversals: 0,
         };
         experiment.bandwidth = bandwidths.map(of).to_vec();
         Prepared::new("made".to_string(), split, false, experiment)

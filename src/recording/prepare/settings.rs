@@ -25,8 +25,17 @@ pub struct Differentiation {
     pub cutoff_hz: Option<f64>,
     /// Hz; a low-pass on the signal and on every column of the model.
     pub parallel_hz: Option<f64>,
-    /// Hz; what the data of all recordings together choose, in the place of the bandwidth that one recording shows.
-    pub common_hz: Option<f64>,
+    /// What the data of all recordings together choose.
+    pub in_common: InCommon,
+}
+
+/// What smoothers of all recordings of a robot have in common.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct InCommon {
+    /// Hz; in the place of the bandwidth that one recording shows.
+    pub cutoff_hz: Option<f64>,
+    /// Whether the band is wider about reversals, where positions show it.
+    pub reversals_apart: bool,
 }
 
 /// What is known of a recording besides its file.

@@ -31,7 +31,7 @@ const CANDIDATES: usize = 90;
 const LEAST_CYCLES: f64 = 20.0;
 
 /// Highest cut-off that the data may choose, in units of the rate: just below half of it.
-const HIGHEST_CUTOFF: f64 = 0.45;
+pub(super) const HIGHEST_CUTOFF: f64 = 0.45;
 
 /// Cells of the spectrum to an e-fold of frequency: over one of them the gain, which falls with the
 /// eighth power, changes by 2 %.

@@ -7,7 +7,8 @@ use crate::recording::error::RecordingError;
 use crate::recording::prepare::derivatives::cutoff::{
     MotionSpectrum, Samples, Sampling, agree, choose_cutoffs,
 };
-use crate::recording::prepare::derivatives::smoother::{Band, Channel, smooth};
+use crate::recording::prepare::derivatives::reversals::about_reversals;
+use crate::recording::prepare::derivatives::smoother::{Band, Channel, Smoothed, Smoother, Unrest};
 use crate::recording::prepare::experiment::{Bandwidth, Chosen, Motion, MotionError};
 use crate::recording::prepare::filter::filter;
 use crate::recording::prepare::settings::{Method, Preparation};
@@ -135,7 +136,27 @@ struct Smoothing<'a> {
     channels: Vec<Vec<Samples<'a>>>,
 }
 
-impl Smoothing<'_> {
+impl<'a> Smoothing<'a> {
+    /// Of a joint, whose noise is that at its cut-off.
+    fn smoother(
+        &self,
+        channels: &[Samples<'a>],
+        spectrum: &MotionSpectrum,
+        cutoff_hz: f64,
+    ) -> Smoother<'a> {
+        let of = |c: &Samples<'a>| Channel {
+            series: c.series,
+            order: c.order,
+            variance: spectrum.variance(c.order, cutoff_hz),
+        };
+        let band = Band {
+            cutoff_hz,
+            rate_hz: self.timing.rate_hz,
+        };
+        let channels = channels.iter().map(of).collect();
+        Smoother::new(channels, self.recording.mask.as_deref(), band)
+    }
+
     /// The motion with the bandwidth and the noise of some rows, and which rows have no jerk.
     fn by_spectra_of(&self, some: Range<usize>) -> (Differentiated, Vec<bool>) {
         let rate_hz = self.timing.rate_hz;
@@ -147,31 +168,31 @@ impl Smoothing<'_> {
             MotionSpectrum::of(&parts.collect::<Vec<_>>(), rate_hz, sampling(self.timing))
         };
         let spectra: Vec<MotionSpectrum> = self.channels.par_iter().map(of).collect();
-        let bandwidth = bandwidths(&spectra, self.preparation);
-        let joint =
-            |(own, (spectrum, bandwidth)): (&Vec<Samples<'_>>, (&MotionSpectrum, &Bandwidth))| {
-                let cutoff = bandwidth.cutoff_hz;
-                let own = own.iter().map(|c| Channel {
-                    series: c.series,
-                    order: c.order,
-                    variance: spectrum.variance(c.order, cutoff),
-                });
-                let own: Vec<Channel<'_>> = own.collect();
-                let band = Band {
-                    cutoff_hz: cutoff,
-                    rate_hz,
-                };
-                smooth(&own, self.recording.mask.as_deref(), band)
-            };
-        let with = spectra.par_iter().zip(&bandwidth);
-        let all: Vec<_> = self.channels.par_iter().zip(with).map(joint).collect();
+        let mut bandwidth = bandwidths(&spectra, self.preparation);
+        let with = self.channels.iter().zip(&spectra).zip(&bandwidth);
+        let smoothers: Vec<Smoother<'_>> = with
+            .map(|((own, spectrum), bandwidth)| self.smoother(own, spectrum, bandwidth.cutoff_hz))
+            .collect();
+        let even = smoothers.par_iter().map(|s| s.smoothed(&Unrest::default()));
+        let mut all: Vec<Smoothed> = even.collect();
         let rows = self.recording.position.first().map_or(0, Vec::len);
         let (mut motion, mut known) = (Motion::default(), vec![true; rows]);
         let mut alike = vec![true; rows];
-        for (own, bandwidth) in all.into_iter().zip(&bandwidth) {
+        for (own, bandwidth) in all.iter().zip(&bandwidth) {
             let reach = (rate_hz / bandwidth.cutoff_hz).ceil() as usize;
             and(&mut alike, &like_the_others(&own.motion[2], reach));
             and(&mut known, &own.settled);
+        }
+        if self.preparation.differentiation.in_common.reversals_apart
+            && let Some(about) = about_reversals(&smoothers, &all)
+        {
+            let with = smoothers.par_iter().zip(&about.unrest);
+            all = with.map(|(s, unrest)| s.smoothed(unrest)).collect();
+            for bandwidth in &mut bandwidth {
+                bandwidth.reversals = about.reversals;
+            }
+        }
+        for own in all {
             let [position, velocity, acceleration] = own.motion;
             motion.position.push(position);
             motion.velocity.push(velocity);
@@ -334,7 +355,7 @@ fn bandwidths(spectra: &[MotionSpectrum], preparation: &Preparation) -> Vec<Band
     let given = preparation.differentiation.cutoff_hz;
     let cutoffs = match given {
         Some(hz) => vec![hz; spectra.len()],
-        None => choose_cutoffs(spectra, preparation.differentiation.common_hz),
+        None => choose_cutoffs(spectra, preparation.differentiation.in_common.cutoff_hz),
     };
     let of = |(cutoff_hz, spectrum): (f64, &MotionSpectrum)| Bandwidth {
         harmonics: None,
@@ -347,6 +368,7 @@ fn bandwidths(spectra: &[MotionSpectrum], preparation: &Preparation) -> Vec<Band
             Some(_) => Chosen::Given,
             None => Chosen::Data,
         },
+        reversals: 0,
     };
     cutoffs.into_iter().zip(spectra).map(of).collect()
 }

@@ -3,4 +3,5 @@
 
 mod cutoff;
 pub mod differentiate;
+mod reversals;
 mod smoother;

@@ -48,40 +48,110 @@ pub(super) struct Band {
     pub rate_hz: f64,
 }
 
-/// Smooths channels of even samples; `valid` says which samples count.
-pub(in crate::recording) fn smooth(
-    channels: &[Channel<'_>],
-    valid: Option<&[bool]>,
-    band: Band,
-) -> Smoothed {
-    let rows = channels.first().map_or(0, |c| c.series.len());
-    let smoother = Smoother::new(channels, band.cutoff_hz, band.rate_hz);
-    let counts = |k: usize| valid.is_none_or(|valid| valid[k]);
-    let forward = smoother.forward(rows, &counts);
-    smoother.backward(&forward)
+/// Where the motion changes faster than elsewhere.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Unrest {
+    /// Per row, of the intensity of the white noise that drives the motion up to it: 1 at rest; everywhere where it is empty.
+    pub factor: Vec<f64>,
 }
 
-struct Smoother<'a> {
-    channels: &'a [Channel<'a>],
+impl Unrest {
+    /// Where there is one or the other, of as many rows, the stronger.
+    pub fn or(mut self, other: Self) -> Self {
+        if self.factor.is_empty() {
+            return other;
+        }
+        let both = self.factor.iter_mut().zip(other.factor);
+        both.for_each(|(own, other)| *own = own.max(other));
+        self
+    }
+
+    /// At the same rows, with one factor.
+    pub fn with_factor(&self, factor: f64) -> Self {
+        let of = |own: &f64| if *own > 1.0 { factor } else { 1.0 };
+        Self {
+            factor: self.factor.iter().map(of).collect(),
+        }
+    }
+
+    fn at(&self, row: usize) -> f64 {
+        self.factor.get(row).copied().unwrap_or(1.0)
+    }
+}
+
+/// A smoother of one joint's samples.
+pub(super) struct Smoother<'a> {
+    channels: Vec<Channel<'a>>,
+    valid: Option<&'a [bool]>,
     /// Variances of the channels, in units of the first one's.
     variances: Vec<f64>,
+    pub band: Band,
     tau: f64,
     transition: Matrix4<f64>,
     noise: Matrix4<f64>,
 }
 
 /// Filtered and predicted states; covariances by number, as most rows share the steady one.
-struct Forward {
+pub(super) struct Forward {
     filtered: Vec<Vector4<f64>>,
     predicted: Vec<Vector4<f64>>,
     covariances: Vec<[Matrix4<f64>; 2]>,
     of_row: Vec<usize>,
+    innovations: Vec<Innovation>,
+}
+
+impl Forward {
+    pub fn rows(&self) -> usize {
+        self.of_row.len()
+    }
+
+    /// Logarithm of the likelihood of the samples, to a constant, at the level of noise at which it is greatest.
+    pub fn log_likelihood(&self) -> f64 {
+        let (mut channels, mut squares, mut logarithms) = (0, 0.0, 0.0);
+        for innovation in &self.innovations {
+            channels += innovation.channels;
+            squares += innovation.squares;
+            logarithms += innovation.logarithms;
+        }
+        let count = channels as f64;
+        -0.5 * (count * (squares / count).ln() + logarithms)
+    }
+
+    /// Mean of the squares of innovations by their variances, of so many rows from each of these on.
+    pub fn mean_innovation_behind(&self, rows: &[usize], count: usize) -> f64 {
+        let windows = rows
+            .iter()
+            .map(|&row| self.innovations.iter().skip(row).take(count));
+        let (mut channels, mut squares) = (0, 0.0);
+        for innovation in windows.flatten() {
+            channels += innovation.channels;
+            squares += innovation.squares;
+        }
+        squares / channels as f64
+    }
+}
+
+/// What the samples of a row say that the rows before did not: none, where it does not count.
+#[derive(Debug, Clone, Copy, Default)]
+struct Innovation {
+    channels: usize,
+    /// Σ of the squares by their variances.
+    squares: f64,
+    /// Σ of the logarithms of the variances.
+    logarithms: f64,
+}
+
+/// How a sample corrects the state.
+struct Gain {
+    column: Vector4<f64>,
+    /// Of the innovation.
+    variance: f64,
 }
 
 impl<'a> Smoother<'a> {
-    fn new(channels: &'a [Channel<'a>], cutoff_hz: f64, rate_hz: f64) -> Self {
-        let tau = 1.0 / (TAU * cutoff_hz);
-        let step = 1.0 / (rate_hz * tau);
+    pub fn new(channels: Vec<Channel<'a>>, valid: Option<&'a [bool]>, band: Band) -> Self {
+        let tau = 1.0 / (TAU * band.cutoff_hz);
+        let step = 1.0 / (band.rate_hz * tau);
         let scaled = |c: &Channel<'_>| c.variance * tau.powi(2 * c.order as i32);
         let unit = channels.first().map_or(1.0, scaled).max(f64::MIN_POSITIVE);
         let factorial = [1.0, 1.0, 2.0, 6.0];
@@ -97,20 +167,48 @@ impl<'a> Smoother<'a> {
         Self {
             variances: channels.iter().map(|c| scaled(c) / unit).collect(),
             channels,
+            valid,
+            band,
             tau,
             transition,
             noise,
         }
     }
 
-    fn forward(&self, rows: usize, counts: &dyn Fn(usize) -> bool) -> Forward {
+    /// The motion that the samples show.
+    pub fn smoothed(&self, unrest: &Unrest) -> Smoothed {
+        self.backward(&self.forward(unrest))
+    }
+
+    /// Logarithm of the likelihood of the first samples.
+    pub fn log_likelihood(&self, unrest: &Unrest, rows: usize) -> f64 {
+        self.forward_over(rows.min(self.rows()), unrest)
+            .log_likelihood()
+    }
+
+    /// Rows of so many time constants, rounded up.
+    pub fn rows_of(&self, time_constants: f64) -> usize {
+        (time_constants / self.transition[(0, 1)]).ceil() as usize
+    }
+
+    fn rows(&self) -> usize {
+        self.channels.first().map_or(0, |c| c.series.len())
+    }
+
+    pub fn forward(&self, unrest: &Unrest) -> Forward {
+        self.forward_over(self.rows(), unrest)
+    }
+
+    fn forward_over(&self, rows: usize, unrest: &Unrest) -> Forward {
+        let counts = |k: usize| self.valid.is_none_or(|valid| valid[k]);
         let mut forward = Forward {
             filtered: Vec::with_capacity(rows),
             predicted: Vec::with_capacity(rows),
             covariances: Vec::new(),
             of_row: Vec::with_capacity(rows),
+            innovations: vec![Innovation::default(); rows],
         };
-        let mut state = self.start(rows, counts);
+        let mut state = self.start(rows, &counts);
         let mut covariance = Matrix4::from_diagonal_element(UNKNOWN);
         let (mut steady, mut steady_gains) = (false, Vec::new());
         for k in 0..rows {
@@ -119,21 +217,27 @@ impl<'a> Smoother<'a> {
                 _ => self.transition * state,
             };
             state = predicted;
-            if steady && counts(k) {
-                self.correct(&mut state, k, &steady_gains);
+            let factor = unrest.at(k);
+            if steady && counts(k) && factor == 1.0 {
+                forward.innovations[k] = self.correct(&mut state, k, &steady_gains);
             } else {
                 let ahead = match k {
                     0 => covariance,
-                    _ => self.transition * covariance * self.transition.transpose() + self.noise,
+                    _ => {
+                        let carried = self.transition * covariance * self.transition.transpose();
+                        carried + self.noise * factor
+                    }
                 };
                 let (after, gains) = match counts(k) {
                     true => self.update(ahead),
                     false => (ahead, Vec::new()),
                 };
                 if counts(k) {
-                    self.correct(&mut state, k, &gains);
+                    forward.innovations[k] = self.correct(&mut state, k, &gains);
                 }
-                steady = counts(k) && (after - covariance).amax() <= SAME * after.amax();
+                steady = counts(k)
+                    && factor == 1.0
+                    && (after - covariance).amax() <= SAME * after.amax();
                 covariance = after;
                 steady_gains = gains;
                 forward.covariances.push([ahead, after]);
@@ -167,30 +271,39 @@ impl<'a> Smoother<'a> {
     }
 
     /// Covariance after the channels of one sample, and their gains.
-    fn update(&self, mut covariance: Matrix4<f64>) -> (Matrix4<f64>, Vec<Vector4<f64>>) {
+    fn update(&self, mut covariance: Matrix4<f64>) -> (Matrix4<f64>, Vec<Gain>) {
         let mut gains = Vec::with_capacity(self.channels.len());
         for (channel, variance) in self.channels.iter().zip(&self.variances) {
             let column = covariance.column(channel.order).into_owned();
-            let gain = column / (column[channel.order] + variance);
+            let expected = column[channel.order] + variance;
+            let gain = column / expected;
             let mut observed = RowVector4::zeros();
             observed[channel.order] = 1.0;
             // Joseph's form stays positive definite.
             let kept = Matrix4::identity() - gain * observed;
             covariance = kept * covariance * kept.transpose() + gain * gain.transpose() * *variance;
-            gains.push(gain);
+            gains.push(Gain {
+                column: gain,
+                variance: expected,
+            });
         }
         (covariance, gains)
     }
 
-    fn correct(&self, state: &mut Vector4<f64>, row: usize, gains: &[Vector4<f64>]) {
+    fn correct(&self, state: &mut Vector4<f64>, row: usize, gains: &[Gain]) -> Innovation {
+        let mut innovation = Innovation::default();
         for (channel, gain) in self.channels.iter().zip(gains) {
             let observed = channel.series[row] * self.tau.powi(channel.order as i32);
-            let innovation = observed - state[channel.order];
-            *state += gain * innovation;
+            let new = observed - state[channel.order];
+            *state += gain.column * new;
+            innovation.channels += 1;
+            innovation.squares += new.powi(2) / gain.variance;
+            innovation.logarithms += gain.variance.ln();
         }
+        innovation
     }
 
-    fn backward(&self, forward: &Forward) -> Smoothed {
+    pub fn backward(&self, forward: &Forward) -> Smoothed {
         let rows = forward.of_row.len();
         let scale = [1.0, 1.0 / self.tau, 1.0 / self.tau.powi(2)];
         let mut smoothed = Smoothed {
@@ -256,6 +369,14 @@ mod tests {
 
     const RATE: f64 = 200.0;
 
+    fn smooth(channels: &[Channel<'_>], valid: Option<&[bool]>, cutoff_hz: f64) -> Smoothed {
+        let band = Band {
+            cutoff_hz,
+            rate_hz: RATE,
+        };
+        Smoother::new(channels.to_vec(), valid, band).smoothed(&Unrest::default())
+    }
+
     fn truth(t: f64) -> [f64; 3] {
         let terms = [(0.3, 1.0), (1.1, 0.5), (2.1, 0.05)];
         let mut sum = [0.0; 3];
@@ -297,14 +418,7 @@ mod tests {
     #[test]
     fn invariant_it_is_the_zero_phase_low_pass_far_from_the_ends() {
         let series = noisy(4000, 0, 1e-3, 1);
-        let smoothed = smooth(
-            &[position(&series, 1e-3)],
-            None,
-            Band {
-                cutoff_hz: 5.0,
-                rate_hz: RATE,
-            },
-        );
+        let smoothed = smooth(&[position(&series, 1e-3)], None, 5.0);
         let mut filtered = series.clone();
         ZeroPhase::new(5.0, RATE).unwrap().apply(&mut filtered);
         for k in 600..3400 {
@@ -317,27 +431,13 @@ mod tests {
     fn velocities_that_are_measured_lower_the_error() {
         let series = noisy(4000, 0, 1e-3, 3);
         let speeds = noisy(4000, 1, 1e-3, 4);
-        let alone = smooth(
-            &[position(&series, 1e-3)],
-            None,
-            Band {
-                cutoff_hz: 8.0,
-                rate_hz: RATE,
-            },
-        );
+        let alone = smooth(&[position(&series, 1e-3)], None, 8.0);
         let speed = Channel {
             series: &speeds,
             order: 1,
             variance: 1e-6,
         };
-        let both = smooth(
-            &[position(&series, 1e-3), speed],
-            None,
-            Band {
-                cutoff_hz: 8.0,
-                rate_hz: RATE,
-            },
-        );
+        let both = smooth(&[position(&series, 1e-3), speed], None, 8.0);
         assert!(errors(&both)[2] < 0.5 * errors(&alone)[2]);
     }
 
@@ -347,14 +447,7 @@ mod tests {
         let mut series = noisy(4000, 0, sd, 5);
         let valid: Vec<bool> = (0..4000).map(|k| !(2000..2040).contains(&k)).collect();
         series[2000..2040].fill(1e6);
-        let smoothed = smooth(
-            &[position(&series, sd)],
-            Some(&valid),
-            Band {
-                cutoff_hz: 8.0,
-                rate_hz: RATE,
-            },
-        );
+        let smoothed = smooth(&[position(&series, sd)], Some(&valid), 8.0);
         assert!(!smoothed.settled[2020] && smoothed.settled[1980] && smoothed.settled[2060]);
         assert!(errors(&smoothed)[0] < sd);
         let dropped = smoothed.settled[..1000].iter().filter(|s| !**s).count();

@@ -211,6 +211,7 @@ fn differentiate(
     let harmonics = harmonics.max(1).min(fourier::most_harmonics(n));
     let cutoff_hz = settings.cutoff_hz.unwrap_or(harmonics as f64 / period);
     let mut bandwidth = Bandwidth {
+        reversals: 0,
         harmonics: Some(harmonics),
         cutoff_hz,
         clear_hz: match chosen {

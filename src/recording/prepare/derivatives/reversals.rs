@@ -1,0 +1,293 @@
+//! A wider band where a joint reverses.
+//!
+//! Dry friction turns over within milliseconds of a reversal; a joint that a controller leads falls behind its course there and
+//! is brought back, faster than it moves otherwise. A smoother with the band of the rest of the motion draws that out, and what
+//! it takes for acceleration changes the friction that is fitted: by a tenth and more, as half of it turns up in viscous
+//! friction or as bristles. So the white noise that drives the motion may be stronger about reversals, by the factor r⁸ for a band
+//! that is r times as wide. That it is so is seen in the positions alone: the smoother's innovations behind reversals are
+//! larger than those behind extremes of the speed (a test of their ratio), and a wider band makes the samples likelier,
+//!
+//! ```text
+//! ln L = -½ N ln(Σ ν²/S / N) - ½ Σ ln S,
+//! ```
+//!
+//! with innovations ν of variances S (Schweppe 1965), by more than chance does (Wilks 1938).
+
+use std::cmp::Ordering;
+
+use rayon::prelude::*;
+
+use crate::recording::prepare::derivatives::cutoff::HIGHEST_CUTOFF;
+use crate::recording::prepare::derivatives::smoother::{Forward, Smoothed, Smoother, Unrest};
+use crate::stats::deviation::rms;
+use crate::stats::distribution::Distribution;
+
+/// With what probability an even motion is taken for such.
+const CONFIDENCE: f64 = 0.99;
+
+/// How many times as wide a band may be about reversals.
+const RATIOS: [f64; 3] = [2.0, 4.0, 8.0];
+
+/// How far a wider band may reach to either side of a reversal, in time constants of the smoother; begun with the second.
+const REACHES: [f64; 3] = [1.0, 2.0, 4.0];
+
+/// Reversals are between speeds of at least this share of the RMS speed to either side; less may be noise of a joint at rest.
+const CLEAR_SPEED: f64 = 0.03;
+
+/// Rows that tell how wide a band is: so many that a factor of the noise of a hundredth of them is known to a tenth.
+const ROWS: usize = 20_000;
+
+/// Where the band of each joint is wider.
+pub(super) struct AboutReversals {
+    /// Of all joints, at which one of them stands out.
+    pub reversals: usize,
+    /// By joint.
+    pub unrest: Vec<Unrest>,
+}
+
+/// Where the motions of the joints of one recording, smoothed with an even band, ask for a wider one: about a joint's own
+/// reversals, and about those of the joints that push it there.
+pub(super) fn about_reversals(
+    joints: &[Smoother<'_>],
+    even: &[Smoothed],
+) -> Option<AboutReversals> {
+    let with = joints.par_iter().zip(even);
+    let own = with.map(|(joint, even)| Turns::of(&even.motion[1]).unrest(joint));
+    let own: Vec<Option<Tried>> = own.collect();
+    let found: Vec<&Tried> = own.iter().flatten().collect();
+    let any = found.iter().map(|tried| tried.unrest.clone());
+    let any = any.reduce(Unrest::or)?;
+    let with = joints.par_iter().zip(&own);
+    let unrest = with.map(|(joint, own)| beside(joint, own.as_ref(), &any));
+    Some(AboutReversals {
+        reversals: found.iter().map(|tried| tried.reversals).sum(),
+        unrest: unrest.collect(),
+    })
+}
+
+/// The likeliest unrest of a joint about the reversals of any, beside that about its own.
+fn beside(joint: &Smoother<'_>, own: Option<&Tried>, any: &Unrest) -> Unrest {
+    let own = own.map(|tried| tried.unrest.clone()).unwrap_or_default();
+    let without = joint.log_likelihood(&own, ROWS);
+    let tried = RATIOS.map(|ratio| {
+        let unrest = any.with_factor(factor(joint, ratio)).or(own.clone());
+        (joint.log_likelihood(&unrest, ROWS), unrest)
+    });
+    let by_chance = Distribution::ChiSquared { freedom: 1.0 }.quantile(CONFIDENCE);
+    let likelier = tried.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
+    match likelier {
+        Some((with, unrest)) if 2.0 * (with - without) > by_chance => unrest,
+        _ => own,
+    }
+}
+
+/// Of the noise that drives a motion, for a band so many times as wide, or as wide as the rate lets it be.
+fn factor(joint: &Smoother<'_>, ratio: f64) -> f64 {
+    let widest = HIGHEST_CUTOFF * joint.band.rate_hz / joint.band.cutoff_hz;
+    ratio.min(widest).powi(8)
+}
+
+/// What was tried.
+struct Tried {
+    /// Of the width of the band about reversals to that elsewhere.
+    ratio: f64,
+    reversals: usize,
+    unrest: Unrest,
+    log_likelihood: f64,
+}
+
+impl Tried {
+    fn likelier(&self, other: &Self) -> Ordering {
+        self.log_likelihood.total_cmp(&other.log_likelihood)
+    }
+}
+
+/// Rows of a motion.
+struct Turns {
+    /// The first with the other sign of the speed.
+    reversals: Vec<usize>,
+    /// Greatest speed between two reversals.
+    extremes: Vec<usize>,
+}
+
+impl Turns {
+    fn of(speed: &[f64]) -> Self {
+        let least = CLEAR_SPEED * rms(speed);
+        let (mut reversals, mut extremes) = (Vec::new(), Vec::new());
+        let (mut sign, mut crossing, mut extreme) = (0.0, 0, 0);
+        for (row, v) in speed.iter().enumerate() {
+            if row > 0 && v.signum() != speed[row - 1].signum() {
+                crossing = row;
+            }
+            if v.abs() < least {
+                continue;
+            }
+            if v.signum() != sign {
+                if sign != 0.0 {
+                    reversals.push(crossing);
+                    extremes.push(extreme);
+                }
+                (sign, extreme) = (v.signum(), row);
+            }
+            if v.abs() > speed[extreme].abs() {
+                extreme = row;
+            }
+        }
+        Self {
+            reversals,
+            extremes,
+        }
+    }
+
+    /// The likeliest unrest about reversals, where there is any.
+    fn unrest(&self, smoother: &Smoother<'_>) -> Option<Tried> {
+        let even = smoother.forward(&Unrest::default());
+        if !self.stand_out(smoother, &even) {
+            return None;
+        }
+        let tried = |ratio: f64, reach: f64| {
+            let factor = factor(smoother, ratio);
+            let unrest = self.about(smoother.rows_of(reach), factor, even.rows());
+            Tried {
+                ratio,
+                reversals: self.reversals.len(),
+                log_likelihood: smoother.log_likelihood(&unrest, ROWS),
+                unrest,
+            }
+        };
+        let [least, usual, most] = REACHES;
+        let first = RATIOS.map(|ratio| tried(ratio, usual));
+        let first = first.into_iter().max_by(Tried::likelier)?;
+        let others = [least, most].map(|reach| tried(first.ratio, reach));
+        let best = others.into_iter().chain([first]).max_by(Tried::likelier)?;
+        let gain = best.log_likelihood - smoother.log_likelihood(&Unrest::default(), ROWS);
+        let by_chance = Distribution::ChiSquared { freedom: 2.0 }.quantile(CONFIDENCE);
+        (2.0 * gain > by_chance).then_some(best)
+    }
+
+    /// Unrest to so many rows to either side of every reversal.
+    fn about(&self, reach: usize, factor: f64, rows: usize) -> Unrest {
+        let mut factors = vec![1.0; rows];
+        for &row in &self.reversals {
+            factors[row.saturating_sub(reach)..(row + reach + 1).min(rows)].fill(factor);
+        }
+        Unrest { factor: factors }
+    }
+
+    /// Whether innovations behind reversals are larger than those behind extremes. Those of one window count as one, as they may
+    /// depend on each other.
+    fn stand_out(&self, smoother: &Smoother<'_>, forward: &Forward) -> bool {
+        let mean = |rows: &[usize]| forward.mean_innovation_behind(rows, smoother.rows_of(2.0));
+        let windows = self.reversals.len() as f64;
+        if windows < 1.0 {
+            return false;
+        }
+        let by_chance = Distribution::FisherF {
+            numerator: windows,
+            denominator: windows,
+        };
+        mean(&self.reversals) > mean(&self.extremes) * by_chance.quantile(CONFIDENCE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::prepare::derivatives::smoother::{Band, Channel};
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution as _, StandardNormal};
+    use std::f64::consts::TAU;
+
+    const RATE: f64 = 100.0;
+    const NOISE: f64 = 4e-6;
+
+    /// Position and acceleration, sample by sample.
+    struct Led {
+        position: Vec<f64>,
+        acceleration: Vec<f64>,
+    }
+
+    /// An inertia of 1 kg·m² with dry friction, in N·m, that a controller leads along two sines with a bandwidth of 6 Hz; its
+    /// positions have noise.
+    fn led(friction: f64, seed: u64) -> Led {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let course = |t: f64| {
+            let of = |size: f64, hz: f64| {
+                let w = TAU * hz;
+                [
+                    size * (w * t).sin(),
+                    size * w * (w * t).cos(),
+                    -size * w * w * (w * t).sin(),
+                ]
+            };
+            let (a, b) = (of(0.5, 0.31), of(0.2, 0.83));
+            [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+        };
+        let (stiffness, damping) = ((TAU * 6.0).powi(2), 2.0 * TAU * 6.0);
+        let fine = 200;
+        let step = 1.0 / (RATE * fine as f64);
+        let [mut q, mut v, _] = course(0.0);
+        let mut led = Led {
+            position: Vec::new(),
+            acceleration: Vec::new(),
+        };
+        for k in 0..3000 * fine {
+            let [r, rv, ra] = course(k as f64 * step);
+            let a = ra + stiffness * (r - q) + damping * (rv - v) - friction * (v / 0.01).tanh();
+            if k % fine == 0 {
+                let noise: f64 = StandardNormal.sample(&mut random);
+                led.position.push(q + NOISE * noise);
+                led.acceleration.push(a);
+            }
+            v += step * a;
+            q += step * v;
+        }
+        led
+    }
+
+    fn smoother(positions: &[f64]) -> Smoother<'_> {
+        let position = Channel {
+            series: positions,
+            order: 0,
+            variance: NOISE * NOISE,
+        };
+        let band = Band {
+            cutoff_hz: 10.0,
+            rate_hz: RATE,
+        };
+        Smoother::new(vec![position], None, band)
+    }
+
+    #[test]
+    fn accelerations_about_reversals_with_dry_friction_are_nearer_to_the_truth() {
+        let led = led(2.0, 1);
+        let smoothers = [smoother(&led.position)];
+        let even = smoothers[0].smoothed(&Unrest::default());
+        let about = about_reversals(&smoothers, std::slice::from_ref(&even)).unwrap();
+        assert!((40..=60).contains(&about.reversals), "{}", about.reversals);
+        let wider = smoothers[0].smoothed(&about.unrest[0]);
+        let rows: Vec<usize> = (50..2950)
+            .filter(|&row| about.unrest[0].factor[row] > 1.0)
+            .collect();
+        let error = |smoothed: &Smoothed| {
+            let of = |&row: &usize| smoothed.motion[2][row] - led.acceleration[row];
+            rms(&rows.iter().map(of).collect::<Vec<f64>>())
+        };
+        let (before, after) = (error(&even), error(&wider));
+        assert!(after < 0.5 * before, "{before} to {after}");
+    }
+
+    /// A chance of one in a hundred each: five of thirty and more have one of five millions.
+    #[test]
+    fn a_motion_without_friction_asks_for_no_wider_band() {
+        let found = (0..30).filter(|&seed| {
+            let led = led(0.0, seed);
+            let smoothers = [smoother(&led.position)];
+            let even = smoothers[0].smoothed(&Unrest::default());
+            about_reversals(&smoothers, &[even]).is_some()
+        });
+        let found = found.count();
+        assert!(found < 5, "{found}");
+    }
+}
