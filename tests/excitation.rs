@@ -197,7 +197,8 @@ fn assert_feasible(seed: u64) {
         Ends::AtRest
     };
     let rows = joint_limits::rows(&experiment.joints, &experiment.bounds, ends);
-    let inter_sample_limits::VerifiedMotion { found, margins } = designed(&experiment, &rows, 1);
+    let inter_sample_limits::VerifiedMotion { found, margins, .. } =
+        designed(&experiment, &rows, 1);
     assert!(found.is_feasible(), "robot {seed}: {}", found.infeasibility);
     assert!(found.value.is_finite(), "robot {seed}");
     let violation = verify::violation(&margins);

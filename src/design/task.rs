@@ -235,7 +235,11 @@ fn conclude(
     let experiment = context.experiment;
     let is_feasible = verified.violation() <= verify::TOLERANCE;
     let mut design = report::of_search(context, &verified);
-    let VerifiedMotion { found, margins } = verified;
+    let VerifiedMotion {
+        found,
+        margins,
+        amplitude_share,
+    } = verified;
     let end = match found.stop {
         Stop::Interrupted => End::Interrupted,
         _ if !is_feasible => End::Infeasible,
@@ -247,8 +251,11 @@ fn conclude(
         with_ramps,
     } = trajectories(context, search, &found.x)?;
     context.judge(&motion, &mut design);
-    if end == End::Infeasible {
+    if !is_feasible {
         design.notes.insert(0, report::obstacle(&margins));
+    } else if amplitude_share < 1.0 {
+        let note = report::smaller(amplitude_share);
+        design.notes.insert(0, note);
     }
     Ok(Designed {
         solver: report::solver(&found, end),

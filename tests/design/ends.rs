@@ -19,6 +19,17 @@ fn a_budget_ends_the_search_with_the_best_feasible_so_far() {
     assert!(value(&result).is_finite() && holds(&result));
 }
 
+/// Seconds in which a seven-joint arm between walls gets no search to its end, or just one.
+#[test]
+fn a_short_budget_gives_a_motion_that_keeps_the_limits() {
+    let bench = Bench::shipped("panda_excitation");
+    for seconds in [1, 3, 9] {
+        let keys = [format!("design.budget_s={seconds}")];
+        let result = bench.design("out", &keys.each_ref().map(String::as_str), 0);
+        assert!(value(&result).is_finite() && holds(&result), "{seconds} s");
+    }
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn an_interrupt_leaves_the_best_so_far() {

@@ -34,7 +34,7 @@ pub fn of_search(context: &DesignContext<'_>, verified: &VerifiedMotion) -> Desi
         prepared,
         experiment,
     } = *context;
-    let VerifiedMotion { found, margins } = verified;
+    let VerifiedMotion { found, margins, .. } = verified;
     let information = experiment.information(&found.x);
     Design {
         criterion_value: found.value,
@@ -263,6 +263,15 @@ pub fn obstacle(margins: &[Margin]) -> String {
          {:.6} {} by {:.4} {} in the motion that comes closest. Widen this limit, or let the robot move \
          elsewhere.",
         worst.constraint, worst.time, worst.limit, worst.unit, -worst.margin, worst.unit
+    )
+}
+
+/// What is said of a motion that keeps its limits with smaller amplitudes alone.
+pub fn smaller(amplitude_share: f64) -> String {
+    format!(
+        "The motion that the search came to keeps its limits with {:.2} % of its amplitudes, and is given so. More time \
+         (`design.budget_s`) or more starts (`design.starts`) may find a better one.",
+        100.0 * amplitude_share
     )
 }
 

@@ -100,6 +100,8 @@ pub struct SearchResult {
     pub evaluations: usize,
     /// Every improvement, in the order of time.
     pub history: Vec<Improvement>,
+    /// Other motions that keep every limit at the samples, the best first.
+    pub runners_up: Vec<DVector<f64>>,
 }
 
 impl SearchResult {
@@ -149,6 +151,12 @@ impl Candidate {
             false => Rank::Feasible(self.cost),
         }
     }
+}
+
+/// A motion with the criterion's reported value.
+struct ValuedMotion {
+    x: DVector<f64>,
+    value: f64,
 }
 
 /// Feasible before infeasible, then by what is minimised.
@@ -248,6 +256,7 @@ impl Search<'_> {
             (None, None) => DEFAULT_STARTS,
         };
         let mut found: Option<SearchResult> = None;
+        let mut feasible: Vec<ValuedMotion> = Vec::new();
         let mut iterated = IteratedSearch::default();
         let (mut made, mut iterations, mut evaluations) = (0, 0, 0);
         let stop = loop {
@@ -272,6 +281,12 @@ impl Search<'_> {
                     starts: made,
                     value: self.value(&candidate.x),
                 };
+                if candidate.infeasibility <= FEASIBLE {
+                    feasible.push(ValuedMotion {
+                        x: candidate.x.clone(),
+                        value: improvement.value,
+                    });
+                }
                 if improves(found.as_ref(), &candidate, improvement.value) {
                     if candidate.infeasibility <= FEASIBLE {
                         on_improvement(&improvement);
@@ -283,6 +298,12 @@ impl Search<'_> {
         let mut found = found.unwrap_or_else(|| self.nothing());
         (found.stop, found.starts) = (self.verdict(stop, &found), made);
         (found.iterations, found.evaluations) = (iterations, evaluations);
+        feasible.sort_by(|a, b| a.value.total_cmp(&b.value));
+        found.runners_up = feasible
+            .into_iter()
+            .skip(1)
+            .map(|motion| motion.x)
+            .collect();
         Ok(found)
     }
 
@@ -309,6 +330,7 @@ impl Search<'_> {
             iterations: 0,
             evaluations: 0,
             history: Vec::new(),
+            runners_up: Vec::new(),
         }
     }
 
@@ -331,6 +353,7 @@ impl Search<'_> {
             iterations: 0,
             evaluations: 0,
             history,
+            runners_up: Vec::new(),
         }
     }
 
@@ -415,10 +438,12 @@ impl Search<'_> {
                 progress: CARRIED_ON,
             };
             let next = self.improve(&problem, &current.x, until, clock)?;
+            // A search that is cut off may end outside limits that it began within.
+            let is_lost = next.infeasibility > FEASIBLE && current.infeasibility <= FEASIBLE;
             current = Candidate {
                 iterations: current.iterations + next.iterations,
                 evaluations: current.evaluations + next.evaluations,
-                ..next
+                ..if is_lost { current } else { next }
             };
         }
         Ok(current)
@@ -461,6 +486,7 @@ impl Search<'_> {
             iterations: end.iterations,
             evaluations: end.evaluations,
             history: Vec::new(),
+            runners_up: Vec::new(),
         })
     }
 
