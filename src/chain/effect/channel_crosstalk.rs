@@ -1,11 +1,13 @@
 //! Crosstalk of channels: the signal that is recorded of one joint has a share of that of another in it.
 //!
 //! ```text
-//! y_i(recorded) = y_i + Σ_j x_ij y_j,   |x_ij| < 1
+//! y_i(recorded) = y_i + Σ_j x_ij y_j,   |x_ij| < 1/4
 //! ```
 //!
 //! It is a property of the measurement: neither the torques of the motors nor the motion change with it. Where the effect is
-//! listed for a joint, the shares of all others that have a channel are estimated.
+//! listed for a joint, the shares of all others that have a channel are estimated. Cables and converters next to one another
+//! hear far less than a quarter (-12 dB) of each other: what looks like more is something else, such as a coupling of the
+//! motors, whose friction goes with the speed of another joint.
 
 use crate::chain::effect::fitted_effect::FittedEffect;
 use crate::chain::effect::kinematic_coupling::OTHER_JOINT;
@@ -16,6 +18,9 @@ use crate::chain::effect::{
 };
 use crate::chain::words::list;
 use rand_chacha::ChaCha8Rng;
+
+/// Largest share, either sign.
+const MOST: f64 = 0.25;
 
 /// Share of a neighbour's signal in a trial, per share of the usual torque: 0.2 where an effect takes half of that, the most
 /// that badly shielded channels next to one another hear.
@@ -31,8 +36,8 @@ pub const EFFECT: Effect = Effect {
         name: OTHER_JOINT,
         unit: Unit::One,
         meaning: "share of the other joint's signal in what is recorded of this joint",
-        lower: -1.0,
-        upper: 1.0,
+        lower: -MOST,
+        upper: MOST,
         typical: 0.05,
         linearity: Linearity::Nonlinear,
         search: Search::Typical,
