@@ -4,7 +4,7 @@ use crate::check::context::RawRecording;
 use crate::check::extent::extent;
 use crate::check::report::finding;
 use crate::fault::Description;
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 use crate::recording::spikes::quantum;
 
 /// Samples in a row at the extreme value that make a plateau.
@@ -29,7 +29,7 @@ const MOVING_SHARE: f64 = 0.01;
 /// Fewest encoder steps in the range of the motion: with fewer, friction near standstill lies within one.
 const LEAST_STEPS: f64 = 1000.0;
 
-pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
+pub(super) fn check(read: &RawRecording<'_>) -> Vec<Mistake> {
     let mut findings = Vec::new();
     for channel in 0..read.recording.signal.len() {
         findings.extend(saturated(read, channel).or_else(|| stuck(read, channel)));
@@ -68,7 +68,7 @@ fn beside(series: &[f64], extreme: f64) -> usize {
     series.iter().filter(|x| distance(x) == nearest).count()
 }
 
-fn saturated(read: &RawRecording<'_>, channel: usize) -> Option<Finding> {
+fn saturated(read: &RawRecording<'_>, channel: usize) -> Option<Mistake> {
     let series = &read.recording.signal[channel];
     let mut total = 0;
     let mut limits: Vec<String> = Vec::new();
@@ -97,7 +97,7 @@ fn saturated(read: &RawRecording<'_>, channel: usize) -> Option<Finding> {
     })
 }
 
-fn stuck(read: &RawRecording<'_>, channel: usize) -> Option<Finding> {
+fn stuck(read: &RawRecording<'_>, channel: usize) -> Option<Mistake> {
     let series = &read.recording.signal[channel];
     let least = (STUCK_S * read.timing.rate_hz).ceil().max(10.0) as usize;
     let joint = channel.min(read.context.moving.len() - 1);
@@ -137,7 +137,7 @@ fn stuck(read: &RawRecording<'_>, channel: usize) -> Option<Finding> {
     ))
 }
 
-fn coarse(read: &RawRecording<'_>, joint: usize) -> Option<Finding> {
+fn coarse(read: &RawRecording<'_>, joint: usize) -> Option<Mistake> {
     let series = &read.recording.position[joint];
     let (step, range) = (quantum(series), range(series));
     let steps = range / step;

@@ -4,7 +4,7 @@ use crate::chain::dataset::Prepared;
 use crate::chain::model::Model;
 use crate::check::regression::Comparison;
 use crate::fault::Place;
-use crate::outcome::check::Finding;
+use crate::outcome::check::Mistake;
 use crate::problem_file::choices::{PositionSide, Signal};
 use crate::problem_file::{ProblemFile, RecordingsTable};
 use crate::recording::error::RecordingError;
@@ -138,7 +138,7 @@ pub(super) struct PreparedRecording<'a> {
     /// The signal against a model with every inertial parameter, rotor and simple friction free.
     pub comparison: Comparison,
     /// Another reading of the columns, where it explains the signal far better.
-    pub other_reading: Vec<Finding>,
+    pub other_reading: Vec<Mistake>,
 }
 
 impl<'a> PreparedRecording<'a> {

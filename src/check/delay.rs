@@ -11,7 +11,7 @@ use crate::check::context::PreparedRecording;
 use crate::check::regression::{Columns, Sampled, columns, factor, rest};
 use crate::check::report::finding;
 use crate::fault::Description;
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 use crate::stats::robust::median;
 
 /// Longest delay looked for, s, and in samples at least.
@@ -49,7 +49,7 @@ struct Delay {
     gain: f64,
 }
 
-pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Finding> {
+pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Mistake> {
     // Where columns are mixed up, the residual has other reasons; a command that acts late is no error of the position that
     // is late.
     if !ready.other_reading.is_empty() || ready.model.signal() == Signal::PositionCommand {
@@ -148,7 +148,7 @@ impl Lagged<'_> {
     }
 }
 
-fn describe(ready: &PreparedRecording<'_>, delays: &[Delay]) -> Vec<Finding> {
+fn describe(ready: &PreparedRecording<'_>, delays: &[Delay]) -> Vec<Mistake> {
     let significant = |d: &&Delay| {
         d.samples.abs() > (SIGNIFICANT * d.deviation).max(LEAST_SAMPLES) && d.gain > LEAST_GAIN
     };

@@ -4,7 +4,7 @@ use crate::chain::effect::WARMING;
 use crate::check::context::PreparedRecording;
 use crate::check::report::finding;
 use crate::fault::Description;
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 
 /// Fewest periods that show a trend: three degrees of freedom are left for its error.
 const LEAST_PERIODS: usize = 5;
@@ -15,7 +15,7 @@ const TREND_SIGMA: f64 = 8.0;
 /// Share of the mean loss by which the ends differ for a trend to matter.
 const TREND_SHARE: f64 = 0.05;
 
-pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Finding> {
+pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Mistake> {
     let experiment = &ready.prepared.experiment;
     let Some(periods) = experiment.periods.filter(|p| p.count >= LEAST_PERIODS) else {
         return Vec::new();

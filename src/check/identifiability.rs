@@ -14,7 +14,7 @@ use crate::check::regression::{Comparison, Sampled, columns, known_part};
 use crate::check::report::finding;
 use crate::fault::{Description, Place};
 use crate::linalg::triangular::{ColumnScaling, Triangular};
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 use crate::recording::split::Split;
 use nalgebra::{DMatrix, DVector};
 
@@ -32,7 +32,7 @@ const GUESS: f64 = 0.3;
 /// Names listed in a message.
 const LISTED: usize = 6;
 
-pub(super) fn check(context: &CheckContext<'_>, model: &Model, data: &Dataset) -> Vec<Finding> {
+pub(super) fn check(context: &CheckContext<'_>, model: &Model, data: &Dataset) -> Vec<Mistake> {
     let no_prior = DMatrix::zeros(0, model.parameters().len());
     let structural = BaseParameters::structural(model, &data.loads(), &no_prior);
     let mut findings = of_structure(context, model, &structural);
@@ -181,7 +181,7 @@ impl Open {
 }
 
 /// Friction that the recordings leave open.
-fn guesses(context: &CheckContext<'_>, model: &Model, kept: &[usize], open: &Open) -> Vec<Finding> {
+fn guesses(context: &CheckContext<'_>, model: &Model, kept: &[usize], open: &Open) -> Vec<Mistake> {
     let mut findings = Vec::new();
     for (k, &position) in open.positions.iter().enumerate() {
         let parameter = &model.parameters()[kept[position]];
@@ -220,7 +220,7 @@ fn of_structure(
     context: &CheckContext<'_>,
     model: &Model,
     structural: &BaseParameters,
-) -> Vec<Finding> {
+) -> Vec<Mistake> {
     let place = |name: &str| Place::file(&context.problem.path).key(name);
     let mut findings = Vec::new();
     for name in asked_for(context, model) {
@@ -274,7 +274,7 @@ fn asked_for(context: &CheckContext<'_>, model: &Model) -> Vec<String> {
 }
 
 /// A free gain needs something that is known in N·m, of itself or of another parameter.
-fn gains(context: &CheckContext<'_>, model: &Model) -> Vec<Finding> {
+fn gains(context: &CheckContext<'_>, model: &Model) -> Vec<Mistake> {
     let mut parameters = model.parameters().iter();
     let mut expected = context.problem.fit.prior.values.iter();
     let anchored = parameters.any(|p| !p.is_free() && p.value != 0.0)

@@ -3,10 +3,10 @@
 use crate::chain::model::Model;
 use crate::check::report::finding;
 use crate::fault::{Description, Place};
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 use crate::problem_file::ProblemFile;
 
-pub(super) fn check(problem: &ProblemFile, model: &Model) -> Vec<Finding> {
+pub(super) fn check(problem: &ProblemFile, model: &Model) -> Vec<Mistake> {
     let mut findings = Vec::new();
     for (effect, first) in model.joints().iter().flat_map(|joint| &joint.effects) {
         for (info, parameter) in effect.parameters.iter().zip(&model.parameters()[*first..]) {

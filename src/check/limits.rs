@@ -4,7 +4,7 @@ use crate::chain::model::Signal;
 use crate::check::context::PreparedRecording;
 use crate::check::report::finding;
 use crate::fault::Description;
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 
 /// Shares by which limits may be exceeded: controllers overshoot, and files round.
 const POSITION_SLACK: f64 = 0.01;
@@ -14,7 +14,7 @@ const EFFORT_SLACK: f64 = 0.05;
 /// Rows beyond an effort limit that are more than noise, as a share.
 const EFFORT_ROWS: f64 = 0.001;
 
-pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Finding> {
+pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Mistake> {
     let moving = ready.context.moving.iter().copied();
     moving
         .flat_map(|joint| {
@@ -73,7 +73,7 @@ fn of_joint<'a>(
     })
 }
 
-fn position(ready: &PreparedRecording<'_>, joint: usize) -> Option<Finding> {
+fn position(ready: &PreparedRecording<'_>, joint: usize) -> Option<Mistake> {
     let description = &ready.model.tree().joints()[joint];
     let limits = &description.limits;
     let (lower, upper) = (limits.lower?, limits.upper?);
@@ -100,7 +100,7 @@ fn position(ready: &PreparedRecording<'_>, joint: usize) -> Option<Finding> {
     ))
 }
 
-fn velocity(ready: &PreparedRecording<'_>, joint: usize) -> Option<Finding> {
+fn velocity(ready: &PreparedRecording<'_>, joint: usize) -> Option<Mistake> {
     let description = &ready.model.tree().joints()[joint];
     let limit = description.limits.velocity.filter(|limit| *limit > 0.0)?;
     let series = of_joint(ready, &ready.prepared.experiment.motion.velocity, joint);
@@ -122,7 +122,7 @@ fn velocity(ready: &PreparedRecording<'_>, joint: usize) -> Option<Finding> {
     ))
 }
 
-fn effort(ready: &PreparedRecording<'_>, joint: usize) -> Option<Finding> {
+fn effort(ready: &PreparedRecording<'_>, joint: usize) -> Option<Mistake> {
     let description = &ready.model.tree().joints()[joint];
     let limit = description.limits.effort.filter(|limit| *limit > 0.0)?;
     // A coupled motor carries the torque of several joints; an error of the position is no effort.

@@ -4,7 +4,7 @@ use crate::check::context::CheckContext;
 use crate::check::extent::extent;
 use crate::check::report::finding;
 use crate::fault::{Description, Place};
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 use crate::setup::recording_file::NamedRecording;
 use crate::setup::recordings::read_one;
 use crate::setup::robot::Robot;
@@ -14,7 +14,7 @@ use crate::setup::robot::Robot;
 pub(crate) const STILL: f64 = 0.01;
 
 /// Compares positions of locked joints, where the file has them, with those that are stated.
-pub(super) fn check(context: &CheckContext<'_>, named: &NamedRecording<'_>) -> Vec<Finding> {
+pub(super) fn check(context: &CheckContext<'_>, named: &NamedRecording<'_>) -> Vec<Mistake> {
     let locked = &context.robot.locked;
     if context.robot.mechanism.is_some() || locked.iter().all(Option::is_none) {
         return Vec::new();

@@ -3,7 +3,7 @@
 use crate::check::context::RawRecording;
 use crate::check::report::finding;
 use crate::fault::Description;
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 use crate::problem_file::choices::Signal;
 
 /// Least share of the steps of a joint in either direction for it to move both ways.
@@ -13,7 +13,7 @@ const BOTH_WAYS: f64 = 0.1;
 /// over with the motion hardly that of a second.
 const LEAST_JOINTS: usize = 2;
 
-pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
+pub(super) fn check(read: &RawRecording<'_>) -> Vec<Mistake> {
     let kind = read.context.table.signal.value;
     let other = matches!(kind, Signal::BaseWrench | Signal::PositionCommand);
     let joints = 0..read.context.moving.len();

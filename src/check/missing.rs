@@ -3,12 +3,12 @@
 use crate::check::context::RawRecording;
 use crate::check::report::finding;
 use crate::fault::Description;
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 
 /// Share of the rows up to which a logger drops a value now and then.
 const NOW_AND_THEN: f64 = 0.05;
 
-pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
+pub(super) fn check(read: &RawRecording<'_>) -> Vec<Mistake> {
     let Some(missing) = &read.recording.missing else {
         return Vec::new();
     };

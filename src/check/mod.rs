@@ -39,7 +39,7 @@ use crate::check::context::{CheckContext, PreparedRecording, RawRecording};
 pub(crate) use crate::check::locked::STILL;
 pub use crate::check::scale::SignalScale;
 use crate::fault::Fault;
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::problem_file::choices::Estimator;
@@ -54,7 +54,7 @@ use crate::setup::robot;
 use crate::setup::shared_rows::shared_rows;
 
 /// Checks of a recording as it was read.
-const OF_READ: &[fn(&RawRecording<'_>) -> Vec<Finding>] = &[
+const OF_READ: &[fn(&RawRecording<'_>) -> Vec<Mistake>] = &[
     timing::check,
     missing::check,
     units::check,
@@ -66,7 +66,7 @@ const OF_READ: &[fn(&RawRecording<'_>) -> Vec<Finding>] = &[
 ];
 
 /// Checks of a recording made ready, against the model.
-const OF_READY: &[fn(&PreparedRecording<'_>) -> Vec<Finding>] = &[
+const OF_READY: &[fn(&PreparedRecording<'_>) -> Vec<Mistake>] = &[
     limits::check,
     timing::check_bandwidth,
     drift::check,
@@ -77,7 +77,7 @@ const OF_READY: &[fn(&PreparedRecording<'_>) -> Vec<Finding>] = &[
 ];
 
 /// A check of the training recordings together.
-type OfTraining = fn(&CheckContext<'_>, &Model, &Dataset) -> Vec<Finding>;
+type OfTraining = fn(&CheckContext<'_>, &Model, &Dataset) -> Vec<Mistake>;
 
 const OF_TRAINING: &[OfTraining] = &[motion::check, identifiability::check];
 
@@ -96,23 +96,23 @@ pub enum Extent {
 #[derive(Default)]
 struct Found {
     /// Of files that cannot be read or do not fit together; whoever reads them meets these.
-    faults: Vec<Finding>,
+    faults: Vec<Mistake>,
     /// Of what the files say.
-    mistakes: Vec<Finding>,
+    mistakes: Vec<Mistake>,
 }
 
 /// Checks everything that a problem file names, and estimates nothing.
 ///
 /// The worst findings come first; faults of files are findings with the code of the fault. An interrupt
 /// returns what was found so far.
-pub fn run(problem: &ProblemFile, control: &Control<'_>) -> Vec<Finding> {
+pub fn run(problem: &ProblemFile, control: &Control<'_>) -> Vec<Mistake> {
     let Found { faults, mistakes } = look(problem, control, Extent::Everything);
     worst_first(faults.into_iter().chain(mistakes))
 }
 
 /// Mistakes in what the files of a problem say, the worst first. None where files cannot be read or do not fit together:
 /// that has to be mended first, and whoever reads them says so.
-pub fn mistakes(problem: &ProblemFile, control: &Control<'_>, extent: Extent) -> Vec<Finding> {
+pub fn mistakes(problem: &ProblemFile, control: &Control<'_>, extent: Extent) -> Vec<Mistake> {
     let Found { faults, mistakes } = look(problem, control, extent);
     match faults.is_empty() {
         true => worst_first(mistakes),
@@ -155,11 +155,11 @@ fn look(problem: &ProblemFile, control: &Control<'_>, extent: Extent) -> Found {
     found
 }
 
-fn worst_first(findings: impl IntoIterator<Item = Finding>) -> Vec<Finding> {
-    let mut findings: Vec<Finding> = findings.into_iter().collect();
+fn worst_first(findings: impl IntoIterator<Item = Mistake>) -> Vec<Mistake> {
+    let mut findings: Vec<Mistake> = findings.into_iter().collect();
     // A stable sort: equal findings keep the order of the files and of the tables.
     findings.sort_by_key(|finding| finding.severity);
-    let mut distinct: Vec<Finding> = Vec::with_capacity(findings.len());
+    let mut distinct: Vec<Mistake> = Vec::with_capacity(findings.len());
     for finding in findings {
         if !distinct.contains(&finding) {
             distinct.push(finding);
@@ -180,9 +180,9 @@ pub enum AtFault {
 }
 
 /// Which file has to be mended first.
-pub fn at_fault(problem: &ProblemFile, findings: &[Finding]) -> AtFault {
+pub fn at_fault(problem: &ProblemFile, findings: &[Mistake]) -> AtFault {
     let own = problem.path.display().to_string();
-    let is_own = |f: &Finding| f.file.as_deref().is_none_or(|file| file == own);
+    let is_own = |f: &Mistake| f.file.as_deref().is_none_or(|file| file == own);
     let mut errors = findings.iter().filter(|f| f.severity == Severity::Error);
     match (has_error(findings), errors.all(is_own)) {
         (false, _) => AtFault::Nothing,
@@ -192,12 +192,12 @@ pub fn at_fault(problem: &ProblemFile, findings: &[Finding]) -> AtFault {
 }
 
 /// Whether something makes figures meaningless.
-pub fn has_error(findings: &[Finding]) -> bool {
+pub fn has_error(findings: &[Mistake]) -> bool {
     findings.iter().any(|f| f.severity == Severity::Error)
 }
 
-fn from_fault(fault: &impl Fault) -> Finding {
-    Finding::from_fault(fault, Severity::Error)
+fn from_fault(fault: &impl Fault) -> Mistake {
+    Mistake::from_fault(fault, Severity::Error)
 }
 
 fn with_robot(
@@ -258,7 +258,7 @@ fn with_robot(
                 let mut ready = PreparedRecording::new(&context, model, &prepared);
                 ready.other_reading = order::find(&ready);
                 let of_ready = OF_READY.iter().flat_map(|check| check(&ready));
-                let of_ready: Vec<Finding> = of_ready.collect();
+                let of_ready: Vec<Mistake> = of_ready.collect();
                 // What recordings determine cannot be said of columns that are mixed up.
                 complete &= !has_error(&of_ready) || named.split != Split::Train;
                 found.mistakes.extend(of_ready);
@@ -328,14 +328,14 @@ fn read_and_check(
             return None;
         }
     };
-    let of_read: Vec<Finding> = OF_READ.iter().flat_map(|check| check(&read)).collect();
+    let of_read: Vec<Mistake> = OF_READ.iter().flat_map(|check| check(&read)).collect();
     let usable = !has_error(&of_read);
     found.mistakes.extend(of_read);
     usable.then_some(recording)
 }
 
 /// Without a robot the channels of recordings are unknown; whether the files are there is not.
-fn unreadable_files(problem: &ProblemFile) -> Vec<Finding> {
+fn unreadable_files(problem: &ProblemFile) -> Vec<Mistake> {
     let Some(table) = &problem.recordings else {
         return Vec::new();
     };

@@ -8,7 +8,7 @@ use crate::check::extent::extent;
 use crate::check::regression::still;
 use crate::check::report::finding;
 use crate::fault::{Description, Place};
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 use crate::recording::split::Split;
 
 /// Share of the largest speed from which a row is in motion.
@@ -23,7 +23,7 @@ const ONE_SPEED: f64 = 0.15;
 /// Speeds up to this many transition speeds w show friction only on its way up.
 const WIDTHS: f64 = 5.0;
 
-pub(super) fn check(context: &CheckContext<'_>, model: &Model, data: &Dataset) -> Vec<Finding> {
+pub(super) fn check(context: &CheckContext<'_>, model: &Model, data: &Dataset) -> Vec<Mistake> {
     let joints = context.moving.iter().copied();
     joints
         .filter_map(|joint| of_joint(context, model, joint, data))
@@ -35,7 +35,7 @@ fn of_joint(
     model: &Model,
     joint: usize,
     data: &Dataset,
-) -> Option<Finding> {
+) -> Option<Mistake> {
     let description = &model.joints()[joint];
     let motion = || data.of(Split::Train).map(|r| &r.experiment.motion);
     let (low, high) = extent(motion().flat_map(|m| m.position[joint].iter().copied()));

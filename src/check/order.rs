@@ -11,7 +11,7 @@ use crate::check::regression::{Comparison, Sampled, with_tree};
 use crate::check::report::finding;
 use crate::check::shared::{Rows, base};
 use crate::fault::Description;
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 use crate::robot::tree::JointKind;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -67,12 +67,12 @@ struct Judged<'a> {
 }
 
 /// What [`find`] has found.
-pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Finding> {
+pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Mistake> {
     ready.other_reading.clone()
 }
 
 /// Looks for a reading of the columns that explains the signal far better than the declared one.
-pub(super) fn find(ready: &PreparedRecording<'_>) -> Vec<Finding> {
+pub(super) fn find(ready: &PreparedRecording<'_>) -> Vec<Mistake> {
     let comparison = &ready.comparison;
     // A joint that stands still follows any row, and any joint its row.
     let mut channels = comparison.joint_channels();
@@ -259,7 +259,7 @@ fn moved(sampled: &Sampled, hypothesis: Hypothesis) -> Sampled {
 }
 
 /// Nothing is known of the order of so many joints.
-fn not_tried(ready: &PreparedRecording<'_>, joints: usize) -> Finding {
+fn not_tried(ready: &PreparedRecording<'_>, joints: usize) -> Mistake {
     finding(
         Severity::Note,
         ready.place(),
@@ -278,7 +278,7 @@ fn describe(
     channels: &[(usize, usize)],
     reading: &Reading,
     gain: f64,
-) -> Vec<Finding> {
+) -> Vec<Mistake> {
     let name = |joint: usize| &ready.model.joints()[joint].name;
     let factor = (gain / channels.len() as f64).exp();
     let evidence =

@@ -3,11 +3,11 @@
 use crate::check::context::RawRecording;
 use crate::check::report::finding;
 use crate::fault::Description;
-use crate::outcome::check::{Finding, Severity};
-use crate::problem_file::choices::DifferentiationMethod;
+use crate::outcome::check::{Mistake, Severity};
+use crate::problem_file::choices::{DifferentiationMethod, Estimator};
 use crate::recording::period;
 
-pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
+pub(super) fn check(read: &RawRecording<'_>) -> Vec<Mistake> {
     let stated = read.context.table.period.as_ref().map(|p| p.value);
     let found = match stated {
         Some(period) => of_stated(read, period),
@@ -16,7 +16,7 @@ pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
     found.into_iter().collect()
 }
 
-fn of_stated(read: &RawRecording<'_>, stated: f64) -> Option<Finding> {
+fn of_stated(read: &RawRecording<'_>, stated: f64) -> Option<Mistake> {
     let settled = period::settle(read.recording, &read.timing, Some(stated));
     let message = settled.remark?;
     let remedy = match settled.period {
@@ -33,7 +33,11 @@ fn of_stated(read: &RawRecording<'_>, stated: f64) -> Option<Finding> {
     ))
 }
 
-fn of_unstated(read: &RawRecording<'_>) -> Option<Finding> {
+fn of_unstated(read: &RawRecording<'_>) -> Option<Mistake> {
+    if read.context.problem.fit.estimator.value == Estimator::ConstantVelocity {
+        // Strokes at constant speed are cut out, not averaged.
+        return None;
+    }
     let method = &read.context.table.differentiation.method;
     let sought = |m| m == DifferentiationMethod::Fourier;
     if !method.as_ref().is_none_or(|m| sought(m.value)) {

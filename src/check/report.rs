@@ -1,16 +1,16 @@
 //! A finding about a file, or about one channel or element of it.
 
 use crate::fault::{Description, Place};
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 
 /// A finding about a file, or about one channel or element of it.
-pub(super) fn finding(severity: Severity, place: Place, description: Description) -> Finding {
+pub(super) fn finding(severity: Severity, place: Place, description: Description) -> Mistake {
     let Description {
         code,
         message,
         remedy,
     } = description;
-    Finding {
+    Mistake {
         code: code.to_string(),
         severity,
         file: Some(place.file.display().to_string()),

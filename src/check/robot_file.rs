@@ -2,7 +2,7 @@
 
 use crate::check::report::finding;
 use crate::fault::{Description, Place};
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 use crate::problem_file::ProblemFile;
 use crate::problem_file::choices::Inertials;
 use crate::problem_file::robot::RobotSource;
@@ -33,7 +33,7 @@ const GRAVITY_OF_EARTH: RangeInclusive<f64> = 9.76..=9.84;
 /// Times the largest distance from the link's frame to that of a link it carries.
 const EXTENTS: f64 = 2.0;
 
-pub(super) fn check(problem: &ProblemFile, robot: &Robot) -> Vec<Finding> {
+pub(super) fn check(problem: &ProblemFile, robot: &Robot) -> Vec<Mistake> {
     let known = problem.robot.inertials.value == Inertials::Known;
     let mut findings = Vec::new();
     for joint in robot.tree.joints() {
@@ -53,7 +53,7 @@ pub(super) fn check(problem: &ProblemFile, robot: &Robot) -> Vec<Finding> {
 }
 
 /// What the reader of the robot file made of its elements.
-fn of_note(note: &Note) -> Finding {
+fn of_note(note: &Note) -> Mistake {
     let severity = match note.weight {
         Weight::Remark => Severity::Note,
         Weight::LeftOut => Severity::Warning,
@@ -73,7 +73,7 @@ fn at(robot: &Robot, name: &str) -> Place {
     Place::file(&robot.file).key(name)
 }
 
-fn impossible(robot: &Robot, joint: &Joint, known: bool) -> Option<Finding> {
+fn impossible(robot: &Robot, joint: &Joint, known: bool) -> Option<Mistake> {
     let eigenvalues = SymmetricEigen::new(joint.inertia.pseudo_inertia()).eigenvalues;
     let (least, largest) = (eigenvalues.min(), eigenvalues.amax());
     (least < -ROUNDING * largest).then(|| {
@@ -93,7 +93,7 @@ fn impossible(robot: &Robot, joint: &Joint, known: bool) -> Option<Finding> {
     })
 }
 
-fn massless(robot: &Robot, known: bool) -> Option<Finding> {
+fn massless(robot: &Robot, known: bool) -> Option<Mistake> {
     let joints = robot.tree.joints().iter();
     let without: Vec<&str> = joints
         .filter(|j| j.inertia.mass() == 0.0)
@@ -124,7 +124,7 @@ fn massless(robot: &Robot, known: bool) -> Option<Finding> {
     ))
 }
 
-fn far_centre(robot: &Robot, link: usize) -> Option<Finding> {
+fn far_centre(robot: &Robot, link: usize) -> Option<Mistake> {
     let joint = &robot.tree.joints()[link];
     let centre = joint.inertia.central()?.centre.norm();
     let children = robot
@@ -150,7 +150,7 @@ fn far_centre(robot: &Robot, link: usize) -> Option<Finding> {
     })
 }
 
-fn without_limits(robot: &Robot) -> Option<Finding> {
+fn without_limits(robot: &Robot) -> Option<Mistake> {
     let lacks = |j: &&Joint| {
         let limits = &j.limits;
         limits.velocity.is_none() || limits.effort.is_none()
@@ -170,7 +170,7 @@ fn without_limits(robot: &Robot) -> Option<Finding> {
     })
 }
 
-fn outlying_mass(robot: &Robot) -> Option<Finding> {
+fn outlying_mass(robot: &Robot) -> Option<Mistake> {
     let joints = robot.tree.joints();
     let heaviest = joints
         .iter()
@@ -192,7 +192,7 @@ fn outlying_mass(robot: &Robot) -> Option<Finding> {
     })
 }
 
-fn limits_in_degrees(robot: &Robot) -> Option<Finding> {
+fn limits_in_degrees(robot: &Robot) -> Option<Mistake> {
     let turning = |j: &&Joint| j.kind == JointKind::Revolute;
     let farthest = |j: &Joint| {
         let ends = [j.limits.lower, j.limits.upper].into_iter().flatten();
@@ -218,7 +218,7 @@ fn limits_in_degrees(robot: &Robot) -> Option<Finding> {
 }
 
 /// Roll, pitch and yaw of a URDF that go beyond one turn, which nobody writes in radians.
-fn angles_in_degrees(problem: &ProblemFile) -> Option<Finding> {
+fn angles_in_degrees(problem: &ProblemFile) -> Option<Mistake> {
     let RobotSource::Urdf(path) = &problem.robot.source else {
         return None;
     };
@@ -246,7 +246,7 @@ fn angles_in_degrees(problem: &ProblemFile) -> Option<Finding> {
     ))
 }
 
-fn no_gravity_of_earth(problem: &ProblemFile, robot: &Robot) -> Option<Finding> {
+fn no_gravity_of_earth(problem: &ProblemFile, robot: &Robot) -> Option<Mistake> {
     let size = robot.tree.gravity().norm();
     let place = match &problem.robot.gravity {
         Some(stated) => stated.place.clone(),

@@ -7,7 +7,7 @@ use crate::check::context::PreparedRecording;
 use crate::check::regression::{Columns, Comparison, factor, last_coefficients, rest};
 use crate::check::report::finding;
 use crate::fault::Description;
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 use crate::robot::inertia::PER_LINK;
 
 /// Values of a over their standard deviation from which they count.
@@ -51,7 +51,7 @@ pub(super) struct Factor {
     pub value: f64,
 }
 
-pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Finding> {
+pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Mistake> {
     // A sensor behind the gears has no constant that could be mistaken, and gains of controllers may be unknown.
     let has_constant = !matches!(
         ready.model.signal(),
@@ -141,7 +141,7 @@ fn factor_of(
     determined.then_some(value[0])
 }
 
-fn of_all(ready: &PreparedRecording<'_>, factors: &[Factor]) -> Finding {
+fn of_all(ready: &PreparedRecording<'_>, factors: &[Factor]) -> Mistake {
     let in_words = |f: &Factor| match (1e-3..1e4).contains(&f.value.abs()) {
         true => format!("{:.3}", f.value),
         false => format!("{:.2e}", f.value),

@@ -9,7 +9,7 @@ use crate::check::regression::{Comparison, factor, last_coefficients, rest};
 use crate::check::report::finding;
 use crate::check::scale;
 use crate::fault::Description;
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 use nalgebra::DVector;
 
 /// Standard deviations by which the power must be negative. Residuals of neighbouring rows go together, so
@@ -19,7 +19,7 @@ const NEGATIVE_SIGMA: f64 = 15.0;
 /// Share of the signal that the negative friction must make up.
 const LEAST_SHARE: f64 = 0.03;
 
-pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Finding> {
+pub(super) fn check(ready: &PreparedRecording<'_>) -> Vec<Mistake> {
     let comparison = &ready.comparison;
     // Where columns are mixed up, what they say of friction is no evidence.
     if !comparison.is_meaningful() || !ready.other_reading.is_empty() {

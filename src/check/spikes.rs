@@ -3,13 +3,13 @@
 use crate::check::context::RawRecording;
 use crate::check::report::finding;
 use crate::fault::Description;
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 use crate::recording::spikes::{Channel, SPIKE_SIGMA, spikes};
 
 /// Share of the samples up to which spikes cannot move an estimate by a standard deviation or two.
 const FEW: f64 = 0.0005;
 
-pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
+pub(super) fn check(read: &RawRecording<'_>) -> Vec<Mistake> {
     let signals = read.recording.signal.iter().enumerate();
     let signals = signals
         .filter_map(|(c, s)| Some((read.at_signal(c), "signal", of(read, s, Channel::Jumping)?)));

@@ -3,7 +3,7 @@
 use crate::check::context::{PreparedRecording, RawRecording};
 use crate::check::report::finding;
 use crate::fault::{Description, Place};
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 use crate::recording::experiment::Chosen;
 use crate::recording::samples::Recording;
 use crate::recording::units::{FASTEST_HZ, SLOWEST_HZ};
@@ -22,7 +22,7 @@ const VERY_UNEVEN: f64 = 0.3;
 /// Share of half the rate from which a bandwidth that the data chose has no room for noise above it.
 const NO_ROOM: f64 = 0.85;
 
-pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
+pub(super) fn check(read: &RawRecording<'_>) -> Vec<Mistake> {
     if let Some(found) = wrong_unit(read.recording) {
         return vec![found];
     }
@@ -31,7 +31,7 @@ pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
 }
 
 /// How the files of a recording were put together.
-fn joined<'a>(read: &'a RawRecording<'_>) -> impl Iterator<Item = Finding> + 'a {
+fn joined<'a>(read: &'a RawRecording<'_>) -> impl Iterator<Item = Mistake> + 'a {
     read.recording.remarks.iter().map(|remark| {
         finding(
             Severity::Note,
@@ -46,7 +46,7 @@ fn joined<'a>(read: &'a RawRecording<'_>) -> impl Iterator<Item = Finding> + 'a 
 }
 
 /// Rows between the samples, repeated or interpolated, which no run uses.
-fn held(read: &RawRecording<'_>) -> Option<Finding> {
+fn held(read: &RawRecording<'_>) -> Option<Mistake> {
     let held = read.recording.held.as_ref()?;
     Some(finding(
         Severity::Warning,
@@ -60,7 +60,7 @@ fn held(read: &RawRecording<'_>) -> Option<Finding> {
 }
 
 /// Stamps that make sense in milliseconds, microseconds or nanoseconds only.
-pub(super) fn wrong_unit(recording: &Recording) -> Option<Finding> {
+pub(super) fn wrong_unit(recording: &Recording) -> Option<Mistake> {
     let time = recording.time.as_ref()?;
     let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let step = median(&steps).filter(|step| *step > 0.0)?;
@@ -92,7 +92,7 @@ pub(super) fn wrong_unit(recording: &Recording) -> Option<Finding> {
     ))
 }
 
-fn missing(read: &RawRecording<'_>) -> Option<Finding> {
+fn missing(read: &RawRecording<'_>) -> Option<Mistake> {
     let gaps = &read.timing.gaps;
     let longest = gaps.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
     let lost: f64 = gaps
@@ -121,7 +121,7 @@ fn missing(read: &RawRecording<'_>) -> Option<Finding> {
     ))
 }
 
-fn uneven(read: &RawRecording<'_>) -> Option<Finding> {
+fn uneven(read: &RawRecording<'_>) -> Option<Mistake> {
     let of_clock = read.recording.stamp_jitter;
     let jitter = of_clock.unwrap_or(read.timing.jitter_rms_s);
     let relative = jitter * read.timing.rate_hz;
@@ -155,7 +155,7 @@ fn uneven(read: &RawRecording<'_>) -> Option<Finding> {
 }
 
 /// A motion that fills the whole spectrum: what lies above half the rate folds back.
-pub(super) fn check_bandwidth(ready: &PreparedRecording<'_>) -> Vec<Finding> {
+pub(super) fn check_bandwidth(ready: &PreparedRecording<'_>) -> Vec<Mistake> {
     let experiment = &ready.prepared.experiment;
     let nyquist = 0.5 * experiment.rate_hz;
     let outrun = |&joint: &usize| {

@@ -6,7 +6,7 @@ use crate::check::context::RawRecording;
 use crate::check::extent::extent;
 use crate::check::report::finding;
 use crate::fault::Description;
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 
 /// Degrees per radian.
 pub(super) const DEGREES: f64 = 180.0 / std::f64::consts::PI;
@@ -15,7 +15,7 @@ pub(super) const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 /// driven to their limits, not to a quarter more.
 const DOUBT: f64 = 0.25;
 
-pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
+pub(super) fn check(read: &RawRecording<'_>) -> Vec<Mistake> {
     let context = read.context;
     if !context.is_uncoupled() {
         return Vec::new();

@@ -6,7 +6,7 @@ use crate::check::context::RawRecording;
 use crate::check::report::finding;
 use crate::check::units::DEGREES;
 use crate::fault::Description;
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 use crate::recording::spikes::quantum;
 use crate::stats::deviation::rms;
 
@@ -56,7 +56,7 @@ const REASONS: &[(f64, &str, &str)] = &[
     ),
 ];
 
-pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
+pub(super) fn check(read: &RawRecording<'_>) -> Vec<Mistake> {
     let Some(velocity) = &read.recording.velocity else {
         return Vec::new();
     };
@@ -91,7 +91,7 @@ pub(super) fn check(read: &RawRecording<'_>) -> Vec<Finding> {
     findings
 }
 
-fn of_factor(read: &RawRecording<'_>, joint: usize, factor: f64) -> Option<Finding> {
+fn of_factor(read: &RawRecording<'_>, joint: usize, factor: f64) -> Option<Mistake> {
     if (factor - 1.0).abs() <= FACTOR_TOLERANCE {
         return None;
     }
@@ -119,7 +119,7 @@ fn of_order(
     joint: usize,
     other: usize,
     [own, found]: [f64; 2],
-) -> Finding {
+) -> Mistake {
     let other = &read.context.joint(other).name;
     finding(
         Severity::Error,
@@ -135,7 +135,7 @@ fn of_order(
     )
 }
 
-fn of_another_motion(read: &RawRecording<'_>, joint: usize, own: f64) -> Finding {
+fn of_another_motion(read: &RawRecording<'_>, joint: usize, own: f64) -> Mistake {
     finding(
         Severity::Error,
         read.at_joint(joint),

@@ -9,7 +9,7 @@ use crate::init::{self, Sources};
 use crate::outcome::check::Severity;
 use crate::problem::solution::Control;
 use crate::report::text;
-use std::fs::OpenOptions;
+use std::fs::{self, OpenOptions};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
@@ -110,8 +110,12 @@ fn write(target: &Path, text: &str, force: bool) -> Result<(), CliError> {
         true => options.write(true).create(true).truncate(true),
         false => options.write(true).create_new(true),
     };
-    let written = options
-        .open(target)
+    let folder = target
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    let written = folder
+        .map_or(Ok(()), fs::create_dir_all)
+        .and_then(|()| options.open(target))
         .and_then(|mut file| file.write_all(text.as_bytes()));
     written.map_err(|e| {
         let remedy = match e.kind() {

@@ -71,8 +71,8 @@ impl ExportError {
             Self::NoRobot { name, verb } => Description::new(
                 "no-robot-in-result",
                 format!("`{name}`, a result of `{verb}`, holds no identified robot"),
-                "give the results folder of `exid fit` or `exid diagnose`; of a result that an earlier version made, run the \
-                 verb again",
+                "give the results folder of a fit of the robot's motion, or of `exid diagnose`; constants of motors from constant \
+                 speed are no robot; of a result that an earlier version made, run the verb again",
             ),
             Self::ClosedLoops { name } => Description::new(
                 "closed-loops-not-exported",

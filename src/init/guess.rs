@@ -5,7 +5,7 @@ use crate::init::channels::Channel;
 use crate::init::channels::Channels;
 use crate::init::error::InitError;
 use crate::init::measure::{self, Standing};
-use crate::outcome::check::Finding;
+use crate::outcome::check::Mistake;
 use crate::problem::solution::Control;
 use crate::recording::format::format_of;
 use crate::recording::reading::Reading;
@@ -198,7 +198,7 @@ impl<'a> Guess<'a> {
     ///
     /// # Errors
     /// Those of files.
-    pub(super) fn amend(&mut self, findings: &[Finding]) -> Result<bool, InitError> {
+    pub(super) fn amend(&mut self, findings: &[Mistake]) -> Result<bool, InitError> {
         let has = |code: &str| findings.iter().any(|f| f.code == code);
         if has("position-in-degrees") && self.channels.position.unit.is_none() {
             self.channels.position.unit = Some("deg");

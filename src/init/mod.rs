@@ -19,7 +19,7 @@ use crate::init::error::InitError;
 pub(crate) use crate::init::guess::Form;
 use crate::init::guess::Guess;
 pub use crate::init::guess::Sources;
-use crate::outcome::check::Finding;
+use crate::outcome::check::Mistake;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::robot::{mdh, mjcf, urdf};
@@ -32,7 +32,7 @@ pub struct Draft {
     /// What the files do not show, one sentence each.
     pub assumed: Vec<String>,
     /// What the checks of the inputs say of it.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<Mistake>,
 }
 
 /// Drafts a problem file.

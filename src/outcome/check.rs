@@ -8,7 +8,7 @@ use crate::fault::{Description, Fault};
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Check {
     /// What was found, the worst first.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<Mistake>,
 }
 
 /// How much a finding matters; the worst comes first.
@@ -36,7 +36,7 @@ impl Severity {
 
 /// Something about an input that is wrong or worth knowing.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Finding {
+pub struct Mistake {
     /// Stable identifier in kebab-case.
     pub code: String,
     /// How much it matters.
@@ -54,7 +54,7 @@ pub struct Finding {
     pub line: Option<usize>,
 }
 
-impl Finding {
+impl Mistake {
     /// The finding that says what a fault says.
     pub fn from_fault(fault: &impl Fault, severity: Severity) -> Self {
         let Description {

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::outcome::check::Finding;
+use crate::outcome::check::Mistake;
 use crate::outcome::error::{Action, OutcomeError, OutcomeErrorKind};
 use crate::outcome::estimate::Estimate;
 use crate::outcome::run::Run;
@@ -90,7 +90,7 @@ struct Written<'a> {
     #[serde(flatten)]
     run: &'a Run,
     #[serde(skip_serializing_if = "Option::is_none")]
-    mistakes: Option<&'a [Finding]>,
+    mistakes: Option<&'a [Mistake]>,
     #[serde(flatten)]
     estimate: &'a Estimate,
     #[serde(flatten)]
@@ -122,7 +122,7 @@ struct Head {
     #[serde(flatten)]
     run: Run,
     #[serde(default)]
-    mistakes: Vec<Finding>,
+    mistakes: Vec<Mistake>,
     #[serde(flatten)]
     estimate: Estimate,
 }

@@ -39,7 +39,7 @@ pub mod document;
 
 use serde::Serialize;
 
-use crate::outcome::check::{Check, Finding};
+use crate::outcome::check::{Check, Mistake};
 use crate::outcome::design::Design;
 use crate::outcome::diagnose::Diagnosis;
 use crate::outcome::estimate::Estimate;
@@ -82,7 +82,7 @@ pub struct Outcome {
     /// What was run, on what.
     pub run: Run,
     /// What the inputs say wrongly, the worst first; `check` has it as its findings.
-    pub mistakes: Vec<Finding>,
+    pub mistakes: Vec<Mistake>,
     /// What was estimated; empty for verbs that estimate nothing.
     pub estimate: Estimate,
     /// What only this verb gives.

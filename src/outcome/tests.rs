@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::outcome::check::{Check, Finding, Severity};
+use crate::outcome::check::{Check, Mistake, Severity};
 use crate::outcome::estimate::{Covariance, Estimate, Solver};
 use crate::outcome::fit::{BaseParameter, Fit};
 use crate::outcome::input::Input;
@@ -148,7 +148,7 @@ fn invariant_every_verb_reads_back_what_was_written() {
     let fit = fit_outcome();
     let check = Outcome {
         part: Part::Check(Check {
-            findings: vec![Finding {
+            findings: vec![Mistake {
                 code: "sign".to_string(),
                 severity: Severity::Warning,
                 file: Some("train.csv".to_string()),

@@ -1,6 +1,6 @@
 //! The few facts that both the page and the terminal open with.
 
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 use crate::outcome::estimate::Solver;
 use crate::outcome::fit::Fit;
 use crate::outcome::joint::JointFigures;
@@ -221,7 +221,7 @@ pub(super) fn solver_sentence(solver: &Solver) -> String {
 }
 
 /// Number of findings of each severity: `2 errors, 1 warning`.
-pub(super) fn finding_counts(findings: &[Finding]) -> String {
+pub(super) fn finding_counts(findings: &[Mistake]) -> String {
     let counts: Vec<String> = [Severity::Error, Severity::Warning, Severity::Note]
         .into_iter()
         .filter_map(|severity| {
@@ -237,7 +237,7 @@ pub(super) fn finding_counts(findings: &[Finding]) -> String {
 }
 
 /// Where a finding lies: file, line and channel as far as known.
-pub(super) fn finding_place(finding: &Finding) -> String {
+pub(super) fn finding_place(finding: &Mistake) -> String {
     let mut place = finding.file.clone().unwrap_or_default();
     if let (Some(line), false) = (finding.line, place.is_empty()) {
         place.push_str(&format!(":{line}"));

@@ -8,7 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::json;
 use sha2::{Digest, Sha256};
 
-use crate::outcome::check::{Check, Finding, Severity};
+use crate::outcome::check::{Check, Mistake, Severity};
 use crate::outcome::estimate::{Covariance, Estimate, Solver};
 use crate::outcome::fit::{BaseParameter, Comparison, Fit, Posterior, Preprocessing};
 use crate::outcome::folder::ResultFolder;
@@ -474,8 +474,8 @@ report: results/arm/fit/report.html
     );
 }
 
-fn finding(severity: Severity, code: &str) -> Finding {
-    Finding {
+fn finding(severity: Severity, code: &str) -> Mistake {
+    Mistake {
         code: code.to_string(),
         severity,
         file: Some("train.csv".to_string()),

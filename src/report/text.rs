@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::outcome::check::{Check, Finding as Mistake, Severity};
+use crate::outcome::check::{Check, Mistake, Severity};
 use crate::outcome::design::Design;
 use crate::outcome::diagnose::{Diagnosis, Verdict};
 use crate::outcome::estimate::{Estimate, Solver};

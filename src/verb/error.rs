@@ -6,7 +6,7 @@ use crate::estimate::task::FitError;
 use crate::export::error::ExportError;
 use crate::fault::{Description, Fault, Place};
 use crate::motors::error::MotorsError;
-use crate::outcome::check::Finding;
+use crate::outcome::check::Mistake;
 use crate::outcome::error::OutcomeError;
 use crate::problem_file::error::{KeyFault, NumberFault, OverrideFault, ValueFault};
 use crate::problem_file::{ProblemFileError, ProblemFileErrorKind};
@@ -49,7 +49,7 @@ pub enum VerbError {
     Export(#[from] ExportError),
     /// Mistakes in the inputs with which every figure would be meaningless.
     #[error("{}\n--force goes on all the same", in_lines(.0))]
-    Mistakes(Vec<Finding>),
+    Mistakes(Vec<Mistake>),
     /// Files that have changed since a result was made from them, one line each.
     #[error("{}\nrestore them, or run the problem anew", .0.join("\n"))]
     ChangedInputs(Vec<String>),
@@ -218,7 +218,7 @@ fn in_words(code: &str, error: &VerbError) -> Account {
     }
 }
 
-fn of_mistakes(findings: &[Finding], error: &VerbError) -> Account {
+fn of_mistakes(findings: &[Mistake], error: &VerbError) -> Account {
     let Some(first) = findings.first() else {
         return in_words("mistakes", error);
     };
@@ -235,7 +235,7 @@ fn of_mistakes(findings: &[Finding], error: &VerbError) -> Account {
 }
 
 /// Mistakes with their remedies; the word that says what they are stands before them.
-fn in_lines(mistakes: &[Finding]) -> String {
+fn in_lines(mistakes: &[Mistake]) -> String {
     let lines = mistakes.iter().flat_map(text::finding_lines);
     let lines: Vec<String> = lines.collect();
     let text = lines.join("\n");

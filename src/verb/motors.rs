@@ -3,7 +3,7 @@
 use std::io::{self, BufWriter, Write};
 
 use crate::motors::task::{self, MotorRun};
-use crate::outcome::check::Finding;
+use crate::outcome::check::Mistake;
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::predictions::{
     Block, Column, Predictions, PredictionsWriter, Quantity, RecordingPredictions,
@@ -19,7 +19,7 @@ use crate::verb::settings::Settings;
 pub(super) fn run(
     problem: &ProblemFile,
     settings: &Settings,
-    mistakes: Vec<Finding>,
+    mistakes: Vec<Mistake>,
 ) -> Result<Completed, VerbError> {
     settings.say("reading the recordings and finding their steady parts");
     let result = task::run(problem)?;

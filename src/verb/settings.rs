@@ -1,7 +1,7 @@
 //! What a run is given beside its problem: seed, interrupt, progress, what to do with mistakes.
 
 use crate::check::{self, Extent};
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 use crate::outcome::input::Input;
 use crate::outcome::provenance::{Provenance, VERSION};
 use crate::outcome::run::Run as Record;
@@ -59,7 +59,7 @@ impl Settings<'_> {
         &self,
         problem: &ProblemFile,
         extent: Extent,
-    ) -> Result<Vec<Finding>, VerbError> {
+    ) -> Result<Vec<Mistake>, VerbError> {
         let mistakes = check::mistakes(problem, &self.control(), extent);
         let errors = mistakes.iter().filter(|m| m.severity == Severity::Error);
         self.refuse(errors.cloned().collect())?;
@@ -73,19 +73,19 @@ impl Settings<'_> {
     pub(super) fn mistakes_beside_physics(
         &self,
         problem: &ProblemFile,
-    ) -> Result<Vec<Finding>, VerbError> {
+    ) -> Result<Vec<Mistake>, VerbError> {
         let mistakes = check::mistakes(problem, &self.control(), Extent::Everything);
-        let errors: Vec<&Finding> = mistakes
+        let errors: Vec<&Mistake> = mistakes
             .iter()
             .filter(|m| m.severity == Severity::Error)
             .collect();
         let recordings = inputs::by_recording(problem);
-        let is_of = |files: &[String], error: &Finding| {
+        let is_of = |files: &[String], error: &Mistake| {
             error.file.as_ref().is_some_and(|file| files.contains(file))
         };
-        let stands = |error: &&&Finding| {
+        let stands = |error: &&&Mistake| {
             let alike =
-                |other: &&&Finding| (&other.code, &other.channel) == (&error.code, &error.channel);
+                |other: &&&Mistake| (&other.code, &other.channel) == (&error.code, &error.channel);
             let shows = |files: &Vec<String>| errors.iter().filter(alike).any(|e| is_of(files, e));
             let of_one = recordings.iter().any(|files| is_of(files, error));
             !of_one || recordings.iter().all(shows)
@@ -95,7 +95,7 @@ impl Settings<'_> {
         Ok(mistakes)
     }
 
-    fn refuse(&self, errors: Vec<Finding>) -> Result<(), VerbError> {
+    fn refuse(&self, errors: Vec<Mistake>) -> Result<(), VerbError> {
         match errors.is_empty() || self.on_mistakes != OnMistakes::Refuse {
             true => Ok(()),
             false => Err(VerbError::Mistakes(errors)),

@@ -92,24 +92,46 @@ fn codes_are_those_of_the_sources() {
 #[test]
 fn keys_of_results_are_those_of_the_sources() {
     let mut text = "# Keys of result.json\n\nOne flat object: `name`, `verb`, `mistakes`, the keys of `Run` and of `Estimate`, and those \
-                    of the verb's own part, `Fit`, `Check`, `Simulation`, `Design`, `Diagnosis` or `Trials`. Numbers are in SI units; \
+                    of the verb's own part, `Fit`, `Motors`, `Check`, `Simulation`, `Design`, `Diagnosis`, `Rollout`, `Trials`, `Fleet` or `Compared`. Numbers are in SI units; \
                     one that is not finite is `null`. Names in the column of types are sections of this page. How to read the most \
                     important ones is told in [Reading a result](../guide/results.md).\n"
         .to_owned();
+    let mut named: Vec<String> = Vec::new();
     for file in RESULT_FILES {
         for structure in structures(file) {
-            let _ = write!(
-                text,
-                "\n## {}\n\n{}\n\n| key | type | meaning |\n|---|---|---|\n",
-                structure.name,
-                without_item_links(&structure.meaning)
-            );
+            let meaning = without_item_links(&structure.meaning);
+            let _ = write!(text, "\n## {}\n\n{meaning}\n\n", structure.name);
+            named.extend(structure.fields.iter().filter_map(|field| {
+                let (_, rest) = field.form.split_once('`')?;
+                rest.split_once('`').map(|(name, _)| name.to_owned())
+            }));
+            text.push_str(match structure.words.is_empty() {
+                true => "| key | type | meaning |\n|---|---|---|\n",
+                false => "| word | meaning |\n|---|---|\n",
+            });
             for field in structure.fields {
                 let (form, meaning) = (field.form, as_cell(&without_item_links(&field.meaning)));
                 let _ = writeln!(text, "| `{}` | {form} | {meaning} |", field.key);
             }
+            for word in structure.words {
+                let meaning = as_cell(&without_item_links(&word.meaning));
+                let _ = writeln!(text, "| `{}` | {meaning} |", word.word);
+            }
         }
     }
+    let sections: Vec<&str> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("## "))
+        .collect();
+    let lost: Vec<&String> = named
+        .iter()
+        .filter(|name| !sections.contains(&name.as_str()))
+        .collect();
+    assert!(lost.is_empty(), "types of keys without a section: {lost:?}");
+    let repeated = sections
+        .iter()
+        .filter(|name| sections.iter().filter(|n| n == name).count() > 1);
+    assert_eq!(repeated.count(), 0, "two sections have one name");
     settle("docs/src/reference/result.md", &text);
 }
 

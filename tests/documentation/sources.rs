@@ -170,11 +170,13 @@ pub fn as_cell(text: &str) -> String {
     text.replace('|', "\\|").replace('<', "&lt;")
 }
 
-/// A structure of results.
+/// A structure of results, or the words that one of its fields may have.
 pub struct Structure {
     pub name: String,
     pub meaning: String,
+    /// Empty where these are words.
     pub fields: Vec<Field>,
+    pub words: Vec<Word>,
 }
 
 pub struct Field {
@@ -184,34 +186,65 @@ pub struct Field {
     pub meaning: String,
 }
 
+pub struct Word {
+    /// As it stands in the file.
+    pub word: String,
+    pub meaning: String,
+}
+
+/// The name of a variant as it stands in a file: `NothingMissing` is `nothing_missing` in snake case.
+fn word_of(variant: &str, case: &str) -> String {
+    let mut word = String::new();
+    for (k, c) in variant.char_indices() {
+        if k > 0 && c.is_uppercase() && case == "snake_case" {
+            word.push('_');
+        }
+        word.extend(c.to_lowercase());
+    }
+    word
+}
+
 /// The structures of a file of `src/outcome` that are written to results.
 pub fn structures(file: &str) -> Vec<Structure> {
     let text = fs::read_to_string(root().join("src/outcome").join(file)).unwrap();
     let mut found: Vec<Structure> = Vec::new();
     let (mut meaning, mut rename, mut written) = (String::new(), None, false);
-    let mut open = false;
+    let (mut open, mut case) = (false, None);
     for line in text.lines() {
         let trimmed = line.trim();
         if let Some(words) = trimmed.strip_prefix("/// ") {
             meaning = format!("{meaning} {words}").trim().to_owned();
         } else if trimmed.starts_with("#[") {
             written |= trimmed.contains("Serialize");
-            if let Some((_, rest)) = trimmed.split_once("rename = \"") {
-                rename = rest.split_once('"').map(|(key, _)| key.to_owned());
-            }
-        } else if let Some(rest) = line.strip_prefix("pub struct ") {
+            let quoted = |after: &str| {
+                let (_, rest) = trimmed.split_once(after)?;
+                rest.split_once('"').map(|(text, _)| text.to_owned())
+            };
+            rename = quoted("rename = \"").or(rename);
+            case = quoted("rename_all = \"").or(case);
+        } else if let Some(rest) = (line.strip_prefix("pub struct "))
+            .or_else(|| line.strip_prefix("pub enum ").filter(|_| case.is_some()))
+        {
             open = written && rest.ends_with('{');
             if open {
                 found.push(Structure {
                     name: rest.trim_end_matches([' ', '{']).to_owned(),
                     meaning: std::mem::take(&mut meaning),
                     fields: Vec::new(),
+                    words: Vec::new(),
                 });
             }
             (meaning, written) = (String::new(), false);
         } else if line == "}" {
-            open = false;
+            (open, case) = (false, None);
             (meaning, written) = (String::new(), false);
+        } else if let (true, Some(case), Some(variant)) = (open, &case, trimmed.strip_suffix(','))
+            && variant.chars().all(char::is_alphanumeric)
+        {
+            found.last_mut().unwrap().words.push(Word {
+                word: rename.take().unwrap_or_else(|| word_of(variant, case)),
+                meaning: std::mem::take(&mut meaning),
+            });
         } else if let (true, Some((key, form))) = (
             open,
             trimmed
@@ -272,10 +305,17 @@ pub const RESULT_FILES: &[&str] = &[
     "motors.rs",
     "machine.rs",
     "diagnose.rs",
+    "finding.rs",
     "formula.rs",
+    "simulator.rs",
+    "difference.rs",
+    "rollout.rs",
+    "skeleton.rs",
     "design.rs",
     "simulation.rs",
     "trials.rs",
+    "fleet.rs",
+    "compare.rs",
 ];
 
 #[test]

@@ -5,7 +5,7 @@ mod many_joints;
 
 use crate::check::run;
 use crate::check::tests::arm::{Arm, Problem, RATE_HZ};
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 use crate::problem::solution::Control;
 use crate::robot::random::{generator, symmetric};
 
@@ -278,13 +278,13 @@ fn scale(series: &mut [Vec<f64>], factor: f64) {
     series.iter_mut().flatten().for_each(|x| *x *= factor);
 }
 
-fn found(problem: &Problem) -> Vec<Finding> {
+fn found(problem: &Problem) -> Vec<Mistake> {
     let folder = tempfile::tempdir().unwrap();
     run(&problem.write(folder.path()), &Control::default())
 }
 
-fn text(findings: &[Finding]) -> String {
-    let line = |f: &Finding| {
+fn text(findings: &[Mistake]) -> String {
+    let line = |f: &Mistake| {
         format!(
             "{:?} {} {:?}: {}\n",
             f.severity, f.code, f.channel, f.message

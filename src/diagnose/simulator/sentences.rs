@@ -151,14 +151,14 @@ pub(super) fn summary(simulator: &Simulator) -> String {
         n => format!("{n} {many}"),
     };
     format!(
-        "Of {} that both show, {} between simulation and robot; {} is on the robot alone, {} in the simulation alone.",
+        "Of {} that both show, {} between simulation and robot; {} on the robot alone, {} in the simulation alone.",
         count(simulator.compared, "quantity", "quantities"),
         match simulator.differences.len() {
             0 => "none differs".to_string(),
             1 => "one differs".to_string(),
             n => format!("{n} differ"),
         },
-        count(simulator.only_robot.len(), "effect", "effects"),
+        count(simulator.only_robot.len(), "effect is", "effects are"),
         count(simulator.only_simulator.len(), "effect", "effects"),
     )
 }

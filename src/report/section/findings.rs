@@ -1,7 +1,7 @@
 //! What is wrong with the inputs, the worst first, each with what to do about it.
 
 use crate::outcome::Part;
-use crate::outcome::check::{Finding, Severity};
+use crate::outcome::check::{Mistake, Severity};
 use crate::report::escape::{breakable, escape};
 use crate::report::facts;
 use crate::report::section::{Section, Source};
@@ -14,7 +14,7 @@ pub(super) fn section(source: &Source) -> Option<Section> {
     if found.is_empty() {
         return None;
     }
-    let mut findings: Vec<&Finding> = found.iter().collect();
+    let mut findings: Vec<&Mistake> = found.iter().collect();
     findings.sort_by_key(|finding| finding.severity);
     let cards: String = findings.into_iter().map(card).collect();
     let body = format!("<div class=\"cards\">\n{cards}</div>\n");
@@ -22,7 +22,7 @@ pub(super) fn section(source: &Source) -> Option<Section> {
 }
 
 /// One finding: how grave, where, what, and what to do.
-fn card(finding: &Finding) -> String {
+fn card(finding: &Mistake) -> String {
     let severity = finding.severity.as_str();
     let place = facts::finding_place(finding);
     let place = match place.is_empty() {
