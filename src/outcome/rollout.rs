@@ -18,7 +18,7 @@ pub struct Rollout {
     /// What `before` is; absent without such a model.
     pub before: Option<Before>,
     /// Whether the windows lie in what was fitted.
-    pub held_out: HeldOut,
+    pub held_out: HeldOutRows,
     /// A paragraph in plain words.
     pub summary: String,
     /// Errors of position by horizon, the shortest first.
@@ -64,7 +64,7 @@ impl Before {
 /// Where the windows lie.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum HeldOut {
+pub enum HeldOutRows {
     /// In the recordings that are kept for validation.
     #[default]
     Validation,
@@ -74,7 +74,7 @@ pub enum HeldOut {
     Train,
 }
 
-impl HeldOut {
+impl HeldOutRows {
     /// As people read it.
     pub fn words(self) -> &'static str {
         match self {

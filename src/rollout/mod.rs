@@ -26,7 +26,7 @@ use crate::chain::dataset::Dataset;
 use crate::diagnose::fit::held_out;
 use crate::estimate::bandwidth;
 use crate::outcome::Part;
-use crate::outcome::rollout::HeldOut;
+use crate::outcome::rollout::HeldOutRows;
 use crate::problem::solution::Control;
 use crate::recording::split::Split;
 use crate::rollout::candidate::Candidates;
@@ -103,18 +103,18 @@ fn simulated(
 }
 
 /// The recordings of the windows.
-fn held_out_part(data: Dataset, part: &Part) -> (Dataset, HeldOut) {
+fn held_out_part(data: Dataset, part: &Part) -> (Dataset, HeldOutRows) {
     let of = |data: &Dataset, split: Split| Dataset {
         recordings: data.of(split).cloned().collect(),
     };
     if data.of(Split::Validation).next().is_some() {
-        return (of(&data, Split::Validation), HeldOut::Validation);
+        return (of(&data, Split::Validation), HeldOutRows::Validation);
     }
     match part {
         Part::Diagnose(_) => {
             let (blocks, _) = held_out::with_held_out(data);
-            (of(&blocks, Split::Validation), HeldOut::Blocks)
+            (of(&blocks, Split::Validation), HeldOutRows::Blocks)
         }
-        _ => (data, HeldOut::Train),
+        _ => (data, HeldOutRows::Train),
     }
 }

@@ -6,7 +6,7 @@ use crate::chain::forward::Accuracy;
 use crate::chain::model::Signal;
 use crate::outcome::Part;
 use crate::outcome::rollout::{
-    ErrorCurve, HeldOut, Horizon, Integrator, JointErrors, RolledRecording, Rollout, Spread,
+    ErrorCurve, HeldOutRows, Horizon, Integrator, JointErrors, RolledRecording, Rollout, Spread,
 };
 use crate::outcome::skeleton::Skeleton;
 use crate::rollout::candidate::Candidates;
@@ -28,7 +28,7 @@ pub(super) const MATTERS: f64 = 0.1;
 pub(super) struct Summary<'a> {
     pub(super) task: Task<'a>,
     pub(super) candidates: &'a Candidates,
-    pub(super) held_out: HeldOut,
+    pub(super) held_out: HeldOutRows,
     pub(super) rolled: &'a [SimulatedWindows<'a>],
 }
 

@@ -274,16 +274,19 @@ fn in_words(form: &str) -> String {
     }
     if let Some((item, count)) = form
         .strip_prefix('[')
-        .and_then(|f| f.strip_suffix(']')?.split_once("; "))
+        .and_then(|f| f.strip_suffix(']')?.rsplit_once("; "))
     {
         return format!("{count} of {}", in_words(item));
+    }
+    if let Some((_, value)) = inner("BTreeMap<").and_then(|inner| inner.split_once(", ")) {
+        return format!("table by name of {}", in_words(value));
     }
     match form {
         "f64" => "number".to_owned(),
         "u64" | "u32" | "usize" => "whole number".to_owned(),
         "bool" => "true or false".to_owned(),
         "String" => "text".to_owned(),
-        "serde_json::Value" => "as read".to_owned(),
+        "serde_json::Value" | "Value" => "as read".to_owned(),
         other => format!("`{}`", other.rsplit("::").next().unwrap()),
     }
 }
