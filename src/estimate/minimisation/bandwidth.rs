@@ -6,11 +6,11 @@
 //! too, therefore get the cut-off for which the model that is fitted leaves least of the training recordings,
 //!
 //! ```text
-//! min over cut-offs   Σ_c ln(σ_c/√N),    σ_c² = mean square of the residual of channel c,
+//! min over cut-offs   Σ_c N_c ln σ_c,    σ_c² = mean square of the residual of channel c,
 //! ```
 //!
-//! where N rows count: the profile likelihood of one parameter more. The signal is not filtered, so that residuals may be
-//! compared, and σ of two cut-offs is of the rows whose motion is known with both.
+//! the profile likelihood of one parameter more. The signal is not filtered, so that residuals may be compared. A wider band about
+//! reversals is taken where the likelihood gains more than by chance (Wilks 1938).
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
@@ -167,8 +167,8 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// From the spectrum's bandwidth to the best, and from there to the best with a wider band about reversals where the motion shows one and the
-    /// signal agrees.
+    /// From the spectrum's bandwidth to the best, and from there to the best with a wider band about reversals where the motion
+    /// shows one and the signal agrees.
     fn run(&self) -> Result<Dataset, SetupError> {
         let first = self.at(0, Band::Even)?;
         let Some(left) = self.left(&first) else {
@@ -233,11 +233,10 @@ impl Search<'_> {
         prepare_all(self.problem, self.robot, self.model, read, in_common)
     }
 
-    /// What a fit leaves; `None` where the model cannot be fitted, which the fit itself will say.
-    fn left(&self, data: &Dataset) -> Option<Left> {
+    /// `Σ_c ln σ_c` of a fit; `None` where the model cannot be fitted, which the fit itself will say.
+    fn left(&self, data: &Dataset) -> Option<f64> {
         let all: Vec<&Prepared> = data.of(Split::Train).collect();
-        let rows = counting_rows(&all);
-        let every = rows.div_ceil(ROWS).max(1);
+        let every = counting_rows(&all).div_ceil(ROWS).max(1);
         let thinned: Vec<Prepared> = all.iter().map(|r| r.thinned(every)).collect();
         let recordings: Vec<&Prepared> = thinned.iter().collect();
         let unknowns = Unknowns::find(self.model, data, self.prior);
@@ -253,16 +252,22 @@ impl Search<'_> {
         };
         let Optimum { solution, problem } = minimisation.run().ok()?;
         let residuals = problem.counted_residuals(&solution.x);
-        let of = |(recording, series): (&&Prepared, &Vec<Vec<f64>>)| {
-            let row = |row: usize| (recording.time(row), series.iter().map(|s| s[row]).collect());
-            recording.counting().map(row).collect()
-        };
         let channels = self.model.channels().iter().enumerate();
-        Some(Left {
-            residuals: recordings.iter().zip(&residuals).map(of).collect(),
-            channels: channels.filter(|(_, c)| c.active).map(|(c, _)| c).collect(),
-            rows,
-        })
+        let of = |c: usize| {
+            let (mut squares, mut rows) = (0.0, 0.0);
+            for (recording, series) in recordings.iter().zip(&residuals) {
+                for row in recording.counting() {
+                    squares += series[c][row].powi(2);
+                    rows += 1.0;
+                }
+            }
+            (squares > 0.0).then(|| 0.5 * f64::ln(squares / rows))
+        };
+        let left: f64 = channels
+            .filter(|(_, channel)| channel.active)
+            .filter_map(|(c, _)| of(c))
+            .sum();
+        left.is_finite().then_some(left)
     }
 }
 
@@ -271,42 +276,15 @@ struct Candidate {
     /// Of the cut-off.
     step: i32,
     data: Dataset,
-    left: Left,
+    /// `Σ_c ln σ_c` of the training recordings.
+    left: f64,
 }
 
 impl Candidate {
-    /// Twice the logarithm of how many times likelier a signal is with this motion than with another. What is told of a
-    /// parameter is in proportion to `N/σ²`, with the N rows whose motion is known well enough to count, and σ of the rows
-    /// that both know.
+    /// Twice the logarithm of how many times likelier the signal is with this motion than with another.
     fn likelihood_ratio(&self, other: &Self) -> f64 {
-        let gain = other.left.of_rows_of(&self.data) - self.left.of_rows_of(&other.data);
-        2.0 * gain * self.left.rows as f64
-    }
-}
-
-/// What a fit leaves of the training recordings.
-struct Left {
-    /// Per recording: time in s and residuals by channel of the rows that were fitted.
-    residuals: Vec<Vec<(f64, Vec<f64>)>>,
-    /// Those that count.
-    channels: Vec<usize>,
-    /// All that count, fitted or left out for speed.
-    rows: usize,
-}
-
-impl Left {
-    /// `Σ_c ln(σ_c/√N)`, of the rows that some data know.
-    fn of_rows_of(&self, data: &Dataset) -> f64 {
-        let recordings = self.residuals.iter().zip(data.of(Split::Train));
-        let known = recordings.flat_map(|(rows, recording)| {
-            rows.iter().filter(|(t, _)| recording.experiment.knows(*t))
-        });
-        let known: Vec<&Vec<f64>> = known.map(|(_, residuals)| residuals).collect();
-        let of = |channel: &usize| {
-            let squares: f64 = known.iter().map(|r| r[*channel].powi(2)).sum();
-            (squares > 0.0).then(|| 0.5 * (squares / (known.len() * self.rows) as f64).ln())
-        };
-        self.channels.iter().filter_map(of).sum()
+        let rows = counting_rows(&self.data.of(Split::Train).collect::<Vec<_>>());
+        2.0 * (other.left - self.left) * rows as f64
     }
 }
 

@@ -176,14 +176,6 @@ pub struct Experiment {
 }
 
 impl Experiment {
-    /// Whether there is a row at a time, in s, that counts.
-    pub fn knows(&self, t: f64) -> bool {
-        let first = self.t.first().copied().unwrap_or_default();
-        let row = ((t - first) * self.rate_hz).round();
-        let counts = |row: usize| self.mask.as_ref().is_none_or(|mask| mask[row]);
-        row >= 0.0 && (row as usize) < self.rows() && counts(row as usize)
-    }
-
     /// Rows of the motion and the signal.
     pub fn rows(&self) -> usize {
         self.t.len()

@@ -1,17 +1,18 @@
 //! A wider band where a joint reverses.
 //!
 //! Dry friction turns over within milliseconds of a reversal; a joint that a controller leads falls behind its course there and
-//! is brought back, faster than it moves otherwise. A smoother with the band of the rest of the motion draws that out, and what
-//! it takes for acceleration changes the friction that is fitted: by a tenth and more, as half of it turns up in viscous
-//! friction or as bristles. So the white noise that drives the motion may be stronger about reversals, by the factor r⁸ for a band
-//! that is r times as wide. That it is so is seen in the positions alone: the smoother's innovations behind reversals are
-//! larger than those behind extremes of the speed (a test of their ratio), and a wider band makes the samples likelier,
+//! is brought back, faster than it moves otherwise. A smoother with the band of the rest of the motion draws that out, and the
+//! error of its acceleration biases the friction that is fitted, or looks like bristles. So the white noise that drives the
+//! motion may be stronger about reversals, by the factor r⁸ for a band that is r times as wide. That it is so is seen in the
+//! positions: the smoother's innovations behind reversals are larger than those behind extremes of the speed (a test of their
+//! ratio), and a wider band makes the samples likelier,
 //!
 //! ```text
 //! ln L = -½ N ln(Σ ν²/S / N) - ½ Σ ln S,
 //! ```
 //!
-//! with innovations ν of variances S (Schweppe 1965), by more than chance does (Wilks 1938).
+//! with innovations ν of variances S (Schweppe 1965), by more than chance does (Wilks 1938). About the reversals of a joint the
+//! others, which it pushes, are asked the same. The signal has the last word: a wider band is taken where it leaves less of it.
 
 use std::cmp::Ordering;
 
