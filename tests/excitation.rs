@@ -34,6 +34,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::path::Path;
+use std::time::Duration;
 
 const EFFECTS: [&str; 2] = ["coulomb_friction", "viscous_friction"];
 
@@ -208,6 +209,40 @@ fn assert_feasible(seed: u64) {
 #[test]
 fn invariant_designs_for_random_robots_keep_every_limit_between_samples() {
     (0..10).for_each(assert_feasible);
+}
+
+/// The search takes the torques for five times what they are, and has no time to mend it.
+#[test]
+fn searches_that_have_no_time_left_give_motions_that_keep_every_limit() {
+    let series = Series {
+        harmonics: 4,
+        period: 8.0,
+    };
+    let smaller = (0..10).filter(|&seed| {
+        let mut robot = random_robot(seed);
+        for bound in &mut robot.bounds {
+            bound.velocity *= 4.0;
+            bound.acceleration *= 10.0;
+        }
+        let experiment = robot.experiment(&DOptimal, series);
+        let rows = joint_limits::rows(&experiment.joints, &experiment.bounds, Ends::Free);
+        let settings = Settings {
+            budget: Some(Duration::ZERO),
+            ..Settings::default()
+        };
+        let search = Search {
+            experiment: &experiment,
+            rows: &rows,
+            settings: &settings,
+            shrink: 5.0,
+        };
+        let found = inter_sample_limits::run(&search, &Control::default(), |_| ()).unwrap();
+        assert!(found.found.is_feasible(), "robot {seed}");
+        let violation = found.violation();
+        assert!(violation <= 1e-9, "robot {seed}: {violation}");
+        found.amplitude_share < 1.0
+    });
+    assert!(smaller.count() > 0, "all random motions keep the limits");
 }
 
 /// `cargo test --release --test excitation -- --ignored`

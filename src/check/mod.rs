@@ -42,7 +42,6 @@ use crate::fault::Fault;
 use crate::outcome::check::{Mistake, Severity};
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
-use crate::problem_file::choices::Estimator;
 use crate::recording::format::columns_at;
 use crate::recording::samples::Recording;
 use crate::recording::split::Split;
@@ -208,9 +207,7 @@ fn with_robot(
     found: &mut Found,
 ) {
     found.mistakes.extend(robot_file::check(problem, robot));
-    // Motors at constant speed are fitted one by one, without a model of the robot.
-    let of_motors = problem.fit.estimator.value == Estimator::ConstantVelocity;
-    let model = match of_motors {
+    let model = match problem.fit.is_of_motors() {
         true => None,
         false => declared_model(problem, robot, found),
     };

@@ -4,7 +4,7 @@ use crate::check::context::RawRecording;
 use crate::check::report::finding;
 use crate::fault::Description;
 use crate::outcome::check::{Mistake, Severity};
-use crate::problem_file::choices::{DifferentiationMethod, Estimator};
+use crate::problem_file::choices::DifferentiationMethod;
 use crate::recording::period;
 
 pub(super) fn check(read: &RawRecording<'_>) -> Vec<Mistake> {
@@ -34,7 +34,7 @@ fn of_stated(read: &RawRecording<'_>, stated: f64) -> Option<Mistake> {
 }
 
 fn of_unstated(read: &RawRecording<'_>) -> Option<Mistake> {
-    if read.context.problem.fit.estimator.value == Estimator::ConstantVelocity {
+    if read.context.problem.fit.is_of_motors() {
         // Strokes at constant speed are cut out, not averaged.
         return None;
     }

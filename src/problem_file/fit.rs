@@ -144,6 +144,11 @@ pub struct Comparison {
 }
 
 impl FitTable {
+    /// Whether motors are fitted one by one at constant speed, without a model of the robot.
+    pub fn is_of_motors(&self) -> bool {
+        self.estimator.value == Estimator::ConstantVelocity
+    }
+
     pub(super) fn from_node(node: &Node, context: &Context) -> Result<Self, ProblemFileError> {
         let reader = Reader::open(node, KEYS)?;
         let mut bounds = reader.named("bounds", interval)?;

@@ -5,7 +5,7 @@ use crate::outcome::fit::FittedModel;
 use crate::outcome::rollout::Before;
 use crate::outcome::{Outcome, Part};
 use crate::problem_file::ProblemFile;
-use crate::problem_file::choices::{Estimator, Inertials};
+use crate::problem_file::choices::Inertials;
 use crate::problem_file::robot::RobotSource;
 use crate::rollout::error::RolloutError;
 use crate::setup::error::SetupError;
@@ -45,7 +45,7 @@ impl Candidates {
         robot: &Robot,
     ) -> Result<Self, RolloutError> {
         let (fitted, baseline) = match &outcome.part {
-            Part::Fit(_) if problem.fit.estimator.value == Estimator::ConstantVelocity => {
+            Part::Fit(_) if problem.fit.is_of_motors() => {
                 return Err(RolloutError::ConstantVelocity);
             }
             Part::Fit(fit) => (fit.model.as_ref(), None),

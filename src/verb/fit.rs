@@ -8,7 +8,6 @@ use crate::outcome::folder::ResultFolder;
 use crate::outcome::predictions::Quantity;
 use crate::outcome::{Outcome, Part};
 use crate::problem_file::ProblemFile;
-use crate::problem_file::choices::Estimator;
 use crate::verb::completed::{Completed, Found};
 use crate::verb::ending::Ending;
 use crate::verb::error::VerbError;
@@ -23,7 +22,7 @@ use crate::verb::{inputs, motors};
 pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, VerbError> {
     settings.say("looking for mistakes in the inputs");
     let mistakes = settings.mistakes(problem, Extent::Recordings)?;
-    if problem.fit.estimator.value == Estimator::ConstantVelocity {
+    if problem.fit.is_of_motors() {
         return motors::run(problem, settings, mistakes);
     }
     let control = settings.control();

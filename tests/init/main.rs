@@ -302,6 +302,18 @@ fn nothing_is_overwritten_and_what_is_missing_is_said() {
     assert!(!arm.path("p.toml").exists());
 }
 
+#[test]
+fn a_draft_may_stand_in_a_folder_that_is_not_there_yet() {
+    let arm = Arm::new(4);
+    let out = "new/folder/problem.toml";
+    exid(
+        arm.folder(),
+        &["init", "arm.urdf", "train.csv", "--out", out],
+        0,
+    );
+    exid(arm.folder(), &["check", out, "--out", "checked"], 0);
+}
+
 /// Recordings of real robots, as they are.
 #[test]
 fn real_recordings_are_drafted() {

@@ -3,8 +3,6 @@
 
 use std::time::Instant;
 
-use nalgebra::DVector;
-
 use crate::design::problem::Experiment;
 use crate::design::search::multistart::{Improvement, Search, SearchResult, Settings};
 use crate::design::verify::{self, Margin};
@@ -97,12 +95,10 @@ impl VerifiedMotion {
 
     fn scaled(&self, experiment: &Experiment<'_>, share: f64) -> Self {
         let width = experiment.joints.series.width();
-        let scaled = |(k, value): (usize, &f64)| match k % width {
-            0 => *value,
-            _ => share * value,
-        };
-        let (n, x) = (self.found.x.len(), &self.found.x);
-        let x = DVector::from_iterator(n, x.iter().enumerate().map(scaled));
+        let mut x = self.found.x.clone();
+        for k in (0..x.len()).filter(|k| k % width != 0) {
+            x[k] *= share;
+        }
         let stop = match self.found.stop {
             Stop::Infeasible => Stop::IterationLimit,
             other => other,

@@ -145,10 +145,14 @@ struct Candidate {
 }
 
 impl Candidate {
+    fn is_feasible(&self) -> bool {
+        self.infeasibility <= FEASIBLE
+    }
+
     fn rank(&self) -> Rank {
-        match self.infeasibility > FEASIBLE {
-            true => Rank::Infeasible(self.infeasibility),
-            false => Rank::Feasible(self.cost),
+        match self.is_feasible() {
+            true => Rank::Feasible(self.cost),
+            false => Rank::Infeasible(self.infeasibility),
         }
     }
 }
@@ -281,14 +285,14 @@ impl Search<'_> {
                     starts: made,
                     value: self.value(&candidate.x),
                 };
-                if candidate.infeasibility <= FEASIBLE {
+                if candidate.is_feasible() {
                     feasible.push(ValuedMotion {
                         x: candidate.x.clone(),
                         value: improvement.value,
                     });
                 }
                 if improves(found.as_ref(), &candidate, improvement.value) {
-                    if candidate.infeasibility <= FEASIBLE {
+                    if candidate.is_feasible() {
                         on_improvement(&improvement);
                     }
                     found = Some(self.adopt(found, &candidate, improvement));
@@ -341,7 +345,7 @@ impl Search<'_> {
         by: Improvement,
     ) -> SearchResult {
         let mut history = before.map_or_else(Vec::new, |f| f.history);
-        if candidate.infeasibility <= FEASIBLE {
+        if candidate.is_feasible() {
             history.push(by);
         }
         SearchResult {
@@ -439,7 +443,7 @@ impl Search<'_> {
             };
             let next = self.improve(&problem, &current.x, until, clock)?;
             // A search that is cut off may end outside limits that it began within.
-            let is_lost = next.infeasibility > FEASIBLE && current.infeasibility <= FEASIBLE;
+            let is_lost = current.is_feasible() && !next.is_feasible();
             current = Candidate {
                 iterations: current.iterations + next.iterations,
                 evaluations: current.evaluations + next.evaluations,
@@ -529,7 +533,7 @@ fn improves(best: Option<&SearchResult>, candidate: &Candidate, value: f64) -> b
     let Some(best) = best else {
         return true;
     };
-    match (best.is_feasible(), candidate.infeasibility <= FEASIBLE) {
+    match (best.is_feasible(), candidate.is_feasible()) {
         (false, true) => true,
         (true, false) => false,
         (false, false) => candidate.infeasibility < best.infeasibility,

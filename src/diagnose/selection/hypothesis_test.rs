@@ -7,8 +7,8 @@ use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::effect_size::{self, MATTERS};
 use crate::diagnose::selection::forecast::{forecast, under_way};
 use crate::recording::split::Split;
-use crate::stats::distribution::Distribution;
 use crate::stats::encompassing::Encompassing;
+use crate::stats::likelihood_ratio::is_beyond_chance;
 
 /// The physics that a model was fitted to has a slope of 1 on other recordings; what is twice as large there is
 /// something else, with which it has some shape in common.
@@ -95,7 +95,6 @@ fn is_smoothed(context: &Context<'_>) -> bool {
 /// poorer model learned too little about happens to look like one of its parameters.
 pub fn fits_better(pair: FitPair<'_>) -> bool {
     let freedom = pair.richer.freedom().saturating_sub(pair.poorer.freedom());
-    let freedom = freedom.max(1) as f64;
     let gain = pair.poorer.fitted_score() - pair.richer.fitted_score();
-    gain > Distribution::ChiSquared { freedom }.quantile(CONFIDENCE)
+    is_beyond_chance(gain, freedom.max(1), CONFIDENCE)
 }

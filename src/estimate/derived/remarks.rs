@@ -165,8 +165,7 @@ pub fn notes(model: &Model, data: &Dataset) -> Vec<String> {
                 .to_string(),
         );
     }
-    let is_without_noise = |r: &Prepared| r.experiment.noise.is_none();
-    if data.recordings.iter().all(is_without_noise) {
+    if data.recordings.iter().all(|r| r.experiment.noise.is_none()) {
         let is_white = |r: &Prepared| {
             let mut channels = r.experiment.white_noise.iter();
             channels.len() > 0 && channels.all(Option::is_some)

@@ -23,13 +23,13 @@ use crate::estimate::residual::noise::counting_rows;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::recording::experiment::Chosen;
-use crate::recording::settings::{InCommon, Method};
+use crate::recording::settings::{InCommon, Method, Width};
 use crate::recording::split::Split;
 use crate::setup::error::SetupError;
 use crate::setup::recording_file::ReadRecording;
 use crate::setup::recordings::{prepare_all, read_all};
 use crate::setup::robot::Robot;
-use crate::stats::distribution::Distribution;
+use crate::stats::likelihood_ratio::is_beyond_chance;
 use crate::stats::robust::median;
 
 /// Ratio of one cut-off to the next. About its optimum the error of a motion changes by less than a tenth of what noise
@@ -140,13 +140,6 @@ fn in_common(data: &Dataset) -> Option<f64> {
     (!logarithms.is_empty()).then(|| mean.exp())
 }
 
-/// The band about reversals.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Band {
-    Even,
-    WiderAboutReversals,
-}
-
 /// Whether the band of a joint is wider about reversals.
 fn is_wider(recording: &Prepared) -> bool {
     recording
@@ -170,7 +163,7 @@ impl Search<'_> {
     /// From the spectrum's bandwidth to the best, and from there to the best with a wider band about reversals where the motion
     /// shows one and the signal agrees.
     fn run(&self) -> Result<Dataset, SetupError> {
-        let first = self.at(0, Band::Even)?;
+        let first = self.at(0, Width::Even)?;
         let Some(left) = self.left(&first) else {
             return Ok(first);
         };
@@ -179,36 +172,32 @@ impl Search<'_> {
             data: first,
             left,
         };
-        let even = self.climb(first, Band::Even)?;
+        let even = self.climb(first, Width::Even)?;
         if self.control.is_interrupted() {
             return Ok(even.data);
         }
-        let data = self.at(even.step, Band::WiderAboutReversals)?;
+        let (step, data) = (even.step, self.at(even.step, Width::WiderAboutReversals)?);
         if !data.recordings.iter().any(is_wider) {
             return Ok(even.data);
         }
-        let by_chance = Distribution::ChiSquared { freedom: 1.0 }.quantile(CONFIDENCE);
-        match self.left(&data) {
-            Some(left) => {
-                let step = even.step;
-                let wider = Candidate { step, data, left };
-                match wider.likelihood_ratio(&even) > by_chance {
-                    true => Ok(self.climb(wider, Band::WiderAboutReversals)?.data),
-                    false => Ok(even.data),
-                }
-            }
-            None => Ok(even.data),
+        let Some(left) = self.left(&data) else {
+            return Ok(even.data);
+        };
+        let wider = Candidate { step, data, left };
+        match is_beyond_chance(wider.likelihood_ratio(&even), 1, CONFIDENCE) {
+            true => Ok(self.climb(wider, Width::WiderAboutReversals)?.data),
+            false => Ok(even.data),
         }
     }
 
     /// In the direction in which less is left, as long as less is left.
-    fn climb(&self, begin: Candidate, band: Band) -> Result<Candidate, SetupError> {
+    fn climb(&self, begin: Candidate, width: Width) -> Result<Candidate, SetupError> {
         let from = begin.step;
         let mut best = begin;
         for direction in [1, -1] {
             let mut step = from + direction;
             while step.abs() <= MOST_STEPS && !self.control.is_interrupted() {
-                let data = self.at(step, band)?;
+                let data = self.at(step, width)?;
                 let Some(left) = self.left(&data) else { break };
                 let next = Candidate { step, data, left };
                 if next.likelihood_ratio(&best) <= 0.0 {
@@ -224,10 +213,10 @@ impl Search<'_> {
         Ok(best)
     }
 
-    fn at(&self, step: i32, band: Band) -> Result<Dataset, SetupError> {
+    fn at(&self, step: i32, width: Width) -> Result<Dataset, SetupError> {
         let in_common = InCommon {
             cutoff_hz: Some(self.begin_hz * STEP.powi(step)),
-            reversals_apart: band == Band::WiderAboutReversals,
+            width,
         };
         let read = self.read.clone();
         prepare_all(self.problem, self.robot, self.model, read, in_common)

@@ -34,8 +34,18 @@ pub struct Differentiation {
 pub struct InCommon {
     /// Hz; in the place of the bandwidth that one recording shows.
     pub cutoff_hz: Option<f64>,
-    /// Whether the band is wider about reversals, where positions show it.
-    pub reversals_apart: bool,
+    /// About reversals.
+    pub width: Width,
+}
+
+/// How wide the band of a smoother is about reversals.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Width {
+    /// As elsewhere.
+    #[default]
+    Even,
+    /// Wider, where positions show it.
+    WiderAboutReversals,
 }
 
 /// What is known of a recording besides its file.

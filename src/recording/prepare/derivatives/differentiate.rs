@@ -11,7 +11,7 @@ use crate::recording::prepare::derivatives::reversals::about_reversals;
 use crate::recording::prepare::derivatives::smoother::{Band, Channel, Smoothed, Smoother, Unrest};
 use crate::recording::prepare::experiment::{Bandwidth, Chosen, Motion, MotionError};
 use crate::recording::prepare::filter::filter;
-use crate::recording::prepare::settings::{Method, Preparation};
+use crate::recording::prepare::settings::{Method, Preparation, Width};
 use crate::recording::series::differences::{first, second};
 use crate::recording::series::zero_phase::{ZeroPhase, edge_s};
 use crate::recording::time_base::timing::Timing;
@@ -183,7 +183,7 @@ impl<'a> Smoothing<'a> {
             and(&mut alike, &like_the_others(&own.motion[2], reach));
             and(&mut known, &own.settled);
         }
-        if self.preparation.differentiation.in_common.reversals_apart
+        if self.preparation.differentiation.in_common.width == Width::WiderAboutReversals
             && let Some(about) = about_reversals(&smoothers, &all)
         {
             let with = smoothers.par_iter().zip(&about.unrest);

@@ -14,14 +14,13 @@
 //! with innovations ν of variances S (Schweppe 1965), by more than chance does (Wilks 1938). About the reversals of a joint the
 //! others, which it pushes, are asked the same. The signal has the last word: a wider band is taken where it leaves less of it.
 
-use std::cmp::Ordering;
-
 use rayon::prelude::*;
 
 use crate::recording::prepare::derivatives::cutoff::HIGHEST_CUTOFF;
 use crate::recording::prepare::derivatives::smoother::{Forward, Smoothed, Smoother, Unrest};
 use crate::stats::deviation::rms;
 use crate::stats::distribution::Distribution;
+use crate::stats::likelihood_ratio::is_beyond_chance;
 
 /// With what probability an even motion is taken for such.
 const CONFIDENCE: f64 = 0.99;
@@ -52,34 +51,29 @@ pub(super) fn about_reversals(
     joints: &[Smoother<'_>],
     even: &[Smoothed],
 ) -> Option<AboutReversals> {
-    let with = joints.par_iter().zip(even);
-    let own = with.map(|(joint, even)| Turns::of(&even.motion[1]).unrest(joint));
-    let own: Vec<Option<Tried>> = own.collect();
-    let found: Vec<&Tried> = own.iter().flatten().collect();
-    let any = found.iter().map(|tried| tried.unrest.clone());
-    let any = any.reduce(Unrest::or)?;
-    let with = joints.par_iter().zip(&own);
-    let unrest = with.map(|(joint, own)| beside(joint, own.as_ref(), &any));
+    let turns: Vec<Turns> = even.iter().map(|e| Turns::of(&e.motion[1])).collect();
+    let with = joints.par_iter().zip(&turns);
+    let own: Vec<Option<Unrest>> = with.map(|(joint, turns)| turns.unrest(joint)).collect();
+    let any = own.iter().flatten().cloned().reduce(Unrest::or)?;
+    let found = turns.iter().zip(&own).filter(|(_, own)| own.is_some());
+    let reversals = found.map(|(turns, _)| turns.reversals.len()).sum();
+    let with = joints.par_iter().zip(own);
+    let unrest = with.map(|(joint, own)| beside(joint, own.unwrap_or_default(), &any));
     Some(AboutReversals {
-        reversals: found.iter().map(|tried| tried.reversals).sum(),
+        reversals,
         unrest: unrest.collect(),
     })
 }
 
 /// The likeliest unrest of a joint about the reversals of any, beside that about its own.
-fn beside(joint: &Smoother<'_>, own: Option<&Tried>, any: &Unrest) -> Unrest {
-    let own = own.map(|tried| tried.unrest.clone()).unwrap_or_default();
-    let without = joint.log_likelihood(&own, ROWS);
+fn beside(joint: &Smoother<'_>, own: Unrest, any: &Unrest) -> Unrest {
     let tried = RATIOS.map(|ratio| {
         let unrest = any.with_factor(factor(joint, ratio)).or(own.clone());
-        (joint.log_likelihood(&unrest, ROWS), unrest)
+        Tried::new(joint, ratio, unrest)
     });
-    let by_chance = Distribution::ChiSquared { freedom: 1.0 }.quantile(CONFIDENCE);
-    let likelier = tried.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
-    match likelier {
-        Some((with, unrest)) if 2.0 * (with - without) > by_chance => unrest,
-        _ => own,
-    }
+    let without = joint.log_likelihood(&own, ROWS);
+    let best = likeliest(tried).filter(|best| best.is_needed(without, 1));
+    best.map_or(own, |best| best.unrest)
 }
 
 /// Of the noise that drives a motion, for a band so many times as wide, or as wide as the rate lets it be.
@@ -92,15 +86,29 @@ fn factor(joint: &Smoother<'_>, ratio: f64) -> f64 {
 struct Tried {
     /// Of the width of the band about reversals to that elsewhere.
     ratio: f64,
-    reversals: usize,
     unrest: Unrest,
     log_likelihood: f64,
 }
 
 impl Tried {
-    fn likelier(&self, other: &Self) -> Ordering {
-        self.log_likelihood.total_cmp(&other.log_likelihood)
+    fn new(joint: &Smoother<'_>, ratio: f64, unrest: Unrest) -> Self {
+        Self {
+            ratio,
+            log_likelihood: joint.log_likelihood(&unrest, ROWS),
+            unrest,
+        }
     }
+
+    /// Whether it is likelier than without it, and so many parameters less, by more than chance makes it.
+    fn is_needed(&self, log_likelihood_without: f64, parameters: usize) -> bool {
+        let gain = self.log_likelihood - log_likelihood_without;
+        is_beyond_chance(2.0 * gain, parameters, CONFIDENCE)
+    }
+}
+
+fn likeliest(tried: impl IntoIterator<Item = Tried>) -> Option<Tried> {
+    let likelier = |a: &Tried, b: &Tried| a.log_likelihood.total_cmp(&b.log_likelihood);
+    tried.into_iter().max_by(likelier)
 }
 
 /// Rows of a motion.
@@ -141,29 +149,22 @@ impl Turns {
     }
 
     /// The likeliest unrest about reversals, where there is any.
-    fn unrest(&self, smoother: &Smoother<'_>) -> Option<Tried> {
-        let even = smoother.forward(&Unrest::default());
-        if !self.stand_out(smoother, &even) {
+    fn unrest(&self, joint: &Smoother<'_>) -> Option<Unrest> {
+        let even = joint.forward(&Unrest::default());
+        if !self.stand_out(joint, &even) {
             return None;
         }
         let tried = |ratio: f64, reach: f64| {
-            let factor = factor(smoother, ratio);
-            let unrest = self.about(smoother.rows_of(reach), factor, even.rows());
-            Tried {
-                ratio,
-                reversals: self.reversals.len(),
-                log_likelihood: smoother.log_likelihood(&unrest, ROWS),
-                unrest,
-            }
+            let rows = joint.rows_of(reach);
+            let unrest = self.about(rows, factor(joint, ratio), even.rows());
+            Tried::new(joint, ratio, unrest)
         };
         let [least, usual, most] = REACHES;
-        let first = RATIOS.map(|ratio| tried(ratio, usual));
-        let first = first.into_iter().max_by(Tried::likelier)?;
-        let others = [least, most].map(|reach| tried(first.ratio, reach));
-        let best = others.into_iter().chain([first]).max_by(Tried::likelier)?;
-        let gain = best.log_likelihood - smoother.log_likelihood(&Unrest::default(), ROWS);
-        let by_chance = Distribution::ChiSquared { freedom: 2.0 }.quantile(CONFIDENCE);
-        (2.0 * gain > by_chance).then_some(best)
+        let first = likeliest(RATIOS.map(|ratio| tried(ratio, usual)))?;
+        let [nearer, farther] = [least, most].map(|reach| tried(first.ratio, reach));
+        let best = likeliest([nearer, farther, first])?;
+        let without = even.log_likelihood(ROWS);
+        best.is_needed(without, 2).then_some(best.unrest)
     }
 
     /// Unrest to so many rows to either side of every reversal.
@@ -177,8 +178,8 @@ impl Turns {
 
     /// Whether innovations behind reversals are larger than those behind extremes. Those of one window count as one, as they may
     /// depend on each other.
-    fn stand_out(&self, smoother: &Smoother<'_>, forward: &Forward) -> bool {
-        let mean = |rows: &[usize]| forward.mean_innovation_behind(rows, smoother.rows_of(2.0));
+    fn stand_out(&self, joint: &Smoother<'_>, even: &Forward) -> bool {
+        let mean = |rows: &[usize]| even.mean_innovation_behind(rows, joint.rows_of(2.0));
         let windows = self.reversals.len() as f64;
         if windows < 1.0 {
             return false;

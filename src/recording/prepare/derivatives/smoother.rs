@@ -105,10 +105,10 @@ impl Forward {
         self.of_row.len()
     }
 
-    /// Logarithm of the likelihood of the samples, to a constant, at the level of noise at which it is greatest.
-    pub fn log_likelihood(&self) -> f64 {
+    /// Logarithm of the likelihood of the first samples, to a constant, at the level of noise at which it is greatest.
+    pub fn log_likelihood(&self, rows: usize) -> f64 {
         let (mut channels, mut squares, mut logarithms) = (0, 0.0, 0.0);
-        for innovation in &self.innovations {
+        for innovation in self.innovations.iter().take(rows) {
             channels += innovation.channels;
             squares += innovation.squares;
             logarithms += innovation.logarithms;
@@ -144,8 +144,9 @@ struct Innovation {
 /// How a sample corrects the state.
 struct Gain {
     column: Vector4<f64>,
-    /// Of the innovation.
+    /// Variance of the innovation and its logarithm.
     variance: f64,
+    logarithm: f64,
 }
 
 impl<'a> Smoother<'a> {
@@ -182,8 +183,8 @@ impl<'a> Smoother<'a> {
 
     /// Logarithm of the likelihood of the first samples.
     pub fn log_likelihood(&self, unrest: &Unrest, rows: usize) -> f64 {
-        self.forward_over(rows.min(self.rows()), unrest)
-            .log_likelihood()
+        let rows = rows.min(self.rows());
+        self.forward_over(rows, unrest).log_likelihood(rows)
     }
 
     /// Rows of so many time constants, rounded up.
@@ -285,6 +286,7 @@ impl<'a> Smoother<'a> {
             gains.push(Gain {
                 column: gain,
                 variance: expected,
+                logarithm: expected.ln(),
             });
         }
         (covariance, gains)
@@ -298,7 +300,7 @@ impl<'a> Smoother<'a> {
             *state += gain.column * new;
             innovation.channels += 1;
             innovation.squares += new.powi(2) / gain.variance;
-            innovation.logarithms += gain.variance.ln();
+            innovation.logarithms += gain.logarithm;
         }
         innovation
     }
