@@ -116,6 +116,78 @@ fn faults(result: &Value, truth: &Value) -> Vec<String> {
     faults
 }
 
+/// A number in three significant digits.
+fn short(value: &Value) -> String {
+    value
+        .as_f64()
+        .map_or_else(|| "–".to_string(), exid::chain::words::short)
+}
+
+/// Numbers, and those of lists and tables, in the order of their names.
+fn sizes(name: &str, value: &Value) -> Vec<String> {
+    match value {
+        Value::Object(table) => table.iter().flat_map(|(name, v)| sizes(name, v)).collect(),
+        Value::Array(list) => {
+            let values: Vec<String> = list.iter().map(short).collect();
+            vec![format!("{name} = ({})", values.join(", "))]
+        }
+        number => vec![format!("{name} = {}", short(number))],
+    }
+}
+
+/// An effect and its joints: `joint_spring at joint3`.
+fn place(effect: &Value) -> String {
+    let joints: Vec<String> = joints(effect).into_iter().collect();
+    let name = effect["effect"].as_str().unwrap();
+    format!("{name} at {}", joints.join(", "))
+}
+
+fn found(finding: &Value) -> String {
+    let parameters = finding["parameters"].as_array().unwrap().iter().map(|p| {
+        let name = p["name"].as_str().unwrap().rsplit('.').next().unwrap();
+        let unit = p["unit"].as_str().filter(|unit| *unit != "1").unwrap_or("");
+        format!(
+            "{name} = {} ± {} {unit}",
+            short(&p["value"]),
+            short(&p["std_dev"])
+        )
+        .trim_end()
+        .to_string()
+    });
+    let parameters: Vec<String> = parameters.collect();
+    let rivals = finding["rivals"].as_array().unwrap().iter();
+    let rivals: Vec<String> = rivals
+        .filter(|rival| rival["separable"] == Value::Bool(false))
+        .map(place)
+        .collect();
+    let apart = match rivals.is_empty() {
+        true => String::new(),
+        false => format!("; not told apart from {}", rivals.join(", ")),
+    };
+    format!("{}: {}{apart}", place(finding), parameters.join(", "))
+}
+
+/// A row of the table of results: what was concealed, and what was found.
+fn row(trial: &str, result: &Value, truth: &Value) -> String {
+    let list = |items: &Value, words: &dyn Fn(&Value) -> String| {
+        let all: Vec<String> = items.as_array().unwrap().iter().map(words).collect();
+        match all.is_empty() {
+            true => "nothing".to_string(),
+            false => all.join("<br>"),
+        }
+    };
+    let concealed = list(&truth["effects"], &|effect| {
+        let sizes = sizes("", &effect["parameters"]).join(", ");
+        format!("{}: {sizes}", place(effect))
+    });
+    let joints = result["final"]["joints"].as_array().unwrap().iter();
+    let lack = joints.filter_map(|joint| joint["lack_of_fit"].as_f64());
+    let lack = lack.fold(0.0, f64::max);
+    let found = list(&result["findings"], &found);
+    format!("| {trial} | {concealed} | {found} | {lack:.2} |")
+}
+
+/// Prints the table of results, a row of each trial.
 #[test]
 fn names_what_another_simulator_concealed() {
     let Some(data) = common::data_dir() else {
@@ -129,12 +201,16 @@ fn names_what_another_simulator_concealed() {
     folders.sort();
     assert!(!folders.is_empty());
     let mut wrong = 0;
+    println!("| | concealed | found | largest lack of fit |\n|---|---|---|---|");
     for folder in &folders {
         let result = diagnose(folder);
         let truth = read(&folder.join("truth.json"));
         let faults = faults(&result, &truth);
         let trial = folder.file_name().unwrap().to_string_lossy();
-        eprintln!("{trial}: {} {faults:?}", result["verdict"]);
+        println!("{}", row(&trial, &result, &truth));
+        if !faults.is_empty() {
+            eprintln!("{trial}: {faults:?}");
+        }
         wrong += usize::from(!faults.is_empty());
     }
     assert_eq!(wrong, 0, "of {} trials", folders.len());

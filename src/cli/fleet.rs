@@ -97,11 +97,12 @@ fn counted(counts: Counts, items: &Path) -> String {
     let Counts {
         items: all,
         now,
+        unready,
         set_aside,
     } = counts;
     format!(
-        "{all} items: {now} worked on, {} done before, {set_aside} set aside; each is kept in {}",
-        all - now,
+        "{all} items: {now} worked on, {} done before, {set_aside} set aside; results are kept in {}",
+        all - now - unready,
         items.display()
     )
 }

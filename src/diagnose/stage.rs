@@ -13,6 +13,8 @@ pub enum Stage {
     Searching {
         /// Findings so far.
         found: usize,
+        /// Hypotheses that are open beside them.
+        hypotheses: usize,
     },
     /// Rivals are fitted in the place of findings.
     Comparing,
@@ -27,8 +29,8 @@ impl Stage {
             Self::Simulator => "identifying the simulator".to_string(),
             Self::Reading => "reading and differentiating the recordings".to_string(),
             Self::Fitting => "fitting the declared model".to_string(),
-            Self::Searching { found } => {
-                format!("trying what may be missing ({found} found so far)")
+            Self::Searching { found, hypotheses } => {
+                format!("trying {hypotheses} hypotheses of what is missing ({found} found so far)")
             }
             Self::Drift => "looking at what changes from period to period".to_string(),
             Self::Comparing => "comparing what was found with its rivals".to_string(),

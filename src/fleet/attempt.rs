@@ -39,6 +39,8 @@ pub enum Work {
     Earlier,
     /// This run.
     Now,
+    /// Nobody: its problem or its recordings cannot be read.
+    Unready,
 }
 
 /// The end of looking at an item.
@@ -138,7 +140,12 @@ impl Worker<'_> {
         let (problem, key) = match prepared {
             Ok(prepared) => prepared,
             // Not kept: what is not there now may be there the next time.
-            Err(fault) => return Ok(earlier(aside(fault, 0))),
+            Err(fault) => {
+                return Ok(Looked::AttemptedItem(AttemptedItem {
+                    came_to: aside(fault, 0),
+                    work: Work::Unready,
+                }));
+            }
         };
         match self.store.read(&key) {
             Some(ItemOutcome::SetAside(_)) if self.settings.again => {}

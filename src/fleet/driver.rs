@@ -76,6 +76,7 @@ impl<F: FnMut(Item, Counts) -> Result<(), FleetError>> Tally<F> {
     fn note(&mut self, sent: Sent) -> Result<(), FleetError> {
         self.counts.items += 1;
         self.counts.now += u64::from(sent.worked.work == Work::Now);
+        self.counts.unready += u64::from(sent.worked.work == Work::Unready);
         self.counts.set_aside += u64::from(matches!(sent.worked.came_to, ItemOutcome::SetAside(_)));
         let item = Item {
             entry: sent.entry,

@@ -36,8 +36,10 @@ pub struct Settings {
 pub struct Counts {
     /// Items of the manifest, or of the part of it.
     pub items: u64,
-    /// Worked on by this run; the others were done by earlier ones.
+    /// Worked on by this run.
     pub now: u64,
+    /// Whose problem or recordings cannot be read; all others were done by earlier runs.
+    pub unready: u64,
     /// Items of which there is no result.
     pub set_aside: u64,
 }

@@ -125,6 +125,7 @@ fn invariant_table_over_threads_parts_and_interruptions() {
         Counts {
             items: 9,
             now: 9,
+            unready: 0,
             set_aside: 0
         }
     );
@@ -174,6 +175,7 @@ fn poisoned_items_are_set_aside_and_tried_again_when_asked() {
         Counts {
             items: 4,
             now: 3,
+            unready: 1,
             set_aside: 2
         }
     );
@@ -201,6 +203,7 @@ fn poisoned_items_are_set_aside_and_tried_again_when_asked() {
         Counts {
             items: 4,
             now: 1,
+            unready: 1,
             set_aside: 2
         }
     );
@@ -210,6 +213,7 @@ fn poisoned_items_are_set_aside_and_tried_again_when_asked() {
         Counts {
             items: 4,
             now: 1,
+            unready: 0,
             set_aside: 1
         }
     );
@@ -236,6 +240,7 @@ fn items_that_processes_die_at_are_done_last_and_then_set_aside() {
         Counts {
             items: 2,
             now: 2,
+            unready: 0,
             set_aside: 1
         }
     );

@@ -265,16 +265,7 @@ impl<'a> Guess<'a> {
                  estimate them"
                     .into(),
             ),
-            SignalKind::Current => all.push(match self.constants {
-                Some(TorqueConstants {
-                    by_inertials: true, ..
-                }) => "torque constants are not known: they are those that the robot file's inertials ask for, to a third, and what makes \
-                     them agree with each other is estimated; state those of the robot under drive.torque_constant and leave their gains out"
-                    .into(),
-                _ => "torque constants are not known, nor do inertials of the robot file speak for any: with 1 N·m/A, all parameters come out \
-                     divided by one common factor; state those of the robot under drive.torque_constant and leave their gains out"
-                    .into(),
-            }),
+            SignalKind::Current => all.push(self.of_torque_constants()),
             _ => all.push(
                 "torques are taken to be those of the motors at the joint side; sensors behind the gear are signal = \
                  \"link_torque\""
@@ -291,6 +282,37 @@ impl<'a> Guess<'a> {
         }
         all.push("positions are taken to be the joints', at the joint side of the gear".into());
         all
+    }
+
+    /// Whether the factors of the torque constants are estimated. That of a single joint scales all that is unknown.
+    pub(super) fn has_gains(&self) -> bool {
+        self.constants.is_some() && self.moving().len() > 1
+    }
+
+    fn of_torque_constants(&self) -> String {
+        let by_inertials = self.constants.as_ref().is_some_and(|c| c.by_inertials);
+        let known = match by_inertials {
+            true => "they are those that the robot file's inertials ask for, to a third",
+            false => {
+                "nor do inertials of the robot file speak for any: with 1 N·m/A, all parameters come out divided by one common factor"
+            }
+        };
+        let estimated = match (by_inertials, self.has_gains()) {
+            (true, true) => ", and what makes them agree with each other is estimated",
+            (true, false) => ", as a factor of a single joint's scales all that is unknown",
+            (false, _) => "",
+        };
+        let remedy = match self.has_gains() {
+            true => " and leave their gains out",
+            false => "",
+        };
+        format!(
+            "torque constants are not known{}{known}{estimated}; state those of the robot under drive.torque_constant{remedy}",
+            match by_inertials {
+                true => ": ",
+                false => ", ",
+            }
+        )
     }
 
     /// The channels that the problem file names, with the keys under which it does.

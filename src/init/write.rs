@@ -130,8 +130,7 @@ pub(super) fn toml(sources: &Sources, guess: &Guess<'_>) -> String {
 /// Prior knowledge of the factors of torque constants, a line for each joint that moves; none of a single one, whose factor scales all
 /// that is unknown.
 fn gains(guess: &Guess<'_>) -> Vec<String> {
-    let moving = guess.moving();
-    if guess.constants.is_none() || moving.len() < 2 {
+    if !guess.has_gains() {
         return Vec::new();
     }
     let gain = term_name(JointTerm::Gain);
@@ -139,7 +138,7 @@ fn gains(guess: &Guess<'_>) -> Vec<String> {
         let name = text(&format!("{joint}.{gain}"));
         format!("{name} = {{ value = 1.0, std_dev = {OF_CONSTANTS} }}")
     };
-    moving.iter().map(line).collect()
+    guess.moving().iter().map(line).collect()
 }
 
 /// Three digits of a number.

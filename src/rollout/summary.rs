@@ -4,6 +4,7 @@ use crate::chain::effect::{Effect, Lasts};
 use crate::chain::forward;
 use crate::chain::forward::Accuracy;
 use crate::chain::model::Signal;
+use crate::chain::words::short;
 use crate::outcome::Part;
 use crate::outcome::rollout::{
     ErrorCurve, HeldOutRows, Horizon, Integrator, JointErrors, RolledRecording, Rollout, Spread,
@@ -242,7 +243,8 @@ impl Summary<'_> {
         );
         match (self.candidates.before.as_ref(), middle(&ratios)) {
             (Some((kind, _)), Some(ratio)) => {
-                text.push_str(&format!(" is {ratio:.2} times that of {}", kind.words()))
+                let words = kind.words();
+                text.push_str(&format!(" is {} times that of {words}", short(ratio)));
             }
             (Some(_), None) => text.push_str(" cannot be told as a share of that before"),
             (None, _) => {}
@@ -250,7 +252,8 @@ impl Summary<'_> {
         if let Some(ratio) = middle(&of_noise) {
             let joint = if ratios.is_empty() { " is" } else { ", and" };
             text.push_str(&format!(
-                "{joint} {ratio:.1} times what the noise alone would make of a model that is right"
+                "{joint} {} times what the noise alone would make of a model that is right",
+                short(ratio)
             ));
         }
         text.push_str(" (medians over windows, median of the joints).");

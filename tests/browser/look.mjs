@@ -137,6 +137,9 @@ const pale = page =>
 
 const background = page => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
 
+/** The report in a results folder. */
+const reportIn = verb => ["report.html", "fleet.html"].map(name => join(folder, verb, name)).find(existsSync);
+
 /** What the guide shows of reports: where a picture begins, and in which colours. */
 const PICTURES = {
   check: [{ name: "check" }],
@@ -151,6 +154,7 @@ const PICTURES = {
   simulate: [{ name: "simulate", at: "#simulation" }],
   trials: [{ name: "trials" }],
   rollout: [{ name: "rollout_windows", at: "#explorer" }],
+  fleet: [{ name: "fleet" }],
 };
 
 async function pictures(verb, file) {
@@ -163,7 +167,7 @@ async function pictures(verb, file) {
 }
 
 async function look(verb) {
-  const file = join(folder, verb, "report.html");
+  const file = reportIn(verb);
   const bytes = statSync(file).size;
   assert.ok(bytes < MOST_BYTES, `${bytes} bytes`);
   const { page, complaints } = await open(file);
@@ -200,8 +204,8 @@ async function look(verb) {
 
 let failed = 0;
 try {
-  const verbs = readdirSync(folder).filter(name => existsSync(join(folder, name, "report.html")));
-  assert.ok(verbs.length >= 7, `reports of ${verbs}`);
+  const verbs = readdirSync(folder).filter(reportIn);
+  assert.ok(verbs.length >= 8, `reports of ${verbs}`);
   for (const verb of verbs) {
     try {
       await look(verb);

@@ -75,7 +75,7 @@ fn codes_are_those_of_the_sources() {
     let mut text = "# Codes of errors and findings\n\nEvery fault names its place, the value found and a remedy. Findings of \
                     `exid check`, and `mistakes` of other results, carry the code as `code`, and the terminal shows it in brackets. \
                     Codes do not change their meaning between versions. `…` stands for what the message fills in; the module is that \
-                    of the [library](../contributing.md).\n"
+                    of the [library](../CONTRIBUTING.md).\n"
         .to_owned();
     let mut modules: Vec<&str> = codes.values().map(|c| c.module.as_str()).collect();
     modules.sort_unstable();

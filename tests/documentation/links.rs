@@ -111,7 +111,7 @@ fn no_link_is_dead() {
     assert!(seen > 150, "{seen} links");
 }
 
-/// The contents of the site have every page of it, once.
+/// The contents of the site have every page of it, and every page of results, once.
 #[test]
 fn contents_list_every_page_of_the_site() {
     let pages = pages::all();
@@ -125,6 +125,10 @@ fn contents_list_every_page_of_the_site() {
         if page.path.starts_with("docs/src") && page.path != summary.path {
             let count = listed.iter().filter(|path| **path == page.path).count();
             assert_eq!(count, 1, "{} in SUMMARY.md", page.path.display());
+        }
+        if page.path.starts_with("results") {
+            let chapter = Path::new("docs/src").join(&page.path);
+            assert!(listed.contains(&chapter), "{}", chapter.display());
         }
     }
 }

@@ -23,17 +23,10 @@ pub fn remakes() -> bool {
 /// All pages: those at the root, the site's, those of results and of the fuzzed readers.
 pub fn all() -> Vec<Page> {
     let mut paths = Vec::new();
-    for folder in ["", "docs", "docs/src", "fuzz"] {
+    for folder in ["", "docs", "fuzz", "packaging"] {
         collect(&root().join(folder), false, &mut paths);
     }
-    for folder in [
-        "docs/src/theory",
-        "docs/src/guide",
-        "docs/src/reference",
-        "docs/src/compare",
-    ] {
-        collect(&root().join(folder), true, &mut paths);
-    }
+    collect(&root().join("docs/src"), true, &mut paths);
     for entry in fs::read_dir(root().join("results")).unwrap() {
         collect(&entry.unwrap().path(), false, &mut paths);
     }

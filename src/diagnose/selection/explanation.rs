@@ -86,7 +86,11 @@ impl Explaining<'_> {
     fn step(&self, selection: &Selection) {
         self.reached.set(&selection.fit, selection.examined);
         let found = selection.steps.len();
-        (self.on_stage)(Stage::Searching { found });
+        let open = self.rules.open(&self.contexts.selection, &selection.fit);
+        (self.on_stage)(Stage::Searching {
+            found,
+            hypotheses: open.len(),
+        });
     }
 
     fn stepwise<'b>(&'b self, progress: &'b (dyn Fn(&Selection) + Sync)) -> Stepwise<'b> {

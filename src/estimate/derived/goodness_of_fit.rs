@@ -152,13 +152,9 @@ fn add_raw(sums: &mut Sums, recording: &Prepared, predicted: &[f64], channel: us
 /// reversals included:
 /// `σ² = σ_s² + Σ_j (∂s/∂q_j)² σ²_{q,j} + (∂s/∂q̇_j)² σ²_{q̇,j} + (∂s/∂q̈_j)² σ²_{q̈,j}`.
 pub fn noise_rms(model: &Model, values: &DVector<f64>, data: &Dataset) -> Option<Vec<f64>> {
-    let split = match data.of(Split::Validation).next() {
-        Some(_) => Split::Validation,
-        None => Split::Train,
-    };
     let mut sum = vec![0.0; model.channels().len()];
     let mut rows = 0.0;
-    for recording in data.of(split) {
+    for recording in judged(data) {
         let signal = signal_variances(model, recording)?;
         let motion = motion_variance(model, values, recording);
         for (c, total) in sum.iter_mut().enumerate() {
@@ -168,6 +164,20 @@ pub fn noise_rms(model: &Model, values: &DVector<f64>, data: &Dataset) -> Option
         rows += recording.rows() as f64;
     }
     (rows > 0.0).then(|| sum.iter().map(|total| (total / rows).sqrt()).collect())
+}
+
+/// The recordings that the figures judge: those held out, where there are any.
+fn judged(data: &Dataset) -> impl Iterator<Item = &Prepared> {
+    let split = match data.of(Split::Validation).next() {
+        Some(_) => Split::Validation,
+        None => Split::Train,
+    };
+    data.of(split)
+}
+
+/// Whether the recordings that the figures judge tell the noise of every active channel.
+pub fn tells_noise(model: &Model, data: &Dataset) -> bool {
+    judged(data).all(|recording| signal_variances(model, recording).is_some())
 }
 
 /// Variance of the noise of one row of every channel: the scatter of periods, or where nothing repeats the noise

@@ -2,6 +2,7 @@
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
+use crate::estimate::derived::goodness_of_fit::tells_noise;
 use crate::outcome::fit::{Fit, Preprocessing};
 use crate::outcome::joint::JointFigures;
 use crate::recording::experiment::Chosen;
@@ -166,11 +167,7 @@ pub fn notes(model: &Model, data: &Dataset) -> Vec<String> {
         );
     }
     if data.recordings.iter().all(|r| r.experiment.noise.is_none()) {
-        let is_white = |r: &Prepared| {
-            let mut channels = r.experiment.white_noise.iter();
-            channels.len() > 0 && channels.all(Option::is_some)
-        };
-        let what = match data.recordings.iter().all(is_white) {
+        let what = match tells_noise(model, data) {
             true => {
                 "the noise is what successive samples differ by, and slower noise counts as lack of fit"
             }

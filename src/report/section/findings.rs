@@ -9,7 +9,7 @@ use crate::report::section::{Section, Source};
 pub(super) fn section(source: &Source) -> Option<Section> {
     let (title, found) = match &source.outcome.part {
         Part::Check(check) => ("Findings", &check.findings),
-        _ => ("Mistakes in the inputs", &source.outcome.mistakes),
+        _ => (title(&source.outcome.mistakes), &source.outcome.mistakes),
     };
     if found.is_empty() {
         return None;
@@ -19,6 +19,13 @@ pub(super) fn section(source: &Source) -> Option<Section> {
     let cards: String = findings.into_iter().map(card).collect();
     let body = format!("<div class=\"cards\">\n{cards}</div>\n");
     Some(Section::new("mistakes", title, body))
+}
+
+fn title(found: &[Mistake]) -> &'static str {
+    match found.iter().all(|one| one.severity == Severity::Note) {
+        true => "Notes on the inputs",
+        false => "Mistakes in the inputs",
+    }
 }
 
 /// One finding: how grave, where, what, and what to do.
