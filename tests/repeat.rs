@@ -3,30 +3,9 @@
 mod common;
 
 use common::arm::Arm;
+use common::program::says;
 use serde_json::Value;
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
-
-fn exid(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_exid"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap()
-}
-
-/// What a command prints, which ends with a code.
-fn says(folder: &Path, arguments: &[&str], code: i32) -> String {
-    let output = exid(folder, arguments);
-    let [out, err] = [output.stdout, output.stderr].map(|b| String::from_utf8(b).unwrap());
-    assert_eq!(
-        output.status.code(),
-        Some(code),
-        "{arguments:?}\n{out}{err}"
-    );
-    out + &err
-}
 
 fn result(arm: &Arm) -> Value {
     serde_json::from_str(&fs::read_to_string(arm.path("out/result.json")).unwrap()).unwrap()

@@ -3,10 +3,10 @@
 mod common;
 
 use common::arm::URDF;
+use common::program::says;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 use tempfile::TempDir;
 
 /// An arm whose shoulder loses 30 % of what it transmits; the declared model does not know it.
@@ -56,26 +56,6 @@ shoulder = ["coulomb_friction", "viscous_friction", "transmission_efficiency"]
 "elbow.coulomb_friction.Fc" = 1.2
 "elbow.coulomb_friction.w" = 0.004
 "elbow.viscous_friction.Fv" = 0.8"#;
-
-fn exid(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_exid"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap()
-}
-
-/// What a command prints, which ends with a code.
-fn says(folder: &Path, arguments: &[&str], code: i32) -> String {
-    let output = exid(folder, arguments);
-    let [out, err] = [output.stdout, output.stderr].map(|b| String::from_utf8(b).unwrap());
-    assert_eq!(
-        output.status.code(),
-        Some(code),
-        "{arguments:?}\n{out}{err}"
-    );
-    out + &err
-}
 
 fn json(path: &Path) -> Value {
     serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()

@@ -131,11 +131,11 @@ def run(leaves, *command):
 
 
 def exported(exid, here, verb, toml, name):
-    """The MuJoCo model of a result; the folder with model.xml and the plugin."""
+    """The MuJoCo model of a result, with its plugin."""
     result, out = here / name, here / f"{name}_mujoco"
     run(result / "result.json", exid, verb, here / toml, "--out", result, "--quiet", "--threads", "1")
     run(out / "model.xml", exid, "export", result, "--to", "mujoco", "--out", out)
-    return out
+    return windows.Exported(out, result)
 
 
 def prepare(folder, case, trials):
@@ -176,9 +176,8 @@ class Rolled:
         # What changes from period to period is not in their mean.
         changes = any(e["effect"] == "thermal_drift" for e in self.effects)
         recording = windows.Held(here / "validation.csv", None if changes else period)
-        models = [windows.Exported(exported(exid, here, "fit", "problem.toml", "declared")),
-                  windows.Exported(exported(exid, here, "diagnose", "problem.toml", "diagnosed")),
-                  windows.Own(machine) if machine else windows.Exported(exported(exid, here, "fit", "truth.toml", "truth"))]
+        models = [exported(exid, here, "fit", "problem.toml", "declared"), exported(exid, here, "diagnose", "problem.toml", "diagnosed"),
+                  windows.Own(machine) if machine else exported(exid, here, "fit", "truth.toml", "truth")]
         joints = sorted({int(j[5:]) - 1 for e in self.effects for j in e["joints"]}) or slice(None)
         errors = np.array([windows.errors(recording, model, HORIZON, joints) for model in models])
         self.error = errors[:, 0]

@@ -85,7 +85,7 @@ def main():
             medians = [spread and spread["median"] for spread in (before, after)]
             ratio = f"{medians[1] / medians[0]:.2f}" if all(medians) else "—"
             print(f"| {robot} | {joint['joint']} | {after['windows']} | {size(before)} | {size(after)} | {size(joint['noise'])} | {ratio} |", flush=True)
-    print("\nFound:\n" + "\n".join(said))
+    print("\nFound:\n\n" + "\n".join(f"- {line}" for line in said))
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ The start's position and speed are those of a cubic through nine samples (Savitz
 before, the model is led along the motion under the recorded currents, so that bristles, lags and play are where it brought them.
 """
 
+import json
 import re
 import subprocess
 from pathlib import Path
@@ -52,11 +53,11 @@ class Held:
 
 
 class Exported:
-    """The model that `exid export --to mujoco` wrote, with its plugin compiled and loaded."""
+    """The model that `exid export --to mujoco` wrote of a result, with its plugin compiled and loaded."""
 
     step = STEP
 
-    def __init__(self, folder):
+    def __init__(self, folder, result):
         folder = Path(folder)
         root = Path(mujoco.__file__).parent
         library = next(p.name for p in root.iterdir() if p.name.startswith("libmujoco.so."))
@@ -64,13 +65,14 @@ class Exported:
         subprocess.run(["cc", "-O2", "-shared", "-fPIC", f"-I{root}/include", folder / "exid_drive.c", "-o", plugin,
                         f"-L{root}", f"-l:{library}", "-lm"], check=True)
         self.path, self.plugin, self.source = folder / "model.xml", plugin, (folder / "exid_drive.c").read_text()
+        self.late = _late(json.loads((Path(result) / "result.json").read_text()))
 
     def roll(self, recording, horizon):
         """End positions, in a process of its own: plugins of one name cannot be loaded twice."""
         import multiprocessing
 
         with multiprocessing.get_context("spawn").Pool(1) as pool:
-            return pool.apply(_roll_exported, (str(self.path), str(self.plugin), self.source, self.step, recording, horizon))
+            return pool.apply(_roll_exported, (str(self.path), str(self.plugin), self.source, self.late, self.step, recording, horizon))
 
 
 class Lags:
@@ -91,16 +93,16 @@ class Lags:
         data.qpos, data.qvel = q - self.of(data, self.angle), v - self.of(data, self.speed)
 
 
-def _late(source, joints):
+def _late(result):
     """s by which each recorded current is late."""
-    found = re.search(r"_DELAYS \{(.*?)\}", source)
-    return np.array([float(x) for x in found.group(1).split(",")]) if found else np.zeros(joints)
+    values = {p["name"]: p["value"] for p in result["parameters"]}
+    return np.array([values.get(f"{joint['joint']}.time_delay.delay", 0.0) for joint in result["joints"]])
 
 
-def _roll_exported(path, plugin, source, step, recording, horizon):
+def _roll_exported(path, plugin, source, late, step, recording, horizon):
     mujoco.mj_loadPluginLibrary(plugin)
     model = mujoco.MjModel.from_xml_path(path)
-    lags, late = Lags(source, model), _late(source, model.nu)
+    lags = Lags(source, model)
     current = lambda t: np.array([np.interp(t + l, recording.t, column) for l, column in zip(late, recording.current.T)]).T
     model.opt.timestep = step
     # As the recordings were made: neither limits nor contacts.

@@ -115,6 +115,16 @@ pub fn provenance() -> Provenance {
     Provenance::of_this_process(command())
 }
 
+/// A path as one would type it where the process stands.
+fn from_here(path: PathBuf) -> PathBuf {
+    match std::env::current_dir() {
+        Ok(here) => path
+            .strip_prefix(here)
+            .map_or(path.clone(), Path::to_path_buf),
+        Err(_) => path,
+    }
+}
+
 /// Writes the results folder of a run and prints its result.
 pub fn finish(printing: Printing, target: &Path, completed: Completed) -> Result<(), CliError> {
     // The words are few, and the recordings behind the result many.
@@ -144,7 +154,7 @@ impl Summary {
             Self::Nothing
         } else {
             let report = target.join(REPORT_FILE);
-            Self::Words(report::text::summary(outcome, Some(&report)))
+            Self::Words(report::text::summary(outcome, Some(&from_here(report))))
         }
     }
 

@@ -3,6 +3,7 @@
 
 use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::{Catalogue, Law, TRANSITION, of_term};
+use crate::chain::words::short;
 use crate::export::code::Plugin;
 use crate::export::drive::Drives;
 use crate::export::error::ExportError;
@@ -103,8 +104,9 @@ fn recorded_late(machine: &Machine) -> impl Iterator<Item = String> {
         let late = -term::delay(joint);
         (late > 0.0).then(|| {
             format!(
-                "{}: the recorded signal was {late} s late; ctrl is the signal as it acts at the motor",
-                joint.name
+                "{}: the recorded signal was {} s late; ctrl is the signal as it acts at the motor",
+                joint.name,
+                short(late)
             )
         })
     })

@@ -5,6 +5,7 @@
 pub mod arm;
 pub mod derivatives;
 pub mod interrupting;
+pub mod program;
 
 use std::fs::OpenOptions;
 use std::io::Write;

@@ -6,34 +6,17 @@ mod common;
 mod foreign;
 
 use common::arm::Arm;
+use common::program::says;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
-
-/// What a command prints, which ends with a code.
-fn exid(folder: &Path, arguments: &[&str], code: i32) -> String {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_exid"));
-    let output = command
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap();
-    let [out, err] = [output.stdout, output.stderr].map(|b| String::from_utf8(b).unwrap());
-    assert_eq!(
-        output.status.code(),
-        Some(code),
-        "{arguments:?}\n{out}{err}"
-    );
-    out + &err
-}
 
 /// Held-out (or training) errors of a fit as shares of the signal.
 fn errors(folder: &Path, problem: &str, further: &[&str]) -> Vec<f64> {
     let out = folder.join("out");
     let out = out.to_str().unwrap();
     let arguments = [&["fit", problem, "--quiet", "--out", out], further].concat();
-    exid(folder, &arguments, 0);
+    says(folder, &arguments, 0);
     let text = fs::read_to_string(folder.join("out/result.json")).unwrap();
     let result: Value = serde_json::from_str(&text).unwrap();
     let joints = result["joints"].as_array().unwrap().iter();
@@ -52,8 +35,8 @@ fn root(path: &str) -> PathBuf {
 /// Drafts, checks and fits; what `init` says.
 fn drafted(folder: &Path, files: &[PathBuf]) -> String {
     let files: Vec<&str> = files.iter().map(|f| f.to_str().unwrap()).collect();
-    let said = exid(folder, &[&["init"], &files[..]].concat(), 0);
-    exid(folder, &["check", "problem.toml", "--out", "checked"], 0);
+    let said = says(folder, &[&["init"], &files[..]].concat(), 0);
+    says(folder, &["check", "problem.toml", "--out", "checked"], 0);
     said
 }
 
@@ -101,7 +84,7 @@ fn assumptions_that_are_wrong_are_said() {
     let temporary = tempfile::tempdir().unwrap();
     let files = ["kr150.urdf", "train.csv.gz"].map(|f| root("problems/kr150_payload").join(f));
     let [robot, recording] = files.each_ref().map(|f| f.to_str().unwrap());
-    let said = exid(temporary.path(), &["init", robot, recording], 0);
+    let said = says(temporary.path(), &["init", robot, recording], 0);
     assert!(
         said.contains("assumed: a1, a2 have no column and are taken to stand at 0"),
         "{said}"
@@ -244,7 +227,7 @@ fn velocities_tell_units_and_rates() {
         })
         .collect();
     arm.write("degrees.csv", rpm.join("\n"));
-    exid(
+    says(
         arm.folder(),
         &["init", "arm.urdf", "degrees.csv", "--force"],
         0,
@@ -260,7 +243,7 @@ fn velocities_tell_units_and_rates() {
 fn nothing_is_overwritten_and_what_is_missing_is_said() {
     let arm = Arm::new(4);
     let before = fs::read_to_string(arm.path("problem.toml")).unwrap();
-    let said = exid(arm.folder(), &["init", "arm.urdf", "train.csv"], 2);
+    let said = says(arm.folder(), &["init", "arm.urdf", "train.csv"], 2);
     assert!(
         said.contains("problem.toml: exists already; --force replaces it"),
         "{said}"
@@ -269,7 +252,7 @@ fn nothing_is_overwritten_and_what_is_missing_is_said() {
         fs::read_to_string(arm.path("problem.toml")).unwrap(),
         before
     );
-    let printed = exid(
+    let printed = says(
         arm.folder(),
         &["init", "--urdf", "arm.urdf", "train.csv", "--out", "-"],
         0,
@@ -279,18 +262,18 @@ fn nothing_is_overwritten_and_what_is_missing_is_said() {
         fs::read_to_string(arm.path("problem.toml")).unwrap(),
         before
     );
-    let said = exid(arm.folder(), &["init", "train.csv", "--out", "p.toml"], 2);
+    let said = says(arm.folder(), &["init", "train.csv", "--out", "p.toml"], 2);
     assert!(said.contains("name its URDF with --urdf"), "{said}");
-    let said = exid(arm.folder(), &["init", "arm.urdf", "--out", "p.toml"], 2);
+    let said = says(arm.folder(), &["init", "arm.urdf", "--out", "p.toml"], 2);
     assert!(said.contains("name at least one"), "{said}");
-    let said = exid(
+    let said = says(
         arm.folder(),
         &["init", "arm.urdf", "absent.csv", "--out", "p.toml"],
         3,
     );
     assert!(said.contains("absent.csv"), "{said}");
     arm.edit("train.csv", "t,q1,q2", "t,x1,x2");
-    let said = exid(
+    let said = says(
         arm.folder(),
         &["init", "arm.urdf", "train.csv", "--out", "p.toml"],
         3,
@@ -306,12 +289,12 @@ fn nothing_is_overwritten_and_what_is_missing_is_said() {
 fn a_draft_may_stand_in_a_folder_that_is_not_there_yet() {
     let arm = Arm::new(4);
     let out = "new/folder/problem.toml";
-    exid(
+    says(
         arm.folder(),
         &["init", "arm.urdf", "train.csv", "--out", out],
         0,
     );
-    exid(arm.folder(), &["check", out, "--out", "checked"], 0);
+    says(arm.folder(), &["check", out, "--out", "checked"], 0);
 }
 
 /// Recordings of real robots, as they are.

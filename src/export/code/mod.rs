@@ -16,6 +16,7 @@ mod plugin;
 mod writer;
 
 use crate::chain::effect::CROSSTALK;
+use crate::chain::words::short;
 use crate::export::code::layout::{Layout, SHORTEST_STEP};
 use crate::export::code::names::identifier;
 pub use crate::export::code::plugin::{Plugin, plugin};
@@ -88,7 +89,7 @@ fn notes(machine: &Machine, drives: &Drives) -> Vec<String> {
             notes.push(format!(
                 "{name}: the recorded signal was {} s late: what inverse_step returns is read that much later, and \
                  drive_step takes the signal as it acts at the motor, not as it was recorded",
-                drive.delay
+                short(drive.delay)
             ));
         }
         if joint.effects.iter().any(|effect| effect.id == CROSSTALK.id) {
@@ -101,7 +102,7 @@ fn notes(machine: &Machine, drives: &Drives) -> Vec<String> {
             notes.push(format!(
                 "{name}: the signal acts {} s after it is given: drive_step holds it back, in steps of {SHORTEST_STEP} s \
                  and more of one length; inverse_step returns what is to be given that much earlier",
-                -drive.delay
+                short(-drive.delay)
             ));
         }
     }
