@@ -135,6 +135,14 @@ const pale = page =>
     return found.slice(0, 5);
   });
 
+/** The first screen says what was found: the head of the first finding is on it. */
+async function opensWithFinding(page) {
+  const head = page.locator("#missing h3").first();
+  if ((await head.count()) === 0) return;
+  const box = await head.boundingBox();
+  assert.ok(box.y + box.height <= DESK.height, `the first finding begins at ${box.y} px`);
+}
+
 const background = page => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
 
 /** The report in a results folder. */
@@ -158,7 +166,7 @@ const PICTURES = {
 };
 
 async function pictures(verb, file) {
-  for (const { name, at, viewport = PICTURE, colorScheme } of PICTURES[verb]) {
+  for (const { name, at, viewport = PICTURE, colorScheme } of PICTURES[verb] ?? []) {
     const { page } = await open(file, { viewport, colorScheme });
     if (at) await page.locator(at).first().evaluate(element => element.scrollIntoView({ block: "start" }));
     await page.screenshot({ path: join(screens, `${name}.png`), scale: "css" });
@@ -174,6 +182,7 @@ async function look(verb) {
   const time = await seconds(page);
   assert.ok(time < MOST_SECONDS, `drawn after ${time} s`);
   assert.ok((await overflow(page)) <= 0, "the desk overflows");
+  await opensWithFinding(page);
   if (await page.locator("#explorer").count()) await zooms(page);
   await sorts(page);
   const paleLight = await pale(page);
@@ -205,7 +214,7 @@ async function look(verb) {
 let failed = 0;
 try {
   const verbs = readdirSync(folder).filter(reportIn);
-  assert.ok(verbs.length >= 8, `reports of ${verbs}`);
+  assert.ok(verbs.length >= 9, `reports of ${verbs}`);
   for (const verb of verbs) {
     try {
       await look(verb);
