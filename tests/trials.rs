@@ -116,11 +116,13 @@ fn faults(result: &Value, truth: &Value) -> Vec<String> {
     faults
 }
 
-/// A number in three significant digits.
+/// A number in three significant digits, or a word.
 fn short(value: &Value) -> String {
-    value
-        .as_f64()
-        .map_or_else(|| "–".to_string(), exid::chain::words::short)
+    match (value.as_f64(), value.as_str()) {
+        (Some(number), _) => exid::chain::words::short(number),
+        (None, Some(word)) => word.to_string(),
+        (None, None) => "–".to_string(),
+    }
 }
 
 /// Numbers, and those of lists and tables, in the order of their names.
