@@ -6,6 +6,7 @@
 
 use crate::chain::dataset::Dataset;
 use crate::chain::effect::knowledge::Transition;
+use crate::chain::effect::{Effect, Memory, Search};
 use crate::chain::joint_model::JointModel;
 use crate::chain::model::Model;
 use crate::problem::solution::Control;
@@ -170,9 +171,20 @@ impl Limited {
     }
 }
 
+/// Positions of the speeds over which a law that remembers changes, as bristles do over that of Stribeck. Beyond the fastest motion
+/// such a change is a bend: any size of it is then the same torque, and so is any speed where the change is nothing.
+fn scales_of_speed(&(effect, first): &(&'static Effect, usize)) -> impl Iterator<Item = usize> {
+    let remembers = effect.needs.memory == Memory::WholeMotion;
+    let parameters = effect.parameters.iter().enumerate();
+    let scales = parameters.filter(move |(_, info)| {
+        remembers && matches!(info.search, Search::Speed(_)) && info.lower >= 0.0
+    });
+    scales.map(move |(k, _)| first + k)
+}
+
 impl Model {
-    /// Narrows the transition speeds of `sign(v)`. A joint without the term that a wide transition stands for keeps its limits;
-    /// limits and values that were stated stay.
+    /// Narrows the transition speeds of `sign(v)`, and the speeds over which laws that remember change. A joint without the term that a
+    /// wide transition stands for keeps its limits; limits and values that were stated stay.
     pub fn limit_transitions(&mut self, limits: &TransitionLimits) {
         let joints = self.joints().iter().enumerate();
         let widest = |(j, joint): (usize, &JointModel)| {
@@ -180,7 +192,12 @@ impl Model {
             (j < limits.fastest.len())
                 .then(|| (friction.speed, limits.widest(j, &friction.transition)))
         };
-        let widths: Vec<(usize, f64)> = joints.filter_map(widest).collect();
+        let mut widths: Vec<(usize, f64)> = joints.filter_map(widest).collect();
+        let moving = self.joints().iter().zip(&limits.fastest);
+        widths.extend(moving.flat_map(|(joint, &fastest)| {
+            let scales = joint.effects.iter().flat_map(scales_of_speed);
+            scales.map(move |index| (index, fastest))
+        }));
         for (index, widest) in widths {
             self.lower_limit(index, widest);
         }
@@ -273,6 +290,30 @@ mod tests {
         });
         let Ok(settled) = settled;
         (positions.map(|at| settled.fit.values[at]), fits.get())
+    }
+
+    /// Bristles change over no speed that the joint does not reach, unless one is stated.
+    #[test]
+    fn the_scale_of_a_law_that_remembers_lies_within_the_motion() {
+        let effects = ["coulomb_friction", "presliding_hysteresis"].map(|id| find(id).unwrap());
+        let tree = urdf::parse(ARM, Path::new("arm.urdf")).unwrap();
+        let mut model = Model::new(ModelSettings {
+            effects: vec![effects.to_vec(); 2],
+            ..ModelSettings::bodies(tree, Signal::Torque)
+        })
+        .unwrap();
+        let [free, stated] = ["a", "b"].map(|joint| {
+            model
+                .find(&format!("{joint}.presliding_hysteresis.vs"))
+                .unwrap()
+        });
+        model.fix(stated, 7.0).unwrap();
+        model.limit_transitions(&TransitionLimits {
+            fastest: vec![0.8; 2],
+            determined: vec![false; 2],
+        });
+        assert_eq!(model.parameters()[free].upper, 0.8);
+        assert_eq!(model.parameters()[stated].value, 7.0);
     }
 
     /// Joints of which the recordings tell 1 N·m to 10 % have what they want, and others what their motion shows.

@@ -98,7 +98,10 @@ pub const EFFECT: Effect = Effect {
 };
 
 fn finding(found: &FittedEffect<'_>) -> String {
-    let second = !found.is_told_from_zero("amplitude") && found.is_told_from_zero("amplitude2");
+    let size = |name: &str| found.value(name).map_or(0.0, f64::abs);
+    let stands_out =
+        !found.is_told_from_zero("amplitude") || size("amplitude2") > size("amplitude");
+    let second = stands_out && found.is_told_from_zero("amplitude2");
     let (times, size) = match second {
         true => (2.0, "amplitude2"),
         false => (1.0, "amplitude"),

@@ -4,7 +4,7 @@
 //! another one, and whatever it explains is the beginning of something that it is not. Such a hypothesis is not named. Sizes that
 //! end at zero, and angles, which come round again, are no shapes.
 
-use crate::chain::effect::{ParameterInfo, Search, Unit};
+use crate::chain::effect::{Effect, Memory, ParameterInfo, Search, Unit};
 use crate::chain::parameter::Parameter;
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::ModelFit;
@@ -17,8 +17,16 @@ pub const AT_LIMIT: f64 = 1e-3;
 pub fn are_inside(fit: &ModelFit, hypothesis: &Hypothesis) -> bool {
     hypothesis.joints.iter().all(|&joint| {
         let mut own = fit.model.joints()[joint].parameters_of(hypothesis.effect.id);
-        own.all(|(info, at)| is_found(info, fit.values[at], &fit.model.parameters()[at]))
+        own.all(|(info, at)| {
+            is_of_speed_and_more(hypothesis.effect, info)
+                || is_found(info, fit.values[at], &fit.model.parameters()[at])
+        })
     })
+}
+
+/// What remembers changes with more than speed, and may do so where the speed over which it changes is any.
+fn is_of_speed_and_more(effect: &Effect, info: &ParameterInfo) -> bool {
+    effect.needs.memory != Memory::None && matches!(info.search, Search::Speed(_))
 }
 
 /// Whether a search may have ended at a value: sizes may be at limits, and shapes at zero.

@@ -16,6 +16,7 @@
 //! minimise ½ ‖u‖² + ½ ε² ‖D (J − J_reference) D‖²   subject to   D J_k(π_0 + N z + E L u) D − margin·1 ⪰ 0
 //! ```
 
+use crate::chain::effect::Linearity;
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
 use crate::estimate::fit_problem::unknowns::Unknowns;
@@ -93,8 +94,8 @@ const NEAREST_MARGIN: f64 = 1e-3;
 /// does not count.
 const REFERENCE_WEIGHT: f64 = 1e-2;
 
-/// Values of the possible robot that is nearest to an estimate by its covariance; `None` where no body is unknown, unknowns
-/// are undetermined, or the solver fails.
+/// Values of the possible robot that is nearest to an estimate by its covariance, with nonlinear parameters as they are: along them
+/// torques are linear for a small step alone. `None` where no body is unknown, unknowns are undetermined, or the solver fails.
 pub fn nearest(
     model: &Model,
     unknowns: &Unknowns,
@@ -106,7 +107,32 @@ pub fn nearest(
         return None;
     }
     let class = EquivalenceClass::new(model, unknowns, values, &bodies);
-    class.nearest(&unknowns.positions(), covariance)
+    let positions = unknowns.positions();
+    let is_held = |&k: &usize| {
+        let parameter = &model.parameters()[positions[k]];
+        parameter.linearity == Linearity::Nonlinear
+    };
+    let held: Vec<usize> = (0..positions.len()).filter(is_held).collect();
+    class.nearest(&positions, &given(covariance, &held))
+}
+
+/// The covariance of unknowns where some are known: `C − C_h C_hh⁺ C_hᵀ`, the Schur complement of theirs.
+fn given(covariance: &DMatrix<f64>, held: &[usize]) -> DMatrix<f64> {
+    if held.is_empty() {
+        return covariance.clone();
+    }
+    let theirs = covariance.select_rows(held).select_columns(held);
+    let with = covariance.select_columns(held);
+    let eigen = theirs.symmetric_eigen();
+    let rounding = f64::EPSILON * eigen.eigenvalues.amax();
+    let mut left = covariance.clone();
+    for (direction, variance) in eigen.eigenvectors.column_iter().zip(&eigen.eigenvalues) {
+        if *variance > rounding {
+            let along = &with * direction;
+            left -= &along * along.transpose() / *variance;
+        }
+    }
+    left
 }
 
 fn smallest_eigenvalue(values: &DVector<f64>, first: usize) -> f64 {
@@ -403,5 +429,21 @@ impl Problem for Bodies {
             constraints,
             jacobian: self.slopes.clone(),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of two unknowns with correlation r the variance of one given the other is σ² (1 − r²) (Kay 1993, theorem 10.2).
+    #[test]
+    fn what_is_known_takes_its_share_of_the_covariance() {
+        let covariance =
+            DMatrix::from_row_slice(3, 3, &[4.0, 3.0, 0.0, 3.0, 9.0, 0.0, 0.0, 0.0, 1e6]);
+        let left = given(&covariance, &[1, 2]);
+        let expected = DMatrix::from_diagonal(&DVector::from_row_slice(&[4.0 - 1.0, 0.0, 0.0]));
+        assert!((&left - expected).amax() < 1e-9, "{left}");
+        assert_eq!(given(&covariance, &[]), covariance);
     }
 }
