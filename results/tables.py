@@ -1,5 +1,5 @@
 """Tables of the result pages from the results of the runs: `python3 results/tables.py PAGE` fills what stands between
-`<!-- table: NAME -->` and `<!-- end -->` of results/PAGE/README.md. `results/remake` makes the runs and calls it. Standard library only.
+`<!-- table: NAME -->` and `<!-- end -->` of results/PAGE/README.md, or of results/PAGE where that is a file. `results/remake` makes the runs and calls it. Standard library only.
 """
 
 import csv
@@ -470,6 +470,36 @@ def trials_probabilities():
     return rows(["probability", "claims", "said, in the mean", "true"], body)
 
 
+def share(rate):
+    return f"{of(rate)} ({100 * rate['are'] / rate['of']:.0f} %)" if rate["of"] else "–"
+
+
+def outside_rates():
+    """Laws that the vocabulary has no name for: what a diagnosis and its formulas come to, beside what is wanted."""
+    r = result("trials/outside")
+    rates, outside, false = r["rates"], r["rates"]["outside"], r["false_findings"]
+    body = [
+        ["laws of at least 3 times the noise: the joint is found", "98 %", share(outside["located"])],
+        ["the same, of two variables at most: a smooth correction takes half of what is beyond the noise", "80 %", share(outside["smooth_takes_half"])],
+        ["laws of at least 5 times the noise that no smooth correction forecasts: a formula is proposed", "70 %", share(outside["proposed"])],
+        ["the same: a formula is proposed and errs at most half as much in the larger motion", "70 %", share(outside["forecasts"])],
+        ["formulas with the variables of the law, no more and no less", "85 %", share(outside["variables_right"])],
+        ["controls, and laws that a smooth correction forecasts to less than the noise: a formula", "at most 2 %", share(outside["needless"])],
+        ["laws of at least 3 times the noise that are given a name of the vocabulary", "at most 2 %", share(rates["outside_named"])],
+        ["controls with a finding", "at most 1 %", share({"are": false["with_finding"], "of": false["controls"]})],
+    ]
+    ratio = outside["median_forecast_ratio"]
+    error = "–" if ratio is None else f"{ratio:.2f}"
+    body.append(["error of formulas in the larger motion over that of the smooth correction, median", "", error])
+    return rows(["", "wanted", f"{len(r['trials'])} trials"], body)
+
+
+def outside_motions():
+    names = ["located", "smooth_takes_half", "proposed", "forecasts"]
+    body = [[one["kind"], *(of(one["rates"]["outside"][name]) for name in names)] for one in result("trials/outside")["by_motion"]]
+    return rows(["motion", "the joint is found", "a smooth correction takes half", "a formula is proposed", "errs at most half as much"], body)
+
+
 # Best values of the other optimisers from the same starts, printed by the owners of the problem (November 2026).
 PANDA7_OTHERS = {
     "condition": "7.819 in 10 s, 7.635 in 60 s, 7.572 in 300 s",
@@ -520,13 +550,14 @@ TABLES = {
         "sizes": trials_by_size,
         "probabilities": trials_probabilities,
     },
+    "trials/outside.md": {"rates": outside_rates, "motions": outside_motions},
     "panda_friction": {figure: lambda figure=figure: panda_errors(figure) for figure in PANDA}
     | {"hand": panda_hand, "lasso": panda_lasso},
 }
 
 
 def fill(page):
-    path = ROOT / page / "README.md"
+    path = ROOT / page if page.endswith(".md") else ROOT / page / "README.md"
     text = path.read_text()
     for name, table in TABLES[page].items():
         mark = f"<!-- table: {name} -->\n"

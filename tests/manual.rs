@@ -70,7 +70,7 @@ fn manual_has_a_page_for_every_verb() {
     assert!(page("exid.1").contains(".SH SUBCOMMANDS"));
     for verb in verbs() {
         assert!(
-            page(&format!("exid-{verb}.1")).contains("Example"),
+            page(&format!("exid-{verb}.1")).contains(".SH EXAMPLES\n"),
             "{verb}"
         );
     }
