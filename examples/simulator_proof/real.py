@@ -9,9 +9,10 @@ as fitted, of the diagnosed one, and of what the noise of the signal alone would
 
 import json
 import math
-import subprocess
 import sys
 from pathlib import Path
+
+from proof import run
 
 ROOT = Path(__file__).resolve().parents[2]
 PROBLEMS = {
@@ -72,10 +73,8 @@ def main():
     for robot in sys.argv[4:] or list(PROBLEMS):
         path = prepare(robot, folder, data)
         found, rolled = folder / robot, folder / f"{robot}_rollout"
-        if not (found / "result.json").exists():
-            subprocess.run([exid, "diagnose", path, "--out", found, "--quiet", "--threads", "1"], check=True)
-        if not (rolled / "result.json").exists():
-            subprocess.run([exid, "rollout", found, "--out", rolled, "--quiet", "--threads", "1"], check=True)
+        run(found / "result.json", exid, "diagnose", path, "--out", found, "--quiet", "--threads", "1")
+        run(rolled / "result.json", exid, "rollout", found, "--out", rolled, "--quiet", "--threads", "1")
         findings = json.loads((found / "result.json").read_text())["findings"]
         said.append(f"{robot}: " + "; ".join(f"{f['effect']} of {', '.join(f['joints'])}" for f in findings))
         result = json.loads((rolled / "result.json").read_text())
