@@ -3,6 +3,7 @@
 //! A friction `F v/(|v| + w)` that motions do not bring near its full size F is extrapolated: the rest of its curve, which a wide
 //! w shows, is as well a viscous friction that is not linear. Where recordings determine F all the same, they may have any w at
 //! which half of F is reached; where they do not, w stays where the fastest motion shows F but for a share of 5 %.
+//! Speeds over which a law that remembers changes are searched for up to the fastest motion.
 
 use crate::chain::dataset::Dataset;
 use crate::chain::effect::knowledge::Transition;

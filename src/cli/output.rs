@@ -118,9 +118,7 @@ pub fn provenance() -> Provenance {
 /// A path as one would type it where the process stands.
 fn from_here(path: PathBuf) -> PathBuf {
     match std::env::current_dir() {
-        Ok(here) => path
-            .strip_prefix(here)
-            .map_or(path.clone(), Path::to_path_buf),
+        Ok(here) => path.strip_prefix(here).unwrap_or(&path).to_path_buf(),
         Err(_) => path,
     }
 }

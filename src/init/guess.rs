@@ -291,27 +291,23 @@ impl<'a> Guess<'a> {
 
     fn of_torque_constants(&self) -> String {
         let by_inertials = self.constants.as_ref().is_some_and(|c| c.by_inertials);
-        let known = match by_inertials {
-            true => "they are those that the robot file's inertials ask for, to a third",
-            false => {
-                "nor do inertials of the robot file speak for any: with 1 N·m/A, all parameters come out divided by one common factor"
+        let known = match (by_inertials, self.has_gains()) {
+            (true, true) => {
+                ": they are those that the robot file's inertials ask for, to a third, and what makes them agree with each other is estimated"
             }
-        };
-        let estimated = match (by_inertials, self.has_gains()) {
-            (true, true) => ", and what makes them agree with each other is estimated",
-            (true, false) => ", as a factor of a single joint's scales all that is unknown",
-            (false, _) => "",
+            (true, false) => {
+                ": they are those that the robot file's inertials ask for, to a third, as a factor of a single joint's scales all that is unknown"
+            }
+            (false, _) => {
+                ", nor do inertials of the robot file speak for any: with 1 N·m/A, all parameters come out divided by one common factor"
+            }
         };
         let remedy = match self.has_gains() {
             true => " and leave their gains out",
             false => "",
         };
         format!(
-            "torque constants are not known{}{known}{estimated}; state those of the robot under drive.torque_constant{remedy}",
-            match by_inertials {
-                true => ": ",
-                false => ", ",
-            }
+            "torque constants are not known{known}; state those of the robot under drive.torque_constant{remedy}"
         )
     }
 
