@@ -2,8 +2,8 @@
 //! to every recorded sample.
 
 use crate::chain::controller::Commands;
-use crate::chain::evaluate::{KnownBodies, Segment};
-use crate::recording::experiment::Experiment;
+use crate::chain::evaluate::{KnownBodies, Segment, earlier};
+use crate::recording::experiment::{Experiment, Motion};
 use crate::recording::split::Split;
 use crate::recording::successive_periods::successive_periods;
 use crate::robot::batch::Trajectory;
@@ -169,6 +169,25 @@ impl Prepared {
             rows.bodies = None;
         }
         turned
+    }
+
+    /// The same signal beside the motion as it was `delay` before, s; what bodies do is not known of it.
+    pub fn late_by(&self, delay: f64) -> Self {
+        if delay == 0.0 || self.experiment.rows() < 2 {
+            return self.clone();
+        }
+        let (t, motion) = earlier(self.whole(), delay);
+        let mut late = self.clone();
+        let experiment = Arc::make_mut(&mut late.experiment);
+        experiment.t = t;
+        let [position, velocity, acceleration] = motion;
+        experiment.motion = Motion {
+            position,
+            velocity,
+            acceleration,
+        };
+        late.bodies = None;
+        late.thinned(1)
     }
 
     /// Number of rows used.

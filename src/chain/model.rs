@@ -119,6 +119,16 @@ impl Model {
         }
     }
 
+    /// Predicts signals as of the motion that they follow, for a recording whose motion is as late as they are.
+    pub fn predict_on_time(&mut self) {
+        for joint in &mut self.joints {
+            joint.delay = None;
+            joint
+                .effects
+                .retain(|(effect, _)| !matches!(effect.law, Law::Delay));
+        }
+    }
+
     /// The joints with their drives, in the order of the tree.
     pub fn joints(&self) -> &[JointModel] {
         &self.joints

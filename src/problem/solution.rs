@@ -84,6 +84,21 @@ pub struct Solution {
     pub trace: Trace,
 }
 
+impl Solution {
+    /// A point to begin at, that no run has come to.
+    pub fn untried(x: DVector<f64>) -> Self {
+        Self {
+            x,
+            cost: f64::INFINITY,
+            stop: Stop::IterationLimit,
+            iterations: 0,
+            evaluations: 0,
+            active_bounds: Vec::new(),
+            trace: Trace::default(),
+        }
+    }
+}
+
 /// The course of a run, one row per iteration.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Trace {

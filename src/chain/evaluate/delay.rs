@@ -81,8 +81,7 @@ impl Evaluator<'_> {
             self.states(segment, 0..samples);
             return;
         }
-        let [q, dq, ddq] = shift(segment, delay);
-        let time: Vec<f64> = segment.time.iter().map(|t| t - delay).collect();
+        let (time, [q, dq, ddq]) = earlier(segment, delay);
         let moved = Segment {
             motors: Trajectory {
                 q: &q,
@@ -110,6 +109,12 @@ impl Evaluator<'_> {
         self.column = columns;
         self.block.values.clone()
     }
+}
+
+/// Times and motion as they were `delay` before every sample, s.
+pub fn earlier(segment: Segment<'_>, delay: f64) -> (Vec<f64>, [Vec<Vec<f64>>; 3]) {
+    let time = segment.time.iter().map(|t| t - delay).collect();
+    (time, shift(segment, delay))
 }
 
 /// A row between two others: their numbers, and the weights of their values and of their slopes.
@@ -174,4 +179,84 @@ fn shift(segment: Segment<'_>, delay: f64) -> [Vec<Vec<f64>>; 3] {
     };
     let jerk: Vec<Vec<f64>> = ddq.iter().map(|x| slopes(x, segment)).collect();
     [pairs(q, dq), pairs(dq, ddq), pairs(ddq, &jerk)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::effect::find;
+    use crate::chain::model::{Model, ModelSettings};
+    use crate::robot::urdf;
+    use std::f64::consts::FRAC_PI_2;
+    use std::path::Path;
+
+    const ARM: &str = r#"<robot name="arm"><link name="base"/>
+<link name="upper"><inertial><origin xyz="0.3 0 -0.05"/><mass value="4"/>
+<inertia ixx="0.02" ixy="0" ixz="0" iyy="0.06" iyz="0" izz="0.06"/></inertial></link>
+<link name="lower"><inertial><origin xyz="0.1 0 -0.2"/><mass value="2"/>
+<inertia ixx="0.03" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"/></inertial></link>
+<joint name="shoulder" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/></joint>
+<joint name="elbow" type="continuous"><parent link="upper"/><child link="lower"/><origin xyz="0.6 0 0"/><axis xyz="0 1 0"/></joint>
+</robot>"#;
+
+    /// What a late signal is along the motion as recorded, it is on time along the motion as it was then.
+    #[test]
+    fn a_signal_that_is_late_is_on_time_beside_a_motion_that_is_as_late() {
+        let tree = urdf::parse(ARM, Path::new("arm.urdf")).unwrap();
+        let ids = [
+            "coulomb_friction",
+            "viscous_friction",
+            "thermal_drift",
+            "time_delay",
+        ];
+        let effects: Vec<_> = ids.iter().map(|id| find(id).unwrap()).collect();
+        let model = Model::new(ModelSettings {
+            effects: vec![effects; 2],
+            ..ModelSettings::bodies(tree, Signal::Torque)
+        })
+        .unwrap();
+        let mut values = model.generic_values();
+        let delays = [0.004, 0.0113];
+        for (joint, delay) in model.joints().iter().zip(delays) {
+            values[joint.delay.unwrap()] = delay;
+        }
+        let rows = 200;
+        let time: Vec<f64> = (0..rows).map(|k| 0.01 * k as f64).collect();
+        let motion = [0, 1, 2].map(|order: i32| -> Vec<Vec<f64>> {
+            let rate = |j: usize| 3.0 + j as f64;
+            let at = |j: usize, t: f64| {
+                rate(j).powi(order) * (rate(j) * t + f64::from(order) * FRAC_PI_2).sin()
+            };
+            let of = |j: usize| time.iter().map(|t| at(j, *t)).collect();
+            (0..2).map(of).collect()
+        });
+        let [q, dq, ddq] = &motion;
+        let segment = Segment {
+            time: &time,
+            ..Segment::states(Trajectory { q, dq, ddq }, false)
+        };
+        let mut late = Evaluator::along(&model, &values, &[], rows);
+        let late: Vec<Vec<f64>> = (0..2)
+            .map(|c| late.evaluate_whole(segment).value(c).to_vec())
+            .collect();
+        for (c, delay) in delays.into_iter().enumerate() {
+            let (time, [q, dq, ddq]) = earlier(segment, delay);
+            let moved = Segment {
+                time: &time,
+                ..Segment::states(
+                    Trajectory {
+                        q: &q,
+                        dq: &dq,
+                        ddq: &ddq,
+                    },
+                    false,
+                )
+            };
+            let mut on_time = model.clone();
+            on_time.predict_only(c);
+            on_time.predict_on_time();
+            let mut evaluator = Evaluator::along(&on_time, &values, &[], rows);
+            assert_eq!(evaluator.evaluate_whole(moved).value(c), late[c]);
+        }
+    }
 }

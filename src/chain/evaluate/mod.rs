@@ -24,6 +24,7 @@ mod rigid;
 mod segment;
 
 pub use block::Block;
+pub use delay::earlier;
 pub use known_bodies::KnownBodies;
 
 use crate::chain::crosstalk::Heard;

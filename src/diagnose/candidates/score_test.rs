@@ -39,6 +39,8 @@ pub struct Linearised<'a> {
     recordings: Vec<Prepared>,
     /// The same with what the bodies do, which laws of drives leave as it is; made when first needed.
     known: OnceLock<Vec<Prepared>>,
+    /// The same beside motions as late as the signal of a joint, by joint.
+    late: Vec<OnceLock<Vec<Prepared>>>,
     path: SignalPath,
     scale: Vec<f64>,
     predicted: Vec<Vec<f64>>,
@@ -107,6 +109,7 @@ impl<'a> Linearised<'a> {
             fit,
             recordings,
             known: OnceLock::new(),
+            late: vec![OnceLock::new(); fit.model.joints().len()],
             path: SignalPath::of(&fit.model),
             scale,
             predicted: series.predicted,
@@ -176,17 +179,26 @@ impl<'a> Linearised<'a> {
         let mut all = self.fit.hypotheses.clone();
         all.push(hypothesis.clone());
         let mut model = context.model(&all).ok()?.model;
-        if hypothesis.joints.len() == 1 && self.path.leaves_others(&self.fit.model, hypothesis) {
-            model.predict_only(hypothesis.joints[0]);
+        let leaves_others = self.path.leaves_others(&self.fit.model, hypothesis);
+        let alone = match hypothesis.joints[..] {
+            [joint] if leaves_others => Some(joint),
+            _ => None,
+        };
+        if let Some(joint) = alone {
+            model.predict_only(joint);
         }
-        let recordings = match self.path.knows_bodies(&self.fit.model, hypothesis) {
-            true => self.known().iter().collect(),
-            false => self.recordings.iter().collect(),
+        let recordings = match (self.path, alone) {
+            (SignalPath::Late, Some(joint)) => {
+                model.predict_on_time();
+                self.late(joint)
+            }
+            _ if self.path.knows_bodies(&self.fit.model, hypothesis) => self.known(),
+            _ => &self.recordings,
         };
         Some(Enlarged {
             own: self.own_parameters(&model),
             model,
-            recordings,
+            recordings: recordings.iter().collect(),
         })
     }
 
@@ -224,13 +236,24 @@ impl<'a> Linearised<'a> {
         self.known.get_or_init(make)
     }
 
+    /// Recordings beside motions as late as the signal of a joint.
+    fn late(&self, joint: usize) -> &[Prepared] {
+        let delay = self.fit.model.joints()[joint].delay;
+        let delay = delay.map_or(0.0, |at| self.fit.values[at]);
+        let moved = |r: &Prepared| self.with_bodies(&r.late_by(delay));
+        let make = || self.recordings.iter().map(moved).collect();
+        self.late[joint].get_or_init(make)
+    }
+
     /// A recording with what the bodies of the fitted model do along it.
     fn with_bodies(&self, recording: &Prepared) -> Prepared {
         let rows = recording.experiment.rows();
         let mut evaluator = Evaluator::along(&self.fit.model, &self.fit.values, &[], rows);
         let bodies = match self.path {
             SignalPath::Lagging => evaluator.settled_bodies(recording.whole()),
-            SignalPath::Simple | SignalPath::Other => evaluator.known_bodies(recording.whole()),
+            SignalPath::Simple | SignalPath::Late | SignalPath::Other => {
+                evaluator.known_bodies(recording.whole())
+            }
         };
         recording.clone().with_bodies(bodies)
     }

@@ -1,7 +1,7 @@
 //! The signal path from the torque of a joint to the signal of a channel, and which part of it a hypothesis leaves unchanged.
 
 use crate::chain::effect::Law;
-use crate::chain::model::{Channel, JointModel, Model};
+use crate::chain::model::{Channel, JointModel, Model, Signal};
 use crate::diagnose::fit::hypothesis::Hypothesis;
 
 /// What lies between the motors and the channels of a model.
@@ -11,7 +11,9 @@ pub enum SignalPath {
     Simple,
     /// The same, but that links lag their motors.
     Lagging,
-    /// Motors are coupled, signals late or heard by other channels, or joints driven together.
+    /// The same as a simple one, but that signals are late.
+    Late,
+    /// Motors are coupled, signals heard by other channels, joints driven together, or signals late of links that lag.
     Other,
 }
 
@@ -22,12 +24,15 @@ impl SignalPath {
         let is_plain = model.is_uncoupled()
             && model.mechanism().is_none()
             && model.heard().next().is_none()
-            && model.channels().iter().enumerate().all(own)
-            && model.joints().iter().all(|joint| joint.delay.is_none());
-        match (is_plain, model.joints().iter().any(JointModel::has_lag)) {
-            (true, false) => Self::Simple,
-            (true, true) => Self::Lagging,
-            (false, _) => Self::Other,
+            && model.channels().iter().enumerate().all(own);
+        let is_late = model.joints().iter().any(|joint| joint.delay.is_some());
+        let has_lag = model.joints().iter().any(JointModel::has_lag);
+        let is_command = model.signal() == Signal::PositionCommand;
+        match (is_plain, is_late, has_lag) {
+            (true, false, false) => Self::Simple,
+            (true, false, true) => Self::Lagging,
+            (true, true, false) if !is_command => Self::Late,
+            _ => Self::Other,
         }
     }
 
@@ -49,9 +54,13 @@ impl SignalPath {
         self != Self::Other && is_of_drive
     }
 
-    /// Whether what the bodies do is known for a hypothesis.
+    /// Whether what the bodies do along the motion as it was recorded is known for a hypothesis.
     pub fn knows_bodies(self, model: &Model, hypothesis: &Hypothesis) -> bool {
         let lags = matches!(hypothesis.effect.law, Law::Spring | Law::Play);
-        self == Self::Simple && lags || self.leaves_others(model, hypothesis)
+        match self {
+            Self::Simple => lags || self.leaves_others(model, hypothesis),
+            Self::Lagging => self.leaves_others(model, hypothesis),
+            Self::Late | Self::Other => false,
+        }
     }
 }

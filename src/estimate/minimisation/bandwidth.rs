@@ -31,6 +31,7 @@ use crate::setup::recordings::{prepare_all, read_all};
 use crate::setup::robot::Robot;
 use crate::stats::likelihood_ratio::is_beyond_chance;
 use crate::stats::robust::median;
+use nalgebra::DVector;
 
 /// Ratio of one cut-off to the next. About its optimum the error of a motion changes by less than a tenth of what noise
 /// does over this much.
@@ -57,37 +58,15 @@ pub fn prepared(
     prior: &Prior,
     control: &Control<'_>,
 ) -> Result<Dataset, SetupError> {
-    let data = with_best_bandwidth(problem, robot, model, prior, control)?;
-    Ok(match model.changes_with_time() {
-        true => data.in_successive_periods(),
-        false => data,
-    })
-}
-
-/// The recordings with the bandwidth that the data choose.
-fn with_best_bandwidth(
-    problem: &ProblemFile,
-    robot: &Robot,
-    model: &Model,
-    prior: &Prior,
-    control: &Control<'_>,
-) -> Result<Dataset, SetupError> {
-    let read = read_all(problem, robot)?;
-    let even = InCommon::default();
-    let first = prepare_all(problem, robot, model, read.clone(), even)?;
-    let Some(begin_hz) = in_common(&first) else {
-        return Ok(first);
-    };
-    let search = Search {
+    let chooser = Chooser {
         problem,
         robot,
         model,
         prior,
         control,
-        read,
-        begin_hz,
+        is_fitted: false,
     };
-    search.run()
+    chooser.prepared()
 }
 
 /// The recordings with the motion that suits another model, where it is not the one that they have: what was chosen beside
@@ -106,7 +85,15 @@ pub fn beside(
     if in_common(present).is_none() {
         return Ok(None);
     }
-    let data = prepared(problem, robot, model, prior, control)?;
+    let chooser = Chooser {
+        problem,
+        robot,
+        model,
+        prior,
+        control,
+        is_fitted: true,
+    };
+    let data = chooser.prepared()?;
     let of = |data: &Dataset| -> Vec<f64> {
         let bandwidths = data.recordings.iter().flat_map(|r| &r.experiment.bandwidth);
         bandwidths.map(|b| b.cutoff_hz).collect()
@@ -149,12 +136,52 @@ fn is_wider(recording: &Prepared) -> bool {
         .any(|b| b.reversals > 0)
 }
 
-struct Search<'a> {
+/// What the bandwidth is chosen for.
+struct Chooser<'a> {
     problem: &'a ProblemFile,
     robot: &'a Robot,
     model: &'a Model,
     prior: &'a Prior,
     control: &'a Control<'a>,
+    /// The values of the model are those of a fit with another bandwidth.
+    is_fitted: bool,
+}
+
+impl Chooser<'_> {
+    fn prepared(&self) -> Result<Dataset, SetupError> {
+        let data = self.with_best_bandwidth()?;
+        Ok(match self.model.changes_with_time() {
+            true => data.in_successive_periods(),
+            false => data,
+        })
+    }
+
+    /// The recordings with the bandwidth that the data choose.
+    fn with_best_bandwidth(&self) -> Result<Dataset, SetupError> {
+        let read = read_all(self.problem, self.robot)?;
+        let first = self.prepare(read.clone(), InCommon::default())?;
+        match in_common(&first) {
+            None => Ok(first),
+            Some(begin_hz) => Search {
+                chooser: self,
+                read,
+                begin_hz,
+            }
+            .run(),
+        }
+    }
+
+    fn prepare(
+        &self,
+        read: Vec<ReadRecording<'_>>,
+        in_common: InCommon,
+    ) -> Result<Dataset, SetupError> {
+        prepare_all(self.problem, self.robot, self.model, read, in_common)
+    }
+}
+
+struct Search<'a> {
+    chooser: &'a Chooser<'a>,
     read: Vec<ReadRecording<'a>>,
     begin_hz: f64,
 }
@@ -164,7 +191,7 @@ impl Search<'_> {
     /// shows one and the signal agrees.
     fn run(&self) -> Result<Dataset, SetupError> {
         let first = self.at(0, Width::Even)?;
-        let Some(left) = self.left(&first) else {
+        let Some(left) = self.left(&first, None) else {
             return Ok(first);
         };
         let first = Candidate {
@@ -173,14 +200,14 @@ impl Search<'_> {
             left,
         };
         let even = self.climb(first, Width::Even)?;
-        if self.control.is_interrupted() {
+        if self.chooser.control.is_interrupted() {
             return Ok(even.data);
         }
         let (step, data) = (even.step, self.at(even.step, Width::WiderAboutReversals)?);
         if !data.recordings.iter().any(is_wider) {
             return Ok(even.data);
         }
-        let Some(left) = self.left(&data) else {
+        let Some(left) = self.left(&data, Some(&even.left)) else {
             return Ok(even.data);
         };
         let wider = Candidate { step, data, left };
@@ -196,9 +223,11 @@ impl Search<'_> {
         let mut best = begin;
         for direction in [1, -1] {
             let mut step = from + direction;
-            while step.abs() <= MOST_STEPS && !self.control.is_interrupted() {
+            while step.abs() <= MOST_STEPS && !self.chooser.control.is_interrupted() {
                 let data = self.at(step, width)?;
-                let Some(left) = self.left(&data) else { break };
+                let Some(left) = self.left(&data, Some(&best.left)) else {
+                    break;
+                };
                 let next = Candidate { step, data, left };
                 if next.likelihood_ratio(&best) <= 0.0 {
                     break;
@@ -218,30 +247,44 @@ impl Search<'_> {
             cutoff_hz: Some(self.begin_hz * STEP.powi(step)),
             width,
         };
-        let read = self.read.clone();
-        prepare_all(self.problem, self.robot, self.model, read, in_common)
+        self.chooser.prepare(self.read.clone(), in_common)
     }
 
-    /// `Σ_c ln σ_c` of a fit; `None` where the model cannot be fitted, which the fit itself will say.
-    fn left(&self, data: &Dataset) -> Option<f64> {
+    /// What a fit leaves, begun from where that of a neighbour ended; `None` where the model cannot be fitted, which the fit
+    /// itself will say.
+    fn left(&self, data: &Dataset, neighbour: Option<&Left>) -> Option<Left> {
+        let &Chooser {
+            model,
+            prior,
+            control,
+            ..
+        } = self.chooser;
         let all: Vec<&Prepared> = data.of(Split::Train).collect();
         let every = counting_rows(&all).div_ceil(ROWS).max(1);
         let thinned: Vec<Prepared> = all.iter().map(|r| r.thinned(every)).collect();
         let recordings: Vec<&Prepared> = thinned.iter().collect();
-        let unknowns = Unknowns::find(self.model, data, self.prior);
+        let unknowns = Unknowns::find(model, data, prior);
+        let model_values = model.values();
+        let known = match neighbour {
+            Some(left) => Some(&left.values),
+            None => self.chooser.is_fitted.then_some(&model_values),
+        };
         let minimisation = Minimisation {
-            model: self.model,
+            model,
             unknowns: &unknowns,
             training: Training {
                 recordings: &recordings,
-                prior: self.prior,
+                prior,
             },
             estimator: Estimator::Weighted,
-            control: self.control,
+            control,
         };
-        let Optimum { solution, problem } = minimisation.run().ok()?;
+        let Optimum { solution, problem } = match known {
+            Some(values) => minimisation.near(at(values, &unknowns)).ok()?,
+            None => minimisation.run().ok()?,
+        };
         let residuals = problem.counted_residuals(&solution.x);
-        let channels = self.model.channels().iter().enumerate();
+        let channels = model.channels().iter().enumerate();
         let of = |c: usize| {
             let (mut squares, mut rows) = (0.0, 0.0);
             for (recording, series) in recordings.iter().zip(&residuals) {
@@ -252,12 +295,29 @@ impl Search<'_> {
             }
             (squares > 0.0).then(|| 0.5 * f64::ln(squares / rows))
         };
-        let left: f64 = channels
+        let logarithms: f64 = channels
             .filter(|(_, channel)| channel.active)
             .filter_map(|(c, _)| of(c))
             .sum();
-        left.is_finite().then_some(left)
+        logarithms.is_finite().then(|| Left {
+            logarithms,
+            values: problem.parameters(&solution.x),
+        })
     }
+}
+
+/// Values of unknowns among those of all parameters.
+fn at(values: &DVector<f64>, unknowns: &Unknowns) -> DVector<f64> {
+    let positions = unknowns.positions();
+    DVector::from_iterator(positions.len(), positions.iter().map(|&p| values[p]))
+}
+
+/// What a fit leaves of the training recordings.
+struct Left {
+    /// `Σ_c ln σ_c`.
+    logarithms: f64,
+    /// Of all parameters, where it ended.
+    values: DVector<f64>,
 }
 
 /// A motion of all recordings.
@@ -265,15 +325,14 @@ struct Candidate {
     /// Of the cut-off.
     step: i32,
     data: Dataset,
-    /// `Σ_c ln σ_c` of the training recordings.
-    left: f64,
+    left: Left,
 }
 
 impl Candidate {
     /// Twice the logarithm of how many times likelier the signal is with this motion than with another.
     fn likelihood_ratio(&self, other: &Self) -> f64 {
         let rows = counting_rows(&self.data.of(Split::Train).collect::<Vec<_>>());
-        2.0 * (other.left - self.left) * rows as f64
+        2.0 * (other.left.logarithms - self.left.logarithms) * rows as f64
     }
 }
 

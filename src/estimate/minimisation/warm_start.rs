@@ -13,6 +13,7 @@ use crate::estimate::residual::noise::counting_rows;
 use crate::estimate::residual::rows::needs_all;
 use crate::estimate::solve::canonical_sines;
 use crate::problem::solution::Solution;
+use nalgebra::DVector;
 
 /// Rows below which a search takes them all at once: a hundred for each unknown of an arm with every effect.
 const FEW_ROWS: usize = 20_000;
@@ -23,7 +24,16 @@ const EVERY: usize = 8;
 impl<'a> Minimisation<'a, '_> {
     /// The optimum of the estimator, begun from that of a few of the rows where there are many.
     pub fn run(&self) -> Result<Optimum<'a>, EstimateError> {
-        let Optimum { solution, problem } = self.from(self.optimum_of_fewer_rows())?;
+        self.canonical_from(self.optimum_of_fewer_rows())
+    }
+
+    /// The optimum of the estimator, begun from unknowns that are near it.
+    pub fn near(&self, x: DVector<f64>) -> Result<Optimum<'a>, EstimateError> {
+        self.canonical_from(Some(Solution::untried(x)))
+    }
+
+    fn canonical_from(&self, begun: Option<Solution>) -> Result<Optimum<'a>, EstimateError> {
+        let Optimum { solution, problem } = self.from(begun)?;
         Ok(Optimum {
             solution: canonical_sines::canonical(&problem, solution),
             problem,
