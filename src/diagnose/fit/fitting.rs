@@ -67,35 +67,48 @@ pub fn fit_declared(context: &Context<'_>) -> Result<ModelFit, DiagnoseError> {
     context.cache.fit_model(&[], make)
 }
 
-/// Fits the declared model with hypotheses.
+/// Fits the declared model with hypotheses; its weights follow the residuals.
 pub fn fit_model(
     context: &Context<'_>,
     hypotheses: &[Hypothesis],
     from: &WarmStart,
 ) -> Result<ModelFit, DiagnoseError> {
-    fit_model_holding(context, hypotheses, from, &[])
+    let model = context.model(hypotheses)?;
+    fit(context, hypotheses, model, from, ROUNDS)
 }
 
-/// The same while nonlinear parameters of some names stay at values.
+/// With the weights with which it begins, and while nonlinear parameters of some names stay at values: the way to a start, or to
+/// which of several starts is the best.
 pub fn fit_model_holding(
     context: &Context<'_>,
     hypotheses: &[Hypothesis],
     from: &WarmStart,
     held: &[(String, f64)],
 ) -> Result<ModelFit, DiagnoseError> {
-    let ModelWithPrior { mut model, prior } = context.model(hypotheses)?;
-    apply(&mut model, &from.values);
+    let mut with_prior = context.model(hypotheses)?;
+    let model = &mut with_prior.model;
     for (name, value) in held {
         let index = model.find(name).map_err(EstimateError::from)?;
         if model.parameters()[index].linearity == Linearity::Nonlinear {
             model.fix(index, *value).map_err(EstimateError::from)?;
         }
     }
+    fit(context, hypotheses, with_prior, from, 1)
+}
+
+fn fit(
+    context: &Context<'_>,
+    hypotheses: &[Hypothesis],
+    ModelWithPrior { mut model, prior }: ModelWithPrior,
+    from: &WarmStart,
+    rounds: usize,
+) -> Result<ModelFit, DiagnoseError> {
+    apply(&mut model, &from.values);
     let unknowns = Unknowns::find(&model, context.data, &prior);
     let recordings = context.recordings(Split::Train);
     let mut scale = from.deviations.clone();
     let mut done: Option<(Solution, DVector<f64>, Vec<Vec<f64>>)> = None;
-    for _ in 0..ROUNDS {
+    for _ in 0..rounds {
         let weights = Weights::by_deviation(&scale);
         let problem = FitProblem::new(
             &model,

@@ -72,8 +72,13 @@ impl ExactFit<'_> {
         let others: Vec<WarmStart> = others.map(|own| fitted.with(own)).collect();
         let all = std::iter::once(&start).chain(&others);
         let bent = all.filter_map(|start| self.without_shapes(start));
+        let mut tried = Vec::new();
         for other in others.iter().cloned().chain(bent) {
-            best = self.better(best, from(&other)?);
+            tried.push(fit_model_holding(self.context, hypotheses, &other, &[])?);
+        }
+        let foremost = tried.into_iter().reduce(|a, b| self.better(a, b));
+        if let Some(foremost) = foremost.filter(|one| self.is_better(one, &best)) {
+            best = self.better(best, from(&foremost.warm_start())?);
         }
         let is_lost = |one: &Anew| is_at_a_limit(&best, &one.start) || self.forecasts_worse(&best);
         if candidate.anew.iter().any(is_lost) {
@@ -138,12 +143,18 @@ impl ExactFit<'_> {
 
     /// The one that fits better, or that alone is possible.
     fn better(&self, a: ModelFit, b: ModelFit) -> ModelFit {
-        let impossible = |fit: &ModelFit| !self.is_possible(fit);
-        let by_score = || b.fitted_score().total_cmp(&a.fitted_score());
-        match impossible(&b).cmp(&impossible(&a)).then_with(by_score) {
-            Ordering::Less => b,
-            _ => a,
+        match self.is_better(&b, &a) {
+            true => b,
+            false => a,
         }
+    }
+
+    /// Whether a fit is better than another, or alone possible.
+    fn is_better(&self, fit: &ModelFit, other: &ModelFit) -> bool {
+        let impossible = |fit: &ModelFit| !self.is_possible(fit);
+        let by_score = || fit.fitted_score().total_cmp(&other.fitted_score());
+        let order = impossible(fit).cmp(&impossible(other)).then_with(by_score);
+        order == Ordering::Less
     }
 
     /// The start with the nonlinear parameters of a law at the motor left where the model has them to begin with: those
