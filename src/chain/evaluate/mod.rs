@@ -13,6 +13,7 @@ mod contact_march;
 mod coupling;
 mod crosstalk;
 mod delay;
+mod earlier_motion;
 mod known_bodies;
 mod lag;
 mod loops;
@@ -24,7 +25,7 @@ mod rigid;
 mod segment;
 
 pub use block::Block;
-pub use delay::earlier;
+pub use earlier_motion::earlier;
 pub use known_bodies::KnownBodies;
 
 use crate::chain::crosstalk::Heard;
