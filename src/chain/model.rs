@@ -4,7 +4,7 @@ use crate::chain::assemble;
 pub use crate::chain::channel::Channel;
 pub(super) use crate::chain::channel::WRENCH;
 use crate::chain::crosstalk::Heard;
-use crate::chain::effect::{Catalogue, Law, Memory};
+use crate::chain::effect::{Catalogue, Effect, Law, Memory};
 use crate::chain::error::ModelError;
 pub use crate::chain::joint_model::JointModel;
 use crate::chain::parameter::{Parameter, Role, State};
@@ -123,9 +123,6 @@ impl Model {
     pub fn predict_on_time(&mut self) {
         for joint in &mut self.joints {
             joint.delay = None;
-            joint
-                .effects
-                .retain(|(effect, _)| !matches!(effect.law, Law::Delay));
         }
     }
 
@@ -189,7 +186,12 @@ impl Model {
     /// What the effects of the model have to know of the past: the most of any.
     pub fn memory(&self) -> Memory {
         let active = self.joints.iter().filter(|joint| !joint.locked);
-        let all = active.flat_map(|joint| joint.effects.iter().map(|(e, _)| e.needs.memory));
+        let all = active.flat_map(|joint| {
+            let on_time =
+                |effect: &Effect| matches!(effect.law, Law::Delay) && joint.delay.is_none();
+            let acting = joint.effects.iter().filter(move |(e, _)| !on_time(e));
+            acting.map(|(e, _)| e.needs.memory)
+        });
         all.fold(Memory::None, |most, next| match (most, next) {
             (Memory::WholeMotion, _) | (_, Memory::WholeMotion) => Memory::WholeMotion,
             (Memory::Time, _) | (_, Memory::Time) => Memory::Time,

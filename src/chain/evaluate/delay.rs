@@ -114,10 +114,14 @@ impl Evaluator<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chain::dataset::Prepared;
     use crate::chain::effect::find;
     use crate::chain::model::{Model, ModelSettings};
+    use crate::recording::preprocess::prepare;
+    use crate::recording::samples::Recording;
+    use crate::recording::settings::Preparation;
+    use crate::recording::split::Split;
     use crate::robot::urdf;
-    use std::f64::consts::FRAC_PI_2;
     use std::path::Path;
 
     const ARM: &str = r#"<robot name="arm"><link name="base"/>
@@ -133,11 +137,13 @@ mod tests {
     #[test]
     fn a_signal_that_is_late_is_on_time_beside_a_motion_that_is_as_late() {
         let tree = urdf::parse(ARM, Path::new("arm.urdf")).unwrap();
+        // Laws with parameters of others stand behind the delay.
         let ids = [
             "coulomb_friction",
             "viscous_friction",
-            "thermal_drift",
             "time_delay",
+            "presliding_hysteresis",
+            "thermal_drift",
         ];
         let effects: Vec<_> = ids.iter().map(|id| find(id).unwrap()).collect();
         let model = Model::new(ModelSettings {
@@ -150,43 +156,33 @@ mod tests {
         for (joint, delay) in model.joints().iter().zip(delays) {
             values[joint.delay.unwrap()] = delay;
         }
-        let rows = 200;
-        let time: Vec<f64> = (0..rows).map(|k| 0.01 * k as f64).collect();
-        let motion = [0, 1, 2].map(|order: i32| -> Vec<Vec<f64>> {
-            let rate = |j: usize| 3.0 + j as f64;
-            let at = |j: usize, t: f64| {
-                rate(j).powi(order) * (rate(j) * t + f64::from(order) * FRAC_PI_2).sin()
-            };
-            let of = |j: usize| time.iter().map(|t| at(j, *t)).collect();
-            (0..2).map(of).collect()
-        });
-        let [q, dq, ddq] = &motion;
-        let segment = Segment {
-            time: &time,
-            ..Segment::states(Trajectory { q, dq, ddq }, false)
+        let positions = |rate: f64| {
+            (0..400)
+                .map(|k| (0.01 * rate * f64::from(k)).sin())
+                .collect()
         };
-        let mut late = Evaluator::along(&model, &values, &[], rows);
-        let late: Vec<Vec<f64>> = (0..2)
-            .map(|c| late.evaluate_whole(segment).value(c).to_vec())
-            .collect();
-        for (c, delay) in delays.into_iter().enumerate() {
-            let (time, [q, dq, ddq]) = earlier(segment, delay);
-            let moved = Segment {
-                time: &time,
-                ..Segment::states(
-                    Trajectory {
-                        q: &q,
-                        dq: &dq,
-                        ddq: &ddq,
-                    },
-                    false,
-                )
-            };
+        let positions: Vec<Vec<f64>> = [3.0, 4.0].map(positions).to_vec();
+        let recording = Recording::of_samples("made", positions.clone(), positions);
+        let preparation = Preparation {
+            rate: Some(100.0),
+            ..Preparation::default()
+        };
+        let experiment = prepare(recording, &preparation).unwrap();
+        let recorded = Prepared::new("made".to_string(), Split::Train, false, experiment);
+        let signal = |model: &Model, recording: &Prepared, channel: usize| {
+            let mut evaluator = Evaluator::along(model, &values, &[], recording.rows());
+            evaluator
+                .evaluate_whole(recording.whole())
+                .value(channel)
+                .to_vec()
+        };
+        for (channel, delay) in delays.into_iter().enumerate() {
             let mut on_time = model.clone();
-            on_time.predict_only(c);
+            on_time.predict_only(channel);
             on_time.predict_on_time();
-            let mut evaluator = Evaluator::along(&on_time, &values, &[], rows);
-            assert_eq!(evaluator.evaluate_whole(moved).value(c), late[c]);
+            let late = signal(&model, &recorded, channel);
+            assert_eq!(signal(&on_time, &recorded.late_by(delay), channel), late);
+            assert_ne!(signal(&on_time, &recorded, channel), late);
         }
     }
 }

@@ -62,6 +62,12 @@ impl Unknowns {
         positions
     }
 
+    /// Values of the unknowns among those of all parameters.
+    pub fn among(&self, values: &DVector<f64>) -> DVector<f64> {
+        let positions = self.positions();
+        DVector::from_iterator(positions.len(), positions.iter().map(|&p| values[p]))
+    }
+
     /// Whether an unknown is a parameter by itself, and not a combination that it leads.
     pub fn is_single(&self, unknown: usize) -> bool {
         let base = self.base.base.get(unknown);

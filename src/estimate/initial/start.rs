@@ -220,9 +220,7 @@ fn at(
     };
     let frozen = problem.with_unknowns(&model, &linear);
     let solved = solve(&frozen, &frozen.start(), ITERATIONS_PER_ROUND, control)?;
-    let values = model.values();
-    let all = problem.unknowns.positions();
-    let mut start = DVector::from_iterator(all.len(), all.iter().map(|&p| values[p]));
+    let mut start = problem.unknowns.among(&model.values());
     start.rows_mut(0, solved.x.len()).copy_from(&solved.x);
     Ok(start)
 }

@@ -280,7 +280,7 @@ impl Search<'_> {
             control,
         };
         let Optimum { solution, problem } = match known {
-            Some(values) => minimisation.near(at(values, &unknowns)).ok()?,
+            Some(values) => minimisation.near(unknowns.among(values)).ok()?,
             None => minimisation.run().ok()?,
         };
         let residuals = problem.counted_residuals(&solution.x);
@@ -304,12 +304,6 @@ impl Search<'_> {
             values: problem.parameters(&solution.x),
         })
     }
-}
-
-/// Values of unknowns among those of all parameters.
-fn at(values: &DVector<f64>, unknowns: &Unknowns) -> DVector<f64> {
-    let positions = unknowns.positions();
-    DVector::from_iterator(positions.len(), positions.iter().map(|&p| values[p]))
 }
 
 /// What a fit leaves of the training recordings.
