@@ -385,6 +385,7 @@ const MISTAKES: &[Case] = &[
     case("no time and twice the rate", "velocity-beyond-limits", |x| x.without_time(250.0)),
     case("no time and half the rate", "period-wrong", |x| x.without_time(62.5)),
     case("no time and ten times the rate", "less than one period", |x| x.without_time(1250.0)),
+    case("time that runs ever faster", "clock-drift", |x| { x.without_rate(); x.each(TIME, |t| t + 1e-3 * t * t / 72.0) }),
     case("a period of 6.0 s", "period-wrong", |x| x.problem("period = 12.0", "period = 6.0")),
     case("a period of 4.0 s", "period-wrong", |x| x.problem("period = 12.0", "period = 4.0")),
     case("a period of 1.0 s", "period-wrong", |x| x.problem("period = 12.0", "period = 1.0")),

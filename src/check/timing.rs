@@ -27,7 +27,7 @@ pub(super) fn check(read: &RawRecording<'_>) -> Vec<Mistake> {
         return vec![found];
     }
     let found = joined(read).chain(held(read)).chain(missing(read));
-    found.chain(uneven(read)).collect()
+    found.chain(uneven(read)).chain(drifting(read)).collect()
 }
 
 /// How the files of a recording were put together.
@@ -55,6 +55,21 @@ fn held(read: &RawRecording<'_>) -> Option<Mistake> {
             "samples-held",
             held.words(&read.recording.file, read.timing.rate_hz),
             "record every channel at the rate of the file, or write the samples alone",
+        ),
+    ))
+}
+
+/// A clock that does not run as the motion repeats.
+fn drifting(read: &RawRecording<'_>) -> Option<Mistake> {
+    let drift = read.recording.clock_drift.as_ref()?;
+    Some(finding(
+        Severity::Warning,
+        read.place().key("time"),
+        Description::new(
+            "clock-drift",
+            drift.words(&read.recording.file),
+            "stamp samples by the clock of the robot's controller; how fast the clock runs on the average, this cannot tell, \
+             and speeds and accelerations are wrong by as much",
         ),
     ))
 }

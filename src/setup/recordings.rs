@@ -7,6 +7,7 @@ use crate::problem_file::choices::Signal;
 use crate::problem_file::recordings::{ColumnsTable, RecordingFiles};
 use crate::problem_file::{FilePath, Located, ProblemFile, RecordingsTable};
 use crate::recording::clock::evened;
+use crate::recording::clock_drift::steadied;
 use crate::recording::column_map::{Column, ColumnMap};
 use crate::recording::columns::{RecordedJoint, read_within};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
@@ -203,7 +204,7 @@ pub fn read_one(
         _ => recording,
     });
     let recording = recording.and_then(|recording| thinned(recording, rate));
-    let recording = recording.map(evened);
+    let recording = recording.map(evened).map(steadied);
     recording.map_err(|e| at_request(table, path, e))
 }
 

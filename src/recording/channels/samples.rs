@@ -64,6 +64,8 @@ pub struct Recording {
     pub held: Option<Upsampled>,
     /// Set where `time` is an even clock: the deviation of the file's stamps from it, s.
     pub stamp_jitter: Option<f64>,
+    /// Set where `time` is made to agree with the periods of the motion.
+    pub clock_drift: Option<ClockDrift>,
     /// Set where cells of the file hold no number; their rows are masked.
     pub missing: Option<MissingValues>,
     /// What a reader of any result should know of how the files were put together.
@@ -91,6 +93,7 @@ impl Recording {
             mask: None,
             held: None,
             stamp_jitter: None,
+            clock_drift: None,
             missing: None,
             remarks: Vec::new(),
         }
@@ -169,6 +172,28 @@ impl Upsampled {
             self.channels,
             file.display(),
             self.rows.len(),
+        )
+    }
+}
+
+/// A clock of stamps that drifted against the motion, and was steadied.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClockDrift {
+    /// Shortest and longest period of the motion by the stamps of the file, s.
+    pub periods: [f64; 2],
+    /// Greatest shift of a stamp, s.
+    pub shift: f64,
+}
+
+impl ClockDrift {
+    /// What a reader of any result should know of it.
+    pub fn words(&self, file: &Path) -> String {
+        let [shortest, longest] = self.periods;
+        format!(
+            "By the time stamps of {} the periods of its motion last from {shortest:.6} to {longest:.6} s: their clock drifts. \
+             They are shifted by up to {:.3} ms, so that all periods are equally long.",
+            file.display(),
+            1e3 * self.shift
         )
     }
 }

@@ -28,6 +28,8 @@ pub fn prepare(
     let held = recording.held.as_ref();
     let held = held.map(|held| held.words(&recording.file, timing.rate_hz));
     let clock = clock::words(&recording, timing.rate_hz);
+    let drift = recording.clock_drift.as_ref();
+    let drift = drift.map(|drift| drift.words(&recording.file));
     let joined = recording.remarks.clone();
     let missing = recording.missing.as_ref();
     let missing = missing.map(|missing| missing.words(&recording.file));
@@ -37,7 +39,7 @@ pub fn prepare(
     }?;
     experiment.remarks.extend(
         joined.into_iter().chain(
-            [missing, spikes, held, clock, settled.remark]
+            [missing, spikes, held, clock, drift, settled.remark]
                 .into_iter()
                 .flatten(),
         ),

@@ -24,7 +24,7 @@ pub(in crate::recording) const GAP_STEPS: f64 = 1.5;
 
 /// Stamps within this fraction of a step of an even grid are even: at 5 % of a step the error of a
 /// position is what the joint moves in 5 % of a sample, below what interpolation would add.
-pub(super) const UNIFORM_STEPS: f64 = 0.05;
+pub(in crate::recording) const UNIFORM_STEPS: f64 = 0.05;
 
 /// Given and found rate may differ by this fraction; more is a wrong unit or a wrong rate.
 const RATE_AGREEMENT: f64 = 0.05;
@@ -223,6 +223,7 @@ pub fn resample(recording: Recording, grid: Grid) -> Recording {
         mask,
         held: recording.held,
         stamp_jitter: recording.stamp_jitter,
+        clock_drift: recording.clock_drift,
         missing: recording.missing,
         remarks: recording.remarks,
         lines: None,

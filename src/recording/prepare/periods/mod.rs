@@ -1,5 +1,6 @@
 //! Periodic motion: its period, the average over periods and the scatter about it, and derivatives by Fourier series.
 
+pub mod clock_drift;
 mod fourier;
 pub mod period;
 mod period_average;

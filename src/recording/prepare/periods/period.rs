@@ -61,19 +61,14 @@ fn repeats(changed: f64, noise: f64) -> bool {
 /// Share of the power of positions that is white noise, from their fourth differences, `Σ (Δ⁴q)² / 70`, which hardly
 /// contain the motion. Two periods differ by twice the noise, and d is half the square of what differs.
 fn noise_share(positions: &[Vec<f64>]) -> f64 {
-    let (mut noise, mut variance) = (0.0, 0.0);
+    let (mut noise, mut power) = (0.0, 0.0);
     for q in positions {
         let differences = q.windows(5).map(|x| fourth(x, 1));
         let squares: f64 = differences.map(|d| d * d).sum();
         noise += squares / 70.0 / q.len().saturating_sub(4).max(1) as f64;
-        let mean = q.iter().sum::<f64>() / q.len() as f64;
-        variance += q.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / q.len() as f64;
+        power += variance(q);
     }
-    if variance > 0.0 {
-        noise / variance
-    } else {
-        0.0
-    }
+    if power > 0.0 { noise / power } else { 0.0 }
 }
 
 /// How the motion of a recording repeats; None if it does not, or not twice.
@@ -190,25 +185,57 @@ fn whole(period: f64, timing: &Timing, duration: f64) -> f64 {
     }
 }
 
-/// Share of the power of a motion that changes after a lag between samples, `Σ (q(k) − q(k + l))² / 2 Var q` over all
-/// joints; None where hardly anything lies behind it.
-pub fn changed_after(positions: &[Vec<f64>], lag: f64) -> Option<f64> {
-    let (whole, part) = (lag.floor() as usize, lag.fract());
-    let (mut change, mut variance) = (0.0, 0.0);
-    for q in positions {
-        // Fewer samples than a tenth of the period behind it say nothing.
-        let count = q
+/// A series beside itself a lag later, where the lag may end between samples.
+pub(super) struct Lagged<'a> {
+    series: &'a [f64],
+    whole: usize,
+    part: f64,
+    count: usize,
+}
+
+impl<'a> Lagged<'a> {
+    /// None where fewer samples than a tenth of the lag lie behind it: they say nothing.
+    pub fn new(series: &'a [f64], lag: f64) -> Option<Self> {
+        let whole = lag.floor() as usize;
+        let count = series
             .len()
             .checked_sub(whole + 2)
             .filter(|n| *n as f64 > 0.1 * lag)?;
-        let mean = q.iter().sum::<f64>() / q.len() as f64;
-        variance += q.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / q.len() as f64;
-        change += (1..count)
-            .map(|k| (q[k] - between(&q[k + whole - 1..], part)).powi(2))
-            .sum::<f64>()
-            / count as f64;
+        Some(Self {
+            series,
+            whole,
+            part: lag.fract(),
+            count,
+        })
     }
-    (variance > 0.0).then(|| change / (2.0 * variance))
+
+    /// k and q(k) − q(k + lag).
+    pub fn changes(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        (1..self.count).map(|k| {
+            let later = between(&self.series[k + self.whole - 1..], self.part);
+            (k, self.series[k] - later)
+        })
+    }
+}
+
+/// Mean square about the mean.
+pub(super) fn variance(series: &[f64]) -> f64 {
+    let count = series.len() as f64;
+    let mean = series.iter().sum::<f64>() / count;
+    series.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count
+}
+
+/// Share of the power of a motion that changes after a lag between samples, `Σ (q(k) − q(k + l))² / 2 Var q` over all
+/// joints; None where hardly anything lies behind it.
+pub fn changed_after(positions: &[Vec<f64>], lag: f64) -> Option<f64> {
+    let (mut change, mut power) = (0.0, 0.0);
+    for q in positions {
+        let lagged = Lagged::new(q, lag)?;
+        power += variance(q);
+        let squares = lagged.changes().map(|(_, change)| change * change);
+        change += squares.sum::<f64>() / lagged.count as f64;
+    }
+    (power > 0.0).then(|| change / (2.0 * power))
 }
 
 /// The cubic through four samples, between the second and the third: its error is of the order of the noise of motions
