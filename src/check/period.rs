@@ -44,17 +44,23 @@ fn of_unstated(read: &RawRecording<'_>) -> Option<Mistake> {
         return None;
     }
     let found = period::find(read.recording, &read.timing)?;
-    let period = found.period;
-    let repeats = read.samples() as f64 / read.timing.rate_hz / period;
-    let remedy = if found.is_exact() {
+    let seconds = found.period;
+    let repeats = read.samples() as f64 / read.timing.rate_hz / seconds;
+    let remedy = if found.is_exact() && !period::is_whole(read.recording, &read.timing, seconds) {
         format!(
-            "a fit averages over these periods; set recordings.period = {period:.5} to hold it to that, \
+            "these hold {:.2} samples: a fit takes its noise from them and every sample for itself; periods of a whole number \
+             of samples would be averaged, which is as right and faster",
+            seconds * read.timing.rate_hz
+        )
+    } else if found.is_exact() {
+        format!(
+            "a fit averages over these periods; set recordings.period = {seconds:.5} to hold it to that, \
              or recordings.differentiation.method = \"lowpass\" to use every sample"
         )
     } else {
         format!(
             "{:.2} % of its power changes from period to period, too much to average unasked; if nothing \
-             but noise changes, set recordings.period = {period:.5}",
+             but noise changes, set recordings.period = {seconds:.5}",
             100.0 * found.changed
         )
     };
@@ -63,7 +69,7 @@ fn of_unstated(read: &RawRecording<'_>) -> Option<Mistake> {
         read.place().key("period"),
         Description::new(
             "period-not-stated",
-            format!("the motion repeats every {period:.5} s, {repeats:.1} times"),
+            format!("the motion repeats every {seconds:.5} s, {repeats:.1} times"),
             remedy,
         ),
     ))

@@ -12,8 +12,7 @@ use crate::stats::robust::median;
 /// Share of missing samples up to which interpolation across the gaps is of no account.
 const FEW_MISSING: f64 = 0.001;
 
-/// Jitter over step from which linear interpolation costs more than an encoder's quantum: a joint at 1 rad/s
-/// is then 1 mrad off at 100 Hz.
+/// Jitter over step that counts: a joint at 1 rad/s is 1 mrad from where it would be at 100 Hz.
 const UNEVEN: f64 = 0.1;
 
 /// Jitter over step that makes velocities wrong by as much.
@@ -150,7 +149,7 @@ fn uneven(read: &RawRecording<'_>) -> Option<Mistake> {
         Some(_) => {
             "the motion is smooth by an even clock and not by the stamps, so the clock is used"
         }
-        None => "samples are interpolated to an even grid as they are",
+        None => "every sample is used at the time of its stamp",
     };
     (is_uneven && relative > UNEVEN).then(|| {
         finding(

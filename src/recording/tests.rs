@@ -247,18 +247,14 @@ fn every_recorded_sample_finds_its_row() {
         let experiment = prepare(recording, &preparation).unwrap();
         let raw = &experiment.raw;
         for (k, t) in raw.t.iter().enumerate() {
-            let place = raw.locate(k);
-            let rows = &experiment.motion.position[0];
-            let found =
-                (1.0 - place.weight) * rows[place.before] + place.weight * rows[place.after];
-            // Linear interpolation twice over 5 ms of an acceleration of at most 12: 2 h² a / 8.
-            assert!((found - motion(*t)[0]).abs() < 1e-4, "{:?} at {t}", raw.map);
+            let found = experiment.motion.position[0][raw.row_of(k)];
+            // What cubics over 5 ms and the smoother leave of a motion without noise.
+            assert!((found - motion(*t)[0]).abs() < 2e-6, "{:?} at {t}", raw.map);
         }
         for period in 0..experiment.periods.map_or(0, |periods| periods.count) {
             let signal = experiment.period_signal(0, period);
             for (row, value) in signal.iter().enumerate() {
-                // The same of a velocity, whose second derivative is at most 140.
-                assert!((value - motion(experiment.t[row])[1]).abs() < 1e-3);
+                assert!((value - motion(experiment.t[row])[1]).abs() < 1e-9);
             }
         }
     }

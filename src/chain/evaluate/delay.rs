@@ -61,7 +61,7 @@ impl Evaluator<'_> {
             if columns.is_empty() {
                 continue;
             }
-            let step = STEP * (segment.time[1] - segment.time[0]);
+            let step = STEP * segment.step();
             let late = self.shifted_values(segment, delay + step);
             let early = self.shifted_values(segment, delay - step);
             for (c, column) in columns {

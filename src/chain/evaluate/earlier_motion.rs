@@ -10,47 +10,60 @@ pub fn earlier(segment: Segment<'_>, delay: f64) -> (Vec<f64>, [Vec<Vec<f64>>; 3
     (time, shift(segment, delay))
 }
 
-/// A row between two others: their numbers, and the weights of their values and of their slopes.
+/// A time between two rows: their numbers, and the weights of their values and of their slopes.
 struct Place {
     rows: [usize; 2],
     values: [f64; 2],
     slopes: [f64; 2],
 }
 
-/// Cubic Hermite at t − delay, for every row.
-fn places(segment: Segment<'_>, delay: f64) -> Vec<Place> {
-    let (samples, h) = (segment.time.len(), segment.time[1] - segment.time[0]);
-    let of = |k: usize| {
-        let at = k as f64 - delay / h;
-        let (at, before) = if segment.cyclic {
-            let at = at.rem_euclid(samples as f64);
-            (at, (at.floor() as usize).min(samples - 1))
-        } else {
-            let at = within(at, [0.0, (samples - 1) as f64]);
-            (at, (at.floor() as usize).min(samples - 2))
-        };
-        let s = at - before as f64;
+impl Place {
+    /// At a share of the way between two rows that are so many seconds apart: cubic Hermite.
+    fn between(rows: [usize; 2], share: f64, apart: f64) -> Self {
+        let s = share;
         let (s2, s3) = (s * s, s * s * s);
-        Place {
-            rows: [before, (before + 1) % samples],
+        Self {
+            rows,
             values: [2.0 * s3 - 3.0 * s2 + 1.0, 3.0 * s2 - 2.0 * s3],
-            slopes: [h * (s3 - 2.0 * s2 + s), h * (s3 - s2)],
+            slopes: [apart * (s3 - 2.0 * s2 + s), apart * (s3 - s2)],
         }
+    }
+}
+
+/// t − delay, for every row.
+fn places(segment: Segment<'_>, delay: f64) -> Vec<Place> {
+    let (samples, h) = (segment.time.len(), segment.step());
+    if segment.cyclic {
+        let of = |k: usize| {
+            let at = (k as f64 - delay / h).rem_euclid(samples as f64);
+            let before = (at.floor() as usize).min(samples - 1);
+            Place::between([before, (before + 1) % samples], at - before as f64, h)
+        };
+        return (0..samples).map(of).collect();
+    }
+    let time = segment.time;
+    let mut before = 0;
+    let mut of = |now: &f64| {
+        let then = within(now - delay, [time[0], time[samples - 1]]);
+        while before + 2 < samples && time[before + 1] <= then {
+            before += 1;
+        }
+        let apart = time[before + 1] - time[before];
+        Place::between([before, before + 1], (then - time[before]) / apart, apart)
     };
-    (0..samples).map(of).collect()
+    time.iter().map(&mut of).collect()
 }
 
 /// Slopes of a series, by central differences.
 fn slopes(x: &[f64], segment: Segment<'_>) -> Vec<f64> {
-    let (samples, h) = (x.len(), segment.time[1] - segment.time[0]);
+    let (samples, h, time) = (x.len(), segment.step(), segment.time);
     let of = |k: usize| {
-        let (before, after, steps) = match (segment.cyclic, k) {
-            (true, _) => ((k + samples - 1) % samples, (k + 1) % samples, 2.0),
-            (false, 0) => (0, 1, 1.0),
-            (false, _) if k + 1 == samples => (k - 1, k, 1.0),
-            (false, _) => (k - 1, k + 1, 2.0),
-        };
-        (x[after] - x[before]) / (steps * h)
+        if segment.cyclic {
+            let (before, after) = ((k + samples - 1) % samples, (k + 1) % samples);
+            return (x[after] - x[before]) / (2.0 * h);
+        }
+        let (before, after) = (k.saturating_sub(1), (k + 1).min(samples - 1));
+        (x[after] - x[before]) / (time[after] - time[before])
     };
     (0..samples).map(of).collect()
 }

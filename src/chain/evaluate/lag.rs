@@ -238,7 +238,7 @@ impl Evaluator<'_> {
             return None;
         }
         let grid = TimeGrid {
-            step: segment.time[1] - segment.time[0],
+            step: segment.step(),
             cyclic: segment.cyclic,
         };
         let series = || vec![vec![0.0; samples]; members.len()];

@@ -45,6 +45,12 @@ impl<'a> Segment<'a> {
         }
     }
 
+    /// s from sample to sample on the average; of two samples or more.
+    pub(super) fn step(&self) -> f64 {
+        let last = self.time.len() - 1;
+        (self.time[last] - self.time[0]) / last as f64
+    }
+
     /// Times of some samples, empty where there are none.
     pub(super) fn times(&self, range: Range<usize>) -> &'a [f64] {
         self.time.get(range).unwrap_or(&[])

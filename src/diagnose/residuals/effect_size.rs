@@ -26,10 +26,14 @@ pub const OF_NOISE: f64 = 0.5;
 /// A delay of less than this share of the interval between samples is none: stamps of samples are not better.
 const OF_INTERVAL: f64 = 0.05;
 
+/// A delay that is so many times what the error of the motion moves a reversal by shows there too: one deviation is what noise
+/// does, and what the motion of a controller that answers friction does beyond the model of the smoother is some more.
+const CLEAR_OF_REVERSALS: f64 = 10.0;
+
 /// Largest share by which the held-out RMS error of a joint falls where the effect is worth the name: what it
 /// takes away has to be [`OF_TORQUE`] of the signal itself and [`OF_NOISE`] of the noise. Where it filters the motion
 /// only what it takes from frequencies at which that stands clear of its noise counts, and where it shifts the motion
-/// in time only what it takes while the joint is under way.
+/// in time, by no more than a reversal may be off, only what it takes while the joint is under way.
 pub fn error_reduction(context: &Context<'_>, hypothesis: &Hypothesis, pair: FitPair<'_>) -> f64 {
     let FitPair {
         poorer: before,
@@ -39,11 +43,14 @@ pub fn error_reduction(context: &Context<'_>, hypothesis: &Hypothesis, pair: Fit
     let filters = matches!(hypothesis.effect.law, Law::Spring);
     let band = filters.then(|| clear_band::band(context, hypothesis));
     let shifts = matches!(hypothesis.effect.law, Law::Delay);
-    if shifts && longest_delay(after, hypothesis) < OF_INTERVAL * shortest_interval(&held_out) {
+    let delay = longest_delay(after, hypothesis);
+    if shifts && delay < OF_INTERVAL * shortest_interval(&held_out) {
         return 0.0;
     }
+    let is_hidden = |joint: &usize| delay < CLEAR_OF_REVERSALS * reversal_error(&held_out, *joint);
     let of = |c: usize| {
         let joint = after.model.channels()[c].joint.filter(|_| shifts);
+        let joint = joint.filter(is_hidden);
         let under_way = joint.map(|joint| reversal_mask::rows(context, after, joint));
         let left = |residual: &[f64]| match (band, &under_way) {
             (Some(band), _) => clear_band::rms(residual, band),
@@ -81,6 +88,17 @@ fn longest_delay(fit: &ModelFit, hypothesis: &Hypothesis) -> f64 {
     let joints = hypothesis.joints.iter();
     let delays = joints.filter_map(|&j| fit.model.joints()[j].delay);
     delays.map(|k| fit.values[k].abs()).fold(0.0, f64::max)
+}
+
+/// s by which the error of a joint's speed moves its reversals, σ_q̇ over the RMS acceleration; infinite where nothing tells it.
+fn reversal_error(recordings: &[&Prepared], joint: usize) -> f64 {
+    let of = |recording: &&Prepared| {
+        let experiment = &recording.experiment;
+        let error = experiment.motion_error.as_ref();
+        let acceleration = rms(&experiment.motion.acceleration[joint]);
+        error.map_or(f64::INFINITY, |error| error.velocity[joint] / acceleration)
+    };
+    recordings.iter().map(of).fold(0.0, f64::max)
 }
 
 /// s between samples of recordings.

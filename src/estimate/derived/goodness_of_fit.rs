@@ -140,9 +140,7 @@ fn add_raw(sums: &mut Sums, recording: &Prepared, predicted: &[f64], channel: us
         if raw.mask.as_ref().is_some_and(|mask| !mask[k]) {
             continue;
         }
-        let at = raw.locate(k);
-        let value = (1.0 - at.weight) * predicted[at.before] + at.weight * predicted[at.after];
-        sums.add(value, *recorded);
+        sums.add(predicted[raw.row_of(k)], *recorded);
     }
 }
 

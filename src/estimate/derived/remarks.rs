@@ -100,7 +100,7 @@ fn of_recording(recording: &Prepared) -> String {
     );
     if !experiment.timing.uniform {
         text.push_str(&format!(
-            ", jitter {:.2} ms, resampled",
+            ", jitter {:.2} ms",
             1e3 * experiment.timing.jitter_rms_s
         ));
     }
@@ -122,6 +122,12 @@ fn of_recording(recording: &Prepared) -> String {
             },
             experiment.edge_s
         )),
+    }
+    if let (Some(noise), None) = (&experiment.noise, &experiment.periods) {
+        text.push_str(&format!(
+            ", the noise from periods of {:.6} s, which hold no whole number of samples",
+            noise.period
+        ));
     }
     if let Some(filter) = &experiment.parallel {
         text.push_str(&format!(

@@ -70,7 +70,7 @@ impl<'a> ErrorsInVariables<'a> {
         }
         let mut waves = Vec::new();
         for (index, recording) in inner.recordings.iter().enumerate() {
-            let averaged = recording.experiment.noise.is_some();
+            let averaged = recording.experiment.periods.is_some();
             if !averaged || recording.experiment.parallel.is_some() {
                 let recording = recording.name.clone();
                 return Err(EstimateError::MotionWithoutPeriods { recording });

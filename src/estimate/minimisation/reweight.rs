@@ -173,10 +173,7 @@ fn agrees(problem: &FitProblem<'_>, x: &DVector<f64>, scatter: &DMatrix<f64>) ->
     let channels = problem.model.channels();
     let active = channels.iter().filter(|c| c.active).count().max(1);
     let rows = counting_rows(problem.recordings) as f64;
-    let differences = |r: &&Prepared| {
-        let periods = r.experiment.periods.map_or(1, |p| p.count);
-        (periods.saturating_sub(1) * r.rows()) as f64
-    };
+    let differences = |r: &&Prepared| r.experiment.noise.as_ref().map_or(0.0, |n| n.degrees);
     let ratio = Distribution::FisherF {
         numerator: (rows - x.len() as f64 / active as f64).max(1.0),
         denominator: problem

@@ -83,17 +83,15 @@ impl ColouredNoise {
             if (experiment.rate_hz / rate_hz - 1.0).abs() > SAME_RATE {
                 return None;
             }
-            let own = experiment.rows() * experiment.periods?.count.saturating_sub(1);
-            samples += own;
+            let own = noise.degrees;
+            samples += own as usize;
             sums.resize_with(noise.autocovariance.len(), Vec::new);
             for (sum, lags) in sums.iter_mut().zip(&noise.autocovariance) {
                 match sum.is_empty() {
                     true => *sum = vec![0.0; lags.len()],
                     false => sum.truncate(lags.len()),
                 }
-                sum.iter_mut()
-                    .zip(lags)
-                    .for_each(|(s, l)| *s += own as f64 * l);
+                sum.iter_mut().zip(lags).for_each(|(s, l)| *s += own * l);
             }
         }
         let of = |covariance: &Vec<f64>| {

@@ -128,16 +128,3 @@ impl Content {
         found.map_or(&[], |(_, series)| series)
     }
 }
-
-/// For each time the sample at or before it, and the weight of the sample after.
-pub(super) fn brackets(stamps: &[f64], times: &[f64]) -> Vec<(usize, f64)> {
-    let mut k = 0;
-    let bracket = |&t: &f64| {
-        while k + 2 < stamps.len() && stamps[k + 1] <= t {
-            k += 1;
-        }
-        let weight = (t - stamps[k]) / (stamps[k + 1] - stamps[k]);
-        (k, weight.clamp(0.0, 1.0))
-    };
-    times.iter().map(bracket).collect()
-}

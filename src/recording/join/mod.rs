@@ -11,9 +11,9 @@ use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::formats::reading::Reading;
 use crate::recording::formats::table::require_rows;
 use crate::recording::join::columns::{Channel, Chosen, File, Files, Pick};
-use crate::recording::join::content::{Content, brackets};
+use crate::recording::join::content::Content;
+use crate::recording::series::interpolation::{brackets, on_lines};
 use crate::recording::series::spline::Spline;
-use crate::recording::time_base::timing::interpolate;
 
 pub use crate::recording::join::columns::Source;
 
@@ -119,7 +119,7 @@ fn joined(
         let mut values: Vec<f64> = match (pick.file, way) {
             (0, _) => kept.iter().map(|&k| series[k]).collect(),
             (_, Way::Spline) => Spline::new(&content.stamps, series).at(&times),
-            (_, Way::Line) => interpolate(series, &brackets(&content.stamps, &times)),
+            (_, Way::Line) => on_lines(series, &brackets(&content.stamps, &times)),
         };
         values.iter_mut().for_each(|x| *x *= pick.factor);
         values

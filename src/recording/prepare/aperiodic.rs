@@ -1,8 +1,9 @@
-//! Motion and signal of a recording without a period. The motion is smoothed, or low-passed where that is asked for;
-//! the signal stays as it was recorded, for a filter of the signal alone would make dry friction look smooth.
+//! Motion and signal of a recording of which no periods are averaged. The motion is smoothed, or low-passed where that is asked
+//! for; the signal stays as it was recorded, for a filter of the signal alone would make dry friction look smooth. Where the
+//! motion repeats after no whole number of samples, its periods tell the noise.
 
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::fault::Place;
 use crate::recording::channels::samples::Recording;
@@ -14,10 +15,12 @@ use crate::recording::prepare::derivatives::differentiate::{
 use crate::recording::prepare::experiment::{Experiment, Raw, RowMap};
 use crate::recording::prepare::filter::parallel;
 use crate::recording::prepare::noise_level::{hiding_step, white_deviation};
+use crate::recording::prepare::periods::scatter;
 use crate::recording::prepare::settings::{Method, Preparation};
 use crate::recording::series::interpolation::{Ends, fill, fill_motion};
 use crate::recording::series::zero_phase::ZeroPhase;
-use crate::recording::time_base::timing::{Grid, Timing, resample, take_stamps};
+use crate::recording::time_base::sample_rows::SampleRows;
+use crate::recording::time_base::timing::{Grid, Timing, even_motion, take_stamps};
 
 /// A piece between two gaps loses at most one part in so many on each side, so that at least a third of it counts.
 const SHARE_OF_NEIGHBOURS: usize = 3;
@@ -26,9 +29,9 @@ pub(in crate::recording) fn prepare(
     mut recording: Recording,
     preparation: &Preparation,
     timing: Timing,
+    period: Option<f64>,
 ) -> Result<Experiment, RecordingError> {
-    let rate_hz = timing.rate_hz;
-    let t = take_stamps(&mut recording, rate_hz);
+    let t = take_stamps(&mut recording, timing.rate_hz);
     let raw = Raw {
         signal: recording.signal.clone(),
         temperature: recording.temperature.take(),
@@ -37,17 +40,16 @@ pub(in crate::recording) fn prepare(
         rows: t.len(),
         t,
     };
-    if !timing.uniform {
-        recording.time = Some(raw.t.clone());
-        recording = resample(recording, Grid::spanning(&raw.t, rate_hz));
-    }
+    let parallel = parallel(&recording.file, preparation, timing.rate_hz)?;
+    let noise =
+        period.and_then(|period| scatter::noise(&recording, &raw.t, period, parallel.as_ref()));
     fill_masked(&mut recording)?;
-    let parallel = parallel(&recording.file, preparation, rate_hz)?;
-    let differentiated = match preparation.differentiation.method {
-        Some(Method::Lowpass) => low_passed(&recording, preparation, &timing)?,
-        _ => smoothed(&recording, preparation, &timing)?,
+    let rows = match timing.uniform {
+        true => Rows::of_even_samples(recording, raw, preparation, &timing)?,
+        false => Rows::of_uneven_samples(recording, raw, preparation, &timing)?,
     };
-    let mut experiment = assembled(recording, raw, differentiated, timing, parallel)?;
+    let mut experiment = rows.assembled(timing, parallel)?;
+    experiment.noise = noise;
     if experiment.parallel.is_none() {
         let remark = coarse_signals(&experiment);
         experiment.remarks.extend(remark);
@@ -72,65 +74,140 @@ fn coarse_signals(experiment: &Experiment) -> Option<String> {
     })
 }
 
-/// What is known of the motion with the signal of the same rows.
-fn assembled(
-    mut recording: Recording,
-    mut raw: Raw,
+/// Motion and signal of the same instants.
+struct Rows {
+    file: PathBuf,
+    /// s.
+    t: Vec<f64>,
+    rate_hz: f64,
     differentiated: Differentiated,
-    timing: Timing,
-    parallel: Option<ZeroPhase>,
-) -> Result<Experiment, RecordingError> {
-    let rate_hz = timing.rate_hz;
-    let inner_edge = parallel.as_ref().map_or(0.0, ZeroPhase::edge_s);
-    let inner = (inner_edge * rate_hz).ceil() as usize;
-    let rows = kept_rows(&differentiated, &recording.file, inner, rate_hz)?;
-    let mut mask = differentiated.mask(recording.mask.take(), &rows);
-    let mut motion = differentiated.motion;
-    let mut signal = std::mem::take(&mut recording.signal);
-    for series in [
-        &mut motion.position,
-        &mut motion.velocity,
-        &mut motion.acceleration,
-        &mut signal,
-    ] {
-        keep(series, &rows);
-    }
-    let left = parallel
-        .as_ref()
-        .map_or(1.0, ZeroPhase::gain_of_white_noise);
-    let deviation = |series: &Vec<f64>| white_deviation(series).map(|deviation| left * deviation);
-    let white_noise = signal.iter().map(deviation).collect();
-    if let Some(filter) = &parallel {
-        signal.iter_mut().for_each(|series| filter.apply(series));
-        let all = mask.unwrap_or_else(|| vec![true; rows.len()]);
-        let apart = mask_reach(all, inner, &recording.file)?;
-        mask = Some(mask_edges(apart, inner));
-    }
-    let start = rows.start as f64 / rate_hz;
-    raw.keep_span(&rows, start, &timing);
-    Ok(Experiment {
-        t: times(&rows, rate_hz),
-        rate_hz,
-        motion,
-        motion_error: Some(differentiated.error),
-        method: differentiated.method,
-        signal,
-        mask,
-        noise: None,
-        white_noise,
-        raw,
-        file: recording.file,
-        bandwidth: differentiated.bandwidth,
-        timing,
-        periods: None,
-        edge_s: start,
-        parallel,
-        remarks: Vec::new(),
-    })
+    signal: Vec<Vec<f64>>,
+    mask: Option<Vec<bool>>,
+    raw: Raw,
 }
 
-fn times(rows: &Range<usize>, rate_hz: f64) -> Vec<f64> {
-    rows.clone().map(|k| k as f64 / rate_hz).collect()
+/// The motion of a recording by the method that is asked for.
+fn differentiate(
+    recording: &Recording,
+    preparation: &Preparation,
+    timing: &Timing,
+) -> Result<Differentiated, RecordingError> {
+    match preparation.differentiation.method {
+        Some(Method::Lowpass) => low_passed(recording, preparation, timing),
+        _ => smoothed(recording, preparation, timing),
+    }
+}
+
+impl Rows {
+    /// One row for every sample.
+    fn of_even_samples(
+        recording: Recording,
+        raw: Raw,
+        preparation: &Preparation,
+        timing: &Timing,
+    ) -> Result<Self, RecordingError> {
+        let differentiated = differentiate(&recording, preparation, timing)?;
+        let rows = 0..raw.t.len();
+        Ok(Self {
+            file: recording.file,
+            t: rows.map(|k| k as f64 / timing.rate_hz).collect(),
+            rate_hz: timing.rate_hz,
+            differentiated,
+            signal: recording.signal,
+            mask: recording.mask,
+            raw,
+        })
+    }
+
+    /// Rows at the samples: the motion, which is smooth, is worked out on an even grid and interpolated, the signal never.
+    fn of_uneven_samples(
+        recording: Recording,
+        mut raw: Raw,
+        preparation: &Preparation,
+        timing: &Timing,
+    ) -> Result<Self, RecordingError> {
+        let grid = Grid::spanning(&raw.t, timing.rate_hz);
+        let rows = SampleRows::new(&raw.t, 1.0 / timing.rate_hz);
+        let mut even = even_motion(&recording, &raw.t, grid);
+        fill_masked(&mut even)?;
+        let differentiated = differentiate(&even, preparation, timing)?.at(&rows.t, grid);
+        raw.map = RowMap::Listed(rows.of_samples.clone());
+        raw.rows = rows.t.len();
+        let signal = recording.signal.iter().map(|s| rows.spread(s)).collect();
+        Ok(Self {
+            rate_hz: rows.rate_hz(),
+            differentiated,
+            signal,
+            mask: rows.mask(recording.mask.as_deref()),
+            file: recording.file,
+            t: rows.t,
+            raw,
+        })
+    }
+
+    /// What is known of the motion with the signal of the same rows.
+    fn assembled(
+        self,
+        timing: Timing,
+        parallel: Option<ZeroPhase>,
+    ) -> Result<Experiment, RecordingError> {
+        let Self {
+            file,
+            mut t,
+            rate_hz,
+            differentiated,
+            mut signal,
+            mask,
+            mut raw,
+        } = self;
+        let inner_edge = parallel.as_ref().map_or(0.0, ZeroPhase::edge_s);
+        let inner = (inner_edge * rate_hz).ceil() as usize;
+        let rows = kept_rows(&differentiated, &file, inner, rate_hz)?;
+        let mut mask = differentiated.mask(mask, &rows);
+        let mut motion = differentiated.motion;
+        for series in [
+            &mut motion.position,
+            &mut motion.velocity,
+            &mut motion.acceleration,
+            &mut signal,
+        ] {
+            keep(series, &rows);
+        }
+        keep(std::slice::from_mut(&mut t), &rows);
+        let left = parallel
+            .as_ref()
+            .map_or(1.0, ZeroPhase::gain_of_white_noise);
+        let deviation =
+            |series: &Vec<f64>| white_deviation(series).map(|deviation| left * deviation);
+        let white_noise = signal.iter().map(deviation).collect();
+        if let Some(filter) = &parallel {
+            signal.iter_mut().for_each(|series| filter.apply(series));
+            let all = mask.unwrap_or_else(|| vec![true; rows.len()]);
+            let apart = mask_reach(all, inner, &file)?;
+            mask = Some(mask_edges(apart, inner));
+        }
+        let edge_s = t[0];
+        raw.keep_rows(&rows);
+        Ok(Experiment {
+            t,
+            rate_hz,
+            motion,
+            motion_error: Some(differentiated.error),
+            method: differentiated.method,
+            signal,
+            mask,
+            noise: None,
+            white_noise,
+            raw,
+            file,
+            bandwidth: differentiated.bandwidth,
+            timing,
+            periods: None,
+            edge_s,
+            parallel,
+            remarks: Vec::new(),
+        })
+    }
 }
 
 /// Lines over masked samples: what is recorded there must not leak through the filters.
@@ -220,14 +297,14 @@ fn mask_reach(mut mask: Vec<bool>, reach: usize, file: &Path) -> Result<Vec<bool
 }
 
 impl Raw {
-    /// Keeps the recorded samples within the span of the rows, the first of which is at `start`.
-    fn keep_span(&mut self, rows: &Range<usize>, start: f64, timing: &Timing) {
+    /// Keeps the recorded samples of some rows.
+    fn keep_rows(&mut self, rows: &Range<usize>) {
         let mut samples = rows.clone();
-        if !timing.uniform {
-            let rate_hz = timing.rate_hz;
-            let end = (rows.end - 1) as f64 / rate_hz;
-            samples = self.t.partition_point(|t| *t < start)..self.t.partition_point(|t| *t <= end);
-            self.map = RowMap::Grid { start, rate_hz };
+        if let RowMap::Listed(of_samples) = &mut self.map {
+            let before = |end: usize| of_samples.partition_point(|&row| row < end);
+            samples = before(rows.start)..before(rows.end);
+            *of_samples = of_samples[samples.clone()].to_vec();
+            of_samples.iter_mut().for_each(|row| *row -= rows.start);
         }
         self.rows = rows.len();
         keep(std::slice::from_mut(&mut self.t), &samples);

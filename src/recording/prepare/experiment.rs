@@ -7,8 +7,7 @@ use nalgebra::DMatrix;
 
 use crate::recording::prepare::settings::Method;
 use crate::recording::series::zero_phase::ZeroPhase;
-use crate::recording::time_base::timing::{Grid, Timing, mask_on};
-use crate::stats::range::within;
+use crate::recording::time_base::timing::Timing;
 
 /// Motion of n joints over N rows: `[j][k]`, joint j, row k.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -45,10 +44,14 @@ pub struct Bandwidth {
     pub reversals: usize,
 }
 
-/// Noise, as the scatter of the periods about their mean shows it.
+/// Noise, as the scatter of the periods about one another shows it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Noise {
-    /// Covariance of one row of `Experiment::signal`, channels x channels, unit of the signal squared:
+    /// After which the motion repeats, s.
+    pub period: f64,
+    /// Degrees of freedom of the scatter.
+    pub degrees: f64,
+    /// Covariance of one row of `Experiment::signal`, channels x channels, unit of the signal squared: where rows are averages,
     /// that of a recorded sample divided by the number of periods.
     pub signal_covariance: DMatrix<f64>,
     /// Autocovariance of one row by channel and lag: `[c][l]`, lags of l rows from 0 on.
@@ -74,36 +77,13 @@ pub struct MotionError {
 pub enum RowMap {
     /// Sample k is row k.
     Same,
-    /// Rows are even in time from `start` (s) on at `rate_hz`; samples are not.
-    Grid {
-        /// Time of row 0, s.
-        start: f64,
-        /// Rows per second.
-        rate_hz: f64,
-    },
+    /// Sample k is the row that stands here; other rows lie in gaps.
+    Listed(Vec<usize>),
     /// Sample `first + m` is row m modulo the rows.
     Periodic {
         /// Sample at which row 0 is.
         first: usize,
     },
-    /// As `Periodic`, with samples that are not on the grid of rows.
-    PeriodicGrid {
-        /// Time of a row 0, s.
-        start: f64,
-        /// Rows per second.
-        rate_hz: f64,
-    },
-}
-
-/// A place between two rows: `value = (1 - weight) · row[before] + weight · row[after]`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Between {
-    /// The row at or before the place.
-    pub before: usize,
-    /// The row behind it.
-    pub after: usize,
-    /// How far the place is on the way to it, 0 to 1.
-    pub weight: f64,
 }
 
 /// Every recorded sample for which there is motion, unfiltered.
@@ -154,7 +134,7 @@ pub struct Experiment {
     pub signal: Vec<Vec<f64>>,
     /// false: the row is there to keep the grid even, but counts for nothing.
     pub mask: Option<Vec<bool>>,
-    /// None where there are no two periods to compare.
+    /// None where nothing repeats, so that there are no two periods to compare.
     pub noise: Option<Noise>,
     /// Per channel the deviation of a row's noise where that of the samples is seen to be white, behind the parallel filter if
     /// there is one, in the unit of the recording; empty where periods tell the noise.
@@ -165,7 +145,7 @@ pub struct Experiment {
     pub bandwidth: Vec<Bandwidth>,
     /// What the time stamps are like.
     pub timing: Timing,
-    /// None where the motion does not repeat.
+    /// The periods of which the rows are averages; None where rows are samples.
     pub periods: Option<Periods>,
     /// Seconds dropped at the start, and about as many at the end, where too little is known of the motion.
     pub edge_s: f64,
@@ -215,23 +195,8 @@ impl Experiment {
         let Some(periods) = self.periods.filter(|periods| period < periods.count) else {
             return Vec::new();
         };
-        let signal = &self.raw.signal[channel];
-        let start = period * periods.samples;
-        if let RowMap::Periodic { first } = self.raw.map {
-            return signal[first + start..][..periods.samples].to_vec();
-        }
-        let at = |row: usize| self.t[0] + (start + row) as f64 / self.rate_hz;
-        let mut k = 0;
-        (0..periods.samples)
-            .map(|row| {
-                let t = at(row);
-                while k + 2 < signal.len() && self.raw.t[k + 1] <= t {
-                    k += 1;
-                }
-                let weight = (t - self.raw.t[k]) / (self.raw.t[k + 1] - self.raw.t[k]);
-                signal[k] + weight.clamp(0.0, 1.0) * (signal[k + 1] - signal[k])
-            })
-            .collect()
+        let start = self.raw.first() + period * periods.samples;
+        self.raw.signal[channel][start..][..periods.samples].to_vec()
     }
 }
 
@@ -239,18 +204,9 @@ impl Experiment {
     /// Which rows of one period were measured in it, from 0; None: all that the mask of the rows has.
     pub fn period_mask(&self, period: usize) -> Option<Vec<bool>> {
         let periods = self.periods.filter(|periods| period < periods.count)?;
-        let start = period * periods.samples;
-        if let RowMap::Periodic { first } = self.raw.map {
-            let mask = self.raw.mask.as_ref()?;
-            return Some(mask[first + start..][..periods.samples].to_vec());
-        }
-        let at = |row: usize| self.t[0] + (start + row) as f64 / self.rate_hz;
-        let grid = Grid {
-            start: at(0),
-            rate_hz: self.rate_hz,
-            samples: periods.samples,
-        };
-        mask_on(&self.raw.t, grid, self.raw.mask.as_deref())
+        let start = self.raw.first() + period * periods.samples;
+        let mask = self.raw.mask.as_ref()?;
+        Some(mask[start..][..periods.samples].to_vec())
     }
 
     /// The mask of all periods one after the other.
@@ -272,34 +228,20 @@ impl Experiment {
 }
 
 impl Raw {
-    /// Where recorded sample k lies among the rows of the motion.
-    pub fn locate(&self, k: usize) -> Between {
-        let exact = |row: usize| Between {
-            before: row,
-            after: row,
-            weight: 0.0,
-        };
+    /// Row of the motion that a recorded sample belongs to.
+    pub fn row_of(&self, sample: usize) -> usize {
+        match &self.map {
+            RowMap::Same => sample,
+            RowMap::Listed(rows) => rows[sample],
+            RowMap::Periodic { first } => (sample + self.rows - first % self.rows) % self.rows,
+        }
+    }
+
+    /// Sample of row 0 of the first period.
+    fn first(&self) -> usize {
         match self.map {
-            RowMap::Same => exact(k),
-            RowMap::Periodic { first } => exact((k + self.rows - first % self.rows) % self.rows),
-            RowMap::Grid { start, rate_hz } => {
-                let row = within((self.t[k] - start) * rate_hz, [0.0, (self.rows - 1) as f64]);
-                let before = row.floor() as usize;
-                Between {
-                    before,
-                    after: (before + 1).min(self.rows - 1),
-                    weight: row - before as f64,
-                }
-            }
-            RowMap::PeriodicGrid { start, rate_hz } => {
-                let row = ((self.t[k] - start) * rate_hz).rem_euclid(self.rows as f64);
-                let before = (row.floor() as usize).min(self.rows - 1);
-                Between {
-                    before,
-                    after: (before + 1) % self.rows,
-                    weight: row - before as f64,
-                }
-            }
+            RowMap::Periodic { first } => first,
+            _ => 0,
         }
     }
 }

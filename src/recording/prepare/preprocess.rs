@@ -34,8 +34,10 @@ pub fn prepare(
     let missing = recording.missing.as_ref();
     let missing = missing.map(|missing| missing.words(&recording.file));
     let mut experiment = match settled.period {
-        Some((period, chosen)) => periodic::prepare(recording, preparation, timing, period, chosen),
-        None => aperiodic::prepare(recording, preparation, timing),
+        Some((period, chosen)) if period::is_whole(&recording, &timing, period) => {
+            periodic::prepare(recording, preparation, timing, period, chosen)
+        }
+        other => aperiodic::prepare(recording, preparation, timing, other.map(|(s, _)| s)),
     }?;
     experiment.remarks.extend(
         joined.into_iter().chain(

@@ -73,6 +73,69 @@ fn slope(x: impl Fn(usize) -> f64, further: usize) -> Option<f64> {
     (h > 0).then(|| (4.0 * x(h) - 3.0 * x(0) - x(2 * h)) / (2 * h) as f64)
 }
 
+/// For each of increasing times the knot at or before it, and the weight of the knot after.
+pub(in crate::recording) fn brackets(knots: &[f64], times: &[f64]) -> Vec<(usize, f64)> {
+    let mut k = 0;
+    let bracket = |&t: &f64| {
+        while k + 2 < knots.len() && knots[k + 1] <= t {
+            k += 1;
+        }
+        let weight = (t - knots[k]) / (knots[k + 1] - knots[k]);
+        (k, weight.clamp(0.0, 1.0))
+    };
+    times.iter().map(bracket).collect()
+}
+
+/// A series on straight lines at the bracketed times.
+pub(in crate::recording) fn on_lines(series: &[f64], brackets: &[(usize, f64)]) -> Vec<f64> {
+    let between = |&(k, weight): &(usize, f64)| series[k] + weight * (series[k + 1] - series[k]);
+    brackets.iter().map(between).collect()
+}
+
+/// Four successive samples with weights: the cubic through them at one time (Lagrange), or the line between the middle two.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::recording) struct Stencil {
+    first: usize,
+    weights: [f64; 4],
+}
+
+/// Weights of a cubic whose sizes add up to more than this make noise larger than any line does that is as long: samples that
+/// come in bursts.
+const MOST_WEIGHT: f64 = 2.0;
+
+impl Stencil {
+    /// At a share of the way from the knot `before` to the next; of four knots or more.
+    pub fn at(knots: &[f64], (before, share): (usize, f64)) -> Self {
+        let first = before.saturating_sub(1).min(knots.len() - 4);
+        let four = &knots[first..first + 4];
+        let t = knots[before] + share * (knots[before + 1] - knots[before]);
+        let weight = |i: usize| -> f64 {
+            let others = (0..4).filter(|&m| m != i);
+            others
+                .map(|m| (t - four[m]) / (four[i] - four[m]))
+                .product()
+        };
+        let mut weights = [0, 1, 2, 3].map(weight);
+        if weights.iter().map(|w| w.abs()).sum::<f64>() > MOST_WEIGHT {
+            weights = [0.0; 4];
+            weights[before - first] = 1.0 - share;
+            weights[before + 1 - first] = share;
+        }
+        Self { first, weights }
+    }
+
+    /// The value of a series there.
+    pub fn of(&self, series: &[f64]) -> f64 {
+        let values = &series[self.first..self.first + 4];
+        self.weights.iter().zip(values).map(|(w, x)| w * x).sum()
+    }
+
+    /// The variance that white noise of one has there.
+    pub fn variance(&self) -> f64 {
+        self.weights.iter().map(|w| w * w).sum()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,10 +1,11 @@
-//! The time base of a recording: whether the stamps increase, at which rate, how evenly; and linear
-//! interpolation to an even grid where they do not come evenly.
+//! The time base of a recording: whether the stamps increase, at which rate, how evenly; and interpolation of the motion to an
+//! even grid where they do not come evenly.
 
 use crate::fault::Place;
 use crate::recording::channels::samples::Recording;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::formats::table::require_rows;
+use crate::recording::series::interpolation::{Stencil, brackets};
 
 /// How the samples lie in time.
 #[derive(Debug, Clone, PartialEq)]
@@ -195,68 +196,35 @@ impl Grid {
             samples,
         }
     }
-}
 
-/// Resamples every channel by linear interpolation; the mask takes the nearer sample, and grid
-/// points inside a gap are masked.
-pub fn resample(recording: Recording, grid: Grid) -> Recording {
-    let Some(time) = recording.time else {
-        return recording;
-    };
-    let brackets = brackets(&time, grid);
-    let channels = |channels: Vec<Vec<f64>>| -> Vec<Vec<f64>> {
-        channels
-            .iter()
-            .map(|series| interpolate(series, &brackets))
-            .collect()
-    };
-    let mask = mask_on(&time, grid, recording.mask.as_deref());
-    Recording {
-        file: recording.file,
-        first_line: recording.first_line,
-        position: channels(recording.position),
-        velocity: recording.velocity.map(channels),
-        acceleration: recording.acceleration.map(channels),
-        signal: channels(recording.signal),
-        commanded: recording.commanded,
-        temperature: recording.temperature.map(channels),
-        mask,
-        held: recording.held,
-        stamp_jitter: recording.stamp_jitter,
-        clock_drift: recording.clock_drift,
-        missing: recording.missing,
-        remarks: recording.remarks,
-        lines: None,
-        time: Some(
-            (0..grid.samples)
-                .map(|m| grid.start + m as f64 / grid.rate_hz)
-                .collect(),
-        ),
+    /// Of all samples, s.
+    pub fn times(&self) -> Vec<f64> {
+        (0..self.samples).map(|m| self.time(m)).collect()
+    }
+
+    /// Of a sample, s.
+    pub fn time(&self, sample: usize) -> f64 {
+        self.start + sample as f64 / self.rate_hz
     }
 }
 
-/// For each grid point the sample before it and the weight of the sample after.
-pub(in crate::recording) fn brackets(time: &[f64], grid: Grid) -> Vec<(usize, f64)> {
-    let last = time.len() - 2;
-    let mut k = 0;
-    (0..grid.samples)
-        .map(|m| {
-            let t = grid.start + m as f64 / grid.rate_hz;
-            while k < last && time[k + 1] <= t {
-                k += 1;
-            }
-            let weight = (t - time[k]) / (time[k + 1] - time[k]);
-            (k, weight.clamp(0.0, 1.0))
-        })
-        .collect()
-}
-
-/// A series at the bracketed points.
-pub(in crate::recording) fn interpolate(series: &[f64], brackets: &[(usize, f64)]) -> Vec<f64> {
-    brackets
-        .iter()
-        .map(|&(k, weight)| series[k] + weight * (series[k + 1] - series[k]))
-        .collect()
+/// What was recorded of a motion, on an even grid, by cubics through four samples; the signal is left out. The mask takes the
+/// nearer sample, and grid points inside a gap are masked.
+pub fn even_motion(recording: &Recording, time: &[f64], grid: Grid) -> Recording {
+    let stencils: Vec<Stencil> = brackets(time, &grid.times())
+        .into_iter()
+        .map(|at| Stencil::at(time, at))
+        .collect();
+    let channels = |channels: &Vec<Vec<f64>>| -> Vec<Vec<f64>> {
+        let evenly = |series: &Vec<f64>| stencils.iter().map(|s| s.of(series)).collect();
+        channels.iter().map(evenly).collect()
+    };
+    Recording {
+        velocity: recording.velocity.as_ref().map(channels),
+        acceleration: recording.acceleration.as_ref().map(channels),
+        mask: mask_on(time, grid, recording.mask.as_deref()),
+        ..Recording::of_samples(&recording.file, channels(&recording.position), Vec::new())
+    }
 }
 
 /// Which points of a grid were measured, by the samples of these times and their mask; None: all.
@@ -277,7 +245,7 @@ pub(in crate::recording) fn mask_on(
         let nearest = if weight < 0.5 { k } else { k + 1 };
         measured && mask.is_none_or(|mask| mask[nearest])
     };
-    Some(brackets(time, grid).iter().map(valid).collect())
+    Some(brackets(time, &grid.times()).iter().map(valid).collect())
 }
 
 #[cfg(test)]
@@ -316,15 +284,16 @@ mod tests {
     }
 
     #[test]
-    fn linear_motion_is_resampled_exactly() {
-        let time = stamps(|k| 0.01 * k as f64 + 0.004 * (k as f64).sin());
+    fn motions_are_resampled_as_cubics() {
+        let time = stamps(|k| 0.01 * k as f64 + 0.002 * (k as f64).sin());
         let grid = Grid::spanning(&time, 100.0);
-        let series: Vec<f64> = time.iter().map(|t| 3.0 - 2.0 * t).collect();
-        let points = brackets(&time, grid);
-        for (m, value) in interpolate(&series, &points).iter().enumerate() {
-            let exact = 3.0 - 2.0 * (grid.start + m as f64 / 100.0);
-            // Rounding of values of order 20; the last point may be held, 1 % of a step off.
-            assert!((value - exact).abs() <= 2.0 * 1e-4 + 1e-12);
+        let cubic = |t: f64| 3.0 - 2.0 * t + 0.5 * (t - 4.0).powi(3);
+        let position = time.iter().map(|t| cubic(*t)).collect();
+        let recorded = Recording::of_samples("made.csv", vec![position], Vec::new());
+        let even = even_motion(&recorded, &time, grid);
+        for (m, value) in even.position[0].iter().enumerate().skip(1) {
+            let exact = cubic((grid.start + m as f64 / 100.0).min(time[999]));
+            assert!((value - exact).abs() <= 1e-11, "{m}: {value} {exact}");
         }
     }
 

@@ -13,8 +13,9 @@ use crate::recording::prepare::experiment::{Bandwidth, Chosen, Motion, MotionErr
 use crate::recording::prepare::filter::filter;
 use crate::recording::prepare::settings::{Method, Preparation, Width};
 use crate::recording::series::differences::{first, second};
+use crate::recording::series::interpolation::{Stencil, brackets};
 use crate::recording::series::zero_phase::{ZeroPhase, edge_s};
-use crate::recording::time_base::timing::Timing;
+use crate::recording::time_base::timing::{Grid, Timing};
 use rayon::prelude::*;
 
 /// A motion with its derivatives.
@@ -33,6 +34,9 @@ const AT_REST: f64 = 0.03;
 
 /// A joint moves whose RMS speed is so many times the error of its speed; another is held.
 const MOVES: f64 = 10.0;
+
+/// A time may lie behind the last row of a grid by this share of a step, which is rounding.
+const BEHIND: f64 = 0.02;
 
 impl Differentiated {
     /// Rows before the robot moves off and after it has come to rest.
@@ -56,6 +60,32 @@ impl Differentiated {
         let after = (0..rows).rev().take_while(|&row| rests(row)).count();
         self.known[..before].fill(false);
         self.known[rows - after..].fill(false);
+    }
+
+    /// The same at other times between the first and the last row of an even grid.
+    pub fn at(mut self, times: &[f64], grid: Grid) -> Self {
+        let knots = grid.times();
+        let last = grid.time(grid.samples - 1);
+        let places = brackets(&knots, times);
+        let stencils: Vec<Stencil> = places.iter().map(|&at| Stencil::at(&knots, at)).collect();
+        let motion = &mut self.motion;
+        for series in [
+            &mut motion.position,
+            &mut motion.velocity,
+            &mut motion.acceleration,
+        ]
+        .into_iter()
+        .flatten()
+        {
+            *series = stencils.iter().map(|s| s.of(series)).collect();
+        }
+        // Behind the last row of the grid, by less than a step, there is no motion.
+        let known = |(t, &(before, share)): (&f64, &(usize, f64))| {
+            let after = before + usize::from(share > 0.0);
+            self.known[before] && self.known[after] && *t <= last + BEHIND / grid.rate_hz
+        };
+        self.known = times.iter().zip(&places).map(known).collect();
+        self
     }
 
     /// The mask of some rows without those whose motion is not known well enough.

@@ -11,7 +11,7 @@ use crate::recording::formats::table::LEAST_ROWS;
 use crate::recording::prepare::experiment::Chosen;
 use crate::recording::series::differences::fourth;
 use crate::recording::series::spectrum::{coefficients, synthesis};
-use crate::recording::time_base::timing::{Grid, Timing, resample};
+use crate::recording::time_base::timing::{Grid, Timing, even_motion};
 
 /// The motion must have left its start by this much of its variance before it can return.
 const LEFT: f64 = 0.1;
@@ -30,6 +30,9 @@ const EXACT: f64 = 1e-4;
 /// A period whose whole number of samples drifts by less than this many steps over the recording is that
 /// whole number: controllers repeat a table of samples.
 const WHOLE_STEPS: f64 = 0.05;
+
+/// The samples of the last period may lie off those of the first by this fraction of a step.
+const ALIGNED_STEPS: f64 = 0.05;
 
 /// Samples to which a recording is thinned: periods need no more.
 const MOST_SAMPLES: usize = 40_000;
@@ -175,6 +178,16 @@ fn nearby(
     })
 }
 
+/// Whether the samples of every period lie where those of the first do, so that they can be averaged as they are.
+pub fn is_whole(recording: &Recording, timing: &Timing, period: f64) -> bool {
+    let exact = timing.rate_hz * period;
+    let periods = recording
+        .position
+        .first()
+        .map_or(0.0, |q| q.len() as f64 / exact);
+    timing.uniform && (exact - exact.round()).abs() * periods <= ALIGNED_STEPS
+}
+
 /// A period as a whole number of samples, where the recorded ones drift by next to nothing against it.
 fn whole(period: f64, timing: &Timing, duration: f64) -> f64 {
     let exact = period * timing.rate_hz;
@@ -256,7 +269,7 @@ pub fn thinned(recording: &Recording, timing: &Timing) -> (Vec<Vec<f64>>, f64) {
     let even = match (&recording.time, timing.uniform) {
         (Some(time), false) => {
             let grid = Grid::spanning(time, timing.rate_hz);
-            resample(recording.clone(), grid).position
+            even_motion(recording, time, grid).position
         }
         _ => recording.position.clone(),
     };

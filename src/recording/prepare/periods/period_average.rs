@@ -16,17 +16,19 @@ pub(super) struct PeriodAverage {
     pub count: usize,
     /// Rows N of a period.
     pub samples: usize,
+    /// s.
+    pub period: f64,
     /// Of the `P N` samples; None: all are valid.
     mask: Option<Vec<bool>>,
 }
 
 impl PeriodAverage {
-    /// The periods, each of so many seconds.
-    pub fn periods(&self, period: f64, chosen: Chosen) -> Periods {
+    /// The periods, and where they are from.
+    pub fn periods(&self, chosen: Chosen) -> Periods {
         Periods {
             count: self.count,
             samples: self.samples,
-            period,
+            period: self.period,
             chosen,
         }
     }
@@ -55,6 +57,7 @@ impl PeriodAverage {
             first,
             count,
             samples,
+            period,
             mask: recording.mask.as_ref().map(|mask| mask[range].to_vec()),
         })
     }

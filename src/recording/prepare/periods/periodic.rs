@@ -4,7 +4,6 @@
 //! the covariance of one recorded sample; that of the mean is Σ / P.
 
 use nalgebra::DMatrix;
-use realfft::num_complex::Complex;
 
 use crate::fault::Place;
 use crate::recording::channels::samples::Recording;
@@ -14,19 +13,12 @@ use crate::recording::prepare::experiment::{
     Bandwidth, Chosen, Experiment, Motion, MotionError, Noise, Raw, RowMap,
 };
 use crate::recording::prepare::filter::parallel;
+use crate::recording::prepare::periods::autocovariance::{MOST_LAGS, autocovariance};
 use crate::recording::prepare::periods::fourier::{self, Series};
 use crate::recording::prepare::periods::period_average::PeriodAverage;
 use crate::recording::prepare::settings::{Method, Preparation};
-use crate::recording::series::spectrum::{coefficients, synthesis};
 use crate::recording::series::zero_phase::{ZeroPhase, gain};
-use crate::recording::time_base::timing::{Grid, Timing, resample, take_stamps};
-
-/// Recorded samples may drift against the grid of the period by this fraction of a step over the
-/// whole recording before they are interpolated.
-const ALIGNED_STEPS: f64 = 0.05;
-
-/// Most lags of the autocovariance, rows; beyond it drift and noise cannot be told apart.
-const MOST_LAGS: usize = 500;
+use crate::recording::time_base::timing::{Timing, take_stamps};
 
 pub(in crate::recording) fn prepare(
     mut recording: Recording,
@@ -40,18 +32,9 @@ pub(in crate::recording) fn prepare(
     let t = take_stamps(&mut recording, timing.rate_hz);
     let temperature = recording.temperature.take();
     let recorded_mask = recording.mask.clone();
-    let aligned = is_aligned(&timing, rate_hz, t.len());
-    let recorded = (!aligned).then(|| recording.signal.clone());
-    if !aligned {
-        recording.time = Some(t.clone());
-        recording = resample(recording, Grid::spanning(&t, rate_hz));
-    }
     let average = PeriodAverage::new(&recording, samples, period)?;
-    let (first, at) = (average.first, average.first as f64 / rate_hz);
-    let (start, map) = match aligned {
-        true => (t[first], RowMap::Periodic { first }),
-        false => (at, RowMap::PeriodicGrid { start: at, rate_hz }),
-    };
+    let first = average.first;
+    let start = t[first];
     let parallel = parallel(&recording.file, preparation, rate_hz)?;
     let positions = std::mem::take(&mut recording.position);
     let joints = Joints::new(&positions, &average, preparation, period);
@@ -74,26 +57,20 @@ pub(in crate::recording) fn prepare(
         white_noise: Vec::new(),
         raw: Raw {
             t,
-            signal: recorded.unwrap_or(recording.signal),
+            signal: recording.signal,
             temperature,
             mask: recorded_mask,
-            map,
+            map: RowMap::Periodic { first },
             rows: samples,
         },
         file: recording.file,
         bandwidth: joints.bandwidth,
         timing,
-        periods: Some(average.periods(period, chosen)),
+        periods: Some(average.periods(chosen)),
         edge_s: 0.0,
         parallel,
         remarks: Vec::new(),
     })
-}
-
-/// Whether samples lie on the grid of the period over the whole recording.
-fn is_aligned(timing: &Timing, rate_hz: f64, samples: usize) -> bool {
-    let drift = (timing.rate_hz / rate_hz - 1.0).abs() * samples as f64;
-    timing.uniform && drift <= ALIGNED_STEPS
 }
 
 /// Period averages of all channels, filtered.
@@ -273,6 +250,8 @@ fn noise(
         (squares / degrees).sqrt()
     };
     Some(Noise {
+        period: average.period,
+        degrees,
         signal_covariance: DMatrix::from_fn(signal.len(), signal.len(), product),
         autocovariance: scatter
             .iter()
@@ -280,22 +259,6 @@ fn noise(
             .collect(),
         recorded_position_sd: positions.iter().map(spread).collect(),
     })
-}
-
-/// Σ_i e(i) e(i + l) / degrees for the lags 0..=lags, corrected for the products lost at the end.
-fn autocovariance(differences: &[f64], lags: usize, degrees: f64) -> Vec<f64> {
-    let n = differences.len();
-    // Zeros at the end keep the circular correlation of the transform from wrapping around.
-    let padded = (n + lags).next_power_of_two();
-    let mut series = differences.to_vec();
-    series.resize(padded, 0.0);
-    let power = coefficients(&series)
-        .into_iter()
-        .map(|c| Complex::from(c.norm_sqr()));
-    let sums = synthesis(power.collect(), padded);
-    (0..=lags.min(n - 1))
-        .map(|l| sums[l] * padded as f64 / degrees * n as f64 / (n - l) as f64)
-        .collect()
 }
 
 #[cfg(test)]

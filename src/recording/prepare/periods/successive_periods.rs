@@ -1,6 +1,6 @@
 //! The successive periods of a recording in place of their average, as rows of a fit that looks at changes between periods.
 
-use crate::recording::prepare::experiment::{Experiment, Raw, RowMap};
+use crate::recording::prepare::experiment::{Experiment, Raw};
 
 /// The recording with one row for every recorded sample of its whole periods: the motion repeats, the
 /// signal is what was recorded, the noise that of single samples. `None` where nothing was averaged.
@@ -10,10 +10,6 @@ pub fn successive_periods(experiment: &Experiment) -> Option<Experiment> {
     Some(Experiment {
         raw: Raw {
             rows: all.rows(),
-            map: RowMap::Grid {
-                start: all.t[0],
-                rate_hz: all.rate_hz,
-            },
             ..experiment.raw.clone()
         },
         white_noise: experiment.white_noise.clone(),

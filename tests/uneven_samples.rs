@@ -1,0 +1,114 @@
+//! Samples that do not come evenly, and periods that hold no whole number of them: every signal is compared with the model at its own
+//! time, for interpolation would smear what friction does at a reversal.
+
+mod common;
+
+use common::program::says;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// Friction of `problems/arm6`, N·m and N·m·s/rad, and the transition speed that `exid simulate` has by default, rad/s.
+const COULOMB: [f64; 6] = [9.0, 11.0, 7.0, 3.0, 2.6, 2.1];
+const VISCOUS: [f64; 6] = [11.7, 14.3, 9.1, 3.9, 3.4, 2.7];
+const SPEED: f64 = 0.004;
+
+/// A share of intervals that hold falls below this by chance once in two thousand runs: 0.95 less 3.5 roots of
+/// 0.95 · 0.05 / 36.
+const LEAST_HELD: f64 = 0.82;
+
+/// Writes the problem of the arm into a folder, with these keys in the place of others, simulated with a seed.
+fn simulated(folder: &Path, changed: &[(&str, &str)], seed: &str) {
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("problems/arm6");
+    fs::copy(shipped.join("arm6.urdf"), folder.join("arm6.urdf")).unwrap();
+    let mut problem = fs::read_to_string(shipped.join("problem.toml")).unwrap();
+    problem = problem.replace(".csv.gz", ".csv");
+    for (old, new) in changed {
+        assert!(problem.contains(old), "{old}");
+        problem = problem.replace(old, new);
+    }
+    fs::write(folder.join("problem.toml"), problem).unwrap();
+    let arguments = [
+        "simulate",
+        "problem.toml",
+        "--seed",
+        seed,
+        "--out",
+        "recorded",
+        "--quiet",
+    ];
+    says(folder, &arguments, 0);
+}
+
+/// Keeps the samples of a recording that come after 5 or 6 others, in an order without a pattern.
+fn thin(path: &Path) {
+    let text = fs::read_to_string(path).unwrap();
+    let (header, rows) = text.split_once('\n').unwrap();
+    let mut kept = vec![header];
+    let (mut next, mut state) = (0_usize, 1_u32);
+    for (k, row) in rows.lines().enumerate() {
+        if k == next {
+            kept.push(row);
+            // Numerical Recipes' linear congruential generator.
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            next = k + 5 + (state >> 31) as usize;
+        }
+    }
+    fs::write(path, kept.join("\n")).unwrap();
+}
+
+/// Share of the intervals of friction that hold the truth, of a fit that finds by itself how the recordings were taken.
+fn held(folder: &Path) -> f64 {
+    let problem = fs::read_to_string(folder.join("problem.toml")).unwrap();
+    let stated = |line: &&str| line.starts_with("rate = ") || line.starts_with("period = ");
+    let lines: Vec<&str> = problem.lines().filter(|line| !stated(line)).collect();
+    let recorded = lines
+        .join("\n")
+        .replace("\"train.csv", "\"recorded/train.csv")
+        .replace("\"validation.csv", "\"recorded/validation.csv");
+    fs::write(folder.join("fit.toml"), recorded).unwrap();
+    let printed = says(folder, &["fit", "fit.toml", "--json", "--out", "fit"], 0);
+    let result: Value = serde_json::from_str(&printed[..=printed.rfind('}').unwrap()]).unwrap();
+    let (mut held, mut count) = (0, 0);
+    for parameter in result["parameters"].as_array().unwrap() {
+        let name = parameter["name"].as_str().unwrap();
+        let joint = || name[1..2].parse::<usize>().unwrap() - 1;
+        let truth = match name.rsplit('.').next() {
+            Some("Fc") => COULOMB[joint()],
+            Some("Fv") => VISCOUS[joint()],
+            Some("w") => SPEED,
+            _ => continue,
+        };
+        let bound = |k: usize| parameter["ci95"][k].as_f64().unwrap();
+        held += i32::from((bound(0)..=bound(1)).contains(&truth));
+        count += 1;
+    }
+    assert_eq!(count, 18);
+    f64::from(held) / f64::from(count)
+}
+
+fn of_seeds(changed: &[(&str, &str)], after: impl Fn(&Path)) -> f64 {
+    let shares = ["1", "2"].map(|seed| {
+        let folder = tempfile::tempdir().unwrap();
+        simulated(folder.path(), changed, seed);
+        after(folder.path());
+        held(folder.path())
+    });
+    shares.iter().sum::<f64>() / shares.len() as f64
+}
+
+#[test]
+fn intervals_hold_where_a_period_is_no_whole_number_of_samples() {
+    let share = of_seeds(&[("period = 12.0", "period = 12.0037")], |_| ());
+    assert!(share >= LEAST_HELD, "{share}");
+}
+
+#[test]
+fn intervals_hold_where_samples_come_after_10_or_12_ms() {
+    let share = of_seeds(&[("rate = 125.0", "rate = 500.0")], |folder| {
+        for file in ["train.csv", "validation.csv"] {
+            thin(&folder.join("recorded").join(file));
+        }
+    });
+    assert!(share >= LEAST_HELD, "{share}");
+}
