@@ -122,10 +122,16 @@ pub fn codes() -> BTreeMap<String, Code> {
                     && [",", ",format!(", ",&format!("].contains(&between.as_str())
             });
             let from_function = in_function_code(&source.text, literal.start);
-            if message.is_none() && !from_function {
+            let before = source.text[..literal.start].trim_end();
+            let is_given = before.ends_with("Description::new(");
+            if message.is_none() && !from_function && !is_given {
                 continue;
             }
-            let message = message.map_or(String::new(), |l| without_values(&l.text));
+            let message = match message {
+                Some(message) => without_values(&message.text),
+                None if is_given => "…".to_owned(),
+                None => String::new(),
+            };
             let code = found.entry(literal.text.clone()).or_insert_with(|| Code {
                 module: module.clone(),
                 message: String::new(),
