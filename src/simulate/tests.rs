@@ -197,6 +197,25 @@ fn invariant_same_seed_same_bits_for_any_number_of_threads_and_other_seeds_diffe
     assert_ne!(one.recordings, simulated(&problem, 10).recordings);
 }
 
+/// The plant is told in torques and knows no current; the recorded signal does.
+#[test]
+fn known_values_of_a_law_of_the_current_are_those_of_the_recorded_signal() {
+    let of_current = [("c0", 0.1), ("c1", 10.0), ("c2", 0.3), ("c3", -0.02)];
+    let name = |short: &str| format!("joint2.torque_current_nonlinearity.{short}");
+    let lines = of_current.map(|(short, value)| format!("\"{}\" = {value}\n", name(short)));
+    let listed = "[drive.effects_of]\njoint2 = [\"coulomb_friction\", \"viscous_friction\", \
+                  \"torque_current_nonlinearity\"]";
+    let constant = FRICTION.replace("[drive]", "[drive]\ntorque_constant = 10.0");
+    let drive = format!("{constant}{}{listed}", lines.concat());
+    let rest = "[recordings]\nsignal = \"current\"\ntrain = [\"train.csv\"]\nperiod = 5.0\n[simulate]\nperiods = 2";
+    let (_, truth) = truth_of(&panda(&drive, rest));
+    for (short, value) in of_current {
+        let parameter = truth.recorded.find(&name(short)).unwrap();
+        assert_eq!(truth.recorded.parameters()[parameter].value, value);
+        assert!(truth.parameters.iter().any(|p| p.name == name(short)));
+    }
+}
+
 #[test]
 fn recovers_the_motion_and_the_truth_through_files_and_the_recordings_of_a_problem() {
     let folder = tempfile::tempdir().unwrap();

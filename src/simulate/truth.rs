@@ -64,10 +64,16 @@ pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateErro
         assigned[declared.parameter] = true;
     }
     earlier.assign(&mut plant, &mut assigned);
-    // What channels hear of one another is none of the torque that is commanded.
-    let is_heard = |v: &Named<f64>| v.name.split('.').any(|part| part == effect::CROSSTALK.id);
+    let mut recorded = ModelSpec::without_prior(&acting.problem, &robot)?
+        .build()?
+        .model;
+    // What lies between torque and signal, or what channels hear of one another, is none of the torque that is commanded.
+    let is_beyond = |v: &Named<f64>| {
+        let known_to = |model: &Model| resolve(model, &v.name, &v.value.place).is_ok();
+        !known_to(&plant) && known_to(&recorded)
+    };
     let declared_values = problem.drive.values.iter().cloned();
-    let (heard, known): (Vec<_>, Vec<_>) = declared_values.partition(is_heard);
+    let (beyond, known): (Vec<_>, Vec<_>) = declared_values.partition(is_beyond);
     let given: Vec<Named<f64>> = zeros(problem)
         .chain(known)
         .chain(acting.values.iter().cloned())
@@ -83,9 +89,6 @@ pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateErro
             acting.concealed.join(", ")
         ));
     }
-    let mut recorded = ModelSpec::without_prior(&acting.problem, &robot)?
-        .build()?
-        .model;
     let mut nominal = ModelSpec::without_prior(&commanded(&declared), &robot)?
         .build()?
         .model;
@@ -96,7 +99,7 @@ pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateErro
     for share in shares {
         fix(&mut recorded, share, 0.0, &place)?;
     }
-    for entry in heard.iter().chain(&acting.currents) {
+    for entry in beyond.iter().chain(&acting.currents) {
         if let Reference::Parameter(p) = resolve(&recorded, &entry.name, &entry.value.place)? {
             fix(&mut recorded, p, entry.value.value, &entry.value.place)?;
             let known = &recorded.parameters()[p];

@@ -143,6 +143,9 @@ const COUNT: usize = 5;
 /// Least g, as a share of |Fc| + |Fs|: a trial step may make it vanish.
 const LEAST_LEVEL: f64 = 1e-3;
 
+/// g of a law without any friction, N·m (N), less than any friction: a search that begins there sees where it grows.
+const SMALLEST: f64 = 1e-9;
+
 #[derive(Clone, Copy)]
 struct State {
     z: f64,
@@ -160,16 +163,15 @@ fn level(p: &[f64; COUNT], v: f64) -> Level {
     let x = (v / vs).powi(2);
     let excess = (-x).exp();
     let g = fc + fs * excess;
-    let least = LEAST_LEVEL * (fc.abs() + fs.abs()) + f64::MIN_POSITIVE;
-    if g < least {
-        return Level {
-            g: least,
-            by: [0.0; COUNT],
-        };
-    }
+    let friction = fc.abs() + fs.abs();
+    let least = LEAST_LEVEL * friction + SMALLEST;
+    let by = match g < least && friction > 0.0 {
+        true => [0.0; COUNT],
+        false => [0.0, 0.0, excess, fs * excess * 2.0 * x / vs, 1.0],
+    };
     Level {
-        g,
-        by: [0.0, 0.0, excess, fs * excess * 2.0 * x / vs, 1.0],
+        g: g.max(least),
+        by,
     }
 }
 
@@ -320,7 +322,7 @@ fn level_formula() -> Expression {
     let [fs, vs, fc] = [2, 3, 4].map(Expression::parameter);
     let ratio = Expression::from(Variable::Velocity) / vs;
     let g = fc.clone() + fs.clone() * (-ratio.squared()).exponential();
-    let least = (fc.magnitude() + fs.magnitude()) * LEAST_LEVEL + f64::MIN_POSITIVE;
+    let least = (fc.magnitude() + fs.magnitude()) * LEAST_LEVEL + SMALLEST;
     g.call_with(Function::Larger, least)
 }
 

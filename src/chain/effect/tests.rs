@@ -159,6 +159,23 @@ fn matches_differences_in_every_parameter_and_in_sign() {
     }
 }
 
+/// A search may begin where a law has no size.
+#[test]
+fn laws_without_a_size_are_finite() {
+    let motion = Motion::random(&mut generator(14));
+    for (effect, law) in laws() {
+        let infos = infos(effect).into_iter();
+        let nothing = infos.map(|info| if info.lower <= 0.0 { 0.0 } else { info.typical });
+        let here = evaluate(law, motion.samples(), &nothing.collect::<Vec<f64>>());
+        let finite = |series: &Vec<f64>| series.iter().all(|x| x.is_finite());
+        assert!(
+            finite(&here.torque) && here.by_parameter.iter().all(finite),
+            "{}",
+            effect.id
+        );
+    }
+}
+
 #[test]
 fn invariant_laws_that_claim_to_dissipate_never_give_power() {
     let mut rng = generator(12);

@@ -40,13 +40,18 @@ pub(in crate::recording) fn prepare(
         rows: t.len(),
         t,
     };
-    let parallel = parallel(&recording.file, preparation, timing.rate_hz)?;
+    let uneven = (!timing.uniform).then(|| SampleRows::new(&raw.t, 1.0 / timing.rate_hz));
+    let rate_hz = uneven.as_ref().map_or(timing.rate_hz, SampleRows::rate_hz);
+    let parallel = parallel(&recording.file, preparation, rate_hz)?;
     let noise =
         period.and_then(|period| scatter::noise(&recording, &raw.t, period, parallel.as_ref()));
     fill_masked(&mut recording)?;
-    let rows = match timing.uniform {
-        true => Rows::of_even_samples(recording, raw, preparation, &timing)?,
-        false => Rows::of_uneven_samples(recording, raw, preparation, &timing)?,
+    let rows = match uneven {
+        None => Rows::of_even_samples(recording, raw, preparation, &timing)?,
+        Some(rows) => {
+            let differentiated = differentiate_at(&rows, &recording, preparation, &timing)?;
+            Rows::of_uneven_samples(recording, raw, rows, differentiated)
+        }
     };
     let mut experiment = rows.assembled(timing, parallel)?;
     experiment.noise = noise;
@@ -98,6 +103,19 @@ fn differentiate(
     }
 }
 
+/// The motion at samples that do not come evenly: it is smooth, so that it can be worked out on an even grid and interpolated.
+fn differentiate_at(
+    rows: &SampleRows,
+    recording: &Recording,
+    preparation: &Preparation,
+    timing: &Timing,
+) -> Result<Differentiated, RecordingError> {
+    let grid = Grid::spanning(&rows.t, timing.rate_hz);
+    let mut even = even_motion(recording, &rows.stamps(), grid);
+    fill_masked(&mut even)?;
+    Ok(differentiate(&even, preparation, timing)?.at(&rows.t, grid))
+}
+
 impl Rows {
     /// One row for every sample.
     fn of_even_samples(
@@ -119,30 +137,28 @@ impl Rows {
         })
     }
 
-    /// Rows at the samples: the motion, which is smooth, is worked out on an even grid and interpolated, the signal never.
+    /// One row for every sample, and masked ones in gaps.
     fn of_uneven_samples(
         recording: Recording,
-        mut raw: Raw,
-        preparation: &Preparation,
-        timing: &Timing,
-    ) -> Result<Self, RecordingError> {
-        let grid = Grid::spanning(&raw.t, timing.rate_hz);
-        let rows = SampleRows::new(&raw.t, 1.0 / timing.rate_hz);
-        let mut even = even_motion(&recording, &raw.t, grid);
-        fill_masked(&mut even)?;
-        let differentiated = differentiate(&even, preparation, timing)?.at(&rows.t, grid);
-        raw.map = RowMap::Listed(rows.of_samples.clone());
-        raw.rows = rows.t.len();
+        raw: Raw,
+        rows: SampleRows,
+        differentiated: Differentiated,
+    ) -> Self {
+        let count = rows.t.len();
         let signal = recording.signal.iter().map(|s| rows.spread(s)).collect();
-        Ok(Self {
+        Self {
             rate_hz: rows.rate_hz(),
             differentiated,
             signal,
             mask: rows.mask(recording.mask.as_deref()),
             file: recording.file,
             t: rows.t,
-            raw,
-        })
+            raw: Raw {
+                map: RowMap::Listed(rows.of_samples),
+                rows: count,
+                ..raw
+            },
+        }
     }
 
     /// What is known of the motion with the signal of the same rows.

@@ -10,6 +10,7 @@ use crate::recording::prepare::periods::periodic;
 use crate::recording::prepare::settings::{Method, Preparation};
 use crate::recording::quality::spikes;
 use crate::recording::time_base::clock;
+use crate::recording::time_base::sample_rows::with_gaps_masked;
 use crate::recording::time_base::timing::{Timing, examine};
 
 /// Makes a recording ready: time base, averaging or smoothing, differentiation, noise.
@@ -17,11 +18,12 @@ use crate::recording::time_base::timing::{Timing, examine};
 /// Errors: of the time base, of the settings, a recording that is too short, a mask that leaves
 /// too little.
 pub fn prepare(
-    mut recording: Recording,
+    recording: Recording,
     preparation: &Preparation,
 ) -> Result<Experiment, RecordingError> {
     let timing = examine(&recording, preparation.rate)?;
     preparation.validate(&recording, &timing)?;
+    let (mut recording, timing) = with_gaps_masked(recording, timing);
     let settled = period_of(&recording, preparation, &timing)?;
     let period = settled.period.as_ref();
     let spikes = spikes::replace(&mut recording, period.map(|(s, _)| s * timing.rate_hz));

@@ -1,8 +1,26 @@
 //! Rows of a recording whose samples do not come evenly: one for every sample, at its own time, so that no signal is
 //! interpolated. Where samples are missing, masked rows in their place keep the rows about even in time.
 
+use crate::recording::channels::samples::Recording;
 use crate::recording::series::interpolation::{Ends, fill};
-use crate::recording::time_base::timing::GAP_STEPS;
+use crate::recording::time_base::timing::{GAP_STEPS, Timing, is_even};
+
+/// A recording whose samples come evenly but for gaps, with masked samples in these; any other as it is.
+pub fn with_gaps_masked(recording: Recording, timing: Timing) -> (Recording, Timing) {
+    let Some(time) = recording.time.as_ref().filter(|_| !timing.uniform) else {
+        return (recording, timing);
+    };
+    let rows = SampleRows::new(time, 1.0 / timing.rate_hz);
+    if !is_even(&rows.t, 1.0 / rows.rate_hz()) {
+        return (recording, timing);
+    }
+    let timing = Timing {
+        rate_hz: rows.rate_hz(),
+        uniform: true,
+        ..timing
+    };
+    (rows.filled(recording), timing)
+}
 
 /// Rows at samples and in gaps.
 pub(in crate::recording) struct SampleRows {
@@ -40,6 +58,11 @@ impl SampleRows {
         last as f64 / (self.t[last] - self.t[0])
     }
 
+    /// Times of the samples, s.
+    pub fn stamps(&self) -> Vec<f64> {
+        self.of_samples.iter().map(|&row| self.t[row]).collect()
+    }
+
     /// A series of samples on the rows, with lines over gaps.
     pub fn spread(&self, series: &[f64]) -> Vec<f64> {
         if self.t.len() == series.len() {
@@ -51,6 +74,30 @@ impl SampleRows {
         }
         fill(&mut values, &self.measured(), Ends::Held);
         values
+    }
+
+    /// A recording with a sample in every row.
+    fn filled(self, recording: Recording) -> Recording {
+        let channels = |channels: &Vec<Vec<f64>>| -> Vec<Vec<f64>> {
+            channels.iter().map(|series| self.spread(series)).collect()
+        };
+        let mut lines = vec![0; self.t.len()];
+        let places = self.of_samples.iter().enumerate();
+        places.for_each(|(sample, &row)| lines[row] = recording.line(sample));
+        for row in 1..lines.len() {
+            lines[row] = lines[row].max(lines[row - 1]);
+        }
+        Recording {
+            position: channels(&recording.position),
+            velocity: recording.velocity.as_ref().map(channels),
+            acceleration: recording.acceleration.as_ref().map(channels),
+            signal: channels(&recording.signal),
+            temperature: recording.temperature.as_ref().map(channels),
+            mask: self.mask(recording.mask.as_deref()),
+            lines: Some(lines),
+            time: Some(self.t),
+            ..recording
+        }
     }
 
     /// Which rows count, of samples with this mask; None: all.

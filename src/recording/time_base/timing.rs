@@ -129,7 +129,7 @@ fn of_stamps(time: &[f64]) -> Timing {
 }
 
 /// Whether all stamps lie on an even grid to 5 % of a step, or to half a unit of their last decimal.
-fn is_even(time: &[f64], step: f64) -> bool {
+pub(super) fn is_even(time: &[f64], step: f64) -> bool {
     let deviations = || {
         let start = time[0];
         let grid = move |k: usize| start + k as f64 * step;
