@@ -152,12 +152,10 @@ impl<'a> ModelRun<'a> {
         self.close_near(forward, 0);
         let mut state = forward.settled(&q, &dq);
         let remembers = forward.lags() > 0 || forward.has_memory();
-        let (rows, rate) = (
-            self.recording.experiment.rows(),
-            self.recording.experiment.rate_hz,
-        );
+        let experiment = &self.recording.experiment;
+        let rows = experiment.rows();
         let last = self.starts.iter().copied().max().unwrap_or(0);
-        let passes = 1 + usize::from(self.recording.experiment.periods.is_some() && remembers);
+        let passes = 1 + usize::from(experiment.periods.is_some() && remembers);
         let mut states = Vec::new();
         for pass in 1..=passes {
             let end = if pass < passes { rows } else { last + 1 };
@@ -177,7 +175,8 @@ impl<'a> ModelRun<'a> {
                 let driven = Driven::Motion {
                     acceleration: &mean,
                 };
-                if forward.advance(&mut state, driven, 1.0 / rate).is_err() {
+                let duration = experiment.step_after(row);
+                if forward.advance(&mut state, driven, duration).is_err() {
                     state = forward.settled(&q, &dq);
                 }
             }
@@ -217,7 +216,6 @@ impl<'a> ModelRun<'a> {
             errors: Vec::with_capacity((rows + 1) * motors),
         };
         let (mut from, mut to) = (vec![0.0; motors], Self::at(&self.torque, start));
-        let duration = 1.0 / self.recording.experiment.rate_hz;
         for row in start..=start + rows {
             let kept = track.errors.len();
             for k in 0..motors {
@@ -246,6 +244,7 @@ impl<'a> ModelRun<'a> {
                 false => Driven::Torque { from, to },
             };
             // A mass matrix that is not positive, or a mechanism that tears, is as lost as a robot that flies away.
+            let duration = self.recording.experiment.step_after(row);
             if forward.advance(&mut state, driven, duration).is_err() {
                 break;
             }

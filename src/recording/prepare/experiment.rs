@@ -120,9 +120,9 @@ pub struct Periods {
 pub struct Experiment {
     /// The file that was read.
     pub file: PathBuf,
-    /// s, from the first sample of the file; even.
+    /// s, from the first sample of the file; about even.
     pub t: Vec<f64>,
-    /// Rows per second, Hz.
+    /// Rows per second on the average, Hz.
     pub rate_hz: f64,
     /// Positions, velocities and accelerations of the joints at the rows.
     pub motion: Motion,
@@ -132,7 +132,7 @@ pub struct Experiment {
     pub method: Method,
     /// `[c][k]`: averaged over periods, or as recorded; in the unit of the recording.
     pub signal: Vec<Vec<f64>>,
-    /// false: the row is there to keep the grid even, but counts for nothing.
+    /// false: the row is there to keep the rows about even in time, but counts for nothing.
     pub mask: Option<Vec<bool>>,
     /// None where nothing repeats, so that there are no two periods to compare.
     pub noise: Option<Noise>,
@@ -159,6 +159,14 @@ impl Experiment {
     /// Rows of the motion and the signal.
     pub fn rows(&self) -> usize {
         self.t.len()
+    }
+
+    /// s from a row to the next; behind the last as on the average.
+    pub fn step_after(&self, row: usize) -> f64 {
+        match (self.t.get(row), self.t.get(row + 1)) {
+            (Some(now), Some(next)) => next - now,
+            _ => 1.0 / self.rate_hz,
+        }
     }
 
     /// Temperatures at the rows, °C, `[joint][row]`: between samples on a straight line, beyond the first and the last as
