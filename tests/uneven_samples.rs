@@ -110,7 +110,7 @@ fn intervals_hold_where_a_period_is_no_whole_number_of_samples() {
 }
 
 /// Sum over six joints of the median error of position after 0.1 s, rad. With mean steps in the place of those between the stamps it
-/// is 10 mrad, and with these 3.5: what the noise of the torques alone leaves is 3.4.
+/// is 10 mrad, and with these 3.4, which is what the noise of the torques alone leaves.
 const OF_ROLLOUTS: f64 = 5e-3;
 
 #[test]
