@@ -48,7 +48,7 @@ fn of_unstated(read: &RawRecording<'_>) -> Option<Mistake> {
     let repeats = read.samples() as f64 / read.timing.rate_hz / seconds;
     let remedy = if found.is_exact() && !period::is_whole(read.recording, &read.timing, seconds) {
         format!(
-            "these hold {:.2} samples: a fit takes its noise from them and every sample for itself; periods of a whole number \
+            "each holds {:.2} samples: a fit takes its noise from them and every sample for itself; periods of a whole number \
              of samples would be averaged, which is as right and faster",
             seconds * read.timing.rate_hz
         )

@@ -15,8 +15,8 @@ use crate::recording::prepare::periods::autocovariance::{MOST_LAGS, autocovarian
 use crate::recording::series::interpolation::{Stencil, brackets};
 use crate::recording::series::zero_phase::ZeroPhase;
 
-/// Periods beside a sample, on either side, with which it is compared: more make the noise known no better than to a
-/// sixteenth.
+/// Periods beside a sample, on either side, with which it is compared: the mean of eight adds a sixteenth to the deviation of what
+/// differs from it.
 const BESIDE: i32 = 4;
 
 /// Noise of one sample of a motion that repeats after `period` s, of samples at these times; `None` of less than two periods.
