@@ -63,6 +63,21 @@ pub(in crate::recording) fn synthesis(mut coefficients: Vec<Complex<f64>>, n: us
     output
 }
 
+/// Σ_i x(i) x(i + l) for the lags 0..=lags. Zeros behind the series keep the circular correlation of the transform from wrapping
+/// around.
+pub(in crate::recording) fn lagged_products(series: &[f64], lags: usize) -> Vec<f64> {
+    let padded = (series.len() + lags + 1).next_power_of_two();
+    let mut extended = series.to_vec();
+    extended.resize(padded, 0.0);
+    let power = coefficients(&extended)
+        .into_iter()
+        .map(|c| Complex::from(c.norm_sqr()));
+    let mut sums = synthesis(power.collect(), padded);
+    sums.truncate(lags + 1);
+    sums.iter_mut().for_each(|sum| *sum *= padded as f64);
+    sums
+}
+
 /// Median of values; 0 of none.
 pub(in crate::recording) fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {

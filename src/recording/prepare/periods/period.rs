@@ -4,13 +4,11 @@
 //! where the motion repeats; the least lag l at which it returns to its lowest level is the period.
 //! Source: de Cheveigné and Kawahara (2002), eq. 6, for the pitch of speech.
 
-use realfft::num_complex::Complex;
-
 use crate::recording::channels::samples::Recording;
 use crate::recording::formats::table::LEAST_ROWS;
 use crate::recording::prepare::experiment::Chosen;
 use crate::recording::series::differences::fourth;
-use crate::recording::series::spectrum::{coefficients, synthesis};
+use crate::recording::series::spectrum::lagged_products;
 use crate::recording::time_base::timing::{Grid, Timing, even_motion};
 
 /// The motion must have left its start by this much of its variance before it can return.
@@ -360,17 +358,11 @@ fn differences(positions: &[Vec<f64>], farthest: usize) -> Option<Vec<f64>> {
 /// Adds Σ_k (x(k) - x(k + l))² / (n - l) = (E(0, n-l) + E(l, n) - 2 R(l)) / (n - l) for each lag l.
 fn add_differences(series: &[f64], sum: &mut [f64]) {
     let n = series.len();
-    let padded = (n + sum.len()).next_power_of_two();
-    let mut extended = series.to_vec();
-    extended.resize(padded, 0.0);
-    let power = coefficients(&extended)
-        .into_iter()
-        .map(|c| Complex::from(c.norm_sqr()));
-    let correlation = synthesis(power.collect(), padded);
+    let products = lagged_products(series, sum.len().saturating_sub(1));
     let total: f64 = series.iter().map(|x| x * x).sum();
     let (mut head, mut tail) = (total, total);
     for (l, d) in sum.iter_mut().enumerate() {
-        let squares = head + tail - 2.0 * correlation[l] * padded as f64;
+        let squares = head + tail - 2.0 * products[l];
         *d += squares.max(0.0) / (n - l) as f64;
         head -= series[n - 1 - l].powi(2);
         tail -= series[l].powi(2);

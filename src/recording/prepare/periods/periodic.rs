@@ -3,8 +3,6 @@
 //! x̄(k) = (1/P) Σ_p x_p(k),   Σ = Σ_k Σ_p e_p(k) e_p(k)ᵀ / ((P - 1) N)   with e_p = x_p - x̄:
 //! the covariance of one recorded sample; that of the mean is Σ / P.
 
-use nalgebra::DMatrix;
-
 use crate::fault::Place;
 use crate::recording::channels::samples::Recording;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
@@ -13,9 +11,9 @@ use crate::recording::prepare::experiment::{
     Bandwidth, Chosen, Experiment, Motion, MotionError, Noise, Raw, RowMap,
 };
 use crate::recording::prepare::filter::parallel;
-use crate::recording::prepare::periods::autocovariance::{MOST_LAGS, autocovariance};
 use crate::recording::prepare::periods::fourier::{self, Series};
 use crate::recording::prepare::periods::period_average::PeriodAverage;
+use crate::recording::prepare::periods::row_noise::Scatter;
 use crate::recording::prepare::settings::{Method, Preparation};
 use crate::recording::series::zero_phase::{ZeroPhase, gain};
 use crate::recording::time_base::timing::{Timing, take_stamps};
@@ -239,26 +237,16 @@ fn noise(
             .flat_map(|e| e.chunks_mut(average.samples));
         periods.for_each(|period| filter.apply_periodic(period));
     }
-    let per_mean = 1.0 / average.count as f64;
-    let product = |a: usize, b: usize| -> f64 {
-        let pairs = scatter[a].iter().zip(&scatter[b]);
-        pairs.map(|(x, y)| x * y).sum::<f64>() / degrees * per_mean
-    };
-    let lags = MOST_LAGS.min(average.samples / 2);
-    let spread = |series: &Vec<f64>| {
-        let squares: f64 = differences(series).iter().map(|e| e * e).sum();
-        (squares / degrees).sqrt()
-    };
-    Some(Noise {
-        period: average.period,
+    let of_periods = Scatter {
+        signal: scatter,
+        position: positions.iter().map(differences).collect(),
+        divisor: degrees,
         degrees,
-        signal_covariance: DMatrix::from_fn(signal.len(), signal.len(), product),
-        autocovariance: scatter
-            .iter()
-            .map(|e| autocovariance(e, lags, degrees * average.count as f64))
-            .collect(),
-        recorded_position_sd: positions.iter().map(spread).collect(),
-    })
+        averaged: average.count as f64,
+        period: average.period,
+        samples: average.samples,
+    };
+    Some(of_periods.noise())
 }
 
 #[cfg(test)]

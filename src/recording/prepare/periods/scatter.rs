@@ -7,11 +7,9 @@
 //!
 //! with ŷ by cubics between samples, which leave the share g of the variance of noise.
 
-use nalgebra::DMatrix;
-
 use crate::recording::channels::samples::Recording;
 use crate::recording::prepare::experiment::Noise;
-use crate::recording::prepare::periods::autocovariance::{MOST_LAGS, autocovariance};
+use crate::recording::prepare::periods::row_noise::Scatter;
 use crate::recording::series::interpolation::{Stencil, brackets};
 use crate::recording::series::zero_phase::ZeroPhase;
 
@@ -34,23 +32,16 @@ pub(in crate::recording) fn noise(
     if let Some(filter) = parallel {
         signal.iter_mut().for_each(|series| filter.apply(series));
     }
-    let count = others.counted();
-    let product = |a: usize, b: usize| -> f64 {
-        let pairs = signal[a].iter().zip(&signal[b]);
-        pairs.map(|(x, y)| x * y).sum::<f64>() / count
-    };
-    let lags = MOST_LAGS.min((time.len() as f64 / others.periods / 2.0) as usize);
-    let spread = |e: &Vec<f64>| (e.iter().map(|e| e * e).sum::<f64>() / count).sqrt();
-    Some(Noise {
-        period,
+    let of_samples = Scatter {
+        signal,
+        position: scatter(&recording.position),
+        divisor: others.counted(),
         degrees: others.degrees(),
-        signal_covariance: DMatrix::from_fn(signal.len(), signal.len(), product),
-        autocovariance: signal
-            .iter()
-            .map(|e| autocovariance(e, lags, count))
-            .collect(),
-        recorded_position_sd: scatter(&recording.position).iter().map(spread).collect(),
-    })
+        averaged: 1.0,
+        period,
+        samples: (time.len() as f64 / others.periods) as usize,
+    };
+    Some(of_samples.noise())
 }
 
 /// What other periods have at the phase of every sample.
