@@ -1413,7 +1413,7 @@ class RecordingsTable(TypedDict, total=False):
     rate: float
     """Samples per second. Unit: Hz. Default: from the time stamps."""
     period: float
-    """The motion repeats after this time; recordings are averaged over their periods. Unit: s. Default: found in the motion, where it repeats."""
+    """The motion repeats after this time; recordings are averaged over periods of a whole number of samples, and take their noise from others. Unit: s. Default: found in the motion, where it repeats."""
     columns: RecordingsColumnsTable
     """Names of columns, in which {joint} stands for the joint's name and {n} for its number from 1, or tables with column and unit. Default: the usual names."""
     differentiation: RecordingsDifferentiationTable
