@@ -378,13 +378,18 @@ impl Model {
         self.values_of(of)
     }
 
+    /// Index of a parameter, if there is one of that name.
+    pub fn position(&self, name: &str) -> Option<usize> {
+        self.parameters.iter().position(|p| p.name == name)
+    }
+
     /// Position of a parameter by name.
     pub fn find(&self, name: &str) -> Result<usize, ModelError> {
-        let found = self.parameters.iter().position(|p| p.name == name);
-        found.ok_or_else(|| ModelError::UnknownParameter {
-            name: name.to_string(),
-            nearest: nearest(name, self.parameters.iter().map(|p| p.name.as_str())),
-        })
+        self.position(name)
+            .ok_or_else(|| ModelError::UnknownParameter {
+                name: name.to_string(),
+                nearest: nearest(name, self.parameters.iter().map(|p| p.name.as_str())),
+            })
     }
 
     /// Makes a parameter known, and those that are shared with it. One that estimates may take out of its limits may be

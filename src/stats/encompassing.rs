@@ -86,12 +86,12 @@ const CLIPS: usize = 11;
 const CORRELATION_TIMES: f64 = 4.0;
 
 /// What is known of the variance apart from blocks.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Clone, Copy, Default)]
 pub struct Known<'a> {
     /// RMS noise of a row per channel.
     pub noise: Option<&'a [f64]>,
     /// Errors of the poorer model's parameters.
-    pub estimates: Option<&'a EstimationError>,
+    pub estimates: Option<&'a EstimationError<'a>>,
 }
 
 /// Residuals of a poorer and of a richer model over the same rows, `[channel][row]`.

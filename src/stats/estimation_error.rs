@@ -1,34 +1,43 @@
 //! What the errors of estimated parameters add to sums over residuals.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
+use std::borrow::Cow;
 
 /// Errors δθ of the estimated parameters of the poorer model, which move its residuals by J δθ.
-#[derive(Debug, Clone)]
-pub struct EstimationError {
+#[derive(Clone, Copy)]
+pub struct EstimationError<'a> {
     /// J, `[channel][parameter][row]`; `None` where a channel does not depend on a parameter.
-    pub derivatives: Vec<Vec<Option<Vec<f64>>>>,
-    /// Of the parameters; those of infinite variance are left out.
-    pub covariance: DMatrix<f64>,
+    pub derivatives: &'a [Vec<Option<Vec<f64>>>],
+    /// Rows of J that the residuals are of, per channel; all where there is no list.
+    pub kept: &'a [Option<Vec<bool>>],
+    /// `gᵀ C g`, with the covariance C of the parameters that the data determine.
+    pub variance: &'a dyn Fn(&DVector<f64>) -> f64,
 }
 
-impl EstimationError {
+impl EstimationError<'_> {
     /// `gᵀ C g`, `g = Jᵀ w`: the variance of the sum of residuals times weights `[channel][row]`.
     pub fn variance(&self, weights: &[Vec<f64>]) -> f64 {
-        let of = |k: usize| {
-            let channels = self.derivatives.iter().zip(weights);
-            let products = channels.filter_map(|(columns, weights)| {
-                let column = columns[k].as_ref()?;
-                Some(column.iter().zip(weights).map(|(j, w)| j * w).sum::<f64>())
-            });
-            match self.covariance[(k, k)].is_finite() {
-                true => products.sum(),
-                false => 0.0,
+        let parameters = self.derivatives.iter().map(Vec::len).max().unwrap_or(0);
+        let mut product = DVector::zeros(parameters);
+        let channels = self.derivatives.iter().zip(weights).zip(self.kept);
+        for ((columns, weights), kept) in channels {
+            let weights = in_place(weights, kept.as_deref());
+            for (k, column) in columns.iter().enumerate() {
+                let column = column.as_deref().unwrap_or_default();
+                let products = column.iter().zip(weights.iter()).map(|(j, w)| j * w);
+                product[k] += products.sum::<f64>();
             }
-        };
-        let product = DVector::from_fn(self.covariance.nrows(), |k, _| of(k));
-        let determined = self
-            .covariance
-            .map(|entry| if entry.is_finite() { entry } else { 0.0 });
-        product.dot(&(determined * &product)).max(0.0)
+        }
+        (self.variance)(&product).max(0.0)
     }
+}
+
+/// Weights of kept rows among all rows; the others have none.
+fn in_place<'w>(weights: &'w [f64], kept: Option<&[bool]>) -> Cow<'w, [f64]> {
+    let Some(kept) = kept else {
+        return Cow::Borrowed(weights);
+    };
+    let mut own = weights.iter();
+    let of = |kept: &bool| if *kept { own.next().copied() } else { None };
+    kept.iter().map(of).map(Option::unwrap_or_default).collect()
 }

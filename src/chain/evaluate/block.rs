@@ -133,12 +133,17 @@ impl Block {
         }
     }
 
-    /// Takes the value and the derivatives of a channel from another block of the same shape.
-    pub(super) fn take_channel(&mut self, channel: usize, from: &Self) {
-        self.samples = from.samples;
-        self.values[channel].clone_from(&from.values[channel]);
+    /// An empty one of the same shape.
+    pub(super) fn like(&self) -> Self {
+        Self::new(self.values.len(), self.columns, self.room)
+    }
+
+    /// Exchanges the value and the derivatives of a channel with those of another block of the same shape.
+    pub(super) fn exchange_channel(&mut self, channel: usize, with: &mut Self) {
+        self.samples = with.samples;
+        std::mem::swap(&mut self.values[channel], &mut with.values[channel]);
         let own = channel * self.columns..(channel + 1) * self.columns;
-        self.derivatives[own.clone()].clone_from_slice(&from.derivatives[own.clone()]);
-        self.stale[own.clone()].clone_from_slice(&from.stale[own]);
+        self.derivatives[own.clone()].swap_with_slice(&mut with.derivatives[own.clone()]);
+        self.stale[own.clone()].swap_with_slice(&mut with.stale[own]);
     }
 }

@@ -18,7 +18,6 @@ const STEP: f64 = 2e-5;
 impl Evaluator<'_> {
     /// Every channel with its own delay; channels that share one share the evaluation.
     pub(super) fn delayed(&mut self, segment: Segment<'_>) {
-        let samples = segment.motors.len();
         let channels = self.model.channels();
         let ahead = match self.model.signal() {
             Signal::PositionCommand => -1.0,
@@ -38,8 +37,7 @@ impl Evaluator<'_> {
         let mut distinct: Vec<f64> = wanted.iter().map(|(delay, _)| *delay).collect();
         distinct.sort_by(f64::total_cmp);
         distinct.dedup();
-        let mut whole = self.block.clone();
-        whole.clear(samples);
+        let mut whole = self.block.like();
         let all = self.wanted.clone();
         for delay in distinct {
             let members: Vec<usize> = (0..wanted.len())
@@ -52,7 +50,7 @@ impl Evaluator<'_> {
                 .collect();
             self.shifted(segment, delay);
             for &c in &members {
-                whole.take_channel(c, &self.block);
+                whole.exchange_channel(c, &mut self.block);
             }
             let columns: Vec<(usize, usize)> = members
                 .iter()
@@ -62,13 +60,13 @@ impl Evaluator<'_> {
                 continue;
             }
             let step = STEP * segment.step();
-            let late = self.shifted_values(segment, delay + step);
-            let early = self.shifted_values(segment, delay - step);
+            let later = self.shifted_values(segment, delay + step);
+            let sooner = self.shifted_values(segment, delay - step);
             for (c, column) in columns {
-                let series = whole.series(c, column);
-                for (k, to) in series[..samples].iter_mut().enumerate() {
-                    *to += ahead * (late[c][k] - early[c][k]) / (2.0 * step);
-                }
+                let pairs = later[c].iter().zip(&sooner[c]);
+                let slopes = pairs.map(|(later, sooner)| ahead * (later - sooner) / (2.0 * step));
+                let series = whole.series(c, column).iter_mut();
+                series.zip(slopes).for_each(|(to, slope)| *to += slope);
             }
         }
         self.wanted = all;

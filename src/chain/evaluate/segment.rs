@@ -46,7 +46,7 @@ impl<'a> Segment<'a> {
     }
 
     /// s from sample to sample on the average; of two samples or more.
-    pub(super) fn step(&self) -> f64 {
+    pub fn step(&self) -> f64 {
         let last = self.time.len() - 1;
         (self.time[last] - self.time[0]) / last as f64
     }

@@ -10,7 +10,7 @@
 //! is the gain of one Gauss-Newton step of all parameters, for the price of projecting a few columns.
 
 use crate::chain::dataset::Prepared;
-use crate::chain::effect::Linearity;
+use crate::chain::effect::{Law, Linearity};
 use crate::chain::evaluate::Evaluator;
 use crate::chain::model::Model;
 use crate::diagnose::candidates::grid_search::{best_first, halved};
@@ -41,6 +41,8 @@ pub struct Linearised<'a> {
     known: OnceLock<Vec<Prepared>>,
     /// The same beside motions as late as the signal of a joint, by joint.
     late: Vec<OnceLock<Vec<Prepared>>>,
+    /// Beside motions as late as all signals nearly are.
+    all_late: OnceLock<AllLate>,
     path: SignalPath,
     scale: Vec<f64>,
     predicted: Vec<Vec<f64>>,
@@ -66,6 +68,17 @@ struct Enlarged<'a> {
     /// Positions of the free parameters that it has beyond the fitted model.
     own: Vec<usize>,
     recordings: Vec<&'a Prepared>,
+    /// What the fitted model predicts along them, `[channel][row]`.
+    predicted: &'a [Vec<f64>],
+}
+
+/// Recordings beside motions as late as signals are on the average, along which the fitted model is on time.
+struct AllLate {
+    recordings: Vec<Prepared>,
+    /// The same with what the bodies do.
+    known: Vec<Prepared>,
+    /// What the fitted model predicts along them, `[channel][row]`.
+    predicted: Vec<Vec<f64>>,
 }
 
 /// Values from which a hypothesis is examined, and those of them that are not the fitted ones, by name.
@@ -110,6 +123,7 @@ impl<'a> Linearised<'a> {
             recordings,
             known: OnceLock::new(),
             late: vec![OnceLock::new(); fit.model.joints().len()],
+            all_late: OnceLock::new(),
             path: SignalPath::of(&fit.model),
             scale,
             predicted: series.predicted,
@@ -168,7 +182,7 @@ impl<'a> Linearised<'a> {
         let enlarged = self.enlarged(context, &candidate.hypothesis)?;
         let mut values = self.fit.values_of(&enlarged.model);
         for (name, value) in &candidate.start {
-            values[enlarged.model.find(name).ok()?] = *value;
+            values[enlarged.model.position(name)?] = *value;
         }
         let gain = self.gain(&enlarged, &values);
         Some(Candidate { gain, ..candidate })
@@ -187,18 +201,31 @@ impl<'a> Linearised<'a> {
         if let Some(joint) = alone {
             model.predict_only(joint);
         }
+        let knows_bodies = |path: SignalPath| path.knows_bodies(&self.fit.model, hypothesis);
+        let own = self.own_parameters(&model);
+        let mut predicted = &self.predicted;
         let recordings = match (self.path, alone) {
             (SignalPath::Late, Some(joint)) => {
                 model.predict_on_time();
                 self.late(joint)
             }
-            _ if self.path.knows_bodies(&self.fit.model, hypothesis) => self.known(),
+            (SignalPath::Late, None) if self.is_late_alike(hypothesis) => {
+                let late = self.all_late();
+                model.predict_on_time();
+                predicted = &late.predicted;
+                match knows_bodies(SignalPath::Simple) {
+                    true => &late.known,
+                    false => &late.recordings,
+                }
+            }
+            _ if knows_bodies(self.path) => self.known(),
             _ => &self.recordings,
         };
         Some(Enlarged {
-            own: self.own_parameters(&model),
+            own,
             model,
             recordings: recordings.iter().collect(),
+            predicted,
         })
     }
 
@@ -245,6 +272,44 @@ impl<'a> Linearised<'a> {
         self.late[joint].get_or_init(make)
     }
 
+    /// Delays of the channels that are looked at.
+    fn delays(&self) -> Vec<f64> {
+        let joints = self.fit.model.channels().iter().filter(|c| c.active);
+        let delay = |joint: usize| self.fit.model.joints()[joint].delay;
+        let value =
+            |joint: Option<usize>| joint.and_then(delay).map_or(0.0, |at| self.fit.values[at]);
+        joints.map(|channel| value(channel.joint)).collect()
+    }
+
+    /// Whether all signals are late by the same, as far as a look at a hypothesis that is no delay asks for it: derivatives with
+    /// respect to its parameters change little within the time between two samples.
+    fn is_late_alike(&self, hypothesis: &Hypothesis) -> bool {
+        let delays = self.delays();
+        let least = delays.iter().copied().fold(f64::INFINITY, f64::min);
+        let spread = delays.iter().map(|delay| delay - least).fold(0.0, f64::max);
+        let step = |r: &Prepared| r.segment().step();
+        let steps = self.recordings.iter().map(step);
+        !matches!(hypothesis.effect.law, Law::Delay)
+            && spread <= steps.fold(f64::INFINITY, f64::min)
+    }
+
+    fn all_late(&self) -> &AllLate {
+        self.all_late.get_or_init(|| {
+            let delays = self.delays();
+            let mean = delays.iter().sum::<f64>() / delays.len().max(1) as f64;
+            let recordings: Vec<Prepared> =
+                self.recordings.iter().map(|r| r.late_by(mean)).collect();
+            let mut model = self.fit.model.clone();
+            model.predict_on_time();
+            let along: Vec<&Prepared> = recordings.iter().collect();
+            AllLate {
+                known: recordings.iter().map(|r| self.with_bodies(r)).collect(),
+                predicted: ChannelSeries::of(&model, &self.fit.values, &[], &along).predicted,
+                recordings,
+            }
+        })
+    }
+
     /// A recording with what the bodies of the fitted model do along it.
     fn with_bodies(&self, recording: &Prepared) -> Prepared {
         let rows = recording.experiment.rows();
@@ -262,7 +327,7 @@ impl<'a> Linearised<'a> {
     fn own_parameters(&self, model: &Model) -> Vec<usize> {
         let is_own = |p: &usize| {
             let parameter = &model.parameters()[*p];
-            parameter.is_free() && self.fit.model.find(&parameter.name).is_err()
+            parameter.is_free() && self.fit.model.position(&parameter.name).is_none()
         };
         (0..model.parameters().len()).filter(is_own).collect()
     }
@@ -285,7 +350,8 @@ impl<'a> Linearised<'a> {
         let mut lowered = raised.clone();
         for (effect, parameter) in borrows {
             let name = format!("{joint}.{effect}.{parameter}");
-            let (Ok(from), Ok(to)) = (self.fit.model.find(&name), model.find(&name)) else {
+            let (Some(from), Some(to)) = (self.fit.model.position(&name), model.position(&name))
+            else {
                 continue;
             };
             let unknown = self
@@ -322,12 +388,17 @@ impl<'a> Linearised<'a> {
     }
 
     fn gain(&self, enlarged: &Enlarged<'_>, values: &DVector<f64>) -> f64 {
-        let Enlarged { model, own, .. } = enlarged;
-        let series = ChannelSeries::of(model, values, own, &enlarged.recordings);
+        let Enlarged {
+            model,
+            own,
+            recordings,
+            predicted: before,
+        } = enlarged;
+        let series = ChannelSeries::of(model, values, own, recordings);
         let mut change: Column = Vec::new();
         let mut columns: Vec<Column> = vec![Vec::new(); own.len()];
         for (c, predicted) in series.predicted.iter().enumerate() {
-            let pairs = predicted.iter().zip(&self.predicted[c]);
+            let pairs = predicted.iter().zip(&before[c]);
             let moved: Vec<f64> = pairs.map(|(a, b)| (a - b) / self.scale[c]).collect();
             if moved.iter().any(|x| *x != 0.0) {
                 change.push((c, moved));
@@ -471,9 +542,9 @@ pub fn screen(
     let rough = Linearised::of_every(every, context, fit);
     let earlier = Reusable::of(context, fit);
     let examined = open.par_iter().filter(|_| is_going_on());
-    let examined = examined.filter_map(|hypothesis| match earlier.stands(hypothesis) {
-        true => rough.confirmed(context, earlier.candidate(hypothesis)?),
-        false => rough.examine(context, hypothesis),
+    let examined = examined.filter_map(|hypothesis| match earlier.glance(hypothesis) {
+        Some(known) => rough.confirmed(context, known?),
+        None => rough.examine(context, hypothesis),
     });
     let mut glance: Vec<Candidate> = examined.filter(|candidate| candidate.gain > 0.0).collect();
     by_gain(&mut glance);

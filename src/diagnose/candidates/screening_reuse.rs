@@ -1,7 +1,7 @@
-//! Reuse of the score tests of a model that is poorer by one hypothesis, where they still hold.
+//! Reuse of the score tests of other models, where they still hold.
 //!
-//! What a hypothesis explains of a joint does not move where the residual of that joint has not moved: its best point
-//! stays the best, and only what it gains there is worked out anew.
+//! What a hypothesis explains of a joint does not move where the residual of that joint has not moved, and where the model
+//! has nothing else there: its best point stays the best, and only what it gains there is worked out anew.
 
 use crate::chain::effect::Law;
 use crate::diagnose::fit::candidate::{Candidate, Screening};
@@ -10,46 +10,82 @@ use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::residuals::effect_size::HALF_OF_WHAT_MATTERS;
 
-/// An earlier screening beside the model as it is now.
-#[derive(Debug, Default)]
-pub struct Reusable {
-    screening: Screening,
-    /// Of the channel of each joint: whether its residual has stayed.
-    stayed: Vec<bool>,
+/// Earlier screenings beside the model as it is now.
+#[derive(Debug)]
+pub struct Reusable<'a> {
+    fit: &'a ModelFit,
+    /// The latest first.
+    screened: Vec<Screened>,
 }
 
-impl Reusable {
-    /// Of the model with one hypothesis less; of none where none was screened.
-    pub fn of(context: &Context<'_>, fit: &ModelFit) -> Self {
-        let Some((poorer, screening)) = context.cache.one_less(&fit.hypotheses) else {
-            return Self::default();
-        };
-        let channels = fit.model.channels().iter().enumerate();
-        let moved = channels.filter(|(c, _)| has_moved(&poorer.train[*c], &fit.train[*c]));
-        let moved: Vec<Option<usize>> = moved.map(|(_, channel)| channel.joint).collect();
-        let has_stayed = |joint: usize| !moved.contains(&None) && !moved.contains(&Some(joint));
-        Self {
+/// The screening of one model.
+#[derive(Debug)]
+struct Screened {
+    hypotheses: Vec<Hypothesis>,
+    screening: Screening,
+    /// Of the channel of each joint: whether its residual there is that of the model as it is now.
+    alike: Vec<bool>,
+}
+
+impl<'a> Reusable<'a> {
+    /// Of all models that were screened.
+    pub fn of(context: &Context<'_>, fit: &'a ModelFit) -> Self {
+        let screened = context.cache.screened().into_iter().rev();
+        let beside = |(other, screening): (ModelFit, Screening)| Screened {
+            alike: alike(&other, fit),
+            hypotheses: other.hypotheses,
             screening,
-            stayed: (0..fit.model.joints().len()).map(has_stayed).collect(),
+        };
+        Self {
+            fit,
+            screened: screened.map(beside).collect(),
         }
     }
 
-    /// Whether what was found of a hypothesis still holds: it acts on the signals of its joints alone, or mostly, and
-    /// none of these has moved.
-    pub fn stands(&self, hypothesis: &Hypothesis) -> bool {
-        let is_of_joints = !matches!(hypothesis.effect.law, Law::Body | Law::Tilt);
-        let named = hypothesis.named_joints();
-        let stayed = |joint: &usize| self.stayed.get(*joint).is_some_and(|stayed| *stayed);
-        is_of_joints && named.iter().all(stayed) && self.screening.open.contains(hypothesis)
+    /// What was found of a hypothesis by a glance that still holds, and whether it promised something; `None` where none does.
+    pub fn glance(&self, hypothesis: &Hypothesis) -> Option<Option<Candidate>> {
+        let mut screened = self.screened.iter();
+        let Screened { screening, .. } = screened.find(|one| self.holds(one, hypothesis))?;
+        let mut candidates = screening.glance.iter();
+        Some(
+            candidates
+                .find(|candidate| candidate.hypothesis == *hypothesis)
+                .cloned(),
+        )
     }
 
-    /// What was found of a hypothesis by a glance, if it promised something.
-    pub fn candidate(&self, hypothesis: &Hypothesis) -> Option<Candidate> {
-        let mut candidates = self.screening.glance.iter();
-        candidates
-            .find(|candidate| candidate.hypothesis == *hypothesis)
-            .cloned()
+    /// Whether what was found of a hypothesis beside a model with `others` still holds.
+    pub fn stands(&self, others: &[Hypothesis], hypothesis: &Hypothesis) -> bool {
+        let mut screened = self.screened.iter();
+        screened.any(|one| one.hypotheses == others && self.holds(one, hypothesis))
     }
+
+    /// Whether a hypothesis acts on the signals of its joints alone, or mostly, and none of these joints has a residual or physics
+    /// that it had not in a screening.
+    fn holds(&self, screened: &Screened, hypothesis: &Hypothesis) -> bool {
+        let is_of_joints = !matches!(hypothesis.effect.law, Law::Body | Law::Tilt);
+        let named = hypothesis.named_joints();
+        let is_alike = |joint: &usize| screened.alike.get(*joint).is_some_and(|alike| *alike);
+        is_of_joints
+            && named.iter().all(is_alike)
+            && screened.screening.open.contains(hypothesis)
+            && on(&screened.hypotheses, &named) == on(&self.fit.hypotheses, &named)
+    }
+}
+
+/// The hypotheses that act on one of some joints.
+fn on<'h>(hypotheses: &'h [Hypothesis], joints: &[usize]) -> Vec<&'h Hypothesis> {
+    let acts = |h: &&Hypothesis| h.named_joints().iter().any(|j| joints.contains(j));
+    hypotheses.iter().filter(acts).collect()
+}
+
+/// Of each joint, whether two models leave the same of its channel, and of those that belong to no joint.
+fn alike(other: &ModelFit, fit: &ModelFit) -> Vec<bool> {
+    let channels = fit.model.channels().iter().enumerate();
+    let moved = channels.filter(|(c, _)| has_moved(&other.train[*c], &fit.train[*c]));
+    let moved: Vec<Option<usize>> = moved.map(|(_, channel)| channel.joint).collect();
+    let is_alike = |joint: usize| !moved.contains(&None) && !moved.contains(&Some(joint));
+    (0..fit.model.joints().len()).map(is_alike).collect()
 }
 
 /// Whether residuals have changed by more than half of what matters.

@@ -2,6 +2,7 @@
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::transition_limits::TransitionLimits;
+use crate::diagnose::fit::derivatives::DerivativesCache;
 use crate::diagnose::fit::fit_cache::FitCache;
 use crate::diagnose::fit::hypothesis::{Hypothesis, addition};
 use crate::problem::solution::Control;
@@ -30,6 +31,8 @@ pub struct Context<'a> {
     pub between: Vec<Prepared>,
     /// Fits that were made before, by their hypotheses.
     pub cache: FitCache,
+    /// Derivatives of the fits that others were last compared with.
+    pub derivatives: DerivativesCache,
 }
 
 /// Whether the rows of recordings are in the order of time, not averages over periods.
@@ -50,6 +53,7 @@ impl<'a> Context<'a> {
             limits: TransitionLimits::of(data),
             between: Vec::new(),
             cache: FitCache::default(),
+            derivatives: DerivativesCache::default(),
         }
     }
 

@@ -13,6 +13,8 @@ type Answers<T> = Mutex<Vec<(Vec<Hypothesis>, T)>>;
 #[derive(Debug, Default)]
 pub struct FitCache {
     fits: Answers<ModelFit>,
+    /// Fits from the first start of a search alone.
+    first: Answers<ModelFit>,
     screenings: Answers<Screening>,
     /// Hypotheses of models that were fitted from the optimum of a richer one, and the hypotheses of that.
     poorer: Mutex<Vec<(Vec<Hypothesis>, Vec<Hypothesis>)>>,
@@ -26,6 +28,24 @@ impl FitCache {
         make: impl FnOnce() -> Result<ModelFit, DiagnoseError>,
     ) -> Result<ModelFit, DiagnoseError> {
         recall(&self.fits, hypotheses, make)
+    }
+
+    /// The fit of a model with hypotheses from the first start of its search, made by `make` the first time; the whole search's
+    /// where that was made.
+    pub fn first_fit(
+        &self,
+        hypotheses: &[Hypothesis],
+        make: impl FnOnce() -> Result<ModelFit, DiagnoseError>,
+    ) -> Result<ModelFit, DiagnoseError> {
+        match known(&self.fits, hypotheses) {
+            Some(searched) => Ok(searched),
+            None => recall(&self.first, hypotheses, make),
+        }
+    }
+
+    /// Whether a model with hypotheses was fitted from every start that it needs.
+    pub fn is_fitted(&self, hypotheses: &[Hypothesis]) -> bool {
+        known(&self.fits, hypotheses).is_some()
     }
 
     /// The fit of a model with hypotheses that `make` makes from the optimum of a `richer` one, or the known one, of
@@ -65,16 +85,13 @@ impl FitCache {
         recall(&self.screenings, hypotheses, make)
     }
 
-    /// The fit and the screening of a model that has one hypothesis less.
-    pub fn one_less(&self, hypotheses: &[Hypothesis]) -> Option<(ModelFit, Screening)> {
-        (0..hypotheses.len()).rev().find_map(|k| {
-            let mut poorer = hypotheses.to_vec();
-            poorer.remove(k);
-            Some((
-                known(&self.fits, &poorer)?,
-                known(&self.screenings, &poorer)?,
-            ))
-        })
+    /// The models whose screening is known, in the order in which they were screened.
+    pub fn screened(&self) -> Vec<(ModelFit, Screening)> {
+        let screenings = open(&self.screenings).clone();
+        let fitted = |(hypotheses, screening): (Vec<Hypothesis>, Screening)| {
+            Some((known(&self.fits, &hypotheses)?, screening))
+        };
+        screenings.into_iter().filter_map(fitted).collect()
     }
 }
 

@@ -6,6 +6,7 @@ pub mod channel_series;
 pub mod context;
 pub mod contexts;
 pub mod declared;
+pub mod derivatives;
 pub mod fit_cache;
 pub mod fitting;
 pub mod held_out;

@@ -57,7 +57,7 @@ impl ModelFit {
     pub fn values_of(&self, model: &Model) -> DVector<f64> {
         let mut values = model.values();
         for (k, parameter) in model.parameters().iter().enumerate() {
-            if let Ok(index) = self.model.find(&parameter.name) {
+            if let Some(index) = self.model.position(&parameter.name) {
                 values[k] = self.values[index];
             }
         }

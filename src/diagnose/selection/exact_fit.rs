@@ -8,7 +8,7 @@ use crate::diagnose::fit::candidate::{Anew, Candidate};
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::fitting::{fit_model, fit_model_holding};
 use crate::diagnose::fit::hypothesis::Hypothesis;
-use crate::diagnose::fit::model_fit::ModelFit;
+use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::fit::start::{Start, WarmStart};
 use crate::diagnose::residuals::effect_size::HALF_OF_WHAT_MATTERS;
 use crate::diagnose::selection::law_range;
@@ -41,6 +41,20 @@ pub fn fit_without(
         .fit_from(&hypotheses, &full.hypotheses, least_gain(full), make)
 }
 
+/// Sum of squares that a richer model takes from the fitted rows, in units of what the poorer one leaves in a row.
+pub fn taken(pair: FitPair<'_>) -> f64 {
+    let of = |(old, new): (&Vec<f64>, &Vec<f64>)| match rms(old) {
+        left if left > 0.0 => old.len() as f64 * (1.0 - (rms(new) / left).powi(2)),
+        _ => 0.0,
+    };
+    pair.poorer
+        .train
+        .iter()
+        .zip(&pair.richer.train)
+        .map(of)
+        .sum()
+}
+
 /// A candidate to be fitted beside what a model has.
 pub struct ExactFit<'a> {
     /// The problem with its recordings.
@@ -52,12 +66,35 @@ pub struct ExactFit<'a> {
 }
 
 impl ExactFit<'_> {
+    /// The model with the candidate at the optimum that its most promising start leads to.
+    pub fn first(&self) -> Result<ModelFit, DiagnoseError> {
+        let hypotheses = self.hypotheses();
+        let start = self.before.warm_start().with(&self.candidate.start);
+        let make = || fit_model(self.context, &hypotheses, &start);
+        self.context.cache.first_fit(&hypotheses, make)
+    }
+
     /// The model with the candidate at the best optimum that its starts lead to.
-    pub fn run(&self) -> Result<ModelFit, DiagnoseError> {
-        let mut hypotheses = self.before.hypotheses.clone();
-        hypotheses.push(self.candidate.hypothesis.clone());
+    pub fn best(&self) -> Result<ModelFit, DiagnoseError> {
+        let hypotheses = self.hypotheses();
         let search = || self.search(&hypotheses);
         self.context.cache.fit_model(&hypotheses, search)
+    }
+
+    /// Whether nothing hints at a better optimum than the first.
+    pub fn is_settled(&self, first: &ModelFit) -> bool {
+        !self.is_wanting(first) && !self.is_lost(first) && !self.fits_worse(first)
+    }
+
+    /// Whether the candidate may take about as much as another hypothesis that was found to take so much.
+    pub fn competes(&self, taken: f64) -> bool {
+        self.candidate.gain >= PROMISED * taken
+    }
+
+    fn hypotheses(&self) -> Vec<Hypothesis> {
+        let mut hypotheses = self.before.hypotheses.clone();
+        hypotheses.push(self.candidate.hypothesis.clone());
+        hypotheses
     }
 
     fn search(&self, hypotheses: &[Hypothesis]) -> Result<ModelFit, DiagnoseError> {
@@ -65,10 +102,9 @@ impl ExactFit<'_> {
         let from = |start: &WarmStart| fit_model(self.context, hypotheses, start);
         let fitted = before.warm_start();
         let start = fitted.with(&candidate.start);
-        let mut best = from(&start)?;
-        let falls_short = self.taken_by(&best) < PROMISED * candidate.gain;
-        let wanting = falls_short || !self.is_possible(&best);
-        let others = candidate.others.iter().filter(|_| wanting);
+        let mut best = self.first()?;
+        let is_wanting = self.is_wanting(&best);
+        let others = candidate.others.iter().filter(|_| is_wanting);
         let others: Vec<WarmStart> = others.map(|own| fitted.with(own)).collect();
         let all = std::iter::once(&start).chain(&others);
         let bent = all.filter_map(|start| self.without_shapes(start));
@@ -80,8 +116,7 @@ impl ExactFit<'_> {
         if let Some(foremost) = foremost.filter(|one| self.is_better(one, &best)) {
             best = self.better(best, from(&foremost.warm_start())?);
         }
-        let is_lost = |one: &Anew| is_at_a_limit(&best, &one.start) || self.forecasts_worse(&best);
-        if candidate.anew.iter().any(is_lost) {
+        if self.is_lost(&best) {
             for Anew { start: own, scales } in &candidate.anew {
                 let again = WarmStart {
                     values: best.start(),
@@ -96,8 +131,8 @@ impl ExactFit<'_> {
                 best = self.better(best, from(&again)?);
             }
         }
-        // A richer model that fits worse was not searched well: everything else first, at the candidate's own values.
-        if best.fitted_score() > before.fitted_score() {
+        // Everything else first, at the candidate's own values.
+        if self.fits_worse(&best) {
             let settled = fit_model_holding(self.context, hypotheses, &start, &candidate.start)?;
             let again = WarmStart {
                 values: settled.start(),
@@ -108,19 +143,30 @@ impl ExactFit<'_> {
         Ok(best)
     }
 
+    /// Whether a fit takes far less than was promised, or has the hypothesis where its physics does not.
+    fn is_wanting(&self, fit: &ModelFit) -> bool {
+        taken(FitPair {
+            poorer: self.before,
+            richer: fit,
+        }) < PROMISED * self.candidate.gain
+            || !self.is_possible(fit)
+    }
+
+    /// Whether a law with memory has lost what belongs to it.
+    fn is_lost(&self, fit: &ModelFit) -> bool {
+        let is_lost = |one: &Anew| is_at_a_limit(fit, &one.start) || self.forecasts_worse(fit);
+        self.candidate.anew.iter().any(is_lost)
+    }
+
+    /// A richer model that fits worse was not searched well.
+    fn fits_worse(&self, fit: &ModelFit) -> bool {
+        fit.fitted_score() > self.before.fitted_score()
+    }
+
     /// Whether a fit says less of the held-out rows than the model before: a shape may have bent where the fitted rows do not
     /// tell it.
     fn forecasts_worse(&self, fit: &ModelFit) -> bool {
         fit.held_out_score() > self.before.held_out_score()
-    }
-
-    /// Sum of squares that a fit takes from the fitted rows, in units of what the model before leaves in a row.
-    fn taken_by(&self, after: &ModelFit) -> f64 {
-        let of = |(old, new): (&Vec<f64>, &Vec<f64>)| match rms(old) {
-            left if left > 0.0 => old.len() as f64 * (1.0 - (rms(new) / left).powi(2)),
-            _ => 0.0,
-        };
-        self.before.train.iter().zip(&after.train).map(of).sum()
     }
 
     /// Whether the parameters of the hypothesis came out where its physics has them: friction that drives is no friction,

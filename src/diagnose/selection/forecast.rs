@@ -4,12 +4,11 @@
 //! blocks that these do not tell the variance of what they leave. There the noise that is known from what repeats takes
 //! its place, on rows under way: around reversals a few rows are off by more than noise in every model.
 
-use crate::diagnose::fit::channel_series::ChannelSeries;
 use crate::diagnose::fit::context::Context;
+use crate::diagnose::fit::derivatives::Derivatives;
 use crate::diagnose::fit::model_fit::FitPair;
 use crate::diagnose::residuals::noise_level;
 use crate::diagnose::residuals::reversal_mask;
-use crate::estimate::covariance::of_unknowns_in;
 use crate::recording::split::Split;
 use crate::stats::encompassing::{Encompassing, Known, ResidualPair};
 use crate::stats::estimation_error::EstimationError;
@@ -84,39 +83,34 @@ impl<'a> KeptRows<'a> {
             poorer: &of(&self.pair.poorer.validation),
             richer: &of(&self.pair.richer.validation),
         };
-        let test = |estimates: Option<&EstimationError>| {
+        let test = |estimates: Option<&EstimationError<'_>>| {
             residuals.encompassing(Known { noise, estimates }, self.context.residual_rows())
         };
         let evidence = test(None);
         if evidence.p_value >= DECIDES {
             return evidence;
         }
-        match self.estimation_error() {
-            Some(error) => test(Some(&error)),
-            None => evidence,
-        }
+        self.beside_estimation_error(&test).unwrap_or(evidence)
     }
 
-    /// Errors of the poorer model's parameters where what the richer one leaves of the fitted rows is the noise.
-    fn estimation_error(&self) -> Option<EstimationError> {
+    /// A test with the errors of the poorer model's parameters where what the richer one leaves of the fitted rows is the noise;
+    /// `None` where they are not known.
+    fn beside_estimation_error(
+        &self,
+        test: &dyn Fn(Option<&EstimationError<'_>>) -> Encompassing,
+    ) -> Option<Encompassing> {
         let FitPair { poorer, richer } = self.pair;
         let fitted = self.context.recordings(Split::Train);
         let noise = richer
             .problem(&fitted)
             .counted_residuals(&richer.solution.x);
+        let derivatives = Derivatives::of(self.context, poorer)?;
         let problem = poorer.problem(&fitted);
-        let covariance = of_unknowns_in(&problem, &poorer.solution.x, &noise)?;
-        let held_out = self.context.recordings(Split::Validation);
-        let positions = poorer.unknowns.positions();
-        let series = ChannelSeries::of(&poorer.model, &poorer.values, &positions, &held_out);
-        let channels = series.columns.into_iter().enumerate();
-        let derivatives = channels.map(|(c, columns)| {
-            let columns = columns.into_iter();
-            columns.map(|column| Some(self.of(c, &column?))).collect()
-        });
-        Some(EstimationError {
-            derivatives: derivatives.collect(),
-            covariance,
-        })
+        let sandwich = derivatives.fitted.under(&problem, &noise);
+        Some(test(Some(&EstimationError {
+            derivatives: &derivatives.held_out,
+            kept: &self.kept,
+            variance: &|g| sandwich.variance(g),
+        })))
     }
 }

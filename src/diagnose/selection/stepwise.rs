@@ -8,7 +8,7 @@ use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::{self, Hypothesis};
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::effect_size::{self, MATTERS, error_excess};
-use crate::diagnose::selection::exact_fit::{ExactFit, fit_without, least_gain};
+use crate::diagnose::selection::exact_fit::{ExactFit, fit_without, least_gain, taken};
 use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::hypothesis_test::{CONFIDENCE, HypothesisTest, fits_better};
 use crate::diagnose::selection::law_range;
@@ -168,32 +168,45 @@ impl Stepwise<'_> {
         let candidates = foremost(candidates);
         let reusable = Reusable::of(context, fit);
         let is_refuted = |test: &HypothesisTest| {
-            let (others, stated) = (test.fit.hypotheses.split_last(), &fit.hypotheses);
-            let is_poorer =
-                others.is_some_and(|(_, others)| others.iter().all(|h| stated.contains(h)));
-            is_poorer && test.error_reduction < MATTERS && reusable.stands(&test.hypothesis)
+            let stands = |others: &[Hypothesis]| reusable.stands(others, &test.hypothesis);
+            test.error_reduction < MATTERS
+                && context.cache.is_fitted(&test.fit.hypotheses)
+                && test
+                    .fit
+                    .hypotheses
+                    .split_last()
+                    .is_some_and(|(_, others)| stands(others))
         };
         let refuted: Vec<&HypothesisTest> = earlier.iter().filter(|t| is_refuted(t)).collect();
-        let tried = candidates.par_iter().filter_map(|candidate| {
-            let known = refuted
-                .iter()
-                .find(|t| t.hypothesis == candidate.hypothesis);
-            if let Some(&known) = known {
-                return Some(known.clone());
+        let beside = Beside {
+            context,
+            fit,
+            open: open.len(),
+        };
+        let first = candidates.par_iter().filter_map(|candidate| {
+            let mut known = refuted.iter();
+            match known.find(|t| t.hypothesis == candidate.hypothesis) {
+                Some(&known) => Some(Tried::Settled(known.clone())),
+                None => beside.first(candidate),
             }
-            let exact = ExactFit {
-                context,
-                before: fit,
-                candidate,
-            };
-            // A hypothesis that cannot be fitted is no hypothesis.
-            let richer = exact.run().ok()?;
-            exact.is_possible(&richer).then(|| {
-                let hypothesis = candidate.hypothesis.clone();
-                HypothesisTest::of(context, fit, richer, hypothesis).corrected_for(open.len())
-            })
         });
-        Ok(tried.collect())
+        let first: Vec<Tried<'_>> = first.collect();
+        let taken = |tried: &Tried<'_>| match tried {
+            Tried::Settled(test) if test.is_needed(self.rules.significance) => taken(FitPair {
+                poorer: fit,
+                richer: &test.fit,
+            }),
+            _ => 0.0,
+        };
+        let most = first.iter().map(taken).fold(0.0, f64::max);
+        let tests = first.into_par_iter().filter_map(|tried| match tried {
+            Tried::Settled(test) => Some(test),
+            Tried::Open(exact, _) if exact.competes(most) => {
+                beside.test(&exact, exact.best().ok()?)
+            }
+            Tried::Open(exact, first) => beside.test(&exact, first),
+        });
+        Ok(tests.collect())
     }
 
     /// The test to accept: of those that are significant and matter the one with the least held-out error, or
@@ -257,6 +270,44 @@ impl Stepwise<'_> {
             fit.clone(),
             hypothesis,
         ))
+    }
+}
+
+/// A model beside which candidates are tried, with the number of hypotheses that it leaves open.
+struct Beside<'a> {
+    context: &'a Context<'a>,
+    fit: &'a ModelFit,
+    open: usize,
+}
+
+/// A candidate after the fit from its most promising start.
+enum Tried<'a> {
+    /// There is nothing more to search.
+    Settled(HypothesisTest),
+    /// Other starts may lead further, which is worth their time where the candidate competes with what others take.
+    Open(ExactFit<'a>, ModelFit),
+}
+
+impl<'a> Beside<'a> {
+    /// `None` for a hypothesis that cannot be fitted or is not possible, which is none.
+    fn first(&self, candidate: &'a Candidate) -> Option<Tried<'a>> {
+        let exact = ExactFit {
+            context: self.context,
+            before: self.fit,
+            candidate,
+        };
+        let first = exact.first().ok()?;
+        match exact.is_settled(&first) {
+            true => self.test(&exact, exact.best().ok()?).map(Tried::Settled),
+            false => Some(Tried::Open(exact, first)),
+        }
+    }
+
+    fn test(&self, exact: &ExactFit<'_>, richer: ModelFit) -> Option<HypothesisTest> {
+        exact.is_possible(&richer).then(|| {
+            let hypothesis = exact.candidate.hypothesis.clone();
+            HypothesisTest::of(self.context, self.fit, richer, hypothesis).corrected_for(self.open)
+        })
     }
 }
 

@@ -19,6 +19,7 @@ use crate::estimate::uncertainty::spectrum::{Power, SEGMENT, Spectrum, Transform
 use crate::linalg::triangular::Triangular;
 use nalgebra::{Complex, DMatrix, DVector};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// Share of a column that is left where those before it are taken out, below which it is one of them.
@@ -34,55 +35,128 @@ const BANDS: f64 = 128.0;
 /// Covariance of the unknowns at the optimum x; infinite variance of those that the derivatives do not determine
 /// there, such as the shape of a law whose size has gone to zero.
 pub fn of_unknowns(problem: &FitProblem<'_>, x: &DVector<f64>) -> Option<DMatrix<f64>> {
-    of_unknowns_in(problem, x, &problem.counted_residuals(x))
+    let sensitivity = Sensitivity::of(problem, x)?;
+    let residuals = problem.counted_residuals(x);
+    Some(sensitivity.under(problem, &residuals).covariance())
 }
 
-/// The same where `residuals` are the noise, such as those of a model with more physics.
-pub fn of_unknowns_in(
-    problem: &FitProblem<'_>,
-    x: &DVector<f64>,
-    residuals: &ResidualSeries,
-) -> Option<DMatrix<f64>> {
-    let count = x.len();
-    let triangular = triangular(problem, x);
-    let (open, kept) = open_and_kept(&triangular);
-    let inverse = inverse_over(&triangular, &kept)?;
-    let bread = &inverse * inverse.transpose();
-    let values = problem.parameters(x);
-    let counted: Vec<Counted> = (0..problem.recordings.len())
-        .map(|index| counted(problem, index, &residuals[index]))
-        .collect();
-    let views: Vec<coloured_noise::Counted<'_>> = counted.iter().map(Counted::view).collect();
-    let colour = match problem.noise {
-        NoiseSource::Periods => ColouredNoise::of_periods(problem.recordings),
-        NoiseSource::Residuals => None,
-    };
-    let colour = colour.unwrap_or_else(|| ColouredNoise::of(&views));
-    let mut meat = DMatrix::zeros(count, count);
-    for (index, recording) in problem.recordings.iter().enumerate() {
-        let part = Part {
-            problem,
-            values: &values,
-            recording,
-            index,
-            counted: &counted[index],
-            colour: &colour,
+/// Derivatives before the weights of the channels: `[channel][column][row]`, empty where absent.
+type Columns = Vec<Vec<Vec<f64>>>;
+
+/// What the covariance takes from the derivatives alone, whatever the noise.
+#[derive(Debug, Clone)]
+pub struct Sensitivity {
+    values: DVector<f64>,
+    /// Unknowns that the derivatives do not determine.
+    open: Vec<usize>,
+    /// R⁻¹ over the others, with `XᵀX + PᵀP = RᵀR`.
+    inverse: DMatrix<f64>,
+    /// Of each recording, where it is one segment.
+    segments: Vec<Option<WholeSegment>>,
+}
+
+/// A recording that is one segment.
+#[derive(Debug, Clone)]
+struct WholeSegment {
+    columns: Columns,
+    /// h(f), `[frequency][channel]`.
+    leverage: Vec<Vec<f64>>,
+}
+
+impl Sensitivity {
+    /// Of a problem at its optimum; `None` where the derivatives are not finite.
+    pub fn of(problem: &FitProblem<'_>, x: &DVector<f64>) -> Option<Self> {
+        let triangular = triangular(problem, x);
+        let (open, kept) = open_and_kept(&triangular);
+        let mut all = Self {
+            values: problem.parameters(x),
+            open,
+            inverse: inverse_over(&triangular, &kept)?,
+            segments: vec![None; problem.recordings.len()],
         };
-        meat += part.middle(&inverse);
+        for (index, recording) in problem.recordings.iter().enumerate() {
+            let length = recording.rows();
+            if segment_length(recording) == length {
+                let part = Part::new(problem, &all, index);
+                let columns = part.columns(0..length).into_owned();
+                let leverage = part.leverage(&Transform::new(length), &columns);
+                all.segments[index] = Some(WholeSegment { columns, leverage });
+            }
+        }
+        Some(all)
     }
-    let positions = problem.unknowns.positions();
-    for (i, &p) in positions.iter().enumerate() {
-        for (j, &q) in positions.iter().enumerate() {
-            let rows = problem.prior.rows();
-            meat[(i, j)] += rows.column(p).dot(&rows.column(q));
+
+    /// With residuals that are the noise, be they those of a model with more physics.
+    pub fn under<'a>(
+        &'a self,
+        problem: &'a FitProblem<'a>,
+        residuals: &ResidualSeries,
+    ) -> Sandwich<'a> {
+        let counted: Vec<Counted> = (0..problem.recordings.len())
+            .map(|index| counted(problem, index, &residuals[index]))
+            .collect();
+        let views: Vec<coloured_noise::Counted<'_>> = counted.iter().map(Counted::view).collect();
+        let colour = match problem.noise {
+            NoiseSource::Periods => ColouredNoise::of_periods(problem.recordings),
+            NoiseSource::Residuals => None,
+        };
+        let colour = colour.unwrap_or_else(|| ColouredNoise::of(&views));
+        let parts = counted.iter().enumerate().map(|(index, counted)| {
+            let part = Part::new(problem, self, index);
+            let noise = part.noise(counted, &colour);
+            (part, noise)
+        });
+        Sandwich {
+            parts: parts.collect(),
+            problem,
+            sensitivity: self,
         }
     }
-    let covariance = &bread * meat * &bread;
-    let mut covariance = (&covariance + covariance.transpose()) * 0.5;
-    for j in open {
-        covariance[(j, j)] = f64::INFINITY;
+}
+
+/// The covariance of the unknowns under a noise, not multiplied out.
+pub struct Sandwich<'a> {
+    problem: &'a FitProblem<'a>,
+    sensitivity: &'a Sensitivity,
+    parts: Vec<(Part<'a>, SegmentNoise)>,
+}
+
+impl Sandwich<'_> {
+    /// C; infinite variance of unknowns that the derivatives do not determine.
+    pub fn covariance(&self) -> DMatrix<f64> {
+        let bread = self.bread();
+        let known = self.problem.prior.rows();
+        let known = known.select_columns(&self.problem.unknowns.positions());
+        let mut meat = known.tr_mul(&known);
+        for (part, noise) in &self.parts {
+            meat += part.middle(noise);
+        }
+        let covariance = &bread * meat * &bread;
+        let mut covariance = (&covariance + covariance.transpose()) * 0.5;
+        for &j in &self.sensitivity.open {
+            covariance[(j, j)] = f64::INFINITY;
+        }
+        covariance
     }
-    Some(covariance)
+
+    /// `gᵀ C g` over the unknowns that the derivatives determine.
+    pub fn variance(&self, g: &DVector<f64>) -> f64 {
+        let mut g = g.clone();
+        self.sensitivity.open.iter().for_each(|&j| g[j] = 0.0);
+        let along = self.bread() * g;
+        let known = self.problem.prior.rows();
+        let known = known.select_columns(&self.problem.unknowns.positions()) * &along;
+        let parts = self.parts.iter();
+        let of_parts: f64 = parts
+            .map(|(part, noise)| part.variance(noise, &along))
+            .sum();
+        of_parts + known.norm_squared()
+    }
+
+    /// B.
+    fn bread(&self) -> DMatrix<f64> {
+        &self.sensitivity.inverse * self.sensitivity.inverse.transpose()
+    }
 }
 
 /// R with `XᵀX + PᵀP = RᵀR` at x.
@@ -122,19 +196,23 @@ fn inverse_over(triangular: &DMatrix<f64>, kept: &[usize]) -> Option<DMatrix<f64
     Some(whole)
 }
 
-/// Residuals times the factors of their rows, and which rows of them count: `[channel][row]`.
-fn counted(problem: &FitProblem<'_>, index: usize, residuals: &[Vec<f64>]) -> Counted {
+/// Factors of the rows of a channel of a recording; 0 where a row does not count.
+fn row_factors(problem: &FitProblem<'_>, index: usize, channel: usize) -> Vec<f64> {
     let recording = problem.recordings[index];
     let factors = problem.factors.as_ref().map(|factors| &factors[index]);
+    let factor = |row: usize| match (recording.counts(row), factors) {
+        (false, _) => 0.0,
+        (true, None) => 1.0,
+        (true, Some(factors)) => factors[channel][row],
+    };
+    (0..recording.rows()).map(factor).collect()
+}
+
+/// Residuals times the factors of their rows, and which rows of them count: `[channel][row]`.
+fn counted(problem: &FitProblem<'_>, index: usize, residuals: &[Vec<f64>]) -> Counted {
     let mut counted = Counted::default();
     for (channel, series) in residuals.iter().enumerate() {
-        let factor = |row: usize| match (recording.counts(row), factors) {
-            (false, _) => 0.0,
-            (true, None) => 1.0,
-            (true, Some(factors)) => factors[channel][row],
-        };
-        let all = 0..series.len();
-        let own: Vec<f64> = all.map(factor).collect();
+        let own = row_factors(problem, index, channel);
         counted.counts.push(own.iter().map(|f| *f != 0.0).collect());
         let influence = influence(&own);
         let scaled = series.iter().zip(&own).map(|(e, f)| influence * e * f * f);
@@ -193,58 +271,88 @@ impl Counted {
 /// One recording of the fit.
 struct Part<'a> {
     problem: &'a FitProblem<'a>,
-    values: &'a DVector<f64>,
+    sensitivity: &'a Sensitivity,
     recording: &'a Prepared,
     index: usize,
-    counted: &'a Counted,
-    colour: &'a ColouredNoise,
 }
 
-impl Part<'_> {
-    /// `M` of this recording; `inverse` is R⁻¹ with `XᵀX + PᵀP = RᵀR`.
-    fn middle(&self, inverse: &DMatrix<f64>) -> DMatrix<f64> {
-        let rows = self.recording.rows();
-        // Segments of one length: zeros behind a shorter one would pass for residuals.
-        let length = rows.div_ceil(rows.div_ceil(SEGMENT).max(1)).max(1);
-        let starts: Vec<usize> = (0..rows).step_by(length).collect();
-        let cyclic = self.recording.segment().cyclic && starts.len() == 1;
-        let spectrum = self.spectrum(length, &starts, cyclic, inverse);
+/// The noise of the segments of a recording.
+struct SegmentNoise {
+    transform: Transform,
+    /// `Lᴴ A⁻ᴴ WᵀW` at every frequency.
+    mixing: Vec<DMatrix<Complex<f64>>>,
+}
+
+impl<'a> Part<'a> {
+    fn new(problem: &'a FitProblem<'a>, sensitivity: &'a Sensitivity, index: usize) -> Self {
+        Self {
+            problem,
+            sensitivity,
+            recording: problem.recordings[index],
+            index,
+        }
+    }
+
+    fn segments(&self) -> Vec<Range<usize>> {
+        let (rows, length) = (self.recording.rows(), segment_length(self.recording));
+        let starts = (0..rows).step_by(length);
+        starts
+            .map(|start| start..rows.min(start + length))
+            .collect()
+    }
+
+    fn noise(&self, counted: &Counted, colour: &ColouredNoise) -> SegmentNoise {
+        let segments = self.segments();
+        let length = segment_length(self.recording);
+        let cyclic = self.recording.segment().cyclic && segments.len() == 1;
+        let innovations = counted.innovations(colour, cyclic);
+        let spectrum = self.spectrum(&innovations, &segments);
         // What a residual owes to an innovation before its segment, or at its end to one of its beginning.
-        let tail = if cyclic {
-            0
-        } else {
-            self.colour.memory(length)
+        let tail = match cyclic {
+            true => 0,
+            false => colour.memory(length),
         };
         let transform = Transform::new(length + tail);
-        let mixing = self.mixing(&transform, &spectrum);
-        let parts: Vec<DMatrix<f64>> = starts
-            .par_iter()
-            .map(|&start| gram(&self.mixed(&transform, start..rows.min(start + length), &mixing)))
+        let mixing = self.mixing(&transform, &spectrum, colour);
+        SegmentNoise { transform, mixing }
+    }
+
+    /// `M` of this recording.
+    fn middle(&self, noise: &SegmentNoise) -> DMatrix<f64> {
+        let segments = self.segments();
+        let parts: Vec<DMatrix<f64>> = segments
+            .into_par_iter()
+            .map(|rows| gram(&self.mixed(&noise.transform, &self.columns(rows), &noise.mixing)))
             .collect();
-        let count = inverse.nrows();
+        let count = self.sensitivity.inverse.nrows();
         parts
             .iter()
             .fold(DMatrix::zeros(count, count), |sum, part| sum + part)
     }
 
+    /// `uᵀ M u` of this recording.
+    fn variance(&self, noise: &SegmentNoise, u: &DVector<f64>) -> f64 {
+        let of = |rows| {
+            let along = along(&self.columns(rows), u);
+            self.mixed(&noise.transform, &along, &noise.mixing)
+                .norm_squared()
+        };
+        self.segments().into_iter().map(of).sum()
+    }
+
     /// Spectrum of the innovations of the residuals.
-    fn spectrum(
-        &self,
-        length: usize,
-        starts: &[usize],
-        cyclic: bool,
-        inverse: &DMatrix<f64>,
-    ) -> Spectrum {
-        let rows = self.recording.rows();
-        let transform = Transform::new(length);
-        let channels = self.counted.residuals.len();
-        let taken = inverse.nrows() as f64 * BANDS / rows.max(1) as f64;
-        let innovations = self.counted.innovations(self.colour, cyclic);
-        let of_segment = |&start: &usize| -> Vec<Power> {
-            let range = start..rows.min(start + length);
-            let leverage =
-                (taken > NEGLIGIBLE).then(|| self.leverage(&transform, range.clone(), inverse));
-            let powers = powers(&innovations, &transform, range)
+    fn spectrum(&self, innovations: &Counted, segments: &[Range<usize>]) -> Spectrum {
+        let transform = Transform::new(segment_length(self.recording));
+        let channels = innovations.residuals.len();
+        let taken = self.sensitivity.inverse.nrows() as f64 * BANDS;
+        let is_taken = taken / self.recording.rows().max(1) as f64 > NEGLIGIBLE;
+        let of_segment = |rows: &Range<usize>| -> Vec<Power> {
+            let whole = self.sensitivity.segments[self.index].as_ref();
+            let leverage = is_taken.then(|| match whole {
+                Some(whole) => Cow::Borrowed(&whole.leverage),
+                None => Cow::Owned(self.leverage(&transform, &self.columns(rows.clone()))),
+            });
+            let powers = powers(innovations, &transform, rows.clone())
                 .into_iter()
                 .enumerate();
             let last = (transform.frequencies() - 1).max(1) as f64;
@@ -258,12 +366,17 @@ impl Part<'_> {
             };
             powers.map(power).collect()
         };
-        let all: Vec<Vec<Power>> = starts.par_iter().map(of_segment).collect();
+        let all: Vec<Vec<Power>> = segments.par_iter().map(of_segment).collect();
         Spectrum::of(all.into_iter().flatten().collect())
     }
 
     /// `Lᴴ A⁻ᴴ WᵀW` at every frequency, with `S = L Lᴴ`.
-    fn mixing(&self, transform: &Transform, spectrum: &Spectrum) -> Vec<DMatrix<Complex<f64>>> {
+    fn mixing(
+        &self,
+        transform: &Transform,
+        spectrum: &Spectrum,
+        colour: &ColouredNoise,
+    ) -> Vec<DMatrix<Complex<f64>>> {
         let weights = self.problem.weights().matrix();
         let squared = (weights.transpose() * &weights).map(|w| Complex::new(w, 0.0));
         let cells = spectrum.cells_of(transform.frequencies());
@@ -272,10 +385,10 @@ impl Part<'_> {
         for (cell, root) in cells.into_iter().zip(&whole) {
             for f in cell {
                 let mut own = root.clone();
-                if !self.colour.is_white() {
+                if !colour.is_white() {
                     let frequency = f as f64 / transform.length() as f64;
                     for c in 0..own.ncols() {
-                        let shaped = self.colour.response(c, frequency).conj().inv();
+                        let shaped = colour.response(c, frequency).conj().inv();
                         own.column_mut(c).iter_mut().for_each(|x| *x *= shaped);
                     }
                 }
@@ -285,45 +398,16 @@ impl Part<'_> {
         mixing
     }
 
-    /// Columns of a segment before the weights of the channels: `[channel][column][row]`, empty where absent.
-    fn columns(&self, rows: Range<usize>) -> Vec<Vec<Vec<f64>>> {
-        let (start, end) = (rows.start, rows.end);
-        let problem = self.problem;
-        let positions = problem.unknowns.positions();
-        let channels = problem.model.channels();
-        let mut series = vec![vec![Vec::new(); positions.len()]; channels.len()];
-        let task = Task {
-            recording: self.recording,
-            range: start..end,
-            bodies: None,
-        };
-        visit_errors(problem.model, self.values, &positions, &task, |block| {
-            let counts = block.counting();
-            let at = block.start() - start;
-            for (j, columns) in series.iter_mut().enumerate() {
-                if !channels[j].active {
-                    continue;
-                }
-                let factors = problem.factors.as_ref().map(|f| &f[self.index][j]);
-                for (k, column) in columns.iter_mut().enumerate() {
-                    let Some(derivative) = block.derivative(j, k) else {
-                        continue;
-                    };
-                    column.resize(end - start, 0.0);
-                    let own = &mut column[at..at + derivative.len()];
-                    own.copy_from_slice(derivative);
-                    if let Some(factors) = factors {
-                        let factors = &factors[block.start()..];
-                        own.iter_mut().zip(factors).for_each(|(x, f)| *x *= f);
-                    }
-                    if let Some(counts) = &counts {
-                        let left_out = own.iter_mut().zip(counts).filter(|(_, c)| !**c);
-                        left_out.for_each(|(x, _)| *x = 0.0);
-                    }
-                }
-            }
-        });
-        series
+    fn columns(&self, rows: Range<usize>) -> Cow<'a, Columns> {
+        match &self.sensitivity.segments[self.index] {
+            Some(whole) => Cow::Borrowed(&whole.columns),
+            None => Cow::Owned(columns(
+                self.problem,
+                &self.sensitivity.values,
+                self.index,
+                rows,
+            )),
+        }
     }
 
     /// `B(f) D(f)` of a segment with a matrix B for every frequency, times the root of how often a
@@ -331,10 +415,9 @@ impl Part<'_> {
     fn mixed(
         &self,
         transform: &Transform,
-        rows: Range<usize>,
+        columns: &Columns,
         mixing: &[DMatrix<Complex<f64>>],
     ) -> DMatrix<f64> {
-        let columns = self.columns(rows);
         let (channels, count) = (columns.len(), columns.first().map_or(0, Vec::len));
         let frequencies = transform.frequencies();
         let mut mixed = DMatrix::zeros(2 * frequencies * channels, count);
@@ -364,19 +447,14 @@ impl Part<'_> {
     }
 
     /// `diag(X(f) B X(f)ᴴ)` of the weighted columns per frequency and channel.
-    fn leverage(
-        &self,
-        transform: &Transform,
-        rows: Range<usize>,
-        inverse: &DMatrix<f64>,
-    ) -> Vec<Vec<f64>> {
+    fn leverage(&self, transform: &Transform, columns: &Columns) -> Vec<Vec<f64>> {
         let weights = self
             .problem
             .weights()
             .matrix()
             .map(|w| Complex::new(w, 0.0));
         let weights = vec![weights; transform.frequencies()];
-        let projected = self.mixed(transform, rows, &weights) * inverse;
+        let projected = self.mixed(transform, columns, &weights) * &self.sensitivity.inverse;
         let frequencies = transform.frequencies();
         let squares = |f: usize, c: usize| {
             let real = projected.row(2 * frequencies * c + f).norm_squared();
@@ -386,17 +464,85 @@ impl Part<'_> {
             (real + imaginary) / transform.multiplicity(f)
         };
         // Of the power in rows that count: gaps have none.
-        let share = |counts: &Vec<bool>| {
-            let kept = counts.iter().filter(|c| **c).count().max(1);
-            counts.len() as f64 / kept as f64
+        let share = |channel: usize| {
+            let factors = row_factors(self.problem, self.index, channel);
+            let kept = factors.iter().filter(|f| **f != 0.0).count().max(1);
+            factors.len() as f64 / kept as f64
         };
-        let shares: Vec<f64> = self.counted.counts.iter().map(share).collect();
+        let shares: Vec<f64> = (0..columns.len()).map(share).collect();
         let of = |f: usize| {
             let shares = shares.iter().enumerate();
             shares.map(|(c, share)| share * squares(f, c)).collect()
         };
         (0..frequencies).map(of).collect()
     }
+}
+
+/// Rows of the segments of a recording, of one length: zeros behind a shorter one would pass for residuals.
+fn segment_length(recording: &Prepared) -> usize {
+    let rows = recording.rows();
+    rows.div_ceil(rows.div_ceil(SEGMENT).max(1)).max(1)
+}
+
+/// The sum of some columns times factors, as one column.
+fn along(columns: &Columns, factors: &DVector<f64>) -> Columns {
+    let of_channel = |columns: &Vec<Vec<f64>>| {
+        let rows = columns.iter().map(Vec::len).max().unwrap_or(0);
+        let mut sum = vec![0.0; rows];
+        for (column, factor) in columns.iter().zip(factors.iter()) {
+            sum.iter_mut()
+                .zip(column)
+                .for_each(|(to, x)| *to += factor * x);
+        }
+        vec![sum]
+    };
+    columns.iter().map(of_channel).collect()
+}
+
+/// Columns of a segment of a recording.
+fn columns(
+    problem: &FitProblem<'_>,
+    values: &DVector<f64>,
+    index: usize,
+    rows: Range<usize>,
+) -> Columns {
+    let (start, end) = (rows.start, rows.end);
+    let recording = problem.recordings[index];
+    let positions = problem.unknowns.positions();
+    let channels = problem.model.channels();
+    let mut series = vec![vec![Vec::new(); positions.len()]; channels.len()];
+    let task = Task {
+        recording,
+        range: start..end,
+        bodies: None,
+    };
+    visit_errors(problem.model, values, &positions, &task, |block| {
+        let counts = block.counting();
+        let at = block.start() - start;
+        for (j, columns) in series.iter_mut().enumerate() {
+            if !channels[j].active {
+                continue;
+            }
+            let factors = problem.factors.as_ref().map(|f| &f[index][j]);
+            for (k, column) in columns.iter_mut().enumerate() {
+                let Some(derivative) = block.derivative(j, k) else {
+                    continue;
+                };
+                column.resize(end - start, 0.0);
+                let own = &mut column[at..at + derivative.len()];
+                own.copy_from_slice(derivative);
+                if let Some(factors) = factors {
+                    let factors = &factors[block.start()..];
+                    own.iter_mut().zip(factors).for_each(|(x, f)| *x *= f);
+                }
+                if let Some(counts) = &counts {
+                    let left_out = own.iter_mut().zip(counts).filter(|(_, c)| !**c);
+                    left_out.for_each(|(x, _)| *x = 0.0);
+                }
+            }
+        }
+    });
+    series
 }
 
 /// Power of the series of a segment at every frequency.

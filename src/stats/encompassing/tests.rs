@@ -1,7 +1,6 @@
 //! Levels, slopes and degrees of freedom of the test of one model against another.
 
 use super::*;
-use nalgebra::DMatrix;
 use rand::SeedableRng;
 use rand_distr::{Distribution as _, StandardNormal};
 
@@ -154,10 +153,10 @@ fn errors_of_parameters_keep_the_level_beyond_the_fitted_range() {
     let (fitted, judged) = (regressor(1.0), regressor(3.0));
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let [xx, xz, zz] = [(0, 0), (0, 1), (1, 1)].map(|(i, j)| dot(&fitted[i], &fitted[j]));
-    let covariance = DMatrix::from_element(1, 1, 1.0 / xx);
     let estimates = EstimationError {
-        derivatives: vec![vec![Some(judged[0].clone())]],
-        covariance,
+        derivatives: &[vec![Some(judged[0].clone())]],
+        kept: &[None],
+        variance: &|g| g.norm_squared() / xx,
     };
     let (mut rejected, mut forgetful) = (0, 0);
     for seed in 0..400 {

@@ -1,0 +1,106 @@
+//! What a search saves itself: looks at hypotheses that still hold, delays one by one, and further starts of what cannot win.
+
+use crate::chain::dataset::{Dataset, Prepared};
+use crate::diagnose::candidates::score_test::{Linearised, screen};
+use crate::diagnose::candidates::screening_reuse::Reusable;
+use crate::diagnose::fit::candidate::Candidate;
+use crate::diagnose::fit::hypothesis::Hypothesis;
+use crate::diagnose::fit::model_fit::FitPair;
+use crate::diagnose::selection::exact_fit::{ExactFit, taken};
+use crate::trials::tests::bench::{Bench, effect_of, offset};
+
+/// A look at a hypothesis holds beside any model with the same physics on its joint that leaves the same of it.
+#[test]
+fn a_look_holds_where_neither_physics_nor_residual_are_others() {
+    let bench = Bench::new(&["torque_offset"]);
+    let context = bench.context(&bench.opened.data);
+    let declared = bench.declared(context.data);
+    let joint = bench.plan.concealed[0].hypothesis.joints[0];
+    let open = vec![offset(joint), effect_of("joint_spring", joint)];
+    let make = || Ok(declared.clone());
+    context.cache.fit_model(&[], make).unwrap();
+    let look = || screen(&context, &declared, open.clone());
+    context.cache.screening(&[], look).unwrap();
+    let glance = |hypotheses: &[Hypothesis], moved: f64| {
+        let mut other = declared.clone();
+        other.hypotheses = hypotheses.to_vec();
+        other.train[joint].iter_mut().for_each(|e| *e *= moved);
+        let reusable = Reusable::of(&context, &other);
+        let known = reusable.glance(&offset(joint));
+        assert_eq!(known.is_some(), reusable.stands(&[], &offset(joint)));
+        assert!(!reusable.stands(&[offset(joint)], &offset(joint)));
+        known
+    };
+    let elsewhere = [effect_of("joint_spring", (joint + 1) % 3)];
+    let found = glance(&elsewhere, 1.0).unwrap().unwrap();
+    assert_eq!(found.hypothesis, offset(joint));
+    assert!(found.gain > 0.0);
+    // What takes half a percent of the squares matters.
+    assert!(glance(&elsewhere, 0.999).is_some());
+    assert!(glance(&elsewhere, 0.8).is_none());
+    assert!(glance(&[effect_of("joint_spring", joint)], 1.0).is_none());
+}
+
+/// A load shifts every signal, and is looked at beside motions that are as late as all signals are on the average: what it promises
+/// is what the fit takes, of a law that is linear in its parameters.
+#[test]
+fn a_look_beside_delays_promises_what_a_fit_takes() {
+    let bench = Bench::new(&["unmodelled_payload"]);
+    let load = bench.plan.concealed[0].hypothesis.clone();
+    let mut late = effect_of("time_delay", 0);
+    late.joints = vec![0, 1, 2];
+    // A signal is late beside a motion that is too early.
+    let early = |recording: &Prepared| recording.late_by(-0.8 * recording.segment().step());
+    let data = Dataset {
+        recordings: bench.opened.data.recordings.iter().map(early).collect(),
+    };
+    let context = bench.context(&data);
+    let before = bench.fit(context.data, std::slice::from_ref(&late));
+    let after = bench.fit(context.data, &[late, load.clone()]);
+    let promised = Linearised::new(&context, &before).examine(&context, &load);
+    let promised = promised.unwrap().gain;
+    let taken = taken(FitPair {
+        poorer: &before,
+        richer: &after,
+    });
+    assert!((promised / taken - 1.0).abs() < 0.1, "{promised} {taken}");
+}
+
+/// A candidate that promises less than half of what another was found to take is not searched from other starts, and has not
+/// been refuted by its first.
+#[test]
+fn what_cannot_win_is_not_searched_to_the_end() {
+    let bench = Bench::new(&["torque_offset"]);
+    let context = bench.context(&bench.opened.data);
+    let declared = bench.declared(context.data);
+    let joint = bench.plan.concealed[0].hypothesis.joints[0];
+    let looked = screen(&context, &declared, vec![offset(joint)]).unwrap();
+    let candidate = &looked.candidates[0];
+    let exact = ExactFit {
+        context: &context,
+        before: &declared,
+        candidate,
+    };
+    assert!(exact.competes(1.9 * candidate.gain));
+    assert!(!exact.competes(2.1 * candidate.gain));
+    let first = exact.first().unwrap();
+    assert!(exact.is_settled(&first));
+    assert!(!context.cache.is_fitted(&first.hypotheses));
+    let best = exact.best().unwrap();
+    assert!(context.cache.is_fitted(&first.hypotheses));
+    assert_eq!(best.values, first.values);
+    // Twice of what it took is promised.
+    let promising = Candidate {
+        gain: 2.1
+            * taken(FitPair {
+                poorer: &declared,
+                richer: &first,
+            }),
+        ..candidate.clone()
+    };
+    let exact = ExactFit {
+        candidate: &promising,
+        ..exact
+    };
+    assert!(!exact.is_settled(&first));
+}
