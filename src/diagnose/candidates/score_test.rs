@@ -41,8 +41,8 @@ pub struct Linearised<'a> {
     known: OnceLock<Vec<Prepared>>,
     /// The same beside motions as late as the signal of a joint, by joint.
     late: Vec<OnceLock<Vec<Prepared>>>,
-    /// Beside motions as late as all signals nearly are.
-    all_late: OnceLock<AllLate>,
+    /// Beside motions as late as all signals are, where these are late alike.
+    all_late: Option<AllLate>,
     path: SignalPath,
     scale: Vec<f64>,
     predicted: Vec<Vec<f64>>,
@@ -118,18 +118,23 @@ impl<'a> Linearised<'a> {
         let residual = weighted_difference(&series.predicted, &series.recorded, &scale);
         let known = fit.prior.rows().select_columns(&positions);
         let inverse = inverse_factor(&columns, &known);
-        Self {
+        let linearised = Self {
             fit,
             recordings,
             known: OnceLock::new(),
             late: vec![OnceLock::new(); fit.model.joints().len()],
-            all_late: OnceLock::new(),
+            all_late: None,
             path: SignalPath::of(&fit.model),
             scale,
             predicted: series.predicted,
             columns,
             residual,
             inverse,
+        };
+        // Made here, not when first asked for: what it takes is worked out in parallel, as hypotheses are.
+        Self {
+            all_late: linearised.beside_late_motions(),
+            ..linearised
         }
     }
 
@@ -204,13 +209,14 @@ impl<'a> Linearised<'a> {
         let knows_bodies = |path: SignalPath| path.knows_bodies(&self.fit.model, hypothesis);
         let own = self.own_parameters(&model);
         let mut predicted = &self.predicted;
-        let recordings = match (self.path, alone) {
-            (SignalPath::Late, Some(joint)) => {
+        let is_delay = matches!(hypothesis.effect.law, Law::Delay);
+        let all_late = self.all_late.as_ref().filter(|_| !is_delay);
+        let recordings = match (self.path, alone, all_late) {
+            (SignalPath::Late, Some(joint), _) => {
                 model.predict_on_time();
                 self.late(joint)
             }
-            (SignalPath::Late, None) if self.is_late_alike(hypothesis) => {
-                let late = self.all_late();
+            (SignalPath::Late, None, Some(late)) => {
                 model.predict_on_time();
                 predicted = &late.predicted;
                 match knows_bodies(SignalPath::Simple) {
@@ -272,41 +278,31 @@ impl<'a> Linearised<'a> {
         self.late[joint].get_or_init(make)
     }
 
-    /// Delays of the channels that are looked at.
-    fn delays(&self) -> Vec<f64> {
-        let joints = self.fit.model.channels().iter().filter(|c| c.active);
-        let delay = |joint: usize| self.fit.model.joints()[joint].delay;
+    /// Beside motions as late as all signals are on the average; `None` where they are not late alike: a look at a hypothesis asks
+    /// for it within the time between two samples, in which derivatives change little.
+    fn beside_late_motions(&self) -> Option<AllLate> {
+        let model = &self.fit.model;
+        let delay = |joint: usize| model.joints()[joint].delay;
         let value =
             |joint: Option<usize>| joint.and_then(delay).map_or(0.0, |at| self.fit.values[at]);
-        joints.map(|channel| value(channel.joint)).collect()
-    }
-
-    /// Whether all signals are late by the same, as far as a look at a hypothesis that is no delay asks for it: derivatives with
-    /// respect to its parameters change little within the time between two samples.
-    fn is_late_alike(&self, hypothesis: &Hypothesis) -> bool {
-        let delays = self.delays();
-        let least = delays.iter().copied().fold(f64::INFINITY, f64::min);
-        let spread = delays.iter().map(|delay| delay - least).fold(0.0, f64::max);
-        let step = |r: &Prepared| r.segment().step();
-        let steps = self.recordings.iter().map(step);
-        !matches!(hypothesis.effect.law, Law::Delay)
-            && spread <= steps.fold(f64::INFINITY, f64::min)
-    }
-
-    fn all_late(&self) -> &AllLate {
-        self.all_late.get_or_init(|| {
-            let delays = self.delays();
-            let mean = delays.iter().sum::<f64>() / delays.len().max(1) as f64;
-            let recordings: Vec<Prepared> =
-                self.recordings.iter().map(|r| r.late_by(mean)).collect();
-            let mut model = self.fit.model.clone();
-            model.predict_on_time();
-            let along: Vec<&Prepared> = recordings.iter().collect();
-            AllLate {
-                known: recordings.iter().map(|r| self.with_bodies(r)).collect(),
-                predicted: ChannelSeries::of(&model, &self.fit.values, &[], &along).predicted,
-                recordings,
-            }
+        let delays: Vec<f64> = model.channels().iter().map(|c| value(c.joint)).collect();
+        let mean = delays.iter().sum::<f64>() / delays.len().max(1) as f64;
+        let off = delays
+            .iter()
+            .map(|delay| (delay - mean).abs())
+            .fold(0.0, f64::max);
+        let are_alike = |r: &Prepared| off <= 0.5 * r.segment().step();
+        if self.path != SignalPath::Late || !self.recordings.iter().all(are_alike) {
+            return None;
+        }
+        let recordings: Vec<Prepared> = self.recordings.iter().map(|r| r.late_by(mean)).collect();
+        let mut model = model.clone();
+        model.predict_on_time();
+        let along: Vec<&Prepared> = recordings.iter().collect();
+        Some(AllLate {
+            known: recordings.iter().map(|r| self.with_bodies(r)).collect(),
+            predicted: ChannelSeries::of(&model, &self.fit.values, &[], &along).predicted,
+            recordings,
         })
     }
 
