@@ -20,7 +20,7 @@ use crate::diagnose::selection::rival_models::Ambiguity;
 use crate::diagnose::selection::stepwise::{Rules, Selection};
 use crate::diagnose::simulator::{self, Side};
 use crate::diagnose::stage::Stage;
-use crate::estimate::bandwidth;
+use crate::estimate::bandwidth::Preparing;
 use crate::estimate::estimator::Estimator;
 use crate::estimate::fit::fit;
 use crate::estimate::goodness_of_fit::Predictions;
@@ -114,7 +114,14 @@ fn of_robot(
     // A motor that is taken for the like of another would look like missing physics: every joint is searched by itself.
     let separated = asked.separated();
     let ModelWithPrior { model, prior } = separated.build()?;
-    let prepared = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
+    let preparing = Preparing {
+        problem,
+        robot: &robot,
+        model: &model,
+        prior: &prior,
+        control,
+    };
+    let prepared = preparing.prepared()?;
     let sought = sought(problem);
     let rules = Rules {
         sought: sought.as_deref(),
@@ -356,14 +363,14 @@ impl Search<'_> {
             return Ok(None);
         }
         let model = found.started();
-        Ok(bandwidth::beside(
-            self.problem,
-            self.robot,
-            &model,
-            &found.prior,
-            present,
+        let preparing = Preparing {
+            problem: self.problem,
+            robot: self.robot,
+            model: &model,
+            prior: &found.prior,
             control,
-        )?)
+        };
+        Ok(preparing.anew(present)?)
     }
 
     /// Reports a selected model as a search that is interrupted there does.

@@ -13,7 +13,7 @@ use crate::estimate::feasible::{self, Form};
 use crate::estimate::fit::{Fitted, fit, in_full};
 use crate::estimate::fit_problem::estimator::Estimator;
 use crate::estimate::initial::search_range;
-use crate::estimate::minimisation::bandwidth;
+use crate::estimate::minimisation::bandwidth::Preparing;
 use crate::estimate::sharing::{self, Question};
 use crate::estimate::{errors_in_variables, load_by_difference};
 use crate::fault::Place;
@@ -97,7 +97,14 @@ pub fn run(
     let declared = ModelSpec::of(problem, &robot)?;
     let ModelWithPrior { mut model, prior } = declared.build()?;
     on_step(Step::Reading);
-    let data = bandwidth::prepared(problem, &robot, &model, &prior, control)?;
+    let preparing = Preparing {
+        problem,
+        robot: &robot,
+        model: &model,
+        prior: &prior,
+        control,
+    };
+    let data = preparing.prepared()?;
     on_step(Step::Fitting);
     let settled = TransitionLimits::of(&data).settle(control, |limits| {
         let mut model = model.clone();

@@ -24,7 +24,7 @@ mod window;
 
 use crate::chain::dataset::Dataset;
 use crate::diagnose::fit::held_out;
-use crate::estimate::bandwidth;
+use crate::estimate::bandwidth::Preparing;
 use crate::outcome::Part;
 use crate::outcome::rollout::HeldOutRows;
 use crate::problem::solution::Control;
@@ -54,7 +54,14 @@ pub fn run(
     let candidates = Candidates::of(task.outcome, problem, &robot)?;
     on_step("reading and differentiating the recordings");
     let declared = ModelSpec::of(problem, &robot)?.build()?;
-    let data = bandwidth::prepared(problem, &robot, &declared.model, &declared.prior, control)?;
+    let preparing = Preparing {
+        problem,
+        robot: &robot,
+        model: &declared.model,
+        prior: &declared.prior,
+        control,
+    };
+    let data = preparing.prepared()?;
     on_step("simulating forward");
     simulated(task, &candidates, data, control)
 }

@@ -8,7 +8,7 @@ use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::fit::start::{Start, WarmStart};
 use crate::diagnose::residuals::standstill;
-use crate::estimate::bandwidth;
+use crate::estimate::bandwidth::Preparing;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::recording::split::Split;
@@ -108,8 +108,14 @@ impl DeclaredModel {
         let robot = setup::robot::open(&problem)?;
         let declared = ModelSpec::of(&problem, &robot)?;
         let ModelWithPrior { model, prior } = declared.build()?;
-        let prepared = bandwidth::prepared(&problem, &robot, &model, &prior, control)?;
-        let data = standstill::left_out(&model, prepared);
+        let preparing = Preparing {
+            problem: &problem,
+            robot: &robot,
+            model: &model,
+            prior: &prior,
+            control,
+        };
+        let data = standstill::left_out(&model, preparing.prepared()?);
         Ok(Self { declared, data })
     }
 

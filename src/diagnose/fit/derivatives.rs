@@ -1,12 +1,11 @@
 //! Derivatives of a fit over the rows that were fitted and over those that are held out, kept while several others are
 //! compared with it.
 
+use crate::chain::dataset::Prepared;
 use crate::diagnose::fit::channel_series::ChannelSeries;
-use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::estimate::covariance::Sensitivity;
-use crate::recording::split::Split;
 use nalgebra::DVector;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -46,6 +45,29 @@ impl Kept {
 }
 
 impl DerivativesCache {
+    /// The derivatives of a fit over the rows that were fitted and those that are held out; `None` where they are not finite.
+    pub fn of(
+        &self,
+        fit: &ModelFit,
+        fitted: &[&Prepared],
+        held_out: &[&Prepared],
+    ) -> Option<Arc<Derivatives>> {
+        if let Some(known) = self.known(fit) {
+            return Some(known);
+        }
+        let positions = fit.unknowns.positions();
+        let series = ChannelSeries::of(&fit.model, &fit.values, &positions, held_out);
+        let derivatives = Arc::new(Derivatives {
+            fitted: Sensitivity::of(&fit.problem(fitted), &fit.solution.x)?,
+            held_out: series.columns,
+        });
+        let rows = fitted.iter().chain(held_out).map(|r| r.rows());
+        if rows.sum::<usize>() <= MOST_ROWS {
+            self.keep(fit, &derivatives);
+        }
+        Some(derivatives)
+    }
+
     fn known(&self, fit: &ModelFit) -> Option<Arc<Derivatives>> {
         let latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
         let known = latest.iter().find(|kept| kept.is_of(fit));
@@ -61,26 +83,5 @@ impl DerivativesCache {
         });
         let surplus = latest.len().saturating_sub(KEPT);
         latest.drain(..surplus);
-    }
-}
-
-impl Derivatives {
-    /// Of a fit over the recordings of a context; `None` where they are not finite.
-    pub fn of(context: &Context<'_>, fit: &ModelFit) -> Option<Arc<Self>> {
-        if let Some(known) = context.derivatives.known(fit) {
-            return Some(known);
-        }
-        let [fitted, held_out] = [Split::Train, Split::Validation].map(|s| context.recordings(s));
-        let positions = fit.unknowns.positions();
-        let series = ChannelSeries::of(&fit.model, &fit.values, &positions, &held_out);
-        let derivatives = Arc::new(Self {
-            fitted: Sensitivity::of(&fit.problem(&fitted), &fit.solution.x)?,
-            held_out: series.columns,
-        });
-        let rows = fitted.iter().chain(&held_out).map(|r| r.rows());
-        if rows.sum::<usize>() <= MOST_ROWS {
-            context.derivatives.keep(fit, &derivatives);
-        }
-        Some(derivatives)
     }
 }

@@ -5,7 +5,6 @@
 //! its place, on rows under way: around reversals a few rows are off by more than noise in every model.
 
 use crate::diagnose::fit::context::Context;
-use crate::diagnose::fit::derivatives::Derivatives;
 use crate::diagnose::fit::model_fit::FitPair;
 use crate::diagnose::residuals::noise_level;
 use crate::diagnose::residuals::reversal_mask;
@@ -104,7 +103,9 @@ impl<'a> KeptRows<'a> {
         let noise = richer
             .problem(&fitted)
             .counted_residuals(&richer.solution.x);
-        let derivatives = Derivatives::of(self.context, poorer)?;
+        let held_out = self.context.recordings(Split::Validation);
+        let cache = &self.context.derivatives;
+        let derivatives = cache.of(poorer, &fitted, &held_out)?;
         let problem = poorer.problem(&fitted);
         let sandwich = derivatives.fitted.under(&problem, &noise);
         Some(test(Some(&EstimationError {

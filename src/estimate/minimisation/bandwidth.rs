@@ -46,65 +46,6 @@ const CONFIDENCE: f64 = 0.99;
 /// Rows that are fitted for each cut-off, of all recordings together: as many as tell σ to half a per cent.
 const ROWS: usize = 20_000;
 
-/// Reads the recordings of a problem and makes them ready; in the order of time for a model that changes with it, as averages
-/// over periods are of no one time.
-///
-/// # Errors
-/// Those of files and of settings.
-pub fn prepared(
-    problem: &ProblemFile,
-    robot: &Robot,
-    model: &Model,
-    prior: &Prior,
-    control: &Control<'_>,
-) -> Result<Dataset, SetupError> {
-    let chooser = Chooser {
-        problem,
-        robot,
-        model,
-        prior,
-        control,
-        is_fitted: false,
-    };
-    chooser.prepared()
-}
-
-/// The recordings with the motion that suits another model, where it is not the one that they have: what was chosen beside
-/// a model that lacks physics served to hide the lack of it.
-///
-/// # Errors
-/// Those of files and of settings.
-pub fn beside(
-    problem: &ProblemFile,
-    robot: &Robot,
-    model: &Model,
-    prior: &Prior,
-    present: &Dataset,
-    control: &Control<'_>,
-) -> Result<Option<Dataset>, SetupError> {
-    if in_common(present).is_none() {
-        return Ok(None);
-    }
-    let chooser = Chooser {
-        problem,
-        robot,
-        model,
-        prior,
-        control,
-        is_fitted: true,
-    };
-    let data = chooser.prepared()?;
-    let of = |data: &Dataset| -> Vec<f64> {
-        let bandwidths = data.recordings.iter().flat_map(|r| &r.experiment.bandwidth);
-        bandwidths.map(|b| b.cutoff_hz).collect()
-    };
-    // Cut-offs are steps of one ladder.
-    let differs = |(a, b): (&f64, &f64)| (a / b).ln().abs() > 0.5 * STEP.ln();
-    let (old, new) = (of(present), of(&data));
-    let other = old.len() == new.len() && old.iter().zip(&new).any(differs);
-    Ok((other && !control.is_interrupted()).then_some(data))
-}
-
 /// Whether the bandwidth of a recording is for the data to choose.
 fn is_open(recording: &Prepared) -> bool {
     let experiment = &recording.experiment;
@@ -136,20 +77,54 @@ fn is_wider(recording: &Prepared) -> bool {
         .any(|b| b.reversals > 0)
 }
 
-/// What the bandwidth is chosen for.
-struct Chooser<'a> {
-    problem: &'a ProblemFile,
-    robot: &'a Robot,
-    model: &'a Model,
-    prior: &'a Prior,
-    control: &'a Control<'a>,
-    /// The values of the model are those of a fit with another bandwidth.
-    is_fitted: bool,
+/// What recordings are made ready for: a model of a robot that is to be fitted to them.
+#[derive(Clone, Copy)]
+pub struct Preparing<'a> {
+    /// What is said of the recordings.
+    pub problem: &'a ProblemFile,
+    /// The robot that they are of.
+    pub robot: &'a Robot,
+    /// The model.
+    pub model: &'a Model,
+    /// What is known of its parameters.
+    pub prior: &'a Prior,
+    /// Who may interrupt.
+    pub control: &'a Control<'a>,
 }
 
-impl Chooser<'_> {
-    fn prepared(&self) -> Result<Dataset, SetupError> {
-        let data = self.with_best_bandwidth()?;
+impl Preparing<'_> {
+    /// Reads the recordings and makes them ready; in the order of time for a model that changes with it, as averages
+    /// over periods are of no one time.
+    ///
+    /// # Errors
+    /// Those of files and of settings.
+    pub fn prepared(&self) -> Result<Dataset, SetupError> {
+        self.chosen(false)
+    }
+
+    /// The recordings with the motion that suits the model as it was fitted to `present` ones, where it is not the one that these
+    /// have: what was chosen beside a model that lacks physics served to hide the lack of it.
+    ///
+    /// # Errors
+    /// Those of files and of settings.
+    pub fn anew(&self, present: &Dataset) -> Result<Option<Dataset>, SetupError> {
+        if in_common(present).is_none() {
+            return Ok(None);
+        }
+        let data = self.chosen(true)?;
+        let of = |data: &Dataset| -> Vec<f64> {
+            let bandwidths = data.recordings.iter().flat_map(|r| &r.experiment.bandwidth);
+            bandwidths.map(|b| b.cutoff_hz).collect()
+        };
+        // Cut-offs are steps of one ladder.
+        let differs = |(a, b): (&f64, &f64)| (a / b).ln().abs() > 0.5 * STEP.ln();
+        let (old, new) = (of(present), of(&data));
+        let other = old.len() == new.len() && old.iter().zip(&new).any(differs);
+        Ok((other && !self.control.is_interrupted()).then_some(data))
+    }
+
+    fn chosen(&self, is_fitted: bool) -> Result<Dataset, SetupError> {
+        let data = self.with_best_bandwidth(is_fitted)?;
         Ok(match self.model.changes_with_time() {
             true => data.in_successive_periods(),
             false => data,
@@ -157,13 +132,14 @@ impl Chooser<'_> {
     }
 
     /// The recordings with the bandwidth that the data choose.
-    fn with_best_bandwidth(&self) -> Result<Dataset, SetupError> {
+    fn with_best_bandwidth(&self, is_fitted: bool) -> Result<Dataset, SetupError> {
         let read = read_all(self.problem, self.robot)?;
         let first = self.prepare(read.clone(), InCommon::default())?;
         match in_common(&first) {
             None => Ok(first),
             Some(begin_hz) => Search {
-                chooser: self,
+                preparing: self,
+                is_fitted,
                 read,
                 begin_hz,
             }
@@ -181,7 +157,9 @@ impl Chooser<'_> {
 }
 
 struct Search<'a> {
-    chooser: &'a Chooser<'a>,
+    preparing: &'a Preparing<'a>,
+    /// The values of the model are those of a fit with another bandwidth.
+    is_fitted: bool,
     read: Vec<ReadRecording<'a>>,
     begin_hz: f64,
 }
@@ -200,7 +178,7 @@ impl Search<'_> {
             left,
         };
         let even = self.climb(first, Width::Even)?;
-        if self.chooser.control.is_interrupted() {
+        if self.preparing.control.is_interrupted() {
             return Ok(even.data);
         }
         let (step, data) = (even.step, self.at(even.step, Width::WiderAboutReversals)?);
@@ -223,7 +201,7 @@ impl Search<'_> {
         let mut best = begin;
         for direction in [1, -1] {
             let mut step = from + direction;
-            while step.abs() <= MOST_STEPS && !self.chooser.control.is_interrupted() {
+            while step.abs() <= MOST_STEPS && !self.preparing.control.is_interrupted() {
                 let data = self.at(step, width)?;
                 let Some(left) = self.left(&data, Some(&best.left)) else {
                     break;
@@ -247,18 +225,18 @@ impl Search<'_> {
             cutoff_hz: Some(self.begin_hz * STEP.powi(step)),
             width,
         };
-        self.chooser.prepare(self.read.clone(), in_common)
+        self.preparing.prepare(self.read.clone(), in_common)
     }
 
     /// What a fit leaves, begun from where that of a neighbour ended; `None` where the model cannot be fitted, which the fit
     /// itself will say.
     fn left(&self, data: &Dataset, neighbour: Option<&Left>) -> Option<Left> {
-        let &Chooser {
+        let &Preparing {
             model,
             prior,
             control,
             ..
-        } = self.chooser;
+        } = self.preparing;
         let all: Vec<&Prepared> = data.of(Split::Train).collect();
         let every = counting_rows(&all).div_ceil(ROWS).max(1);
         let thinned: Vec<Prepared> = all.iter().map(|r| r.thinned(every)).collect();
@@ -267,7 +245,7 @@ impl Search<'_> {
         let model_values = model.values();
         let known = match neighbour {
             Some(left) => Some(&left.values),
-            None => self.chooser.is_fitted.then_some(&model_values),
+            None => self.is_fitted.then_some(&model_values),
         };
         let minimisation = Minimisation {
             model,

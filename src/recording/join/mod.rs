@@ -87,10 +87,11 @@ fn joined(
         let step = content.step();
         let brackets = brackets(&content.stamps, &times);
         let mut moved = false;
-        for (counts, &(k, weight)) in mask.iter_mut().zip(&brackets) {
-            let between = (SAME_INSTANT..=1.0 - SAME_INSTANT).contains(&weight);
+        for (counts, at) in mask.iter_mut().zip(&brackets) {
+            let between = (SAME_INSTANT..=1.0 - SAME_INSTANT).contains(&at.share);
             moved |= between;
-            let is_gap = content.stamps[k + 1] - content.stamps[k] > GAP_STEPS * step;
+            let apart = content.stamps[at.before + 1] - content.stamps[at.before];
+            let is_gap = apart > GAP_STEPS * step;
             *counts &= !(between && is_gap);
         }
         let missing = content.missing.as_ref();

@@ -73,22 +73,37 @@ fn slope(x: impl Fn(usize) -> f64, further: usize) -> Option<f64> {
     (h > 0).then(|| (4.0 * x(h) - 3.0 * x(0) - x(2 * h)) / (2 * h) as f64)
 }
 
-/// For each of increasing times the knot at or before it, and the weight of the knot after.
-pub(in crate::recording) fn brackets(knots: &[f64], times: &[f64]) -> Vec<(usize, f64)> {
+/// A time between two successive knots.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::recording) struct Bracket {
+    /// The number of the knot at or before it.
+    pub before: usize,
+    /// The share of the way from there to the next.
+    pub share: f64,
+}
+
+/// Where increasing times lie among knots.
+pub(in crate::recording) fn brackets(knots: &[f64], times: &[f64]) -> Vec<Bracket> {
     let mut k = 0;
     let bracket = |&t: &f64| {
         while k + 2 < knots.len() && knots[k + 1] <= t {
             k += 1;
         }
-        let weight = (t - knots[k]) / (knots[k + 1] - knots[k]);
-        (k, weight.clamp(0.0, 1.0))
+        let share = (t - knots[k]) / (knots[k + 1] - knots[k]);
+        Bracket {
+            before: k,
+            share: share.clamp(0.0, 1.0),
+        }
     };
     times.iter().map(bracket).collect()
 }
 
 /// A series on straight lines at the bracketed times.
-pub(in crate::recording) fn on_lines(series: &[f64], brackets: &[(usize, f64)]) -> Vec<f64> {
-    let between = |&(k, weight): &(usize, f64)| series[k] + weight * (series[k + 1] - series[k]);
+pub(in crate::recording) fn on_lines(series: &[f64], brackets: &[Bracket]) -> Vec<f64> {
+    let between = |at: &Bracket| {
+        let (from, to) = (series[at.before], series[at.before + 1]);
+        from + at.share * (to - from)
+    };
     brackets.iter().map(between).collect()
 }
 
@@ -104,8 +119,8 @@ pub(in crate::recording) struct Stencil {
 const MOST_WEIGHT: f64 = 2.0;
 
 impl Stencil {
-    /// At a share of the way from the knot `before` to the next; of four knots or more.
-    pub fn at(knots: &[f64], (before, share): (usize, f64)) -> Self {
+    /// At a time between knots, of which there are four or more.
+    pub fn at(knots: &[f64], Bracket { before, share }: Bracket) -> Self {
         let first = before.saturating_sub(1).min(knots.len() - 4);
         let four = &knots[first..first + 4];
         let t = knots[before] + share * (knots[before + 1] - knots[before]);

@@ -5,7 +5,7 @@ use crate::fault::Place;
 use crate::recording::channels::samples::Recording;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::formats::table::require_rows;
-use crate::recording::series::interpolation::{Stencil, brackets};
+use crate::recording::series::interpolation::{Bracket, Stencil, brackets};
 
 /// How the samples lie in time.
 #[derive(Debug, Clone, PartialEq)]
@@ -238,11 +238,11 @@ pub(in crate::recording) fn mask_on(
     if mask.is_none() && !has_gap {
         return None;
     }
-    let valid = |&(k, weight): &(usize, f64)| {
+    let valid = |&Bracket { before: k, share }: &Bracket| {
         // A point on a sample is measured, whatever is missing beside it.
-        let beside = weight > 0.01 && weight < 0.99;
+        let beside = share > 0.01 && share < 0.99;
         let measured = !beside || time[k + 1] - time[k] <= gap;
-        let nearest = if weight < 0.5 { k } else { k + 1 };
+        let nearest = if share < 0.5 { k } else { k + 1 };
         measured && mask.is_none_or(|mask| mask[nearest])
     };
     Some(brackets(time, &grid.times()).iter().map(valid).collect())

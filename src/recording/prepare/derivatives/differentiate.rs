@@ -13,7 +13,7 @@ use crate::recording::prepare::experiment::{Bandwidth, Chosen, Motion, MotionErr
 use crate::recording::prepare::filter::filter;
 use crate::recording::prepare::settings::{Method, Preparation, Width};
 use crate::recording::series::differences::{first, second};
-use crate::recording::series::interpolation::{Stencil, brackets};
+use crate::recording::series::interpolation::{Bracket, Stencil, brackets};
 use crate::recording::series::zero_phase::{ZeroPhase, edge_s};
 use crate::recording::time_base::timing::{Grid, Timing};
 use rayon::prelude::*;
@@ -80,9 +80,9 @@ impl Differentiated {
             *series = stencils.iter().map(|s| s.of(series)).collect();
         }
         // Behind the last row of the grid, by less than a step, there is no motion.
-        let known = |(t, &(before, share)): (&f64, &(usize, f64))| {
-            let after = before + usize::from(share > 0.0);
-            self.known[before] && self.known[after] && *t <= last + BEHIND / grid.rate_hz
+        let known = |(t, at): (&f64, &Bracket)| {
+            let after = at.before + usize::from(at.share > 0.0);
+            self.known[at.before] && self.known[after] && *t <= last + BEHIND / grid.rate_hz
         };
         self.known = times.iter().zip(&places).map(known).collect();
         self

@@ -67,7 +67,7 @@ impl Others {
             let samples: Vec<usize> = (0..time.len()).filter(there).collect();
             let times: Vec<f64> = samples.iter().map(|&k| time[k] + shift).collect();
             for (&k, at) in samples.iter().zip(brackets(time, &times)) {
-                if counts(k) && counts(at.0) && counts(at.0 + 1) {
+                if counts(k) && counts(at.before) && counts(at.before + 1) {
                     stencils[k].push(Stencil::at(time, at));
                 }
             }
