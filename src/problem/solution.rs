@@ -25,7 +25,7 @@ pub enum Stop {
     Infeasible,
     /// The cost has no lower bound on the feasible set.
     Unbounded,
-    /// No step lowers the cost, or by what is worth another, although no test of convergence holds.
+    /// No step lowers the cost although no test of convergence holds.
     Stalled,
     /// So many iterations were allowed, and none of the tests of convergence holds.
     IterationLimit,

@@ -194,7 +194,6 @@ fn solve(
     }
     let settings = levenberg_marquardt::Settings {
         cost_tolerance: COST_TOLERANCE,
-        least_decrease: COST_TOLERANCE,
         max_iterations: ITERATION_LIMIT,
         ..levenberg_marquardt::Settings::default()
     };

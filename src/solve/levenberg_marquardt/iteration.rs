@@ -190,8 +190,6 @@ impl<'a> Solver<LeastSquares<'a>, Iterate> for Iteration<'a> {
         let trial = bounds::project(form, &(&x + &step));
         let step = &trial - &x;
         let predicted = self.model.predicted_decrease(&step);
-        let least = self.settings.least_decrease * self.model.cost;
-        let before = self.model.cost;
         let accepted = if predicted > 0.0 {
             self.try_point(problem, &trial)?
         } else {
@@ -210,10 +208,6 @@ impl<'a> Solver<LeastSquares<'a>, Iterate> for Iteration<'a> {
                 x
             }
         };
-        let crawls = least > 0.0 && predicted <= least && before - self.model.cost <= least;
-        if self.stop.is_none() && crawls {
-            self.stop = Some(Stop::Stalled);
-        }
         Ok((state.param(x).cost(self.model.cost), None))
     }
 

@@ -316,7 +316,6 @@ impl Dataset {
             // Eleven digits of parameters that are known to one or two need more than the default.
             cost_tolerance: 0.0,
             step_tolerance: 1e-12,
-            least_decrease: 0.0,
             // Starts are far away: full steps would leave for valleys without end.
             initial_damping: 300.0,
             gradient_tolerance: 1e-15,

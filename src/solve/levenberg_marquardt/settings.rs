@@ -14,9 +14,6 @@ pub struct Settings {
     pub step_tolerance: f64,
     /// Stop when |g_j| <= gradient_tolerance · |J_j| sqrt(2 cost) for every variable that no bound holds. No unit.
     pub gradient_tolerance: f64,
-    /// Stop, stalled, when a damped step neither promises nor brings a decrease > least_decrease · cost (Moré 1978, whose test
-    /// of the sum of squares holds at every damping): where derivatives jump, no damping brings more. 0: go on. No unit.
-    pub least_decrease: f64,
     /// First lambda, > 0: the weight of |D d|² against |J d + r|². No unit.
     pub initial_damping: f64,
 }
@@ -28,7 +25,6 @@ impl Default for Settings {
             cost_tolerance: 1e-16,
             step_tolerance: 1e-12,
             gradient_tolerance: 1e-12,
-            least_decrease: 0.0,
             initial_damping: 1e-3,
         }
     }
@@ -40,7 +36,6 @@ impl Settings {
             ("cost_tolerance", self.cost_tolerance),
             ("step_tolerance", self.step_tolerance),
             ("gradient_tolerance", self.gradient_tolerance),
-            ("least_decrease", self.least_decrease),
         ])?;
         let value = self.initial_damping;
         if !(value > 0.0 && value.is_finite()) {

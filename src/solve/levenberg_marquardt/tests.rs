@@ -57,33 +57,6 @@ fn invariant_the_cost_never_rises_and_every_point_is_within_the_bounds() {
     assert_eq!(solution.trace.rows.len(), solution.iterations);
 }
 
-/// r = 1 + |x| has its minimum where its derivative jumps: no test of a smooth cost ever holds there, and a search that is told
-/// what a decrease is worth ends.
-#[test]
-fn a_search_ends_where_derivatives_jump() {
-    let problem = TestProblem {
-        form: least_squares_form(&["x"], 1, Structure::Smooth),
-        model: Box::new(|x| {
-            let slope = if x[0] < 0.0 { -1.0 } else { 1.0 };
-            Ok(sum_of_squares(dvector![1.0 + x[0].abs()], dmatrix![slope]))
-        }),
-        spoil: None,
-    };
-    let view = LeastSquares::try_from(&problem as &dyn Problem).unwrap();
-    let ended = |least_decrease: f64| {
-        let settings = Settings {
-            least_decrease,
-            ..Settings::default()
-        };
-        minimize(view, &dvector![0.3], &settings, &Control::default()).unwrap()
-    };
-    let (patient, told) = (ended(0.0), ended(1e-7));
-    assert_eq!(told.stop, Stop::Stalled);
-    assert!(told.iterations < patient.iterations);
-    // Half of 1² at the minimum.
-    assert!((told.cost - 0.5).abs() < 1e-6, "{}", told.cost);
-}
-
 #[test]
 fn a_rank_deficient_jacobian_leaves_the_undetermined_direction_near_the_start() {
     // Only the sum of both variables matters.
