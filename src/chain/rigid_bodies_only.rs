@@ -16,7 +16,7 @@ pub fn rigid_bodies_only(model: &Model, signal: Signal) -> Result<Model, ModelEr
         ..ModelSettings::bodies(model.tree().clone(), signal)
     })?;
     for parameter in model.parameters().iter().filter(|p| !p.is_free()) {
-        if let Ok(position) = alone.find(&parameter.name) {
+        if let Some(position) = alone.position(&parameter.name) {
             alone.fix(position, parameter.value)?;
         }
     }

@@ -224,7 +224,7 @@ fn of_structure(
     let place = |name: &str| Place::file(&context.problem.path).key(name);
     let mut findings = Vec::new();
     for name in asked_for(context, model) {
-        let Ok(parameter) = model.find(&name) else {
+        let Some(parameter) = model.position(&name) else {
             continue;
         };
         if !model.parameters()[parameter].is_linear_unknown() || structural.determines(parameter) {

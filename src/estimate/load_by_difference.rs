@@ -92,7 +92,7 @@ fn inherited(first: &Fitted, problem: &FitProblem<'_>, solution: &Solution) -> D
         .filter_map(|(row, combination)| {
             let name = &combination.terms.first()?.parameter;
             let finite = posterior.covariance[row][row].is_finite();
-            Some((row, first.model.find(name).ok().filter(|_| finite)?))
+            Some((row, first.model.position(name).filter(|_| finite)?))
         })
         .unzip();
     let count = solution.x.len();

@@ -320,7 +320,7 @@ fn stopped(estimate: &mut Estimate, stop: Stop) {
 pub fn machine(problem: &ProblemFile, robot: &Robot, fitted: &Fitted) -> Machine {
     let mut values = fitted.values.clone();
     for realized in &fitted.fit.realization {
-        if let Ok(position) = fitted.model.find(&realized.name) {
+        if let Some(position) = fitted.model.position(&realized.name) {
             values[position] = realized.value;
         }
     }
@@ -332,7 +332,7 @@ pub fn machine(problem: &ProblemFile, robot: &Robot, fitted: &Fitted) -> Machine
 pub fn possible_machine(problem: &ProblemFile, robot: &Robot, fitted: &Fitted) -> Option<Machine> {
     let mut values = fitted.values.clone();
     for realized in &fitted.fit.nearest {
-        if let Ok(position) = fitted.model.find(&realized.name) {
+        if let Some(position) = fitted.model.position(&realized.name) {
             values[position] = realized.value;
         }
     }

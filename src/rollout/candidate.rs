@@ -100,7 +100,7 @@ fn rebuilt(
         .model;
     let mut values = model.values();
     for value in &fitted.values {
-        if let Ok(position) = model.find(&value.name) {
+        if let Some(position) = model.position(&value.name) {
             values[position] = value.value;
         }
     }

@@ -60,7 +60,7 @@ pub enum Reference {
 
 /// Finds what a name refers to, in full or short.
 pub fn resolve(model: &Model, name: &str) -> Option<Reference> {
-    if let Ok(parameter) = model.find(name) {
+    if let Some(parameter) = model.position(name) {
         return Some(Reference::Parameter(parameter));
     }
     let (owner, rest) = name.split_once('.').filter(|(_, rest)| !rest.is_empty())?;

@@ -83,7 +83,7 @@ fn take_values(model: &mut Model, posterior: &Posterior, known: bool) {
             } else {
                 0.0
             };
-            let Ok(parameter) = model.find(&term.parameter) else {
+            let Some(parameter) = model.position(&term.parameter) else {
                 continue;
             };
             let inertial = matches!(model.parameters()[parameter].role, Role::Inertial { .. });

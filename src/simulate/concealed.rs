@@ -57,7 +57,7 @@ pub(super) fn add(declared: &ProblemFile, robot: &Robot) -> Result<Acting, Simul
             let is_load = effect == effect::LOAD.id;
             let declared = match is_load {
                 true => known.payload().is_some(),
-                false => known.find(name).is_ok(),
+                false => known.position(name).is_some(),
             };
             if !declared {
                 acting.concealed.push(name.clone());
@@ -76,7 +76,7 @@ impl Acting {
     fn take_currents(&mut self, robot: &Robot) -> Result<(), SimulateError> {
         let sensed = with_all_effects(&self.problem, robot)?;
         for entry in std::mem::take(&mut self.values) {
-            let found = sensed.find(&entry.name).ok();
+            let found = sensed.position(&entry.name);
             let is_gain = |p: usize| matches!(sensed.parameters()[p].role, Role::Controller { .. });
             if found.is_some_and(is_gain) {
                 self.currents.push(entry);

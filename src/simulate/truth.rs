@@ -205,7 +205,9 @@ impl FittedValues {
     /// Effects and load; values of parameters that this model does not have are passed over.
     fn assign(&self, model: &mut Model, assigned: &mut [bool]) {
         for (name, value) in self.bodies.iter().chain(&self.effects) {
-            let Ok(p) = model.find(name) else { continue };
+            let Some(p) = model.position(name) else {
+                continue;
+            };
             let inertial = matches!(model.parameters()[p].role, Role::Inertial { .. });
             if !inertial && model.fix(p, *value).is_ok() {
                 assigned[p] = true;
@@ -415,7 +417,7 @@ fn without_coupling_value(
 /// Gives a model the values of another for the parameters that both have.
 fn copy_values(from: &Model, to: &mut Model) -> Result<(), SimulateError> {
     for p in 0..to.parameters().len() {
-        if let Ok(source) = from.find(&to.parameters()[p].name) {
+        if let Some(source) = from.position(&to.parameters()[p].name) {
             fix(to, p, from.parameters()[source].value, &Place::default())?;
         }
     }

@@ -173,7 +173,7 @@ fn friction_error(plan: &Plan, run: &DiagnoseRun, informed: &ReferenceFits) -> O
         squares.map(|s| (s.iter().sum::<f64>() / s.len() as f64).sqrt())
     };
     let of_fit = |fit: &ModelFit| {
-        let value = |name: &str| fit.model.find(name).ok().map(|k| fit.values[k]);
+        let value = |name: &str| fit.model.position(name).map(|k| fit.values[k]);
         error(&value)
     };
     let of_run = |name: &str| {

@@ -10,36 +10,38 @@ pub fn earlier(segment: Segment<'_>, delay: f64) -> (Vec<f64>, [Vec<Vec<f64>>; 3
     (time, shift(segment, delay))
 }
 
-/// Weights of values and of slopes at two rows, for a time between them.
-#[derive(Clone, Copy)]
-struct Weights {
+/// A time between a row and the next, with the weights of their values and of their slopes.
+struct Place {
+    before: usize,
     values: [f64; 2],
     slopes: [f64; 2],
 }
 
-impl Weights {
-    /// At a share of the way between two rows that are so many seconds apart: cubic Hermite.
-    fn between(share: f64, apart: f64) -> Self {
+impl Place {
+    /// At a share of the way from a row to the next, which is so many seconds apart: cubic Hermite.
+    fn after(before: usize, share: f64, apart: f64) -> Self {
         let s = share;
         let (s2, s3) = (s * s, s * s * s);
         Self {
+            before,
             values: [2.0 * s3 - 3.0 * s2 + 1.0, 3.0 * s2 - 2.0 * s3],
             slopes: [apart * (s3 - 2.0 * s2 + s), apart * (s3 - s2)],
         }
     }
 
-    fn of(&self, values: [f64; 2], slopes: [f64; 2]) -> f64 {
-        let along = |weights: [f64; 2], of: [f64; 2]| weights[0] * of[0] + weights[1] * of[1];
-        along(self.values, values) + along(self.slopes, slopes)
+    /// The value between the k-th of a series and the next.
+    fn of(&self, k: usize, x: &[f64], slopes: &[f64]) -> f64 {
+        let ([va, vb], [sa, sb]) = (self.values, self.slopes);
+        va * x[k] + vb * x[k + 1] + sa * slopes[k] + sb * slopes[k + 1]
     }
 }
 
 /// Where t − delay lies, for every row.
 enum Places {
-    /// In a motion that comes round: equally far behind the row that is so many rows further on.
-    Alike(usize, Weights),
-    /// After a row of its own.
-    Each(Vec<(usize, Weights)>),
+    /// In a motion that comes round: of every row as of the first, so many rows further on.
+    Alike(Place),
+    /// Behind a row of its own.
+    Each(Vec<Place>),
 }
 
 impl Places {
@@ -48,8 +50,8 @@ impl Places {
         if segment.cyclic {
             let at = -delay / segment.step();
             let before = at.floor().rem_euclid(samples as f64) as usize;
-            let weights = Weights::between(at - at.floor(), segment.step());
-            return Self::Alike(before.min(samples - 1), weights);
+            let share = at - at.floor();
+            return Self::Alike(Place::after(before.min(samples - 1), share, segment.step()));
         }
         let mut before = 0;
         let of = |now: &f64| {
@@ -58,8 +60,7 @@ impl Places {
                 before += 1;
             }
             let apart = time[before + 1] - time[before];
-            let share = (then - time[before]) / apart;
-            (before, Weights::between(share, apart))
+            Place::after(before, (then - time[before]) / apart, apart)
         };
         Self::Each(time.iter().map(of).collect())
     }
@@ -67,19 +68,15 @@ impl Places {
     /// A series with its slopes at these places.
     fn along(&self, x: &[f64], slopes: &[f64]) -> Vec<f64> {
         match self {
-            Self::Alike(before, weights) => {
+            Self::Alike(place) => {
                 // From there once around, to where it began.
-                let around = |x: &[f64]| [&x[*before..], &x[..=*before]].concat();
-                let (x, slopes) = (around(x), around(slopes));
-                let pairs = x.windows(2).zip(slopes.windows(2));
-                let of = |(x, slopes): (&[f64], &[f64])| {
-                    weights.of([x[0], x[1]], [slopes[0], slopes[1]])
-                };
-                pairs.map(of).collect()
+                let around = |x: &[f64]| [&x[place.before..], &x[..=place.before]].concat();
+                let (around, slopes) = (around(x), around(slopes));
+                let rows = 0..x.len();
+                rows.map(|k| place.of(k, &around, &slopes)).collect()
             }
             Self::Each(places) => {
-                let at = |x: &[f64], k: usize| [x[k], x[k + 1]];
-                let of = |(k, weights): &(usize, Weights)| weights.of(at(x, *k), at(slopes, *k));
+                let of = |place: &Place| place.of(place.before, x, slopes);
                 places.iter().map(of).collect()
             }
         }

@@ -1,6 +1,7 @@
 //! Candidates: the hypotheses worth fitting, ranked by score tests, and their initial values.
 
 pub mod grid_search;
+pub mod motions;
 pub mod score_test;
 pub mod screening_reuse;
 pub mod signal_path;

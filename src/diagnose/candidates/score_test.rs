@@ -11,9 +11,9 @@
 
 use crate::chain::dataset::Prepared;
 use crate::chain::effect::{Law, Linearity};
-use crate::chain::evaluate::Evaluator;
 use crate::chain::model::Model;
 use crate::diagnose::candidates::grid_search::{best_first, halved};
+use crate::diagnose::candidates::motions::Motions;
 use crate::diagnose::candidates::screening_reuse::Reusable;
 use crate::diagnose::candidates::signal_path::SignalPath;
 use crate::diagnose::error::DiagnoseError;
@@ -31,18 +31,11 @@ use crate::recording::split::Split;
 use crate::stats::deviation::rms;
 use nalgebra::{DMatrix, DVector, DVectorView};
 use rayon::prelude::*;
-use std::sync::OnceLock;
 
 /// The model as it stands, linearised over the fitted recordings.
 pub struct Linearised<'a> {
     fit: &'a ModelFit,
-    recordings: Vec<Prepared>,
-    /// The same with what the bodies do, which laws of drives leave as it is; made when first needed.
-    known: OnceLock<Vec<Prepared>>,
-    /// The same beside motions as late as the signal of a joint, by joint.
-    late: Vec<OnceLock<Vec<Prepared>>>,
-    /// Beside motions as late as all signals are, where these are late alike.
-    all_late: Option<AllLate>,
+    motions: Motions<'a>,
     path: SignalPath,
     scale: Vec<f64>,
     predicted: Vec<Vec<f64>>,
@@ -70,15 +63,6 @@ struct Enlarged<'a> {
     recordings: Vec<&'a Prepared>,
     /// What the fitted model predicts along them, `[channel][row]`.
     predicted: &'a [Vec<f64>],
-}
-
-/// Recordings beside motions as late as signals are on the average, along which the fitted model is on time.
-struct AllLate {
-    recordings: Vec<Prepared>,
-    /// The same with what the bodies do.
-    known: Vec<Prepared>,
-    /// What the fitted model predicts along them, `[channel][row]`.
-    predicted: Vec<Vec<f64>>,
 }
 
 /// Values from which a hypothesis is examined, and those of them that are not the fitted ones, by name.
@@ -118,23 +102,16 @@ impl<'a> Linearised<'a> {
         let residual = weighted_difference(&series.predicted, &series.recorded, &scale);
         let known = fit.prior.rows().select_columns(&positions);
         let inverse = inverse_factor(&columns, &known);
-        let linearised = Self {
+        let path = SignalPath::of(&fit.model);
+        Self {
             fit,
-            recordings,
-            known: OnceLock::new(),
-            late: vec![OnceLock::new(); fit.model.joints().len()],
-            all_late: None,
-            path: SignalPath::of(&fit.model),
+            motions: Motions::new(fit, path, recordings),
+            path,
             scale,
             predicted: series.predicted,
             columns,
             residual,
             inverse,
-        };
-        // Made here, not when first asked for: what it takes is worked out in parallel, as hypotheses are.
-        Self {
-            all_late: linearised.beside_late_motions(),
-            ..linearised
         }
     }
 
@@ -210,11 +187,11 @@ impl<'a> Linearised<'a> {
         let own = self.own_parameters(&model);
         let mut predicted = &self.predicted;
         let is_delay = matches!(hypothesis.effect.law, Law::Delay);
-        let all_late = self.all_late.as_ref().filter(|_| !is_delay);
+        let all_late = self.motions.all_late().filter(|_| !is_delay);
         let recordings = match (self.path, alone, all_late) {
             (SignalPath::Late, Some(joint), _) => {
                 model.predict_on_time();
-                self.late(joint)
+                self.motions.late(joint)
             }
             (SignalPath::Late, None, Some(late)) => {
                 model.predict_on_time();
@@ -224,8 +201,8 @@ impl<'a> Linearised<'a> {
                     false => &late.recordings,
                 }
             }
-            _ if knows_bodies(self.path) => self.known(),
-            _ => &self.recordings,
+            _ if knows_bodies(self.path) => self.motions.known(),
+            _ => self.motions.recorded(),
         };
         Some(Enlarged {
             own,
@@ -237,7 +214,7 @@ impl<'a> Linearised<'a> {
 
     /// The rows along which it is linearised.
     pub fn recordings(&self) -> &[Prepared] {
-        &self.recordings
+        self.motions.recorded()
     }
 
     /// The residual of a channel, in units of its deviation.
@@ -261,62 +238,6 @@ impl<'a> Linearised<'a> {
         };
         let columns: Vec<Column> = columns.iter().map(weighted).collect();
         self.one_step(&Column::new(), &columns, &|_, _| true)
-    }
-
-    fn known(&self) -> &[Prepared] {
-        let with_bodies = |r: &Prepared| self.with_bodies(r);
-        let make = || self.recordings.iter().map(with_bodies).collect();
-        self.known.get_or_init(make)
-    }
-
-    /// Recordings beside motions as late as the signal of a joint.
-    fn late(&self, joint: usize) -> &[Prepared] {
-        let delay = self.fit.model.joints()[joint].delay;
-        let delay = delay.map_or(0.0, |at| self.fit.values[at]);
-        let moved = |r: &Prepared| self.with_bodies(&r.late_by(delay));
-        let make = || self.recordings.iter().map(moved).collect();
-        self.late[joint].get_or_init(make)
-    }
-
-    /// Beside motions as late as all signals are on the average; `None` where they are not late alike: a look at a hypothesis asks
-    /// for it within the time between two samples, in which derivatives change little.
-    fn beside_late_motions(&self) -> Option<AllLate> {
-        let model = &self.fit.model;
-        let delay = |joint: usize| model.joints()[joint].delay;
-        let value =
-            |joint: Option<usize>| joint.and_then(delay).map_or(0.0, |at| self.fit.values[at]);
-        let delays: Vec<f64> = model.channels().iter().map(|c| value(c.joint)).collect();
-        let mean = delays.iter().sum::<f64>() / delays.len().max(1) as f64;
-        let off = delays
-            .iter()
-            .map(|delay| (delay - mean).abs())
-            .fold(0.0, f64::max);
-        let are_alike = |r: &Prepared| off <= 0.5 * r.segment().step();
-        if self.path != SignalPath::Late || !self.recordings.iter().all(are_alike) {
-            return None;
-        }
-        let recordings: Vec<Prepared> = self.recordings.iter().map(|r| r.late_by(mean)).collect();
-        let mut model = model.clone();
-        model.predict_on_time();
-        let along: Vec<&Prepared> = recordings.iter().collect();
-        Some(AllLate {
-            known: recordings.iter().map(|r| self.with_bodies(r)).collect(),
-            predicted: ChannelSeries::of(&model, &self.fit.values, &[], &along).predicted,
-            recordings,
-        })
-    }
-
-    /// A recording with what the bodies of the fitted model do along it.
-    fn with_bodies(&self, recording: &Prepared) -> Prepared {
-        let rows = recording.experiment.rows();
-        let mut evaluator = Evaluator::along(&self.fit.model, &self.fit.values, &[], rows);
-        let bodies = match self.path {
-            SignalPath::Lagging => evaluator.settled_bodies(recording.whole()),
-            SignalPath::Simple | SignalPath::Late | SignalPath::Other => {
-                evaluator.known_bodies(recording.whole())
-            }
-        };
-        recording.clone().with_bodies(bodies)
     }
 
     /// Positions of the free parameters that a larger model has beyond the fitted one.
@@ -380,7 +301,7 @@ impl<'a> Linearised<'a> {
             let speeds = r.segment().motors.dq[joint].iter();
             speeds.map(self.fit.direction(joint)).collect::<Vec<f64>>()
         };
-        rms(&self.recordings.iter().flat_map(of).collect::<Vec<f64>>())
+        rms(&self.recordings().iter().flat_map(of).collect::<Vec<f64>>())
     }
 
     fn gain(&self, enlarged: &Enlarged<'_>, values: &DVector<f64>) -> f64 {
@@ -538,8 +459,8 @@ pub fn screen(
     let rough = Linearised::of_every(every, context, fit);
     let earlier = Reusable::of(context, fit);
     let examined = open.par_iter().filter(|_| is_going_on());
-    let examined = examined.filter_map(|hypothesis| match earlier.glance(hypothesis) {
-        Some(known) => rough.confirmed(context, known?),
+    let examined = examined.filter_map(|hypothesis| match earlier.screening(hypothesis) {
+        Some(screening) => rough.confirmed(context, screening.glance_at(hypothesis)?.clone()),
         None => rough.examine(context, hypothesis),
     });
     let mut glance: Vec<Candidate> = examined.filter(|candidate| candidate.gain > 0.0).collect();

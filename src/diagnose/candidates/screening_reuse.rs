@@ -1,10 +1,10 @@
 //! Reuse of the score tests of other models, where they still hold.
 //!
-//! What a hypothesis explains of a joint does not move where the residual of that joint has not moved, and where the model
-//! has nothing else there: its best point stays the best, and only what it gains there is worked out anew.
+//! What a hypothesis explains of a joint does not move where neither the residual of that joint nor what the model has there has
+//! changed: its best point stays the best, and only what it gains there is worked out anew.
 
 use crate::chain::effect::Law;
-use crate::diagnose::fit::candidate::{Candidate, Screening};
+use crate::diagnose::fit::candidate::Screening;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::ModelFit;
@@ -30,28 +30,21 @@ struct Screened {
 impl<'a> Reusable<'a> {
     /// Of all models that were screened.
     pub fn of(context: &Context<'_>, fit: &'a ModelFit) -> Self {
-        let screened = context.cache.screened().into_iter().rev();
-        let beside = |(other, screening): (ModelFit, Screening)| Screened {
-            alike: alike(&other, fit),
-            hypotheses: other.hypotheses,
-            screening,
+        let beside = |other: &ModelFit, screening: &Screening| Screened {
+            alike: alike(other, fit),
+            hypotheses: other.hypotheses.clone(),
+            screening: screening.clone(),
         };
-        Self {
-            fit,
-            screened: screened.map(beside).collect(),
-        }
+        let mut screened = context.cache.of_screened(beside);
+        screened.reverse();
+        Self { fit, screened }
     }
 
-    /// What was found of a hypothesis by a glance that still holds, and whether it promised something; `None` where none does.
-    pub fn glance(&self, hypothesis: &Hypothesis) -> Option<Option<Candidate>> {
+    /// The latest screening in which what was found of a hypothesis still holds.
+    pub fn screening(&self, hypothesis: &Hypothesis) -> Option<&Screening> {
         let mut screened = self.screened.iter();
-        let Screened { screening, .. } = screened.find(|one| self.holds(one, hypothesis))?;
-        let mut candidates = screening.glance.iter();
-        Some(
-            candidates
-                .find(|candidate| candidate.hypothesis == *hypothesis)
-                .cloned(),
-        )
+        let latest = screened.find(|one| self.holds(one, hypothesis))?;
+        Some(&latest.screening)
     }
 
     /// Whether what was found of a hypothesis beside a model with `others` still holds.
@@ -60,8 +53,8 @@ impl<'a> Reusable<'a> {
         screened.any(|one| one.hypotheses == others && self.holds(one, hypothesis))
     }
 
-    /// Whether a hypothesis acts on the signals of its joints alone, or mostly, and none of these joints has a residual or physics
-    /// that it had not in a screening.
+    /// Whether what a screening found of a hypothesis holds: it acts on the signals of its joints alone, or mostly, and none of these
+    /// joints has another residual, or other physics, than it had there.
     fn holds(&self, screened: &Screened, hypothesis: &Hypothesis) -> bool {
         let is_of_joints = !matches!(hypothesis.effect.law, Law::Body | Law::Tilt);
         let named = hypothesis.named_joints();

@@ -108,7 +108,7 @@ fn finding(
     let names = joint_names(model, &joints);
     let own: Vec<Parameter> = parameters
         .iter()
-        .filter(|p| step.before.model.find(&p.name).is_err() && belongs(p, hypothesis, &names))
+        .filter(|p| step.before.model.position(&p.name).is_none() && belongs(p, hypothesis, &names))
         .cloned()
         .collect();
     let channels = channels_of(model, &joints);

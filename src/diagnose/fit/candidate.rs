@@ -41,6 +41,14 @@ pub struct Screening {
     pub candidates: Vec<Candidate>,
 }
 
+impl Screening {
+    /// What a glance found of a hypothesis, if it promised something.
+    pub fn glance_at(&self, hypothesis: &Hypothesis) -> Option<&Candidate> {
+        let mut candidates = self.glance.iter();
+        candidates.find(|candidate| candidate.hypothesis == *hypothesis)
+    }
+}
+
 /// Further starts of a law whose shape has several parameters.
 const OTHERS: usize = 2;
 

@@ -55,14 +55,20 @@ impl DerivativesCache {
         if let Some(known) = self.known(fit) {
             return Some(known);
         }
+        let problem = fit.problem(fitted);
+        let sensitivity = Sensitivity::of(&problem, &fit.solution.x)?;
+        let rows = fitted.iter().chain(held_out).map(|r| r.rows());
+        let is_kept = rows.sum::<usize>() <= MOST_ROWS;
         let positions = fit.unknowns.positions();
         let series = ChannelSeries::of(&fit.model, &fit.values, &positions, held_out);
         let derivatives = Arc::new(Derivatives {
-            fitted: Sensitivity::of(&fit.problem(fitted), &fit.solution.x)?,
+            fitted: match is_kept {
+                true => sensitivity.with_derivatives(&problem),
+                false => sensitivity,
+            },
             held_out: series.columns,
         });
-        let rows = fitted.iter().chain(held_out).map(|r| r.rows());
-        if rows.sum::<usize>() <= MOST_ROWS {
+        if is_kept {
             self.keep(fit, &derivatives);
         }
         Some(derivatives)

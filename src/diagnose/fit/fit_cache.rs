@@ -85,13 +85,17 @@ impl FitCache {
         recall(&self.screenings, hypotheses, make)
     }
 
-    /// The models whose screening is known, in the order in which they were screened.
-    pub fn screened(&self) -> Vec<(ModelFit, Screening)> {
-        let screenings = open(&self.screenings).clone();
-        let fitted = |(hypotheses, screening): (Vec<Hypothesis>, Screening)| {
-            Some((known(&self.fits, &hypotheses)?, screening))
+    /// What is made `of` each model whose screening is known, in the order in which they were screened.
+    pub fn of_screened<T>(&self, of: impl Fn(&ModelFit, &Screening) -> T) -> Vec<T> {
+        let (fits, screenings) = (open(&self.fits), open(&self.screenings));
+        let fitted = |hypotheses: &[Hypothesis]| {
+            let (_, fit) = fits.iter().find(|(of, _)| of == hypotheses)?;
+            Some(fit)
         };
-        screenings.into_iter().filter_map(fitted).collect()
+        let known = screenings.iter();
+        known
+            .filter_map(|(hypotheses, screening)| Some(of(fitted(hypotheses)?, screening)))
+            .collect()
     }
 }
 

@@ -174,7 +174,7 @@ fn held_out_residuals(
 
 fn apply(model: &mut Model, start: &Start) {
     for (name, value) in start {
-        if let Ok(index) = model.find(name)
+        if let Some(index) = model.position(name)
             && model.parameters()[index].is_free()
         {
             model.start(index, *value);

@@ -271,7 +271,7 @@ fn full_name(formula: &Formula, parameter: &str) -> String {
 fn with_values(fitted: &FittedFormula) -> Formula {
     let FittedFormula { formula, fit, .. } = fitted;
     formula.with_values(&|name| {
-        let index = fit.model.find(&full_name(formula, name)).ok()?;
+        let index = fit.model.position(&full_name(formula, name))?;
         Some(fit.values[index])
     })
 }

@@ -169,7 +169,7 @@ fn probed(
     let name = &fit.model.joints()[joint].name;
     let mut columns = Vec::new();
     for parameter in PROBED {
-        columns.push(model.find(&format!("{name}.{PROBE}.{parameter}")).ok()?);
+        columns.push(model.position(&format!("{name}.{PROBE}.{parameter}"))?);
     }
     let mut values = fit.values_of(&model);
     columns.iter().for_each(|&k| values[k] = 0.0);

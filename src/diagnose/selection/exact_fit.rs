@@ -176,7 +176,7 @@ impl ExactFit<'_> {
         let (model, hypothesis) = (&fit.model, &self.candidate.hypothesis);
         let mut own = self.candidate.start.iter();
         let within_limits = own.all(|(name, _)| {
-            model.find(name).is_ok_and(|index| {
+            model.position(name).is_some_and(|index| {
                 let parameter = &model.parameters()[index];
                 (parameter.lower..=parameter.upper).contains(&fit.values[index])
             })
@@ -215,7 +215,7 @@ impl ExactFit<'_> {
         }
         let model = &self.before.model;
         let bent = |name: &String| {
-            model.find(name).is_ok_and(|index| {
+            model.position(name).is_some_and(|index| {
                 let parameter = &model.parameters()[index];
                 let own = matches!(parameter.role, Role::Effect { joint: j, .. } if j == joint);
                 own && parameter.is_free() && parameter.linearity == Linearity::Nonlinear
@@ -230,7 +230,7 @@ impl ExactFit<'_> {
 /// Whether one of some parameters ended at a limit of what it may be.
 fn is_at_a_limit(fit: &ModelFit, own: &Start) -> bool {
     own.iter().any(|(name, _)| {
-        let found = fit.model.find(name);
-        found.is_ok_and(|index| search_bounds::is_at_a_limit(fit, index))
+        let found = fit.model.position(name);
+        found.is_some_and(|index| search_bounds::is_at_a_limit(fit, index))
     })
 }

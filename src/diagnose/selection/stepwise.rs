@@ -282,7 +282,7 @@ struct Beside<'a> {
 
 /// A candidate after the fit from its most promising start.
 enum Tried<'a> {
-    /// There is nothing more to search.
+    /// Searched to the end.
     Settled(HypothesisTest),
     /// Other starts may lead further, which is worth their time where the candidate competes with what others take.
     Open(ExactFit<'a>, ModelFit),

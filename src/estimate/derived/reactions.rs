@@ -99,7 +99,7 @@ impl Combinations {
         for (k, combination) in posterior.combinations.iter().enumerate() {
             let mut first = None;
             for (order, term) in combination.terms.iter().enumerate() {
-                if let Ok(position) = bodies.find(&term.parameter) {
+                if let Some(position) = bodies.position(&term.parameter) {
                     rows[(k, position)] = term.coefficient;
                     if order == 0 {
                         first = Some(position);

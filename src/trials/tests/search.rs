@@ -1,13 +1,19 @@
 //! What a search saves itself: looks at hypotheses that still hold, delays one by one, and further starts of what cannot win.
 
 use crate::chain::dataset::{Dataset, Prepared};
+use crate::diagnose::candidates::motions::Motions;
 use crate::diagnose::candidates::score_test::{Linearised, screen};
 use crate::diagnose::candidates::screening_reuse::Reusable;
-use crate::diagnose::fit::candidate::Candidate;
+use crate::diagnose::candidates::signal_path::SignalPath;
+use crate::diagnose::fit::candidate::{Candidate, Screening};
 use crate::diagnose::fit::hypothesis::Hypothesis;
-use crate::diagnose::fit::model_fit::FitPair;
+use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::selection::exact_fit::{ExactFit, taken};
-use crate::trials::tests::bench::{Bench, effect_of, offset};
+use crate::diagnose::selection::stepwise::{Rules, Stepwise};
+use crate::recording::split::Split;
+use crate::stats::deviation::deviation;
+use crate::trials::tests::bench::{Bench, SIGNIFICANCE, effect_of, offset};
+use std::sync::Arc;
 
 /// A look at a hypothesis holds beside any model with the same physics on its joint that leaves the same of it.
 #[test]
@@ -26,10 +32,10 @@ fn a_look_holds_where_neither_physics_nor_residual_are_others() {
         other.hypotheses = hypotheses.to_vec();
         other.train[joint].iter_mut().for_each(|e| *e *= moved);
         let reusable = Reusable::of(&context, &other);
-        let known = reusable.glance(&offset(joint));
+        let known = reusable.screening(&offset(joint));
         assert_eq!(known.is_some(), reusable.stands(&[], &offset(joint)));
         assert!(!reusable.stands(&[offset(joint)], &offset(joint)));
-        known
+        known.map(|screening| screening.glance_at(&offset(joint)).cloned())
     };
     let elsewhere = [effect_of("joint_spring", (joint + 1) % 3)];
     let found = glance(&elsewhere, 1.0).unwrap().unwrap();
@@ -57,6 +63,13 @@ fn a_look_beside_delays_promises_what_a_fit_takes() {
     let context = bench.context(&data);
     let before = bench.fit(context.data, std::slice::from_ref(&late));
     let after = bench.fit(context.data, &[late, load.clone()]);
+    let recorded: Vec<Prepared> = data.recordings.clone();
+    let motions = |fit| Motions::new(fit, SignalPath::of(&before.model), recorded.clone());
+    assert!(motions(&before).all_late().is_some());
+    // One signal that is a sample later than the others is not late alike.
+    let mut apart = before.clone();
+    apart.values[before.model.joints()[0].delay.unwrap()] += data.recordings[0].segment().step();
+    assert!(motions(&apart).all_late().is_none());
     let promised = Linearised::new(&context, &before).examine(&context, &load);
     let promised = promised.unwrap().gain;
     let taken = taken(FitPair {
@@ -103,4 +116,72 @@ fn what_cannot_win_is_not_searched_to_the_end() {
         ..exact
     };
     assert!(!exact.is_settled(&first));
+}
+
+/// Beside an offset that takes much, an offset that promises what it does not take is searched to the end where that would be as
+/// much as half of it.
+#[test]
+fn a_search_leaves_further_starts_of_what_cannot_win() {
+    let bench = Bench::control();
+    let data = bench.changed(&[Split::Train, Split::Validation], |experiment| {
+        let size = 5.0 * deviation(&experiment.signal[0]);
+        experiment.signal[0].iter_mut().for_each(|s| *s += size);
+    });
+    let declared = bench.declared(&data);
+    let richer = bench.fit(&data, &[offset(0)]);
+    let most = taken(FitPair {
+        poorer: &declared,
+        richer: &richer,
+    });
+    let is_searched = |share: f64| {
+        let context = bench.context(&data);
+        let looked = screen(&context, &declared, vec![offset(0)]).unwrap();
+        let winner = looked.candidates[0].clone();
+        let promising = Candidate {
+            hypothesis: offset(1),
+            gain: share * most,
+            start: Vec::new(),
+            ..winner.clone()
+        };
+        let known = Screening {
+            candidates: vec![winner, promising],
+            ..looked
+        };
+        context.cache.screening(&[], || Ok(known)).unwrap();
+        let rules = Rules {
+            sought: None,
+            significance: SIGNIFICANCE,
+        };
+        let stepwise = Stepwise {
+            context: &context,
+            rules,
+            progress: &|_| (),
+        };
+        let open = [offset(0), offset(1)];
+        let tests = stepwise.tests(&declared, &open, &[]).unwrap();
+        assert!(tests[0].is_needed(SIGNIFICANCE) && !tests[1].is_needed(SIGNIFICANCE));
+        context.cache.is_fitted(&[offset(1)])
+    };
+    assert!(!is_searched(0.45));
+    assert!(is_searched(0.55));
+}
+
+/// Derivatives are kept for the models that others are compared with, and are those of one model.
+#[test]
+fn derivatives_are_kept_for_the_model_that_they_are_of() {
+    let bench = Bench::control();
+    let context = bench.context(&bench.opened.data);
+    let declared = bench.declared(context.data);
+    let [fitted, held_out] = [Split::Train, Split::Validation].map(|s| context.recordings(s));
+    let of = |fit: &ModelFit| context.derivatives.of(fit, &fitted, &held_out).unwrap();
+    let first = of(&declared);
+    assert!(Arc::ptr_eq(&first, &of(&declared)));
+    let mut other = declared.clone();
+    other.values[0] += 1.0;
+    assert!(!Arc::ptr_eq(&first, &of(&other)));
+    let mut named = declared.clone();
+    named.hypotheses = vec![offset(0)];
+    assert!(!Arc::ptr_eq(&first, &of(&named)));
+    // Two others have come since.
+    assert!(!Arc::ptr_eq(&first, &of(&declared)));
 }
