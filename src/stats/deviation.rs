@@ -19,6 +19,14 @@ pub fn deviations(residuals: &[Vec<f64>]) -> Vec<f64> {
     residuals.iter().map(|e| deviation(e)).collect()
 }
 
+/// Mean square of the differences of rows so many rows apart, halved: the variance of noise that forgets within them,
+/// which what changes slowly does not enter (von Neumann 1941).
+pub fn of_steps(series: &[f64], apart: usize) -> f64 {
+    let pairs = series.iter().zip(series.get(apart..).unwrap_or_default());
+    let squares: f64 = pairs.map(|(a, b)| (b - a).powi(2)).sum();
+    0.5 * squares / (series.len().max(apart + 1) - apart) as f64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -54,6 +54,17 @@ pub struct Encompassing {
 }
 
 impl Encompassing {
+    /// Of models that do not differ.
+    pub fn of_nothing() -> Self {
+        Self {
+            slope: 0.0,
+            ratio: 0.0,
+            distance: 0.0,
+            freedom: 1.0,
+            p_value: 1.0,
+        }
+    }
+
     /// ln Λ, of the likelihoods of the richer model and of the poorer.
     pub fn log_likelihood_ratio(&self) -> f64 {
         let log_density = |x: f64| -0.5 * (self.freedom + 1.0) * (x * x / self.freedom).ln_1p();
@@ -299,13 +310,7 @@ impl<'a> Differences<'a> {
         let blocks = self.blocks(self.clip);
         let sums = Sums::of(&blocks);
         if sums.difference <= 0.0 {
-            return Encompassing {
-                slope: 0.0,
-                ratio: 0.0,
-                distance: 0.0,
-                freedom: 1.0,
-                p_value: 1.0,
-            };
+            return Encompassing::of_nothing();
         }
         let blocks = variance_of_blocks(&blocks, sums);
         let of_noise = noise.map(|noise| self.variance_of_noise(noise));

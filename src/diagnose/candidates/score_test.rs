@@ -21,15 +21,15 @@ use crate::diagnose::fit::candidate::{Candidate, Naming, Point, Screening};
 use crate::diagnose::fit::channel_series::ChannelSeries;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
+use crate::diagnose::fit::linear_model::{ChannelColumn, LinearModel, dot, inner};
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::fit::start::Start;
 use crate::diagnose::fit::start_grid::Grid;
 use crate::estimate::search_range::MotionRange;
 use crate::linalg::normal_equations::{INDEPENDENT, NormalSolution};
-use crate::linalg::triangular::Triangular;
 use crate::recording::split::Split;
 use crate::stats::deviation::rms;
-use nalgebra::{DMatrix, DVector, DVectorView};
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// The model as it stands, linearised over the fitted recordings.
@@ -37,17 +37,8 @@ pub struct Linearised<'a> {
     fit: &'a ModelFit,
     motions: Motions<'a>,
     path: SignalPath,
-    scale: Vec<f64>,
-    predicted: Vec<Vec<f64>>,
-    /// Weighted: `[channel][column]`.
-    columns: Vec<Vec<Option<Vec<f64>>>>,
-    residual: Vec<Vec<f64>>,
-    /// R⁻ᵀ of the factor of J.
-    inverse: DMatrix<f64>,
+    linear: LinearModel,
 }
-
-/// A column of the weighted derivatives: the channels that it enters.
-type Column = Vec<(usize, Vec<f64>)>;
 
 /// Dry friction whose transition is narrower than this leaves it as it is.
 const MOSTLY_REACHED: f64 = 0.8;
@@ -89,29 +80,14 @@ impl<'a> Linearised<'a> {
     pub fn of_every(every: usize, context: &Context<'_>, fit: &'a ModelFit) -> Self {
         let recordings = context.recordings(Split::Train).into_iter();
         let recordings: Vec<Prepared> = recordings.map(|r| r.thinned(every)).collect();
-        let scale = fit.deviations();
-        let positions = fit.unknowns.positions();
         let of: Vec<&Prepared> = recordings.iter().collect();
-        let series = ChannelSeries::of(&fit.model, &fit.values, &positions, &of);
-        let mut columns = series.columns;
-        for (c, of_channel) in columns.iter_mut().enumerate() {
-            for column in of_channel.iter_mut().flatten() {
-                column.iter_mut().for_each(|x| *x /= scale[c]);
-            }
-        }
-        let residual = weighted_difference(&series.predicted, &series.recorded, &scale);
-        let known = fit.prior.rows().select_columns(&positions);
-        let inverse = inverse_factor(&columns, &known);
+        let linear = LinearModel::of(fit, &of);
         let path = SignalPath::of(&fit.model);
         Self {
             fit,
             motions: Motions::new(fit, path, recordings),
             path,
-            scale,
-            predicted: series.predicted,
-            columns,
-            residual,
-            inverse,
+            linear,
         }
     }
 
@@ -137,7 +113,7 @@ impl<'a> Linearised<'a> {
                 at: point,
             }
         };
-        let hopeless = -HOPELESS * self.residual.iter().map(|r| dot(r, r)).sum::<f64>();
+        let hopeless = -HOPELESS * self.linear.residual.iter().map(|r| dot(r, r)).sum::<f64>();
         let rising = grid.is_rising().then_some(hopeless);
         let best_first = |points: Vec<Vec<f64>>| best_first(points, rising, &gain);
         let scanned = best_first(grid.scan());
@@ -185,7 +161,7 @@ impl<'a> Linearised<'a> {
         }
         let knows_bodies = |path: SignalPath| path.knows_bodies(&self.fit.model, hypothesis);
         let own = self.own_parameters(&model);
-        let mut predicted = &self.predicted;
+        let mut predicted = &self.linear.predicted;
         let is_delay = matches!(hypothesis.effect.law, Law::Delay);
         let all_late = self.motions.all_late().filter(|_| !is_delay);
         let recordings = match (self.path, alone, all_late) {
@@ -219,25 +195,22 @@ impl<'a> Linearised<'a> {
 
     /// The residual of a channel, in units of its deviation.
     pub fn residual_of(&self, channel: usize) -> &[f64] {
-        &self.residual[channel]
+        &self.linear.residual[channel]
     }
 
     /// What the model's own parameters can take of a further column of a channel, in units of its deviation: R⁻ᵀ Jᵀ c.
     pub fn taken_of(&self, channel: usize, column: &[f64]) -> DVector<f64> {
-        let own = self.columns[channel].iter();
-        let of = |own: &Option<Vec<f64>>| own.as_ref().map_or(0.0, |own| dot(own, column));
-        let product = DVector::from_iterator(self.columns[channel].len(), own.map(of));
-        self.inverse.tr_mul(&product)
+        self.linear.project_one(channel, column)
     }
 
     /// What further columns of a channel would take.
     pub fn gain_of(&self, channel: usize, columns: &[Vec<f64>]) -> f64 {
-        let weighted = |column: &Vec<f64>| -> Column {
-            let over = column.iter().map(|x| x / self.scale[channel]);
+        let weighted = |column: &Vec<f64>| -> ChannelColumn {
+            let over = column.iter().map(|x| x / self.linear.scale[channel]);
             vec![(channel, over.collect())]
         };
-        let columns: Vec<Column> = columns.iter().map(weighted).collect();
-        self.one_step(&Column::new(), &columns, &|_, _| true)
+        let columns: Vec<ChannelColumn> = columns.iter().map(weighted).collect();
+        self.one_step(&ChannelColumn::new(), &columns, &|_, _| true)
     }
 
     /// Positions of the free parameters that a larger model has beyond the fitted one.
@@ -277,7 +250,11 @@ impl<'a> Linearised<'a> {
                 .positions()
                 .iter()
                 .position(|&p| p == from);
-            let columns = self.columns.iter().filter_map(|of| of[unknown?].as_ref());
+            let columns = self
+                .linear
+                .columns
+                .iter()
+                .filter_map(|of| of[unknown?].as_ref());
             let largest = columns.map(|column| rms(column)).fold(0.0, f64::max);
             if largest > 0.0 {
                 // Residuals are weighted to an RMS of one.
@@ -312,17 +289,20 @@ impl<'a> Linearised<'a> {
             predicted: before,
         } = enlarged;
         let series = ChannelSeries::of(model, values, own, recordings);
-        let mut change: Column = Vec::new();
-        let mut columns: Vec<Column> = vec![Vec::new(); own.len()];
+        let mut change: ChannelColumn = Vec::new();
+        let mut columns: Vec<ChannelColumn> = vec![Vec::new(); own.len()];
         for (c, predicted) in series.predicted.iter().enumerate() {
             let pairs = predicted.iter().zip(&before[c]);
-            let moved: Vec<f64> = pairs.map(|(a, b)| (a - b) / self.scale[c]).collect();
+            let moved: Vec<f64> = pairs.map(|(a, b)| (a - b) / self.linear.scale[c]).collect();
             if moved.iter().any(|x| *x != 0.0) {
                 change.push((c, moved));
             }
             for (column, of_channel) in columns.iter_mut().zip(&series.columns[c]) {
                 if let Some(column_series) = of_channel {
-                    let scaled = column_series.iter().map(|x| x / self.scale[c]).collect();
+                    let scaled = column_series
+                        .iter()
+                        .map(|x| x / self.linear.scale[c])
+                        .collect();
                     column.push((c, scaled));
                 }
             }
@@ -340,15 +320,15 @@ impl<'a> Linearised<'a> {
     /// leave what is possible stay out.
     fn one_step(
         &self,
-        change: &Column,
-        columns: &[Column],
+        change: &ChannelColumn,
+        columns: &[ChannelColumn],
         stays_possible: &dyn Fn(usize, f64) -> bool,
     ) -> f64 {
-        let whitened: Vec<DVector<f64>> = columns.iter().map(|c| self.project(c)).collect();
-        let shift = self.project(change);
+        let whitened: Vec<DVector<f64>> = columns.iter().map(|c| self.linear.project(c)).collect();
+        let shift = self.linear.project(change);
         // r is orthogonal to J, so the changed residual loses only what J takes of the change.
-        let before: f64 =
-            -2.0 * self.against_residual(change) - inner(change, change) + shift.norm_squared();
+        let before: f64 = -2.0 * self.linear.against_residual(change) - inner(change, change)
+            + shift.norm_squared();
         let k = columns.len();
         let mut normal = DMatrix::zeros(k, k);
         let mut right = DVector::zeros(k);
@@ -359,7 +339,7 @@ impl<'a> Linearised<'a> {
             if norm > 0.0 && left > INDEPENDENT * norm {
                 kept.push(i);
             }
-            right[i] = self.against_residual(&columns[i]) + inner(&columns[i], change)
+            right[i] = self.linear.against_residual(&columns[i]) + inner(&columns[i], change)
                 - whitened[i].dot(&shift);
             for j in 0..=i {
                 normal[(i, j)] = inner(&columns[i], &columns[j]) - whitened[i].dot(&whitened[j]);
@@ -383,65 +363,6 @@ impl<'a> Linearised<'a> {
             kept = possible;
         }
     }
-
-    /// R⁻ᵀ Jᵀ c.
-    fn project(&self, column: &Column) -> DVector<f64> {
-        let count = self.inverse.nrows();
-        let mut product = DVector::zeros(count);
-        for (c, series) in column {
-            for (k, own) in self.columns[*c].iter().enumerate() {
-                if let Some(own) = own {
-                    product[k] += dot(own, series);
-                }
-            }
-        }
-        self.inverse.tr_mul(&product)
-    }
-
-    fn against_residual(&self, column: &Column) -> f64 {
-        let of = |(c, series): &(usize, Vec<f64>)| dot(&self.residual[*c], series);
-        column.iter().map(of).sum()
-    }
-}
-
-/// R⁻¹ of the weighted derivatives and the rows of what is known beforehand.
-fn inverse_factor(columns: &[Vec<Option<Vec<f64>>>], known: &DMatrix<f64>) -> DMatrix<f64> {
-    let count = known.ncols();
-    let mut factor = Triangular::new(count);
-    factor.absorb(known.as_slice());
-    for of_channel in columns {
-        let rows = of_channel.iter().flatten().map(Vec::len).max().unwrap_or(0);
-        let zero = vec![0.0; rows];
-        let slices: Vec<&[f64]> = of_channel
-            .iter()
-            .map(|column| column.as_deref().unwrap_or(&zero))
-            .collect();
-        factor.absorb_columns(&slices);
-    }
-    factor
-        .inverse()
-        .unwrap_or_else(|| DMatrix::zeros(count, count))
-}
-
-fn weighted_difference(a: &[Vec<f64>], b: &[Vec<f64>], scale: &[f64]) -> Vec<Vec<f64>> {
-    let of = |((a, b), scale): ((&Vec<f64>, &Vec<f64>), &f64)| {
-        a.iter().zip(b).map(|(a, b)| (a - b) / scale).collect()
-    };
-    a.iter().zip(b).zip(scale).map(of).collect()
-}
-
-/// Σ a b.
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let of = |x| DVectorView::from_slice(x, x.len());
-    of(a).dot(&of(b))
-}
-
-fn inner(a: &Column, b: &Column) -> f64 {
-    let of = |(c, x): &(usize, Vec<f64>)| {
-        let other = b.iter().find(|(d, _)| d == c);
-        other.map_or(0.0, |(_, y)| dot(x, y))
-    };
-    a.iter().map(of).sum()
 }
 
 /// What hypotheses promise beside a model: by a glance at some rows, and a look of those in front at all.

@@ -60,7 +60,9 @@ impl Formulas<'_> {
             let named = place.findings.iter().copied();
             let named: Vec<usize> = named.filter(|&k| !findings[k].has_no_name()).collect();
             let model = self.without(&named)?;
+            let correction = self.corrections.of_channel(place.channel);
             let proposing = Proposing {
+                variables: correction.map_or(&[], |c| c.made_of.as_slice()),
                 contexts: self.contexts,
                 model: &model,
                 noise_level: self.noise_level,

@@ -6,14 +6,14 @@ use crate::diagnose::findings::probability;
 use crate::diagnose::findings::sentences;
 use crate::diagnose::residuals::additive_model::{self, AdditiveModel};
 use crate::diagnose::residuals::effect_size::OF_TORQUE;
-use crate::diagnose::residuals::noise_level::{UNEXPLAINED, chance, of_steps};
+use crate::diagnose::residuals::noise_level::{UNEXPLAINED, chance};
 use crate::diagnose::residuals::reversal_mask;
 use crate::diagnose::selection::explanation::{Explanation, TriedModel};
 use crate::diagnose::selection::stepwise::Rules;
 use crate::outcome::diagnose::Unattested;
 use crate::outcome::finding::{Finding, UNNAMED};
 use crate::recording::split::Split;
-use crate::stats::deviation::rms;
+use crate::stats::deviation::{of_steps, rms};
 
 /// A residual below this share of the RMS signal is of no weight: rows are some hundredths of a second apart, and at
 /// every reversal dry friction, a tenth of the usual torque or more, turns over between two of them.

@@ -1,7 +1,7 @@
 //! Factors of formulas: functions of one variable of the motion, as physics has them.
 
-use crate::diagnose::formula::quantity::Quantity;
 use crate::diagnose::formula::rows::FittedRows;
+use crate::diagnose::residuals::quantity::Quantity;
 
 /// What a factor does with its variable x; x₀, s and n are its own parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -16,6 +16,12 @@ pub enum Shape {
     Direction,
     /// exp(−|x|/s)
     Decay,
+    /// tanh((x − x₀)/s)
+    Saturation,
+    /// exp(−((x − x₀)/s)²)
+    Bump,
+    /// exp(n x)
+    Exponential,
     /// max(x − x₀, 0), or its square.
     Above(u8),
     /// min(x − x₀, 0), or its square.
@@ -35,13 +41,23 @@ pub struct Factor {
     pub shape: Shape,
     /// x₀, s or n; 0 where the shape has none.
     pub inner: f64,
+    /// x₀ of a shape that has a scale too.
+    pub centre: f64,
 }
 
 impl Shape {
     /// Whether it has a parameter of its own.
     pub fn has_inner(self) -> bool {
-        use Shape::{Above, Below, Cosine, Decay, Sine, Wave};
-        matches!(self, Decay | Above(_) | Below(_) | Wave | Sine | Cosine)
+        use Shape::{Above, Below, Bump, Cosine, Decay, Exponential, Saturation, Sine, Wave};
+        matches!(
+            self,
+            Decay | Above(_) | Below(_) | Wave | Sine | Cosine | Saturation | Bump | Exponential
+        )
+    }
+
+    /// Whether it is one about a place of positions.
+    pub fn has_centre(self) -> bool {
+        matches!(self, Self::Saturation | Self::Bump)
     }
 
     /// Whether it repeats.
@@ -53,7 +69,7 @@ impl Shape {
     pub fn is_odd(self) -> bool {
         matches!(
             self,
-            Self::Power(1 | 3) | Self::SignedSquare | Self::Direction
+            Self::Power(1 | 3) | Self::SignedSquare | Self::Direction | Self::Saturation
         )
     }
 
@@ -63,7 +79,14 @@ impl Shape {
             Self::Power(n) | Self::Above(n) | Self::Below(n) => n as i8,
             Self::Magnitude => 1,
             Self::SignedSquare => 2,
-            Self::Direction | Self::Decay | Self::Wave | Self::Sine | Self::Cosine => 0,
+            Self::Direction
+            | Self::Decay
+            | Self::Wave
+            | Self::Sine
+            | Self::Cosine
+            | Self::Saturation
+            | Self::Bump
+            | Self::Exponential => 0,
         }
     }
 }
@@ -75,11 +98,25 @@ impl Factor {
             quantity,
             shape,
             inner: 0.0,
+            centre: 0.0,
         }
     }
 
     pub fn with_inner(self, inner: f64) -> Self {
         Self { inner, ..self }
+    }
+
+    pub fn about(self, centre: f64) -> Self {
+        Self { centre, ..self }
+    }
+
+    /// Whether x₀ is its own parameter: speeds and loads have their zero.
+    pub fn has_centre(&self) -> bool {
+        let is_place = matches!(
+            self.quantity,
+            Quantity::Position | Quantity::OtherPosition(_)
+        );
+        self.shape.has_centre() && is_place
     }
 
     /// The same function of the same variable, whatever its parameter.
@@ -111,13 +148,16 @@ impl Factor {
     }
 
     fn function(&self, shape: Shape) -> impl Fn(f64) -> f64 {
-        let a = self.inner;
+        let (a, centre) = (self.inner, self.centre);
         move |x: f64| match shape {
             Shape::Power(n) => x.powi(i32::from(n)),
             Shape::Magnitude => x.abs(),
             Shape::SignedSquare => x * x.abs(),
             Shape::Direction => x,
             Shape::Decay => (-x.abs() / a).exp(),
+            Shape::Saturation => ((x - centre) / a).tanh(),
+            Shape::Bump => (-((x - centre) / a).powi(2)).exp(),
+            Shape::Exponential => (a * x).exp(),
             Shape::Above(n) => (x - a).max(0.0).powi(i32::from(n)),
             Shape::Below(n) => (x - a).min(0.0).powi(i32::from(n)),
             Shape::Wave | Shape::Sine => (a * x).sin(),

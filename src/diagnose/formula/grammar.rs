@@ -1,9 +1,9 @@
 //! The terms that a joint may have, and what each is charged for having been one of many.
 
 use crate::diagnose::formula::factor::{Factor, Shape};
-use crate::diagnose::formula::quantity::Quantity;
 use crate::diagnose::formula::rows::{Extent, FittedRows};
 use crate::diagnose::formula::term::Term;
+use crate::diagnose::residuals::quantity::Quantity;
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
@@ -19,6 +19,16 @@ const TOUCHES: [f64; 7] = [0.15, 0.3, 0.4, 0.5, 0.6, 0.7, 0.85];
 
 /// Shares of the greatest speed over which something may decay.
 const DECAYS: [f64; 4] = [0.03, 0.08, 0.2, 0.5];
+
+/// Growth over the range of a variable.
+const RATES: [f64; 4] = [-4.0, -1.5, 1.5, 4.0];
+
+/// The fastest, by powers of e.
+const FASTEST: f64 = 8.0;
+
+/// Shares of the range of a position about which something may be one, and over which it changes.
+const MIDDLES: [f64; 3] = [0.3, 0.5, 0.7];
+const WIDTHS: [f64; 3] = [0.05, 0.15, 0.4];
 
 /// Kinds of variables, of which a class of terms has some.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -45,10 +55,13 @@ pub struct Grammar {
 }
 
 impl Grammar {
-    /// Of the motion of a joint over the fitted rows.
-    pub fn of(rows: &FittedRows) -> Self {
-        let blocks = Blocks::of(rows);
-        let terms = blocks.terms();
+    /// Of the motion of a joint over the fitted rows: of all its variables, or of few that a smooth correction has found, which may
+    /// be of more shapes.
+    pub fn of(rows: &FittedRows, few: Option<&[Quantity]>) -> Self {
+        let terms = match few {
+            Some(few) => terms_of(few, rows),
+            None => Blocks::of(rows).terms(),
+        };
         let mut sizes = HashMap::new();
         let mut factors: Vec<Factor> = Vec::new();
         for term in &terms {
@@ -86,6 +99,15 @@ impl Grammar {
         let a = factor.inner;
         match factor.shape {
             Shape::Decay => [0.5 * a, 2.0 * a],
+            Shape::Saturation | Shape::Bump => {
+                let [least, most] = self.widths(factor.quantity);
+                [least.max(0.5 * a), most.min(2.0 * a)]
+            }
+            Shape::Exponential => {
+                let step = 1.0 / range;
+                let [least, most] = self.rates(factor.quantity);
+                [(a - step).max(least), (a + step).min(most)]
+            }
             Shape::Above(_) | Shape::Below(_) => {
                 let step = 0.15 * range;
                 let inside = self.inside(factor.quantity);
@@ -96,6 +118,26 @@ impl Grammar {
                 [(a - step).max(step), a + step]
             }
         }
+    }
+
+    /// Ranges over which something may change: narrower ones have too few rows, and over wider ones it is a power.
+    pub fn widths(&self, quantity: Quantity) -> [f64; 2] {
+        let range = self.extents.get(&quantity).map_or(0.0, |e| e.range());
+        [0.02 * range, 2.0 * range]
+    }
+
+    /// Rates at which something may grow.
+    pub fn rates(&self, quantity: Quantity) -> [f64; 2] {
+        let range = self.extents.get(&quantity).map_or(1.0, |e| e.range());
+        [-FASTEST / range, FASTEST / range]
+    }
+
+    /// Where the place about which a factor is one may lie between its neighbours in the search.
+    pub fn around_centre(&self, factor: &Factor) -> [f64; 2] {
+        let inside = self.inside(factor.quantity);
+        let step = 0.15 * (inside[1] - inside[0]);
+        let [low, high] = [factor.centre - step, factor.centre + step];
+        [low.max(inside[0]), high.min(inside[1])]
     }
 
     /// The range of a variable without its outermost twentieths: what is touched beyond them has too few rows.
@@ -255,6 +297,77 @@ fn products(left: &[Vec<Factor>], right: &[Vec<Factor>]) -> Vec<Vec<Factor>> {
     left.iter().flat_map(of).collect()
 }
 
+/// Terms of few variables: every shape of each, and every product of two of them.
+fn terms_of(few: &[Quantity], rows: &FittedRows) -> Vec<Term> {
+    let shapes: Vec<Vec<Factor>> = few.iter().map(|&q| shapes(q, rows)).collect();
+    let mut all: Vec<Vec<Factor>> = Vec::new();
+    for (k, own) in shapes.iter().enumerate() {
+        let waves = match few[k] {
+            Quantity::Position => waves(few[k], rows, OWN_ORDERS),
+            Quantity::OtherPosition(_) => waves(few[k], rows, OTHER_ORDERS),
+            _ => Vec::new(),
+        };
+        all.extend(own.iter().chain(&waves).map(|factor| vec![*factor]));
+        for other in &shapes[k + 1..] {
+            all.extend(pairs(own, other));
+        }
+        for (l, other) in shapes.iter().enumerate() {
+            let simple: Vec<Factor> = other
+                .iter()
+                .filter(|f| !f.shape.has_inner())
+                .copied()
+                .collect();
+            if l != k {
+                all.extend(pairs(&waves, &simple));
+            }
+        }
+    }
+    let terms = all.into_iter().map(Term::of);
+    terms.filter(Term::is_sound).collect()
+}
+
+fn pairs(left: &[Factor], right: &[Factor]) -> Vec<Vec<Factor>> {
+    let of = |a: &Factor| right.iter().map(|b| vec![*a, *b]).collect::<Vec<_>>();
+    left.iter().flat_map(of).collect()
+}
+
+/// Functions of one variable that do not repeat.
+fn shapes(quantity: Quantity, rows: &FittedRows) -> Vec<Factor> {
+    let plain = |shape: Shape| Factor::plain(quantity, shape);
+    let extent = rows.extent(quantity);
+    let mut all: Vec<Factor> = (1..=3).map(|n| plain(Shape::Power(n))).collect();
+    if quantity == Quantity::Acceleration {
+        all.truncate(1);
+        return all;
+    }
+    all.extend([Shape::Magnitude, Shape::SignedSquare].map(plain));
+    let rate = 1.0 / extent.range();
+    all.extend(RATES.map(|of| plain(Shape::Exponential).with_inner(of * rate)));
+    let centres = match quantity {
+        Quantity::Position | Quantity::OtherPosition(_) => MIDDLES
+            .map(|share| extent.least + share * extent.range())
+            .to_vec(),
+        _ => vec![0.0],
+    };
+    for centre in centres {
+        for width in WIDTHS {
+            let of = |shape: Shape| {
+                plain(shape)
+                    .with_inner(width * extent.range())
+                    .about(centre)
+            };
+            all.extend([Shape::Saturation, Shape::Bump].map(of));
+        }
+    }
+    all.extend(touches(quantity, rows));
+    if quantity == Quantity::Velocity {
+        all.push(plain(Shape::Direction));
+        let fastest = extent.largest();
+        all.extend(DECAYS.map(|share| plain(Shape::Decay).with_inner(share * fastest)));
+    }
+    all
+}
+
 /// What acts on one side of a position.
 fn touches(quantity: Quantity, rows: &FittedRows) -> Vec<Factor> {
     let extent = rows.extent(quantity);
@@ -303,5 +416,28 @@ mod tests {
         assert_eq!(grammar.charge(&position), 2.0 * 20.0_f64.ln());
         assert_eq!(grammar.charge(&speed), 2.0 * 60.0_f64.ln());
         assert_eq!(grammar.charge(&load), 2.0 * 60.0_f64.ln());
+    }
+
+    /// Wherever a search begins, what it tries of a factor stays where a fit may have it.
+    #[test]
+    fn parameters_of_factors_stay_within_their_bounds() {
+        let rows = FittedRows::drawn(400);
+        let quantity = Quantity::OtherPosition(1);
+        let grammar = Grammar::of(&rows, Some(&[quantity]));
+        let range = rows.extent(quantity).range();
+        let plain = |shape: Shape, inner: f64| Factor::plain(quantity, shape).with_inner(inner);
+        for width in [0.02, 0.1, 1.9].map(|share| share * range) {
+            let [low, high] = grammar.around(&plain(Shape::Bump, width));
+            assert!(low < high && low >= 0.02 * range && high <= 2.0 * range);
+        }
+        for rate in [-8.0, 0.0, 7.9].map(|rate| rate / range) {
+            let [low, high] = grammar.around(&plain(Shape::Exponential, rate));
+            assert!(low < high && [low, high].iter().all(|r| r.abs() <= 8.0 / range));
+        }
+        let inside = grammar.inside(quantity);
+        for centre in inside {
+            let [low, high] = grammar.around_centre(&plain(Shape::Bump, 0.1).about(centre));
+            assert!(low < high && low >= inside[0] && high <= inside[1]);
+        }
     }
 }

@@ -54,8 +54,8 @@ impl Formula {
     pub fn with_values(&self, value: &dyn Fn(&str) -> Option<f64>) -> Self {
         let mut changed = self.clone();
         for term in &mut changed.terms {
-            let inner = term.inner.iter_mut().flatten();
-            let own = std::iter::once(&mut term.size).chain(inner);
+            let own = term.inner.iter_mut().chain(&mut term.centre).flatten();
+            let own = std::iter::once(&mut term.size).chain(own);
             for parameter in own.chain(&mut term.phase) {
                 parameter.value = value(&parameter.name).unwrap_or(parameter.value);
             }
@@ -174,7 +174,12 @@ fn named(
         0 => String::new(),
         number => format!("{}", number + 1),
     };
-    let inner = |factor: &Factor| {
+    // Factors after the first have names of their own.
+    let of_factor = |name: &str, f: usize| match f {
+        0 => format!("{name}{again}"),
+        f => format!("{name}{again}_{}", f + 1),
+    };
+    let inner = |(f, factor): (usize, &Factor)| {
         let (name, meaning, bounds) = match factor.shape {
             Shape::Wave | Shape::Sine | Shape::Cosine => ("n", "periods over 2π", FREE),
             Shape::Above(_) | Shape::Below(_) => {
@@ -186,10 +191,15 @@ fn named(
                 let bounds = [1e-3 * largest, largest];
                 ("scale", "speed over which it decays", bounds)
             }
+            Shape::Saturation | Shape::Bump => {
+                let bounds = grammar.widths(factor.quantity);
+                ("width", "range over which it changes", bounds)
+            }
+            Shape::Exponential => ("rate", "growth", grammar.rates(factor.quantity)),
             _ => return None,
         };
         Some(Named {
-            name: format!("{name}{again}"),
+            name: of_factor(name, f),
             value: factor.inner,
             unit: units.of_inner(factor),
             meaning,
@@ -197,6 +207,17 @@ fn named(
             is_shape: true,
         })
     };
+    let centre = |(f, factor): (usize, &Factor)| {
+        factor.has_centre().then(|| Named {
+            name: of_factor("middle", f),
+            value: factor.centre,
+            unit: units.of_centre(factor),
+            meaning: "position about which it is one",
+            bounds: grammar.inside(factor.quantity),
+            is_shape: true,
+        })
+    };
+    let factors = || term.factors.iter().enumerate();
     let (size, phase) = match sizes {
         [sine, cosine] => (sine.hypot(*cosine), Some(cosine.atan2(*sine))),
         _ => (sizes.first().copied().unwrap_or(0.0), None),
@@ -211,7 +232,8 @@ fn named(
             bounds: FREE,
             is_shape: false,
         },
-        inner: term.factors.iter().map(inner).collect(),
+        inner: factors().map(inner).collect(),
+        centre: factors().map(centre).collect(),
         phase: phase.map(|value| Named {
             name: format!("phi{again}"),
             value,
@@ -221,5 +243,135 @@ fn named(
             is_shape: false,
         }),
         term: term.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::effect::user_law;
+    use crate::chain::effect::{Contribution, Law, Samples, Surroundings};
+    use crate::diagnose::formula::rows::FittedRows;
+    use crate::diagnose::residuals::quantity::Quantity::{
+        self, Acceleration, OtherPosition, OtherVelocity, Position, Velocity,
+    };
+
+    const ROWS: usize = 40;
+
+    /// The torque of a law that is compiled from its text, along rows.
+    fn compiled(formula: &Formula, rows: &FittedRows) -> Vec<f64> {
+        let effect = user_law::effect(&formula.text()).unwrap();
+        let Law::Motor(law) = effect.law else {
+            panic!("a law of the motor: {}", formula.expression());
+        };
+        let values: Vec<f64> = formula.parameters().map(|p| p.value).collect();
+        let others: [[&[f64]; 2]; 1] =
+            [[OtherPosition(1), OtherVelocity(1)].map(|quantity| rows.series(quantity))];
+        let zeros = || vec![0.0; ROWS];
+        let mut torque = zeros();
+        law.add(
+            Samples {
+                position: rows.series(Position),
+                velocity: rows.series(Velocity),
+                acceleration: rows.series(Acceleration),
+                sign: &rows.direction,
+                time: &[],
+                cyclic: false,
+                surroundings: Surroundings {
+                    others: &others,
+                    ..Surroundings::default()
+                },
+            },
+            &values,
+            &mut Contribution {
+                torque: &mut torque,
+                by_parameter: &mut vec![zeros(); values.len()],
+                by_sign: &mut zeros(),
+                by_position: &mut zeros(),
+                by_velocity: &mut zeros(),
+            },
+        );
+        torque
+    }
+
+    /// Every shape of every variable, alone and beside another: the text of the law, compiled, is what the search has seen.
+    #[test]
+    fn laws_are_what_the_search_has_seen() {
+        let rows = FittedRows::drawn(ROWS);
+        let kinds = [JointKind::Revolute, JointKind::Revolute];
+        let units = Units {
+            kinds: &kinds,
+            joint: 0,
+        };
+        let sets: [&[Quantity]; 3] = [
+            &[Position, Velocity],
+            &[OtherVelocity(1), OtherPosition(1)],
+            &[Acceleration, OtherVelocity(1)],
+        ];
+        let mut shapes: Vec<Shape> = Vec::new();
+        for few in sets {
+            let grammar = Grammar::of(&rows, Some(few));
+            for term in grammar.terms.iter().step_by(7) {
+                shapes.extend(term.factors.iter().map(|factor| factor.shape));
+                let columns = term.columns(&rows);
+                let sizes = &[0.7, -0.3][..columns.len()];
+                let formula = Formula {
+                    id: "formula_a".to_string(),
+                    joint: 0,
+                    on: "a".to_string(),
+                    terms: vec![named(0, term, sizes, &grammar, &units)],
+                    joints: vec!["a".to_string(), "b".to_string()],
+                };
+                let of_search = |row: usize| -> f64 {
+                    let each = columns.iter().zip(sizes);
+                    each.map(|(column, size)| column[row] * size).sum()
+                };
+                let size: f64 = (0..ROWS)
+                    .map(|row| of_search(row).abs())
+                    .fold(0.0, f64::max);
+                for (row, found) in compiled(&formula, &rows).iter().enumerate() {
+                    let off = (found - of_search(row)).abs();
+                    assert!(off <= 1e-9 * size, "{}", formula.expression());
+                }
+            }
+        }
+        for shape in [
+            Shape::Saturation,
+            Shape::Bump,
+            Shape::Exponential,
+            Shape::Wave,
+        ] {
+            assert!(shapes.contains(&shape), "{shape:?}");
+        }
+    }
+
+    /// Parameters of two factors of one kind have names of their own.
+    #[test]
+    fn parameters_of_a_law_have_names_of_their_own() {
+        let rows = FittedRows::drawn(ROWS);
+        let few = [Position, OtherPosition(1)];
+        let grammar = Grammar::of(&rows, Some(&few));
+        let bump = |quantity: Quantity| {
+            let plain = Factor::plain(quantity, Shape::Bump);
+            plain.with_inner(0.3).about(0.1)
+        };
+        let units = Units {
+            kinds: &[JointKind::Revolute, JointKind::Prismatic],
+            joint: 0,
+        };
+        let term = Term::of(few.map(bump));
+        let named = named(1, &term, &[2.0], &grammar, &units);
+        let names: Vec<(&str, &str)> = named
+            .parameters()
+            .map(|p| (p.name.as_str(), p.unit.as_str()))
+            .collect();
+        let expected = [
+            ("b", "N·m"),
+            ("width2", "rad"),
+            ("width2_2", "m"),
+            ("middle2", "rad"),
+            ("middle2_2", "m"),
+        ];
+        assert_eq!(names, expected);
     }
 }

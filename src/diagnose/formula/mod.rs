@@ -2,8 +2,12 @@
 //!
 //! ```text
 //! τ_f = Σ_k c_k Π_j g_kj(x_kj),   x of q, v, acc, tau of the joint, q and v of others
-//! g of x, x², x³, |x|, x|x|, sign(v), exp(−|v|/s), max(x − x₀, 0), min(x − x₀, 0) and their squares, sin(n x + φ)
+//! g of x, x², x³, |x|, x|x|, sign(v), exp(−|v|/s), max(x − x₀, 0), min(x − x₀, 0) and their squares, sin(n x + φ),
+//!      tanh((x − x₀)/s), exp(−((x − x₀)/s)²), exp(n x)
 //! ```
+//!
+//! Where a smooth correction says of which few variables the misfit is a function, terms are all products of two shapes of these;
+//! otherwise those that physics has, of all variables, without the last three shapes.
 //!
 //! Terms are chosen one after the other by what they take from the fitted rows beyond what every parameter of the model can
 //! take (orthogonal matching pursuit: Pati, Rezaiifar and Krishnaprasad 1993), several formulas at a time; their orders, touches and
@@ -18,7 +22,6 @@ pub mod grammar;
 pub mod law;
 pub mod named;
 pub mod proposal;
-pub mod quantity;
 pub mod rows;
 pub mod search;
 pub mod solved;

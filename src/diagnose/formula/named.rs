@@ -11,6 +11,8 @@ pub struct NamedTerm {
     pub size: Named,
     /// Of each factor, its own one.
     pub inner: Vec<Option<Named>>,
+    /// Of each factor, the place about which it is one.
+    pub centre: Vec<Option<Named>>,
     pub phase: Option<Named>,
 }
 
@@ -27,7 +29,7 @@ pub struct Named {
 
 impl NamedTerm {
     pub fn parameters(&self) -> impl Iterator<Item = &Named> {
-        let inner = self.inner.iter().flatten();
-        std::iter::once(&self.size).chain(inner).chain(&self.phase)
+        let own = self.inner.iter().chain(&self.centre).flatten();
+        std::iter::once(&self.size).chain(own).chain(&self.phase)
     }
 }

@@ -22,6 +22,7 @@ use crate::diagnose::formula::search;
 use crate::diagnose::formula::solved::Misfit;
 use crate::diagnose::residuals::effect_size::MATTERS;
 use crate::diagnose::residuals::noise_level::NoiseLevel;
+use crate::diagnose::residuals::quantity::Quantity;
 use crate::diagnose::selection::exact_fit::ExactFit;
 use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::hypothesis_test::{CONFIDENCE, HypothesisTest};
@@ -37,6 +38,9 @@ use rayon::prelude::*;
 /// Rows along which formulas are sought: what takes 2 % of the squares of so many is told from chance among thousands of terms.
 const ENOUGH: usize = 1200;
 
+/// Of so many variables every shape and every product of two is tried.
+const FEW: usize = 4;
+
 /// What formulas are sought for.
 pub struct Proposing<'a> {
     pub contexts: &'a Contexts<'a>,
@@ -46,6 +50,8 @@ pub struct Proposing<'a> {
     pub significance: f64,
     /// Channels without a name.
     pub channels: usize,
+    /// Of each function of a smooth correction, the foremost first, what it says that the misfit is a function of.
+    pub variables: &'a [Vec<Quantity>],
 }
 
 /// A formula that has earned it.
@@ -155,23 +161,31 @@ impl Proposing<'_> {
             deviation: self.model.deviations()[channel],
         };
         let rows = FittedRows::of(context, self.model, &place)?;
-        let grammar = Grammar::of(&rows);
-        let misfit = Misfit {
-            linearised: &linearised,
-            channel,
-            rows: &rows,
-            grammar: &grammar,
-        };
-        let found = search::formulas(&misfit, &|| context.control.is_interrupted());
-        let model = &self.model.model;
-        let formulas = found.par_iter().filter_map(|solved| {
-            let formula = Formula::of(solved, &grammar, model, rows.joint);
-            self.fit(channel, formula)
-        });
-        Some(Fitted {
-            all: formulas.collect(),
-            tried: grammar.terms.len(),
-        })
+        let is_known = |quantity: &Quantity| !rows.series(*quantity).is_empty();
+        let mut sets: Vec<Option<Vec<Quantity>>> = few_of(self.variables, &is_known);
+        if sets.is_empty() {
+            sets.push(None);
+        }
+        let mut tried = 0;
+        let mut all = Vec::new();
+        for few in sets {
+            let grammar = Grammar::of(&rows, few.as_deref());
+            let misfit = Misfit {
+                linearised: &linearised,
+                channel,
+                rows: &rows,
+                grammar: &grammar,
+            };
+            let found = search::formulas(&misfit, &|| context.control.is_interrupted());
+            let model = &self.model.model;
+            let formulas = found.par_iter().filter_map(|solved| {
+                let formula = Formula::of(solved, &grammar, model, rows.joint);
+                self.fit(channel, formula)
+            });
+            all.extend(formulas.collect::<Vec<FittedFormula>>());
+            tried += grammar.terms.len();
+        }
+        Some(Fitted { all, tried })
     }
 
     fn fit(&self, channel: usize, formula: Formula) -> Option<FittedFormula> {
@@ -263,6 +277,30 @@ impl Proposing<'_> {
     }
 }
 
+/// Variables of the first function of a smooth correction, of the first two, and so on, for as long as they are few.
+fn few_of(
+    functions: &[Vec<Quantity>],
+    is_known: &dyn Fn(&Quantity) -> bool,
+) -> Vec<Option<Vec<Quantity>>> {
+    let mut sets = Vec::new();
+    let mut known: Vec<Quantity> = Vec::new();
+    for of_function in functions {
+        let before = known.len();
+        for quantity in of_function.iter().filter(|quantity| is_known(quantity)) {
+            if !known.contains(quantity) {
+                known.push(*quantity);
+            }
+        }
+        if known.len() > FEW {
+            break;
+        }
+        if known.len() > before {
+            sets.push(Some(known.clone()));
+        }
+    }
+    sets
+}
+
 fn full_name(formula: &Formula, parameter: &str) -> String {
     format!("{}.{}.{parameter}", formula.on, formula.id)
 }
@@ -274,4 +312,28 @@ fn with_values(fitted: &FittedFormula) -> Formula {
         let index = fit.model.position(&full_name(formula, name))?;
         Some(fit.values[index])
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Quantity::{Load, OtherVelocity, Position, Velocity};
+
+    /// Variables add up, function after function, for as long as they are few; what a formula cannot have is left out.
+    #[test]
+    fn formulas_have_the_variables_of_the_foremost_functions() {
+        let functions = [
+            vec![Position, OtherVelocity(2)],
+            vec![OtherVelocity(2), OtherVelocity(7)],
+            vec![Velocity, Load],
+            vec![OtherVelocity(1)],
+        ];
+        let is_known = |quantity: &Quantity| *quantity != OtherVelocity(7);
+        let first = vec![Position, OtherVelocity(2)];
+        let second = [&first[..], &[Velocity, Load]].concat();
+        let found = few_of(&functions, &is_known);
+        assert_eq!(found, [Some(first), Some(second)]);
+        assert!(few_of(&[], &is_known).is_empty());
+        assert!(few_of(&[vec![OtherVelocity(7)]], &is_known).is_empty());
+    }
 }

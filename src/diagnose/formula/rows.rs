@@ -7,7 +7,7 @@ use crate::diagnose::fit::channel_series::ChannelSeries;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::ModelFit;
-use crate::diagnose::formula::quantity::Quantity;
+use crate::diagnose::residuals::quantity::Quantity;
 
 /// A law of nothing that shows what a torque, and what a share of the load, does to the signal.
 const PROBE: &str = "formula_probe";
@@ -177,4 +177,30 @@ fn probed(
     let [torque, share] = [0, 1].map(|k| series.columns[channel][k].clone());
     let torque = torque.filter(|t| t.iter().all(|x| *x != 0.0 && x.is_finite()))?;
     Some([torque, share?])
+}
+
+#[cfg(test)]
+impl FittedRows {
+    /// Random motion of a joint and of joint 1, without loads.
+    pub fn drawn(count: usize) -> Self {
+        use crate::robot::random::{generator, symmetric};
+        let series = |seed: u64, size: f64| -> Vec<f64> {
+            let mut rng = generator(seed);
+            (0..count).map(|_| symmetric(&mut rng, size)).collect()
+        };
+        let speed = series(2, 1.5);
+        Self {
+            joint: 0,
+            direction: speed.iter().map(|v| v / (v.abs() + 0.01)).collect(),
+            series: vec![
+                (Quantity::Position, series(1, 2.0)),
+                (Quantity::Velocity, speed),
+                (Quantity::Acceleration, series(3, 4.0)),
+                (Quantity::OtherPosition(1), series(4, 1.0)),
+                (Quantity::OtherVelocity(1), series(5, 0.7)),
+            ],
+            by_torque: vec![1.0; count],
+            longest_step: 0.05,
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! Beam search for formulas: terms one after the other, several formulas at a time, then their parts exchanged.
 
-use crate::diagnose::candidates::score_test::dot;
+use crate::diagnose::fit::linear_model::dot;
 use crate::diagnose::formula::factor::{Factor, Shape};
 use crate::diagnose::formula::solved::{Column, Misfit, Solved};
 use crate::diagnose::formula::term::Term;
@@ -173,8 +173,14 @@ fn refined(misfit: &Misfit<'_>, mut best: Solved) -> Solved {
     for _ in 0..SWEEPS {
         for t in 0..best.terms.len() {
             for f in 0..best.terms[t].factors.len() {
-                if best.terms[t].factors[f].shape.has_inner() {
-                    best = sectioned(misfit, best, [t, f]);
+                let factor = best.terms[t].factors[f];
+                if factor.shape.has_inner() {
+                    let range = misfit.grammar.around(&factor);
+                    best = sectioned(misfit, best, [t, f], range, Factor::with_inner);
+                }
+                if factor.has_centre() {
+                    let range = misfit.grammar.around_centre(&factor);
+                    best = sectioned(misfit, best, [t, f], range, Factor::about);
                 }
             }
         }
@@ -183,33 +189,38 @@ fn refined(misfit: &Misfit<'_>, mut best: Solved) -> Solved {
 }
 
 /// One parameter by golden section about where it is (Kiefer 1953).
-fn sectioned(misfit: &Misfit<'_>, best: Solved, [t, f]: [usize; 2]) -> Solved {
+fn sectioned(
+    misfit: &Misfit<'_>,
+    best: Solved,
+    [t, f]: [usize; 2],
+    [mut low, mut high]: [f64; 2],
+    set: fn(Factor, f64) -> Factor,
+) -> Solved {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let factor = best.terms[t].factors[f];
-    let [mut low, mut high] = misfit.grammar.around(&factor);
     let parts = Parts::of(misfit, &best);
-    let at = |inner: f64| {
+    let at = |value: f64| {
         let mut term = best.terms[t].clone();
-        term.factors[f] = factor.with_inner(inner);
-        parts.with(t, term)
+        term.factors[f] = set(factor, value);
+        (value, parts.with(t, term))
     };
     let mut left = at(high - GOLDEN * (high - low));
     let mut right = at(low + GOLDEN * (high - low));
     for _ in 0..SECTIONS {
-        if left.score < right.score {
-            high = right.terms[t].factors[f].inner;
+        if left.1.score < right.1.score {
+            high = right.0;
             right = left;
             left = at(high - GOLDEN * (high - low));
         } else {
-            low = left.terms[t].factors[f].inner;
+            low = left.0;
             left = right;
             right = at(low + GOLDEN * (high - low));
         }
     }
-    let found = if left.score < right.score {
-        left
+    let found = if left.1.score < right.1.score {
+        left.1
     } else {
-        right
+        right.1
     };
     match found.score < best.score {
         true => found,
@@ -329,7 +340,7 @@ fn changed(misfit: &Misfit<'_>, term: &Term) -> Vec<Term> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::formula::quantity::Quantity;
+    use crate::diagnose::residuals::quantity::Quantity;
     use nalgebra::{DMatrix, DVector};
 
     /// What two columns take of a residual beside a column that is there, and beside what the model takes of either, against

@@ -7,7 +7,8 @@
 //! with the residual r, the columns C⊥ of the terms without what the model's own parameters can take, N rows, p parameters, and
 //! the number M of terms that each was chosen from.
 
-use crate::diagnose::candidates::score_test::{Linearised, dot};
+use crate::diagnose::candidates::score_test::Linearised;
+use crate::diagnose::fit::linear_model::dot;
 use crate::diagnose::formula::grammar::Grammar;
 use crate::diagnose::formula::rows::FittedRows;
 use crate::diagnose::formula::term::Term;

@@ -1,8 +1,8 @@
 //! Terms of formulas: products of factors with one size.
 
 use crate::diagnose::formula::factor::{Factor, Shape};
-use crate::diagnose::formula::quantity::Quantity;
 use crate::diagnose::formula::rows::FittedRows;
+use crate::diagnose::residuals::quantity::Quantity;
 
 /// Factors that a term may have.
 pub const MOST_FACTORS: usize = 3;
@@ -36,7 +36,8 @@ impl Term {
 
     /// Sizes, phases and parameters of factors.
     pub fn parameters(&self) -> usize {
-        let inner = self.factors.iter().filter(|f| f.shape.has_inner()).count();
+        let own = |f: &Factor| usize::from(f.shape.has_inner()) + usize::from(f.has_centre());
+        let inner: usize = self.factors.iter().map(own).sum();
         1 + usize::from(self.has_wave()) + inner
     }
 
@@ -79,7 +80,7 @@ fn is_decay(factor: &Factor) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::formula::quantity::Quantity::{OtherVelocity, Position, Velocity};
+    use crate::diagnose::residuals::quantity::Quantity::{OtherVelocity, Position, Velocity};
 
     fn term(factors: &[(Quantity, Shape)]) -> Term {
         let factors = factors.iter().map(|&(q, shape)| Factor::plain(q, shape));

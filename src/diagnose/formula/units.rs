@@ -1,8 +1,8 @@
 //! Units of the parameters of formulas: sizes make torques of their terms.
 
-use crate::diagnose::formula::factor::Factor;
-use crate::diagnose::formula::quantity::Quantity;
+use crate::diagnose::formula::factor::{Factor, Shape};
 use crate::diagnose::formula::term::Term;
+use crate::diagnose::residuals::quantity::Quantity;
 use crate::robot::tree::JointKind;
 
 /// Units of the parameters of a joint's terms.
@@ -52,10 +52,16 @@ impl Units<'_> {
         unit(&powers)
     }
 
+    /// Of the place about which a factor is one.
+    pub fn of_centre(&self, factor: &Factor) -> String {
+        unit(&self.of(factor.quantity))
+    }
+
     /// Of a factor's own parameter.
     pub fn of_inner(&self, factor: &Factor) -> String {
         let own = self.of(factor.quantity);
-        match factor.shape.is_periodic() {
+        let is_rate = factor.shape.is_periodic() || factor.shape == Shape::Exponential;
+        match is_rate {
             true if own == [("rad", 1)] => "1".to_string(),
             true => unit(&own.iter().map(|(s, p)| (*s, -p)).collect::<Powers>()),
             false => unit(&own),
@@ -95,7 +101,6 @@ fn unit(powers: &Powers) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::formula::factor::Shape;
 
     #[test]
     fn units_of_sizes_make_torques() {

@@ -3,7 +3,7 @@
 use crate::chain::words::short;
 use crate::diagnose::formula::factor::{Factor, Shape};
 use crate::diagnose::formula::named::{Named, NamedTerm};
-use crate::diagnose::formula::quantity::Quantity;
+use crate::diagnose::residuals::quantity::Quantity;
 
 /// The torque of a law, with the names of its parameters.
 pub fn torque(terms: &[NamedTerm], joints: &[String]) -> String {
@@ -53,10 +53,14 @@ fn sum(parts: impl Iterator<Item = Part>, times: &str) -> String {
 /// Size and factors; `of` is what stands for a parameter.
 fn product(term: &NamedTerm, of: &dyn Fn(&Named) -> String, joints: &[String]) -> Vec<String> {
     let phase = term.phase.as_ref().map(of).unwrap_or_default();
-    let factors = term.term.factors.iter().zip(&term.inner);
-    let factors = factors.map(|(factor, inner)| {
-        let inner = inner.as_ref().map(of).unwrap_or_default();
-        written(factor, &inner, &phase, joints)
+    let factors = term.term.factors.iter().enumerate();
+    let factors = factors.map(|(f, factor)| {
+        let own = Own {
+            inner: term.inner[f].as_ref().map(of).unwrap_or_default(),
+            centre: term.centre[f].as_ref().map(of),
+            phase: &phase,
+        };
+        written(factor, &own, joints)
     });
     std::iter::once(of(&term.size)).chain(factors).collect()
 }
@@ -73,8 +77,24 @@ pub fn variable(quantity: Quantity, joints: &[String]) -> String {
     }
 }
 
-fn written(factor: &Factor, inner: &str, phase: &str, joints: &[String]) -> String {
+/// What stands for the parameters of a factor.
+struct Own<'a> {
+    inner: String,
+    centre: Option<String>,
+    phase: &'a str,
+}
+
+fn written(factor: &Factor, own: &Own<'_>, joints: &[String]) -> String {
+    let Own {
+        inner,
+        centre,
+        phase,
+    } = own;
     let x = variable(factor.quantity, joints);
+    let from_centre = match centre {
+        Some(centre) => format!("({})", less(&x, centre)),
+        None => x.clone(),
+    };
     let raised = |base: String, power: u8| match power {
         1 => base,
         power => format!("{base}^{power}"),
@@ -87,6 +107,9 @@ fn written(factor: &Factor, inner: &str, phase: &str, joints: &[String]) -> Stri
         Shape::Decay => format!("exp(-abs({x})/{inner})"),
         Shape::Above(power) => raised(format!("max({}, 0)", less(&x, inner)), power),
         Shape::Below(power) => raised(format!("min({}, 0)", less(&x, inner)), power),
+        Shape::Saturation => format!("tanh({from_centre}/{inner})"),
+        Shape::Bump => format!("exp(-({from_centre}/{inner})^2)"),
+        Shape::Exponential => format!("exp({inner}*{x})"),
         Shape::Wave => format!("sin({inner}*{x}{})", more(phase)),
         Shape::Sine => format!("sin({inner}*{x})"),
         Shape::Cosine => format!("cos({inner}*{x})"),

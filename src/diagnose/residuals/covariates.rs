@@ -3,6 +3,9 @@
 
 use crate::chain::dataset::Prepared;
 use crate::chain::model::{JointModel, Model};
+use crate::diagnose::residuals::quantity::Quantity::{
+    self, Acceleration, Load, OtherPosition, OtherVelocity, Position, Velocity,
+};
 use crate::robot::tree::JointKind;
 
 /// One variable of one joint over the rows that count, recording after recording.
@@ -16,8 +19,12 @@ pub struct Covariate {
     pub values: Vec<f64>,
     /// Whether the residual is looked at by direction of motion too.
     pub by_direction: bool,
-    /// Whether it is of another joint.
-    pub of_another: bool,
+    /// The other joint that it is of.
+    pub other: Option<usize>,
+    /// The variables of the motion that it is made of.
+    pub made_of: Vec<Quantity>,
+    /// Whether it is one of these as it is, of which functions of two variables are made.
+    pub is_state: bool,
 }
 
 /// The variables of one joint, and the direction of its motion.
@@ -92,13 +99,18 @@ impl Rows<'_> {
         let reversal = self.series(&|r| since_reversal(r, joint));
         let load = self.load(joint, "load");
         vec![
-            named("speed", unit[1], self.speed(joint)),
-            named("position", unit[0], self.position(joint)).by_direction(),
+            named("speed", unit[1], self.speed(joint)).state(Velocity),
+            named("position", unit[0], self.position(joint))
+                .by_direction()
+                .state(Position),
             load.unwrap_or_else(|| named("load", "", Vec::new()))
-                .by_direction(),
-            named("acceleration", unit[2], acceleration),
+                .by_direction()
+                .state(Load),
+            named("acceleration", unit[2], acceleration).state(Acceleration),
             named("time", "s", self.series(&times)),
-            named("reversal", unit[0], reversal).by_direction(),
+            named("reversal", unit[0], reversal)
+                .by_direction()
+                .made_of(&[Position, Velocity]),
         ]
     }
 
@@ -108,14 +120,17 @@ impl Rows<'_> {
         let speed = self.speed(k);
         let product = speed.iter().zip(velocity).map(|(a, b)| a * b).collect();
         let motion = [
-            named(&name("speed of"), unit[1], speed),
-            named(&name("position of"), unit[0], self.position(k)).by_direction(),
-            named(&name("speed times that of"), "1/s²", product),
+            named(&name("speed of"), unit[1], speed).state(OtherVelocity(k)),
+            named(&name("position of"), unit[0], self.position(k))
+                .by_direction()
+                .state(OtherPosition(k)),
+            named(&name("speed times that of"), "1/s²", product)
+                .made_of(&[Velocity, OtherVelocity(k)]),
         ];
         let load = self.load(k, &name("load of"));
         let all = motion.into_iter().chain(load);
         all.map(|variable| Covariate {
-            of_another: true,
+            other: Some(k),
             ..variable
         })
         .collect()
@@ -128,7 +143,9 @@ fn named(name: &str, unit: &'static str, values: Vec<f64>) -> Covariate {
         unit,
         values,
         by_direction: false,
-        of_another: false,
+        other: None,
+        made_of: Vec::new(),
+        is_state: false,
     }
 }
 
@@ -136,6 +153,21 @@ impl Covariate {
     fn by_direction(self) -> Self {
         Self {
             by_direction: true,
+            ..self
+        }
+    }
+
+    fn state(self, of: Quantity) -> Self {
+        Self {
+            made_of: vec![of],
+            is_state: true,
+            ..self
+        }
+    }
+
+    fn made_of(self, of: &[Quantity]) -> Self {
+        Self {
+            made_of: of.to_vec(),
             ..self
         }
     }

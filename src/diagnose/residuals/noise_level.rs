@@ -7,7 +7,7 @@ use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::residuals::additive_model::{self, AdditiveModel};
 use crate::estimate::goodness_of_fit::noise_rms;
 use crate::outcome::joint::JointFigures;
-use crate::stats::deviation::rms;
+use crate::stats::deviation::{of_steps, rms};
 use crate::stats::distribution::Distribution;
 use crate::stats::encompassing::{ResidualPair, block_length};
 
@@ -67,14 +67,6 @@ pub fn chance(residual: &[f64], noise: f64) -> Option<f64> {
         denominator: effective,
     };
     (lack > UNEXPLAINED).then(|| spread.upper_tail(lack))
-}
-
-/// Mean square of the differences of rows so many rows apart, halved: the variance of noise that forgets within them,
-/// which what changes slowly does not enter (von Neumann 1941).
-pub fn of_steps(series: &[f64], apart: usize) -> f64 {
-    let pairs = series.iter().zip(series.get(apart..).unwrap_or_default());
-    let squares: f64 = pairs.map(|(a, b)| (b - a).powi(2)).sum();
-    0.5 * squares / (series.len().max(apart + 1) - apart) as f64
 }
 
 /// Rows apart at which noise that forgets from row to row differs no more than from one to the next.

@@ -104,7 +104,7 @@ impl<'a> Without<'a> {
             Covariates::of(model, joint, &series.predicted, recordings)
         });
         let variables = 0..covariates[0].variables.len();
-        let others = variables.filter(|&k| covariates[0].variables[k].of_another);
+        let others = variables.filter(|&k| covariates[0].variables[k].other.is_some());
         let tried = others.map(|k| {
             let of =
                 |covariates: &Covariates| columns(&covariates.variables[k], &covariates.direction);

@@ -5,19 +5,16 @@
 //! its place, on rows under way: around reversals a few rows are off by more than noise in every model.
 
 use crate::diagnose::fit::context::Context;
+use crate::diagnose::fit::estimation_error::FittedInNoise;
 use crate::diagnose::fit::model_fit::FitPair;
 use crate::diagnose::residuals::noise_level;
 use crate::diagnose::residuals::reversal_mask;
 use crate::recording::split::Split;
 use crate::stats::encompassing::{Encompassing, Known, ResidualPair};
-use crate::stats::estimation_error::EstimationError;
 
 /// Fewer degrees of freedom do not tell a variance: at 3 the upper bound of a standard deviation, at 95 %, is three times
 /// its estimate.
 const FEW: f64 = 3.0;
-
-/// A larger p-value decides nothing, and what errors of parameters would add to it is not computed.
-const DECIDES: f64 = 0.05;
 
 /// Whether `richer` forecasts what `poorer` leaves.
 pub fn forecast(context: &Context<'_>, pair: FitPair<'_>) -> Encompassing {
@@ -82,36 +79,19 @@ impl<'a> KeptRows<'a> {
             poorer: &of(&self.pair.poorer.validation),
             richer: &of(&self.pair.richer.validation),
         };
-        let test = |estimates: Option<&EstimationError<'_>>| {
-            residuals.encompassing(Known { noise, estimates }, self.context.residual_rows())
-        };
-        let evidence = test(None);
-        if evidence.p_value >= DECIDES {
-            return evidence;
-        }
-        self.beside_estimation_error(&test).unwrap_or(evidence)
-    }
-
-    /// A test with the errors of the poorer model's parameters where what the richer one leaves of the fitted rows is the noise;
-    /// `None` where they are not known.
-    fn beside_estimation_error(
-        &self,
-        test: &dyn Fn(Option<&EstimationError<'_>>) -> Encompassing,
-    ) -> Option<Encompassing> {
         let FitPair { poorer, richer } = self.pair;
         let fitted = self.context.recordings(Split::Train);
-        let noise = richer
-            .problem(&fitted)
-            .counted_residuals(&richer.solution.x);
-        let held_out = self.context.recordings(Split::Validation);
-        let cache = &self.context.derivatives;
-        let derivatives = cache.of(poorer, &fitted, &held_out)?;
-        let problem = poorer.problem(&fitted);
-        let sandwich = derivatives.fitted.under(&problem, &noise);
-        Some(test(Some(&EstimationError {
-            derivatives: &derivatives.held_out,
+        FittedInNoise {
+            context: self.context,
+            poorer,
+            noise: &|| {
+                let problem = richer.problem(&fitted);
+                problem.counted_residuals(&richer.solution.x)
+            },
             kept: &self.kept,
-            variance: &|g| sandwich.variance(g),
-        })))
+        }
+        .test(&|estimates| {
+            residuals.encompassing(Known { noise, estimates }, self.context.residual_rows())
+        })
     }
 }

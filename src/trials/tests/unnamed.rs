@@ -1,5 +1,6 @@
 //! What has no name in a diagnosis: smooth corrections, residuals that are left, rivals, and names that other joints explain.
 
+use crate::chain::dataset::Dataset;
 use crate::diagnose::findings::compared::Compared;
 use crate::diagnose::findings::unexplained::SearchState;
 use crate::diagnose::fit::context::Context;
@@ -8,6 +9,7 @@ use crate::diagnose::residuals::additive_model;
 use crate::diagnose::residuals::effect_size::{MATTERS, OF_NOISE, OF_TORQUE};
 use crate::diagnose::residuals::noise_level::{self, NoiseLevel, chance};
 use crate::diagnose::residuals::prediction_error::PredictionError;
+use crate::diagnose::residuals::quantity::Quantity;
 use crate::diagnose::residuals::reversal_mask;
 use crate::diagnose::selection::confounding;
 use crate::diagnose::selection::forecast::forecast;
@@ -29,7 +31,8 @@ const BOTH: [Split; 2] = [Split::Train, Split::Validation];
 #[test]
 fn a_correction_is_needed_where_it_is_significant_and_matters() {
     let bench = Bench::control();
-    let context = bench.context(&bench.opened.data);
+    let data = with_law(&bench);
+    let context = bench.context(&data);
     let declared = bench.declared(context.data);
     let mut correction = additive_model::of_all(&context, &declared).remove(0);
     correction.tried = 5;
@@ -51,6 +54,56 @@ fn a_correction_is_needed_where_it_is_significant_and_matters() {
     assert_eq!(set(1e-9, 0.0, 1.0), (false, false));
     assert_eq!(set(1e-9, 0.1, 1.01 * OF_NOISE), (true, true));
     assert_eq!(set(1e-9, 0.1, 0.99 * OF_NOISE), (false, true));
+}
+
+/// Recordings in which the first channel has a torque that the speed of its joint and the position of the next give together.
+fn with_law(bench: &Bench) -> Dataset {
+    let signal = rms(&bench.opened.data.recordings[0].experiment.signal[0]);
+    let speed = rms(&bench.opened.data.recordings[0].experiment.motion.velocity[0]);
+    bench.changed(&BOTH, |experiment| {
+        for row in 0..experiment.rows() {
+            let (v, q) = (
+                experiment.motion.velocity[0][row],
+                experiment.motion.position[1][row],
+            );
+            experiment.signal[0][row] += 0.1 * signal * (v / speed).tanh() * (2.0 * q).cos();
+        }
+    })
+}
+
+/// A smooth correction says of what the misfit is a function, forecasts it on rows that were not fitted, and is the same beside
+/// other rows.
+#[test]
+fn a_correction_has_the_variables_of_the_misfit() {
+    let bench = Bench::control();
+    let data = with_law(&bench);
+    let context = bench.context(&data);
+    let declared = bench.declared(context.data);
+    let [correction] = &additive_model::of_all(&context, &declared)[..] else {
+        panic!("one channel has a misfit");
+    };
+    assert_eq!(correction.channel, 0);
+    let mut made_of = correction.made_of[0].clone();
+    made_of.sort_by_key(|quantity| format!("{quantity:?}"));
+    assert_eq!(made_of, [Quantity::OtherPosition(1), Quantity::Velocity]);
+    assert!(correction.error_reduction > 0.5, "{correction:?}");
+    assert!(correction.evidence.p_value < 1e-6);
+    let again = correction.on(&context, &declared);
+    assert_eq!(again.train, correction.train);
+    assert_eq!(again.validation, correction.validation);
+    assert_eq!(again.evidence, correction.evidence);
+    let left = additive_model::left(&declared, &[correction]);
+    let share = rms(&left[0]) / rms(&declared.validation[0]);
+    assert!((share - (1.0 - correction.error_reduction)).abs() < 1e-12);
+}
+
+/// Where the residual is noise no correction is sought.
+#[test]
+fn complete_models_have_no_correction() {
+    let bench = Bench::control();
+    let context = bench.context(&bench.opened.data);
+    let declared = bench.declared(context.data);
+    assert!(additive_model::of_all(&context, &declared).is_empty());
 }
 
 /// White noise of so many RMS in the first channel, held out.

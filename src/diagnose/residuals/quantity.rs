@@ -1,14 +1,19 @@
-//! Variables of the motion that formulas are made of.
+//! Variables of the motion, of which formulas are made.
 
 /// A variable of the motion; others by the number of their joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Quantity {
+    /// q.
     Position,
+    /// v.
     Velocity,
+    /// v̇.
     Acceleration,
     /// τ_M, what the gear transmits.
     Load,
+    /// q of another joint.
     OtherPosition(usize),
+    /// v of another joint.
     OtherVelocity(usize),
 }
 
