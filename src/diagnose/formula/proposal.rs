@@ -1,9 +1,8 @@
 //! The formula that is proposed for the unexplained residual of a channel, if one is significant.
 //!
 //! Formulas are chosen by the rows that choose models and tested by rows that no choice has seen: one has to forecast what the
-//! model leaves there, at the stated significance for as many tests as there are channels without a name, and what else takes the
-//! misfit, a smooth correction or a name that resembles it, must not forecast what the formula leaves and leave less by what
-//! matters.
+//! model leaves there, at the stated significance for as many tests as there are channels without a name, and to leave less,
+//! significantly and by what matters, than what else takes the misfit: a smooth correction, or a name that resembles it.
 
 use crate::chain::effect::user_law;
 use crate::diagnose::candidates::score_test::Linearised;
@@ -118,11 +117,11 @@ impl Proposing<'_> {
         let against = |poorer: &[Vec<f64>], richer: &[Vec<f64>]| {
             ResidualPair { poorer, richer }.encompassing(Known::default(), rows.residual_rows())
         };
-        let is_bettered = |left: &[Vec<f64>]| {
-            let less = rms(&left[channel]) < (1.0 - MATTERS) * rms(&formula[channel]);
-            less && against(formula, left).p_value < 1.0 - CONFIDENCE
+        let betters = |left: &[Vec<f64>]| {
+            let less = rms(&formula[channel]) < (1.0 - MATTERS) * rms(&left[channel]);
+            less && against(left, formula).p_value < self.significance
         };
-        if rival.is_some_and(is_bettered) {
+        if rival.is_some_and(|left| !betters(left)) {
             return Ok(None);
         }
         let explains = |fit: &ModelFit| {

@@ -197,7 +197,7 @@ impl OwnProducts {
 
 impl FoldedChannel<'_> {
     /// Functions of some covariates that forecast what the model leaves, one more each time for as long as that lowers the error by
-    /// what matters.
+    /// what matters; beside all parameters of the model, and beside the model as it is.
     pub fn smoothed(&self, candidates: &[Arguments]) -> Vec<Smoothed> {
         let functions: Vec<Function> = candidates.iter().map(|of| self.function(*of)).collect();
         let mut chosen = self.nothing();
@@ -209,7 +209,7 @@ impl FoldedChannel<'_> {
                 Some(next) => chosen = next,
                 None => break,
             }
-            all.push(self.at_best(&chosen));
+            all.extend(self.both(&chosen));
         }
         all
     }
@@ -351,10 +351,10 @@ impl FoldedChannel<'_> {
         Some(left / rows)
     }
 
-    fn at_best(&self, chosen: &Chosen<'_>) -> Smoothed {
-        let steps = self.steps(&chosen.products);
+    /// Functions at their best, where the unknowns change by so much for each hat.
+    fn at_best(&self, chosen: &Chosen<'_>, steps: &DMatrix<f64>) -> Smoothed {
         let folds = chosen.products.iter().zip(&self.model.all);
-        let fitted: Vec<Apart> = folds.map(|(p, all)| p.apart(&steps, all)).collect();
+        let fitted: Vec<Apart> = folds.map(|(p, all)| p.apart(steps, all)).collect();
         let whole = Apart::sum(&fitted);
         let factor = (&whole.square + &chosen.penalty).cholesky();
         let factors = factor.map_or_else(
@@ -366,6 +366,14 @@ impl FoldedChannel<'_> {
             step: steps * &factors,
             factors,
         }
+    }
+
+    /// Beside all parameters of the model, and beside the model as it is: what one motion does not tell of the parameters is wrong in
+    /// others.
+    fn both(&self, chosen: &Chosen<'_>) -> [Smoothed; 2] {
+        let steps = self.steps(&chosen.products);
+        let none = DMatrix::zeros(steps.nrows(), steps.ncols());
+        [steps, none].map(|steps| self.at_best(chosen, &steps))
     }
 }
 
@@ -514,11 +522,7 @@ mod tests {
         let after: Vec<f64> = before.iter().zip(&taken).map(|(e, by)| e - by).collect();
         assert!(rms(before) > 8.0 * NOISE && rms(&after) < 1.2 * NOISE);
         // The unknowns go back to where they were before the law had biased them.
-        let stays = Smoothed {
-            step: DVector::zeros(3),
-            ..first.clone()
-        };
-        let taken = stays.at(&covariates, &linear.columns[0]);
+        let taken = all[1].at(&covariates, &linear.columns[0]);
         let after: Vec<f64> = before.iter().zip(&taken).map(|(e, by)| e - by).collect();
         assert!(rms(&after) > 2.0 * NOISE);
     }
@@ -561,7 +565,8 @@ mod tests {
         let products = channel.products(&channel.nothing(), &function);
         let chosen = channel.with(&channel.nothing(), &function, &products, 0.1);
         let chosen = chosen.unwrap();
-        let found = channel.at_best(&chosen);
+        let [found, still] = channel.both(&chosen);
+        assert_eq!(still.step, DVector::zeros(3));
         let width = function.rows.width;
         let mut system = DMatrix::zeros(2 * ROWS, 3 + width);
         for k in 0..3 {
