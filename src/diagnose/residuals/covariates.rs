@@ -54,15 +54,6 @@ impl Covariates {
             direction: velocity.iter().map(|v| 1.0_f64.copysign(*v)).collect(),
         }
     }
-
-    /// Some of the variables, by number.
-    pub fn of_some(&self, variables: &[usize]) -> Self {
-        let some = variables.iter().map(|&v| self.variables[v].clone());
-        Self {
-            variables: some.collect(),
-            direction: self.direction.clone(),
-        }
-    }
 }
 
 /// The rows that count.

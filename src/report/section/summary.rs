@@ -1,6 +1,7 @@
 //! What was found, in a sentence or two, and the figures that a reader looks for first.
 
 use crate::outcome::diagnose::{Diagnosis, Verdict};
+use crate::outcome::finding::UNNAMED;
 use crate::outcome::fit::Fit;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::{Outcome, Part};
@@ -108,7 +109,7 @@ fn diagnosis_sentence(diagnosis: &Diagnosis) -> String {
     let found: Vec<String> = diagnosis
         .findings
         .iter()
-        .map(|f| format!("{} on {}", f.effect.replace('_', " "), f.joints.join(", ")))
+        .map(|f| format!("{} on {}", in_words(&f.effect), f.joints.join(", ")))
         .collect();
     match found.len() {
         0 => diagnosis.summary.clone(),
@@ -118,6 +119,13 @@ fn diagnosis_sentence(diagnosis: &Diagnosis) -> String {
             count(number, "effect"),
             found.join("; ")
         ),
+    }
+}
+
+fn in_words(effect: &str) -> String {
+    match effect {
+        UNNAMED => "something without a name".to_string(),
+        effect => effect.replace('_', " "),
     }
 }
 
@@ -190,4 +198,15 @@ fn figures(figures: &[(&str, String)]) -> String {
         .map(|(term, value)| format!("<div><dt>{term}</dt><dd>{}</dd></div>\n", escape(value)))
         .collect();
     format!("<dl class=\"figures\">\n{items}</dl>\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_has_no_name_is_no_effect_of_that_name() {
+        assert_eq!(in_words(UNNAMED), "something without a name");
+        assert_eq!(in_words("torque_offset"), "torque offset");
+    }
 }
