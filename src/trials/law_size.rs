@@ -6,7 +6,7 @@
 use crate::chain::effect::knowledge::{Drawn, drawn};
 use crate::chain::effect::site::Site;
 use crate::chain::effect::{
-    Contribution, Effect, Law, Linearity, Memory, ParameterInfo, Samples, Search, Surroundings,
+    Effect, Law, Linearity, Memory, ParameterInfo, Samples, Search, Surroundings,
 };
 use crate::robot::random::{between, index};
 use crate::stats::deviation::rms;
@@ -79,26 +79,14 @@ fn torques(effect: &Effect, site: &Site, parameters: &[f64]) -> Vec<f64> {
     let velocity = of(f64::cos, site.fastest, 0.0);
     let acceleration = of(f64::sin, -site.fastest * rate, 0.0);
     let sign: Vec<f64> = velocity.iter().map(|v| v.signum()).collect();
-    let zeros = || vec![0.0; SAMPLES];
-    let mut torque = zeros();
-    law.add(
-        Samples {
-            position: &position,
-            velocity: &velocity,
-            acceleration: &acceleration,
-            sign: &sign,
-            time: &[],
-            cyclic: false,
-            surroundings: Surroundings::default(),
-        },
-        parameters,
-        &mut Contribution {
-            torque: &mut torque,
-            by_parameter: &mut vec![zeros(); parameters.len()],
-            by_sign: &mut zeros(),
-            by_position: &mut zeros(),
-            by_velocity: &mut zeros(),
-        },
-    );
-    torque
+    let samples = Samples {
+        position: &position,
+        velocity: &velocity,
+        acceleration: &acceleration,
+        sign: &sign,
+        time: &[],
+        cyclic: false,
+        surroundings: Surroundings::default(),
+    };
+    law.torques(samples, parameters)
 }

@@ -420,7 +420,7 @@ impl OutsideLaw {
 mod tests {
     use super::*;
     use crate::chain::effect::user_law::{self, ActsOn, LawText, ParameterText, SearchText};
-    use crate::chain::effect::{Contribution, Law, Samples, Surroundings};
+    use crate::chain::effect::{Law, Samples, Surroundings};
     use crate::robot::random::generator;
     use crate::trials::robot::KINDS;
 
@@ -499,10 +499,8 @@ mod tests {
             let [position, velocity] = motion(1);
             let [other_position, other_velocity] = motion(0);
             let others: [[&[f64]; 2]; 1] = [[&other_position, &other_velocity]];
-            let mut torque = [0.0; 5];
-            let zeros = || vec![0.0; 5];
             let values: Vec<f64> = parameters.iter().map(|(_, value)| *value).collect();
-            compiled.add(
+            let torque = compiled.torques(
                 Samples {
                     position: &position,
                     velocity: &velocity,
@@ -516,13 +514,6 @@ mod tests {
                     },
                 },
                 &values,
-                &mut Contribution {
-                    torque: &mut torque,
-                    by_parameter: &mut vec![zeros(); values.len()],
-                    by_sign: &mut zeros(),
-                    by_position: &mut zeros(),
-                    by_velocity: &mut zeros(),
-                },
             );
             for (u, found) in u.iter().zip(torque) {
                 let products = law.products.iter().map(|p| p.at(&[*u; VARIABLES]));

@@ -2,9 +2,7 @@
 //! language, against the chain along the same course.
 
 use super::*;
-use exid::chain::effect::{
-    Contribution, EFFECTS, Effect, Law, Memory, Samples, Surroundings, find,
-};
+use exid::chain::effect::{EFFECTS, Effect, Law, Memory, Samples, Surroundings, find};
 use exid::chain::forward::{Accuracy, Driven, Forward, State, Told, acts};
 use exid::outcome::machine::{MachineEffect, MachineJoint};
 
@@ -181,7 +179,6 @@ fn at_rest(joint: &MachineJoint, position: f64) -> f64 {
             return 0.0;
         }
         let parameters: Vec<f64> = effect.parameters.iter().map(|p| p.value).collect();
-        let mut torque = [0.0];
         let samples = Samples {
             position: &[position],
             velocity: &[0.0],
@@ -191,15 +188,7 @@ fn at_rest(joint: &MachineJoint, position: f64) -> f64 {
             cyclic: false,
             surroundings: Surroundings::default(),
         };
-        let mut out = Contribution {
-            torque: &mut torque,
-            by_parameter: &mut vec![vec![0.0]; parameters.len()],
-            by_sign: &mut [0.0],
-            by_position: &mut [0.0],
-            by_velocity: &mut [0.0],
-        };
-        law.add(samples, &parameters, &mut out);
-        torque[0]
+        law.torques(samples, &parameters)[0]
     };
     joint.effects.iter().map(of).sum()
 }

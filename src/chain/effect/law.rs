@@ -55,6 +55,24 @@ pub trait TorqueLaw: Sync + std::fmt::Debug {
     /// Adds the torque of successive samples for the effect's parameters, borrowed ones behind its own.
     fn add(&self, samples: Samples<'_>, parameters: &[f64], out: &mut Contribution<'_>);
 
+    /// The torque of successive samples alone.
+    fn torques(&self, samples: Samples<'_>, parameters: &[f64]) -> Vec<f64> {
+        let zeros = || vec![0.0; samples.velocity.len()];
+        let mut torque = zeros();
+        self.add(
+            samples,
+            parameters,
+            &mut Contribution {
+                torque: &mut torque,
+                by_parameter: &mut vec![zeros(); parameters.len()],
+                by_sign: &mut zeros(),
+                by_position: &mut zeros(),
+                by_velocity: &mut zeros(),
+            },
+        );
+        torque
+    }
+
     /// What the law does with mechanical power.
     fn power(&self) -> Power;
 

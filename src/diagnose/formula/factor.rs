@@ -55,11 +55,6 @@ impl Shape {
         )
     }
 
-    /// Whether it is one about a place of positions.
-    pub fn has_centre(self) -> bool {
-        matches!(self, Self::Saturation | Self::Bump)
-    }
-
     /// Whether it repeats.
     pub fn is_periodic(self) -> bool {
         matches!(self, Self::Wave | Self::Sine | Self::Cosine)
@@ -116,7 +111,7 @@ impl Factor {
             self.quantity,
             Quantity::Position | Quantity::OtherPosition(_)
         );
-        self.shape.has_centre() && is_place
+        is_place && matches!(self.shape, Shape::Saturation | Shape::Bump)
     }
 
     /// The same function of the same variable, whatever its parameter.

@@ -246,8 +246,6 @@ impl Blocks {
 
     /// All products that a formula may have.
     fn terms(&self) -> Vec<Term> {
-        let one = |factor: &Factor| vec![*factor];
-        let each = |factors: &[Factor]| -> Vec<Vec<Factor>> { factors.iter().map(one).collect() };
         let (position, powers, load) = (
             each(&self.position),
             each(&self.powers),
@@ -289,6 +287,11 @@ impl Blocks {
     }
 }
 
+/// Each alone.
+fn each(factors: &[Factor]) -> Vec<Vec<Factor>> {
+    factors.iter().map(|factor| vec![*factor]).collect()
+}
+
 fn products(left: &[Vec<Factor>], right: &[Vec<Factor>]) -> Vec<Vec<Factor>> {
     let of = |a: &Vec<Factor>| {
         let a = a.clone();
@@ -299,7 +302,7 @@ fn products(left: &[Vec<Factor>], right: &[Vec<Factor>]) -> Vec<Vec<Factor>> {
 
 /// Terms of few variables: every shape of each, and every product of two of them.
 fn terms_of(few: &[Quantity], rows: &FittedRows) -> Vec<Term> {
-    let shapes: Vec<Vec<Factor>> = few.iter().map(|&q| shapes(q, rows)).collect();
+    let shapes: Vec<Vec<Vec<Factor>>> = few.iter().map(|&q| each(&shapes(q, rows))).collect();
     let mut all: Vec<Vec<Factor>> = Vec::new();
     for (k, own) in shapes.iter().enumerate() {
         let waves = match few[k] {
@@ -307,28 +310,21 @@ fn terms_of(few: &[Quantity], rows: &FittedRows) -> Vec<Term> {
             Quantity::OtherPosition(_) => waves(few[k], rows, OTHER_ORDERS),
             _ => Vec::new(),
         };
-        all.extend(own.iter().chain(&waves).map(|factor| vec![*factor]));
+        let waves = each(&waves);
+        all.extend(own.iter().chain(&waves).cloned());
         for other in &shapes[k + 1..] {
-            all.extend(pairs(own, other));
+            all.extend(products(own, other));
         }
         for (l, other) in shapes.iter().enumerate() {
-            let simple: Vec<Factor> = other
-                .iter()
-                .filter(|f| !f.shape.has_inner())
-                .copied()
-                .collect();
+            let mut simple = other.clone();
+            simple.retain(|factors| factors.iter().all(|f| !f.shape.has_inner()));
             if l != k {
-                all.extend(pairs(&waves, &simple));
+                all.extend(products(&waves, &simple));
             }
         }
     }
     let terms = all.into_iter().map(Term::of);
     terms.filter(Term::is_sound).collect()
-}
-
-fn pairs(left: &[Factor], right: &[Factor]) -> Vec<Vec<Factor>> {
-    let of = |a: &Factor| right.iter().map(|b| vec![*a, *b]).collect::<Vec<_>>();
-    left.iter().flat_map(of).collect()
 }
 
 /// Functions of one variable that do not repeat.

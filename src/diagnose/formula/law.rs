@@ -250,7 +250,7 @@ fn named(
 mod tests {
     use super::*;
     use crate::chain::effect::user_law;
-    use crate::chain::effect::{Contribution, Law, Samples, Surroundings};
+    use crate::chain::effect::{Law, Samples, Surroundings};
     use crate::diagnose::formula::rows::FittedRows;
     use crate::diagnose::residuals::quantity::Quantity::{
         self, Acceleration, OtherPosition, OtherVelocity, Position, Velocity,
@@ -267,9 +267,7 @@ mod tests {
         let values: Vec<f64> = formula.parameters().map(|p| p.value).collect();
         let others: [[&[f64]; 2]; 1] =
             [[OtherPosition(1), OtherVelocity(1)].map(|quantity| rows.series(quantity))];
-        let zeros = || vec![0.0; ROWS];
-        let mut torque = zeros();
-        law.add(
+        law.torques(
             Samples {
                 position: rows.series(Position),
                 velocity: rows.series(Velocity),
@@ -283,15 +281,7 @@ mod tests {
                 },
             },
             &values,
-            &mut Contribution {
-                torque: &mut torque,
-                by_parameter: &mut vec![zeros(); values.len()],
-                by_sign: &mut zeros(),
-                by_position: &mut zeros(),
-                by_velocity: &mut zeros(),
-            },
-        );
-        torque
+        )
     }
 
     /// Every shape of every variable, alone and beside another: the text of the law, compiled, is what the search has seen.

@@ -114,14 +114,17 @@ impl Proposing<'_> {
             return Ok(None);
         }
         let formula = &test.fit.validation;
-        let against = |poorer: &[Vec<f64>], richer: &[Vec<f64>]| {
-            ResidualPair { poorer, richer }.encompassing(Known::default(), rows.residual_rows())
-        };
-        let betters = |left: &[Vec<f64>]| {
-            let less = rms(&formula[channel]) < (1.0 - MATTERS) * rms(&left[channel]);
-            less && against(left, formula).p_value < self.significance
-        };
-        if rival.is_some_and(|left| !betters(left)) {
+        let against = rival.map(|left| {
+            let pair = ResidualPair {
+                poorer: left,
+                richer: formula,
+            };
+            pair.encompassing(Known::default(), rows.residual_rows())
+        });
+        let leaves_less =
+            |left: &[Vec<f64>]| rms(&formula[channel]) < (1.0 - MATTERS) * rms(&left[channel]);
+        let is_significant = |test: Encompassing| test.p_value < self.significance;
+        if !(rival.is_none_or(leaves_less) && against.is_none_or(is_significant)) {
             return Ok(None);
         }
         let explains = |fit: &ModelFit| {
@@ -142,7 +145,7 @@ impl Proposing<'_> {
             parameters: self.parameters(&all[chosen]),
             rmse: rms(&test.fit.validation[channel]),
             explains: explains(&test.fit),
-            against: rival.map(|left| against(left, formula)),
+            against,
             test,
             tried,
         }))

@@ -5,6 +5,7 @@ pub mod additive_model;
 pub mod clear_band;
 pub mod covariates;
 pub mod effect_size;
+pub mod folds;
 pub mod hats;
 pub mod location;
 pub mod noise_level;

@@ -9,16 +9,12 @@
 //! how stiff each is, is what forecasts all folds best (Stone 1974; Burman, Chow and Nolan 1994 of rows that remember). C⊥ holds motions
 //! alone, so that no signal of a fold is in what forecasts it but by the model.
 
-use crate::diagnose::fit::linear_model::LinearModel;
 use crate::diagnose::residuals::covariates::Covariates;
 use crate::diagnose::residuals::effect_size::MATTERS;
+use crate::diagnose::residuals::folds::{Apart, FoldedModel, HatProducts};
 use crate::diagnose::residuals::hats::{Arguments, HatRows, Hats};
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use std::ops::Range;
-
-/// Folds of the fitted rows.
-const FOLDS: usize = 5;
 
 /// Functions at most.
 const MOST: usize = 3;
@@ -34,31 +30,6 @@ const STIFFNESSES: [f64; 6] = [1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0];
 
 /// With which functions are compared first.
 const USUAL_STIFFNESS: f64 = STIFFNESSES[3];
-
-/// Share of the squares of a derivative that is rounding.
-const ROUNDING: f64 = 1e-12;
-
-/// Products of derivatives and residuals of a model over each fold.
-pub struct FoldedModel<'a> {
-    linear: &'a LinearModel,
-    folds: Vec<Range<usize>>,
-    /// `[channel][fold]`.
-    channels: Vec<Vec<OwnProducts>>,
-    /// Over all channels, by fold.
-    all: Vec<OwnProducts>,
-    whole: Cholesky<f64, Dyn>,
-}
-
-/// Products of derivatives J and residual r.
-#[derive(Clone)]
-struct OwnProducts {
-    /// JᵀJ.
-    square: DMatrix<f64>,
-    /// Jᵀr.
-    right: DVector<f64>,
-    /// rᵀr.
-    residual: f64,
-}
 
 /// A channel of which smooth functions take what is left.
 pub struct FoldedChannel<'a> {
@@ -77,25 +48,27 @@ struct Function {
     roughness: DMatrix<f64>,
 }
 
-/// Products of the hats of some functions over one fold.
-#[derive(Clone)]
-struct HatProducts {
-    /// CᵀC.
-    square: DMatrix<f64>,
-    /// CᵀJ.
-    by_model: DMatrix<f64>,
-    /// Cᵀr.
-    right: DVector<f64>,
-}
-
 /// Functions, each with its stiffness.
-#[derive(Clone)]
-struct Chosen<'a> {
-    functions: Vec<&'a Function>,
+struct Chosen<'f> {
+    functions: Vec<&'f Function>,
     products: Vec<HatProducts>,
     penalty: DMatrix<f64>,
     /// Mean square of what is left of folds that the others forecast, in units of the deviation of the channel.
     error: f64,
+}
+
+/// Functions of which the last may be of any stiffness.
+struct Open<'f> {
+    functions: Vec<&'f Function>,
+    products: Vec<HatProducts>,
+    /// Of those before the last.
+    penalty: DMatrix<f64>,
+    /// Mean square of a hat of the last.
+    mean_square: f64,
+    /// Products of C⊥ over all channels, by fold.
+    fitted: Vec<Apart>,
+    /// The same over its own channel.
+    own: Vec<Apart>,
 }
 
 /// Smooth functions and the change of the model's unknowns beside them.
@@ -128,73 +101,6 @@ impl Smoothed {
     }
 }
 
-impl<'a> FoldedModel<'a> {
-    /// Of a model along rows of which every channel has as many; `None` where its derivatives are not finite.
-    pub fn of(linear: &'a LinearModel) -> Option<Self> {
-        let rows = linear.residual.iter().map(Vec::len).max().unwrap_or(0);
-        let fold = |k: usize| k * rows / FOLDS..(k + 1) * rows / FOLDS;
-        let folds: Vec<Range<usize>> = (0..FOLDS).map(fold).collect();
-        let of_channel = |c: usize| -> Vec<OwnProducts> {
-            let of = |fold: &Range<usize>| OwnProducts::of(linear, c, fold.clone());
-            folds.iter().map(of).collect()
-        };
-        let numbers = (0..linear.residual.len()).into_par_iter();
-        let channels: Vec<Vec<OwnProducts>> = numbers.map(of_channel).collect();
-        let over = |k: usize| {
-            let mut each = channels.iter().map(|folds| folds[k].clone());
-            let first = each.next()?;
-            Some(each.fold(first, OwnProducts::plus))
-        };
-        let all: Vec<OwnProducts> = (0..FOLDS).map(over).collect::<Option<_>>()?;
-        let mut square = linear.known_square();
-        all.iter().for_each(|fold| square += &fold.square);
-        let largest = square.diagonal().amax();
-        for k in 0..square.nrows() {
-            // An unknown that nothing depends on stays as it is.
-            square[(k, k)] += match square[(k, k)] > 0.0 {
-                true => ROUNDING * square[(k, k)],
-                false => largest.max(1.0),
-            };
-        }
-        Some(Self {
-            linear,
-            folds,
-            channels,
-            all,
-            whole: square.cholesky()?,
-        })
-    }
-}
-
-impl OwnProducts {
-    fn of(linear: &LinearModel, channel: usize, rows: Range<usize>) -> Self {
-        let own = &linear.columns[channel];
-        let residual = linear.residual[channel]
-            .get(rows.clone())
-            .unwrap_or_default();
-        let mut columns = DMatrix::zeros(residual.len(), own.len());
-        for (k, column) in own.iter().enumerate() {
-            if let Some(column) = column {
-                columns.column_mut(k).copy_from_slice(&column[rows.clone()]);
-            }
-        }
-        let residual = DVector::from_column_slice(residual);
-        Self {
-            square: columns.tr_mul(&columns),
-            right: columns.tr_mul(&residual),
-            residual: residual.norm_squared(),
-        }
-    }
-
-    fn plus(self, other: Self) -> Self {
-        Self {
-            square: self.square + other.square,
-            right: self.right + other.right,
-            residual: self.residual + other.residual,
-        }
-    }
-}
-
 impl FoldedChannel<'_> {
     /// Functions of some covariates that forecast what the model leaves, one more each time for as long as that lowers the error by
     /// what matters; beside all parameters of the model, and beside the model as it is.
@@ -214,10 +120,6 @@ impl FoldedChannel<'_> {
         all
     }
 
-    fn own(&self) -> &[OwnProducts] {
-        &self.model.channels[self.channel]
-    }
-
     fn function(&self, of: Arguments) -> Function {
         let hats = Hats::of(of, self.covariates);
         Function {
@@ -227,135 +129,90 @@ impl FoldedChannel<'_> {
         }
     }
 
+    fn rows(&self) -> f64 {
+        self.covariates.direction.len().max(1) as f64
+    }
+
     /// The model as it is.
     fn nothing<'f>(&self) -> Chosen<'f> {
-        let unknowns = self.model.whole.l_dirty().nrows();
-        let none = HatProducts {
-            square: DMatrix::zeros(0, 0),
-            by_model: DMatrix::zeros(0, unknowns),
-            right: DVector::zeros(0),
-        };
-        let rows = self.covariates.direction.len().max(1) as f64;
+        let folds = self.model.of_channel(self.channel).iter();
         Chosen {
             functions: Vec::new(),
-            products: vec![none; FOLDS],
+            products: self.model.nothing(),
             penalty: DMatrix::zeros(0, 0),
-            error: self.own().iter().map(|fold| fold.residual).sum::<f64>() / rows,
+            error: folds.map(|fold| fold.residual).sum::<f64>() / self.rows(),
         }
     }
 
     /// With the function more that forecasts best.
     fn grown<'f>(&self, known: &Chosen<'f>, functions: &'f [Function]) -> Option<Chosen<'f>> {
         let is_new = |f: &&Function| known.functions.iter().all(|k| k.hats.of != f.hats.of);
-        let open: Vec<&Function> = functions.iter().filter(is_new).collect();
+        let new: Vec<&Function> = functions.iter().filter(is_new).collect();
+        // Products of all candidates at once would be hundreds of megabytes.
         let usual = |f: &&'f Function| {
-            let products = self.products(known, f);
-            let chosen = self.with(known, f, &products, USUAL_STIFFNESS)?;
-            Some((chosen, products))
+            let error = self.error(&self.with(known, f), USUAL_STIFFNESS)?;
+            Some((error, *f))
         };
-        let mut ranked: Vec<_> = open.par_iter().filter_map(usual).collect();
-        ranked.sort_by(|a, b| a.0.error.total_cmp(&b.0.error));
+        let mut ranked: Vec<(f64, &Function)> = new.par_iter().filter_map(usual).collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
         ranked.truncate(CLOSER);
-        let stiffened = ranked.into_par_iter().flat_map_iter(|(usual, products)| {
-            let function = usual.functions.last().copied();
-            let others = STIFFNESSES.into_iter().filter(|s| *s != USUAL_STIFFNESS);
-            let with = |stiffness| self.with(known, function?, &products, stiffness);
-            let others: Vec<Chosen<'f>> = others.filter_map(with).collect();
-            std::iter::once(usual).chain(others)
+        let stiffened = ranked.into_par_iter().filter_map(|(_, function)| {
+            let open = self.with(known, function);
+            let errors = STIFFNESSES.into_iter().filter_map(|stiffness| {
+                let error = self.error(&open, stiffness)?;
+                Some((error, stiffness))
+            });
+            let (error, stiffness) = errors.min_by(|a, b| a.0.total_cmp(&b.0))?;
+            Some(Chosen {
+                penalty: open.penalty(stiffness),
+                functions: open.functions,
+                products: open.products,
+                error,
+            })
         });
         stiffened.min_by(|a, b| a.error.total_cmp(&b.error))
     }
 
-    /// Products of known functions and one more, by fold.
-    fn products(&self, known: &Chosen<'_>, function: &Function) -> Vec<HatProducts> {
-        let linear = self.model.linear;
-        let scale = linear.scale[self.channel];
-        let columns = &linear.columns[self.channel];
-        let residual = &linear.residual[self.channel];
-        let folds = self.model.folds.iter().zip(&known.products);
-        let of = |(fold, before): (&Range<usize>, &HatProducts)| {
-            let rows = &function.rows;
-            let own = HatProducts {
-                square: rows.cross(rows, fold.clone()) / (scale * scale),
-                by_model: rows.against_columns(columns, fold.clone()) / scale,
-                right: rows.against(residual, fold.clone()) / scale,
-            };
-            let cross: Vec<DMatrix<f64>> = known
-                .functions
-                .iter()
-                .map(|f| f.rows.cross(rows, fold.clone()) / (scale * scale))
-                .collect();
-            before.with(own, &cross)
+    /// Known functions and one more.
+    fn with<'f>(&self, known: &Chosen<'f>, function: &'f Function) -> Open<'f> {
+        let before: Vec<&HatRows> = known.functions.iter().map(|f| &f.rows).collect();
+        let products = self
+            .model
+            .with(self.channel, &known.products, &before, &function.rows);
+        let squares = |products: &[HatProducts]| -> f64 {
+            products.iter().map(|p| p.square.diagonal().sum()).sum()
         };
-        folds.map(of).collect()
-    }
-
-    /// Known functions and one more with a stiffness, and how they forecast each fold.
-    fn with<'f>(
-        &self,
-        known: &Chosen<'f>,
-        function: &'f Function,
-        products: &[HatProducts],
-        stiffness: f64,
-    ) -> Option<Chosen<'f>> {
-        let width = function.rows.width;
-        let squares: f64 = products.iter().map(|p| p.square.diagonal().sum()).sum();
-        let before: f64 = known
-            .products
-            .iter()
-            .map(|p| p.square.diagonal().sum())
-            .sum();
-        let mean_square = (squares - before) / width as f64;
-        let own = DMatrix::identity(width, width) * RIDGE + &function.roughness * stiffness;
-        let place = known.penalty.nrows();
-        let mut penalty = known
-            .penalty
-            .clone()
-            .resize(place + width, place + width, 0.0);
-        let mut corner = penalty.view_mut((place, place), (width, width));
-        corner.copy_from(&(own * mean_square));
-        let chosen = Chosen {
+        let own_squares = squares(&products) - squares(&known.products);
+        let steps = self.model.steps(&products);
+        let own = products.iter().zip(self.model.of_channel(self.channel));
+        Open {
             functions: [&known.functions[..], &[function]].concat(),
-            products: products.to_vec(),
-            penalty,
-            error: 0.0,
-        };
-        let error = self.cross_validated(&chosen)?;
-        Some(Chosen { error, ..chosen })
-    }
-
-    /// B.
-    fn steps(&self, products: &[HatProducts]) -> DMatrix<f64> {
-        let mut sum = products[0].by_model.transpose();
-        for fold in &products[1..] {
-            sum += fold.by_model.transpose();
+            penalty: known.penalty.clone(),
+            mean_square: own_squares / function.rows.width as f64,
+            fitted: self.model.apart(&products, &steps),
+            own: own.map(|(p, own)| p.apart(&steps, own)).collect(),
+            products,
         }
-        self.model.whole.solve(&sum)
     }
 
     /// Mean square of what is left of each fold by the factors of the others.
-    fn cross_validated(&self, chosen: &Chosen<'_>) -> Option<f64> {
-        let steps = self.steps(&chosen.products);
-        let folds = chosen.products.iter().zip(&self.model.all);
-        let fitted: Vec<Apart> = folds.map(|(p, all)| p.apart(&steps, all)).collect();
-        let whole = Apart::sum(&fitted);
+    fn error(&self, open: &Open<'_>, stiffness: f64) -> Option<f64> {
+        let penalty = open.penalty(stiffness);
+        let whole = Apart::sum(&open.fitted);
         let mut left = 0.0;
-        for (k, products) in chosen.products.iter().enumerate() {
-            let factor = (&whole.square - &fitted[k].square + &chosen.penalty).cholesky()?;
-            let factors = factor.solve(&(&whole.right - &fitted[k].right));
-            let own = products.apart(&steps, &self.own()[k]);
-            left += self.own()[k].residual - 2.0 * factors.dot(&own.right)
+        for (k, fold) in self.model.of_channel(self.channel).iter().enumerate() {
+            let factor = (&whole.square - &open.fitted[k].square + &penalty).cholesky()?;
+            let factors = factor.solve(&(&whole.right - &open.fitted[k].right));
+            let own = &open.own[k];
+            left += fold.residual - 2.0 * factors.dot(&own.right)
                 + factors.dot(&(&own.square * &factors));
         }
-        let rows = self.covariates.direction.len().max(1) as f64;
-        Some(left / rows)
+        Some(left / self.rows())
     }
 
     /// Functions at their best, where the unknowns change by so much for each hat.
     fn at_best(&self, chosen: &Chosen<'_>, steps: &DMatrix<f64>) -> Smoothed {
-        let folds = chosen.products.iter().zip(&self.model.all);
-        let fitted: Vec<Apart> = folds.map(|(p, all)| p.apart(steps, all)).collect();
-        let whole = Apart::sum(&fitted);
+        let whole = Apart::sum(&self.model.apart(&chosen.products, steps));
         let factor = (&whole.square + &chosen.penalty).cholesky();
         let factors = factor.map_or_else(
             || DVector::zeros(whole.right.len()),
@@ -371,75 +228,32 @@ impl FoldedChannel<'_> {
     /// Beside all parameters of the model, and beside the model as it is: what one motion does not tell of the parameters is wrong in
     /// others.
     fn both(&self, chosen: &Chosen<'_>) -> [Smoothed; 2] {
-        let steps = self.steps(&chosen.products);
+        let steps = self.model.steps(&chosen.products);
         let none = DMatrix::zeros(steps.nrows(), steps.ncols());
         [steps, none].map(|steps| self.at_best(chosen, &steps))
     }
 }
 
-/// Products of C⊥ over one fold.
-struct Apart {
-    square: DMatrix<f64>,
-    right: DVector<f64>,
-}
-
-impl Apart {
-    fn sum(all: &[Self]) -> Self {
-        let mut square = all[0].square.clone();
-        let mut right = all[0].right.clone();
-        for one in &all[1..] {
-            square += &one.square;
-            right += &one.right;
+impl Open<'_> {
+    /// Λ with a stiffness of the last function.
+    fn penalty(&self, stiffness: f64) -> DMatrix<f64> {
+        let before = self.penalty.nrows();
+        let total = self.products[0].square.nrows();
+        let width = total - before;
+        let mut penalty = self.penalty.clone().resize(total, total, 0.0);
+        if let Some(last) = self.functions.last() {
+            let own = DMatrix::identity(width, width) * RIDGE + &last.roughness * stiffness;
+            let mut corner = penalty.view_mut((before, before), (width, width));
+            corner.copy_from(&(own * self.mean_square));
         }
-        Self { square, right }
-    }
-}
-
-impl HatProducts {
-    /// With a function more, of which the products with each known one are `cross`.
-    fn with(&self, own: Self, cross: &[DMatrix<f64>]) -> Self {
-        let (before, width) = (self.square.nrows(), own.square.nrows());
-        let total = before + width;
-        let mut square = self.square.clone().resize(total, total, 0.0);
-        square
-            .view_mut((before, before), (width, width))
-            .copy_from(&own.square);
-        let mut start = 0;
-        for product in cross {
-            let rows = product.nrows();
-            square
-                .view_mut((start, before), (rows, width))
-                .copy_from(product);
-            let mut lower = square.view_mut((before, start), (width, rows));
-            lower.copy_from(&product.transpose());
-            start += rows;
-        }
-        let unknowns = own.by_model.ncols();
-        let mut by_model = self.by_model.clone().resize(total, unknowns, 0.0);
-        by_model.rows_mut(before, width).copy_from(&own.by_model);
-        let mut right = self.right.clone().resize_vertically(total, 0.0);
-        right.rows_mut(before, width).copy_from(&own.right);
-        Self {
-            square,
-            by_model,
-            right,
-        }
-    }
-
-    /// Of C⊥ = C − J B, with the products of J.
-    fn apart(&self, steps: &DMatrix<f64>, own: &OwnProducts) -> Apart {
-        let across = &self.by_model * steps;
-        Apart {
-            square: &self.square - &across - across.transpose()
-                + steps.tr_mul(&(&own.square * steps)),
-            right: &self.right - steps.tr_mul(&own.right),
-        }
+        penalty
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::fit::linear_model::LinearModel;
     use crate::diagnose::residuals::covariates::Covariate;
     use crate::robot::random::{generator, symmetric};
 
@@ -488,10 +302,18 @@ mod tests {
         )
     }
 
-    fn candidates() -> Vec<Arguments> {
+    /// Functions of all variables and all pairs of them, in the first channel.
+    fn smoothed(linear: &LinearModel, covariates: &Covariates) -> Vec<Smoothed> {
         let ones = (0..4).map(Arguments::One);
         let twos = (0..4).flat_map(|a| (a + 1..4).map(move |b| Arguments::Two([a, b])));
-        ones.chain(twos).collect()
+        let candidates: Vec<Arguments> = ones.chain(twos).collect();
+        let model = FoldedModel::of(linear).unwrap();
+        let channel = FoldedChannel {
+            channel: 0,
+            covariates,
+            model: &model,
+        };
+        channel.smoothed(&candidates)
     }
 
     fn rms(series: &[f64]) -> f64 {
@@ -510,13 +332,7 @@ mod tests {
         let with_noise = law.zip(&noise).map(|(law, noise)| law + noise);
         let left = [with_noise.collect(), drawn(32, NOISE * 3.0_f64.sqrt())];
         let linear = fitted(left, &covariates);
-        let model = FoldedModel::of(&linear).unwrap();
-        let channel = FoldedChannel {
-            channel: 0,
-            covariates: &covariates,
-            model: &model,
-        };
-        let all = channel.smoothed(&candidates());
+        let all = smoothed(&linear, &covariates);
         let first = &all[0];
         assert_eq!(first.functions[0].of, Arguments::Two([1, 2]));
         let taken = first.at(&covariates, &linear.columns[0]);
@@ -534,13 +350,7 @@ mod tests {
         let covariates = covariates();
         for seed in 41..45 {
             let linear = fitted([drawn(seed, 1.0), drawn(seed + 10, 1.0)], &covariates);
-            let model = FoldedModel::of(&linear).unwrap();
-            let channel = FoldedChannel {
-                channel: 0,
-                covariates: &covariates,
-                model: &model,
-            };
-            assert!(channel.smoothed(&candidates()).is_empty(), "{seed}");
+            assert!(smoothed(&linear, &covariates).is_empty(), "{seed}");
         }
     }
 
@@ -564,9 +374,13 @@ mod tests {
             model: &model,
         };
         let function = channel.function(Arguments::One(3));
-        let products = channel.products(&channel.nothing(), &function);
-        let chosen = channel.with(&channel.nothing(), &function, &products, 0.1);
-        let chosen = chosen.unwrap();
+        let open = channel.with(&channel.nothing(), &function);
+        let chosen = Chosen {
+            penalty: open.penalty(0.1),
+            functions: open.functions,
+            products: open.products,
+            error: 0.0,
+        };
         let [found, still] = channel.both(&chosen);
         assert_eq!(still.step, DVector::zeros(3));
         let width = function.rows.width;

@@ -1,0 +1,238 @@
+//! Products over folds of the fitted rows: of a model's derivatives and residual, and of hat functions in one channel, without what
+//! the model can take of these.
+//!
+//! ```text
+//! C⊥ = C − J B,   B = (JᵀJ)⁻¹ Jᵀ C
+//! ```
+//!
+//! over all channels: what a hat function takes of one is wrong in another by what the model's unknowns change there.
+
+use crate::diagnose::fit::linear_model::LinearModel;
+use crate::diagnose::residuals::hats::HatRows;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Folds of the fitted rows.
+pub const FOLDS: usize = 5;
+
+/// Share of the squares of a derivative that is rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// A model with its products over each fold.
+pub struct FoldedModel<'a> {
+    linear: &'a LinearModel,
+    folds: Vec<Range<usize>>,
+    /// `[channel][fold]`.
+    channels: Vec<Vec<OwnProducts>>,
+    /// Over all channels, by fold.
+    all: Vec<OwnProducts>,
+    whole: Cholesky<f64, Dyn>,
+}
+
+/// Products of derivatives J and residual r.
+#[derive(Clone)]
+pub struct OwnProducts {
+    /// JᵀJ.
+    square: DMatrix<f64>,
+    /// Jᵀr.
+    right: DVector<f64>,
+    /// rᵀr.
+    pub residual: f64,
+}
+
+/// Products of the hats of some functions over one fold.
+#[derive(Clone)]
+pub struct HatProducts {
+    /// CᵀC.
+    pub square: DMatrix<f64>,
+    /// CᵀJ.
+    by_model: DMatrix<f64>,
+    /// Cᵀr.
+    right: DVector<f64>,
+}
+
+impl<'a> FoldedModel<'a> {
+    /// Of a model along rows of which every channel has as many; `None` where its derivatives are not finite.
+    pub fn of(linear: &'a LinearModel) -> Option<Self> {
+        let rows = linear.residual.iter().map(Vec::len).max().unwrap_or(0);
+        let fold = |k: usize| k * rows / FOLDS..(k + 1) * rows / FOLDS;
+        let folds: Vec<Range<usize>> = (0..FOLDS).map(fold).collect();
+        let of_channel = |c: usize| -> Vec<OwnProducts> {
+            let of = |fold: &Range<usize>| OwnProducts::of(linear, c, fold.clone());
+            folds.iter().map(of).collect()
+        };
+        let numbers = (0..linear.residual.len()).into_par_iter();
+        let channels: Vec<Vec<OwnProducts>> = numbers.map(of_channel).collect();
+        let over = |k: usize| {
+            let mut each = channels.iter().map(|folds| folds[k].clone());
+            let first = each.next()?;
+            Some(each.fold(first, OwnProducts::plus))
+        };
+        let all: Vec<OwnProducts> = (0..FOLDS).map(over).collect::<Option<_>>()?;
+        let mut square = linear.known_square();
+        all.iter().for_each(|fold| square += &fold.square);
+        let largest = square.diagonal().amax();
+        for k in 0..square.nrows() {
+            // An unknown that nothing depends on stays as it is.
+            square[(k, k)] += match square[(k, k)] > 0.0 {
+                true => ROUNDING * square[(k, k)],
+                false => largest.max(1.0),
+            };
+        }
+        Some(Self {
+            linear,
+            folds,
+            channels,
+            all,
+            whole: square.cholesky()?,
+        })
+    }
+
+    /// The products of a channel, by fold.
+    pub fn of_channel(&self, channel: usize) -> &[OwnProducts] {
+        &self.channels[channel]
+    }
+
+    /// Of no hats.
+    pub fn nothing(&self) -> Vec<HatProducts> {
+        let unknowns = self.whole.l_dirty().nrows();
+        let none = HatProducts {
+            square: DMatrix::zeros(0, 0),
+            by_model: DMatrix::zeros(0, unknowns),
+            right: DVector::zeros(0),
+        };
+        vec![none; FOLDS]
+    }
+
+    /// Of the hats of known functions and of one more in a channel.
+    pub fn with(
+        &self,
+        channel: usize,
+        known: &[HatProducts],
+        functions: &[&HatRows],
+        rows: &HatRows,
+    ) -> Vec<HatProducts> {
+        let scale = self.linear.scale[channel];
+        let columns = &self.linear.columns[channel];
+        let residual = &self.linear.residual[channel];
+        let of = |(fold, before): (&Range<usize>, &HatProducts)| {
+            let square = |f: &HatRows| f.cross(rows, fold.clone()) / (scale * scale);
+            let own = HatProducts {
+                square: square(rows),
+                by_model: rows.against_columns(columns, fold.clone()) / scale,
+                right: rows.against(residual, fold.clone()) / scale,
+            };
+            let cross: Vec<DMatrix<f64>> = functions.iter().map(|f| square(f)).collect();
+            before.with(own, &cross)
+        };
+        self.folds.iter().zip(known).map(of).collect()
+    }
+
+    /// B.
+    pub fn steps(&self, products: &[HatProducts]) -> DMatrix<f64> {
+        let mut sum = products[0].by_model.transpose();
+        for fold in &products[1..] {
+            sum += fold.by_model.transpose();
+        }
+        self.whole.solve(&sum)
+    }
+
+    /// Products of C⊥ over all channels, by fold, where the unknowns change by `steps`.
+    pub fn apart(&self, products: &[HatProducts], steps: &DMatrix<f64>) -> Vec<Apart> {
+        let folds = products.iter().zip(&self.all);
+        folds.map(|(p, all)| p.apart(steps, all)).collect()
+    }
+}
+
+impl OwnProducts {
+    fn of(linear: &LinearModel, channel: usize, rows: Range<usize>) -> Self {
+        let own = &linear.columns[channel];
+        let residual = linear.residual[channel]
+            .get(rows.clone())
+            .unwrap_or_default();
+        let mut columns = DMatrix::zeros(residual.len(), own.len());
+        for (k, column) in own.iter().enumerate() {
+            if let Some(column) = column {
+                columns.column_mut(k).copy_from_slice(&column[rows.clone()]);
+            }
+        }
+        let residual = DVector::from_column_slice(residual);
+        Self {
+            square: columns.tr_mul(&columns),
+            right: columns.tr_mul(&residual),
+            residual: residual.norm_squared(),
+        }
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self {
+            square: self.square + other.square,
+            right: self.right + other.right,
+            residual: self.residual + other.residual,
+        }
+    }
+}
+
+/// Products of C⊥ over one fold.
+pub struct Apart {
+    /// C⊥ᵀC⊥.
+    pub square: DMatrix<f64>,
+    /// C⊥ᵀr.
+    pub right: DVector<f64>,
+}
+
+impl Apart {
+    /// Over all folds.
+    pub fn sum(all: &[Self]) -> Self {
+        let mut square = all[0].square.clone();
+        let mut right = all[0].right.clone();
+        for one in &all[1..] {
+            square += &one.square;
+            right += &one.right;
+        }
+        Self { square, right }
+    }
+}
+
+impl HatProducts {
+    /// With a function more, of which the products with each known one are `cross`.
+    fn with(&self, own: Self, cross: &[DMatrix<f64>]) -> Self {
+        let (before, width) = (self.square.nrows(), own.square.nrows());
+        let total = before + width;
+        let mut square = self.square.clone().resize(total, total, 0.0);
+        square
+            .view_mut((before, before), (width, width))
+            .copy_from(&own.square);
+        let mut start = 0;
+        for product in cross {
+            let rows = product.nrows();
+            square
+                .view_mut((start, before), (rows, width))
+                .copy_from(product);
+            let mut lower = square.view_mut((before, start), (width, rows));
+            lower.copy_from(&product.transpose());
+            start += rows;
+        }
+        let unknowns = own.by_model.ncols();
+        let mut by_model = self.by_model.clone().resize(total, unknowns, 0.0);
+        by_model.rows_mut(before, width).copy_from(&own.by_model);
+        let mut right = self.right.clone().resize_vertically(total, 0.0);
+        right.rows_mut(before, width).copy_from(&own.right);
+        Self {
+            square,
+            by_model,
+            right,
+        }
+    }
+
+    /// Of C⊥ = C − J B, with the products of J.
+    pub fn apart(&self, steps: &DMatrix<f64>, own: &OwnProducts) -> Apart {
+        let across = &self.by_model * steps;
+        Apart {
+            square: &self.square - &across - across.transpose()
+                + steps.tr_mul(&(&own.square * steps)),
+            right: &self.right - steps.tr_mul(&own.right),
+        }
+    }
+}
