@@ -203,16 +203,6 @@ impl<'a> Linearised<'a> {
         self.linear.project_one(channel, column)
     }
 
-    /// What further columns of a channel would take.
-    pub fn gain_of(&self, channel: usize, columns: &[Vec<f64>]) -> f64 {
-        let weighted = |column: &Vec<f64>| -> ChannelColumn {
-            let over = column.iter().map(|x| x / self.linear.scale[channel]);
-            vec![(channel, over.collect())]
-        };
-        let columns: Vec<ChannelColumn> = columns.iter().map(weighted).collect();
-        self.one_step(&ChannelColumn::new(), &columns, &|_, _| true)
-    }
-
     /// Positions of the free parameters that a larger model has beyond the fitted one.
     fn own_parameters(&self, model: &Model) -> Vec<usize> {
         let is_own = |p: &usize| {

@@ -41,6 +41,8 @@ pub struct AdditiveModel {
     pub over: Vec<String>,
     /// The variables of the motion that each of its functions is made of, the foremost function first.
     pub made_of: Vec<Vec<Quantity>>,
+    /// Whether its foremost function is of one variable of the joint itself.
+    pub is_own: bool,
     /// Models of the channel that it was chosen from by the held-out rows.
     pub tried: usize,
     /// Whether it forecasts the residual on held-out rows.
@@ -134,12 +136,14 @@ struct Rows<'a> {
 impl<'a> Rows<'a> {
     /// Those that were fitted, and those that are held out.
     fn both(context: &'a Context<'_>, fit: &ModelFit) -> [Self; 2] {
+        [Split::Train, Split::Validation].map(|split| Self::of(context, fit, split))
+    }
+
+    fn of(context: &'a Context<'_>, fit: &ModelFit, split: Split) -> Self {
+        let recordings = context.recordings(split);
         let unknowns = fit.unknowns.positions();
-        [Split::Train, Split::Validation].map(|split| {
-            let recordings = context.recordings(split);
-            let series = ChannelSeries::of(&fit.model, &fit.values, &unknowns, &recordings);
-            Self { recordings, series }
-        })
+        let series = ChannelSeries::of(&fit.model, &fit.values, &unknowns, &recordings);
+        Self { recordings, series }
     }
 
     fn covariates(&self, fit: &ModelFit, joint: usize) -> Covariates {
@@ -173,6 +177,9 @@ impl Place<'_> {
             made_of: functions()
                 .map(|hats| hats.made_of(&covariates[0]))
                 .collect(),
+            is_own: functions()
+                .next()
+                .is_some_and(|hats| hats.is_own(&covariates[0])),
             tried,
             evidence: Encompassing::of_nothing(),
             error_reduction: 1.0 - rms(&after) / rms(before),
@@ -196,19 +203,68 @@ pub fn left(fit: &ModelFit, corrections: &[&AdditiveModel]) -> Vec<Vec<f64>> {
     left
 }
 
+/// The same, with what the changed unknowns add in the other channels.
+pub fn left_everywhere(
+    context: &Context<'_>,
+    fit: &ModelFit,
+    corrections: &[&AdditiveModel],
+) -> Vec<Vec<f64>> {
+    let rows = Rows::of(context, fit, Split::Validation);
+    let mut left = left(fit, corrections);
+    for correction in corrections {
+        let others = left.iter_mut().enumerate();
+        for (c, residual) in others.filter(|(c, _)| *c != correction.channel) {
+            let curves = &correction.curves;
+            let shift = curves.shift(&rows.series.columns[c], residual.len());
+            residual.iter_mut().zip(shift).for_each(|(e, by)| *e += by);
+        }
+    }
+    left
+}
+
 /// RMS of what a correction takes over that of what it leaves.
 fn taken(before: &[f64], after: &[f64]) -> f64 {
     let squares = rms(before).powi(2) - rms(after).powi(2);
     squares.max(0.0).sqrt() / rms(after)
 }
 
-/// Smooth models of what a fit leaves, at most one per channel of a joint.
+/// Smooth models of what a fit leaves where that is much, at most one per channel of a joint.
 pub fn of_all(context: &Context<'_>, fit: &ModelFit) -> Vec<AdditiveModel> {
-    let model = &fit.model;
-    let channels = model.channels().iter().enumerate();
+    let channels = fit.model.channels().iter().enumerate();
     let active = channels.filter(|(c, channel)| channel.active && leaves_much(context, fit, *c));
-    let open: Vec<(usize, usize)> = active
-        .filter_map(|(c, channel)| Some((c, channel.joint?)))
+    let any = active.map(|(channel, _)| Sought {
+        channel,
+        like: None,
+    });
+    sought(context, fit, &any.collect::<Vec<_>>())
+}
+
+/// Smooth models of what another fit leaves of the channels of some, of their functions or of others.
+pub fn in_place(
+    context: &Context<'_>,
+    fit: &ModelFit,
+    of: &[&AdditiveModel],
+) -> Vec<AdditiveModel> {
+    let like = of.iter().map(|known| Sought {
+        channel: known.channel,
+        like: Some(known),
+    });
+    sought(context, fit, &like.collect::<Vec<_>>())
+}
+
+/// A channel of which a smooth model is sought.
+struct Sought<'a> {
+    channel: usize,
+    /// A model with functions that are tried by themselves too.
+    like: Option<&'a AdditiveModel>,
+}
+
+fn sought(context: &Context<'_>, fit: &ModelFit, channels: &[Sought<'_>]) -> Vec<AdditiveModel> {
+    let model = &fit.model;
+    let joint = |of: &Sought<'_>| model.channels()[of.channel].joint;
+    let open: Vec<(&Sought<'_>, usize)> = channels
+        .iter()
+        .filter_map(|of| Some((of, joint(of)?)))
         .collect();
     if open.is_empty() {
         return Vec::new();
@@ -223,19 +279,22 @@ pub fn of_all(context: &Context<'_>, fit: &ModelFit) -> Vec<AdditiveModel> {
         return Vec::new();
     };
     let all_rows = Rows::both(context, fit);
-    let of_channel = |&(channel, joint): &(usize, usize)| {
+    let of_channel = |&(of, joint): &(&Sought<'_>, usize)| {
         let covariates = Covariates::of(model, joint, &linear.predicted, &thinned);
         let folded = FoldedChannel {
-            channel,
+            channel: of.channel,
             covariates: &covariates,
             model: &folded,
         };
         let place = Place {
             fit,
-            channel,
+            channel: of.channel,
             rows: &all_rows,
         };
-        let all = folded.smoothed(&candidates(&covariates));
+        let mut all = folded.smoothed(&candidates(&covariates));
+        if let Some(like) = of.like {
+            all.extend(folded.smoothed(&like.curves.arguments()));
+        }
         let tried = all.len();
         let all = all.into_iter();
         let all = all.filter_map(|curves| place.model(Arc::new(curves), tried));

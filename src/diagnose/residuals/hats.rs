@@ -94,6 +94,14 @@ impl Hats {
         all
     }
 
+    /// Whether it is of one variable of the joint itself.
+    pub fn is_own(&self, covariates: &Covariates) -> bool {
+        match self.of {
+            Arguments::One(k) => covariates.variables[k].other.is_none(),
+            Arguments::Two(_) => false,
+        }
+    }
+
     fn width(&self) -> usize {
         let product: usize = self.knots.iter().map(Vec::len).product();
         product * (1 + usize::from(self.by_direction))

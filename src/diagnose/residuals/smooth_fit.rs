@@ -83,6 +83,11 @@ pub struct Smoothed {
 }
 
 impl Smoothed {
+    /// What its functions are of.
+    pub fn arguments(&self) -> Vec<Arguments> {
+        self.functions.iter().map(|hats| hats.of).collect()
+    }
+
     /// What they take of a residual `ŝ − s`: their values, less what the changed unknowns add, by the derivatives of the channel.
     pub fn at(&self, covariates: &Covariates, derivatives: &[Option<Vec<f64>>]) -> Vec<f64> {
         let mut taken = vec![0.0; covariates.direction.len()];
@@ -93,11 +98,19 @@ impl Smoothed {
             rows.add(own.as_slice(), &mut taken);
             start += rows.width;
         }
-        for (column, step) in derivatives.iter().zip(self.step.iter()) {
-            let rows = column.iter().flatten().zip(&mut taken);
-            rows.for_each(|(j, x)| *x -= step * j);
-        }
+        let shift = self.shift(derivatives, taken.len());
+        taken.iter_mut().zip(shift).for_each(|(x, by)| *x -= by);
         taken
+    }
+
+    /// What the changed unknowns add to a residual, by its derivatives.
+    pub fn shift(&self, derivatives: &[Option<Vec<f64>>], rows: usize) -> Vec<f64> {
+        let mut shift = vec![0.0; rows];
+        for (column, step) in derivatives.iter().zip(self.step.iter()) {
+            let rows = column.iter().flatten().zip(&mut shift);
+            rows.for_each(|(j, x)| *x += step * j);
+        }
+        shift
     }
 }
 

@@ -102,7 +102,7 @@ impl Explaining<'_> {
     }
 
     /// Prunes a selected model, compares each finding with its rivals, exchanges what is bettered, withdraws names that
-    /// explain less than they leave, only resemble what another joint does, or have a size that may be none, strikes out what
+    /// explain less than they leave, are superfluous beside a smooth correction, or have a size that may be none, strikes out what
     /// fails on rows that chose nothing, and calls the rest by the names that those rows find more probable.
     pub fn conclude(&self, mut selection: Selection) -> Result<Explanation, DiagnoseError> {
         let context = &self.contexts.selection;
@@ -180,7 +180,7 @@ impl Explaining<'_> {
             comparisons,
         } = &beside;
         let objection = weak_findings::weakest(noise_level, full, comparisons)
-            .or_else(|| confounding::first(context, noise_level, full, comparisons, significance))
+            .or_else(|| confounding::first(context, full, comparisons, significance))
             .or_else(|| zero_size::least_certain(context, full));
         if let Some(k) = objection {
             return Ok(Judged::Objectionable(beside.full, k));

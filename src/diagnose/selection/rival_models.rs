@@ -17,7 +17,7 @@ use crate::stats::distribution::Distribution;
 use crate::stats::encompassing::{Encompassing, ResidualPair};
 
 /// A rival is told apart only if it leaves at least half as much again as the finding does, above the noise.
-const IN_DOUBT: f64 = 0.5;
+pub const IN_DOUBT: f64 = 0.5;
 
 /// Confidence with which two models are told apart.
 const TOLD_APART: f64 = 0.95;

@@ -4,6 +4,7 @@ use crate::chain::dataset::Dataset;
 use crate::diagnose::findings::compared::Compared;
 use crate::diagnose::findings::unexplained::SearchState;
 use crate::diagnose::fit::context::Context;
+use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::additive_model;
 use crate::diagnose::residuals::effect_size::{MATTERS, OF_NOISE, OF_TORQUE};
@@ -16,7 +17,7 @@ use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::diagnose::selection::stepwise::{Rules, Stepwise};
 use crate::outcome::finding::Finding;
-use crate::recording::experiment::Experiment;
+use crate::recording::experiment::Motion;
 use crate::recording::split::Split;
 use crate::robot::random::generator;
 use crate::stats::deviation::rms;
@@ -237,36 +238,59 @@ fn rivals_are_corrected_for_their_number() {
     assert!(of_offset(&rivals(1.01 * count * p_value).0).0);
 }
 
-/// Whether an offset that was found in the first channel is withdrawn where that has something else beside it.
-fn is_confounded(bench: &Bench, of: impl Fn(&Experiment, usize) -> f64) -> bool {
+/// Whether a name that was found in the first channel is withdrawn where that has something beside what the model says.
+fn is_confounded(bench: &Bench, found: Hypothesis, of: impl Fn(&Motion, usize) -> f64) -> bool {
     let data = bench.changed(&BOTH, |experiment| {
-        let added: Vec<f64> = (0..experiment.rows()).map(|k| of(experiment, k)).collect();
+        let added = (0..experiment.rows()).map(|k| of(&experiment.motion, k));
         let pairs = experiment.signal[0].iter_mut().zip(added);
         pairs.for_each(|(s, by)| *s += by);
     });
     let context = bench.context(&data);
-    let full = bench.fit(&data, &[offset(0)]);
-    let noise_level = noise_level::of_rows(&context, &full, &[]);
-    assert!(noise_level.measured);
+    let full = bench.fit(&data, &[found]);
     let comparison = RivalComparison {
         without: bench.declared(&data),
         alternatives: Vec::new(),
     };
-    let first = confounding::first(&context, &noise_level, &full, &[comparison], SIGNIFICANCE);
+    let first = confounding::first(&context, &full, &[comparison], SIGNIFICANCE);
     first.is_some()
 }
 
-/// What another joint's speed does in a channel is not the offset that resembles it; an offset beside something that no
-/// joint's motion explains is one.
+/// An offset is not the mean of a law of two joints' motions; beside something that no joint's motion explains it is one, and so it is
+/// beside a law of the joint's own speed.
 #[test]
-fn a_name_is_withdrawn_where_another_joint_explains_more() {
+fn a_name_for_a_part_of_a_law_is_withdrawn() {
     let bench = Bench::control();
-    let context = bench.context(&bench.opened.data);
-    let size = 0.2 * context.signal_rms(Split::Train)[0];
-    let of_speed = |experiment: &Experiment, k: usize| size * experiment.motion.velocity[1][k];
-    assert!(is_confounded(&bench, of_speed));
-    let of_nothing = |_: &Experiment, k: usize| size * (1.0 + (40.3 * k as f64).sin());
-    assert!(!is_confounded(&bench, of_nothing));
+    let recorded = &bench.opened.data.recordings[0].experiment;
+    let size = 0.2 * rms(&recorded.signal[0]);
+    let speed = rms(&recorded.motion.velocity[0]);
+    let is_confounded = |of: &dyn Fn(&Motion, usize) -> f64| is_confounded(&bench, offset(0), of);
+    let of_both = |motion: &Motion, k: usize| {
+        size * (motion.velocity[0][k] / speed).exp() / (1.0 + motion.position[1][k].powi(2))
+    };
+    assert!(is_confounded(&of_both));
+    let of_nothing = |_: &Motion, k: usize| size * (1.0 + (40.3 * k as f64).sin());
+    assert!(!is_confounded(&of_nothing));
+    let of_speed = |motion: &Motion, k: usize| size * (motion.velocity[0][k] / speed).exp();
+    assert!(!is_confounded(&of_speed));
+}
+
+/// A name whose shape no smooth correction has stays, whatever is left beside it.
+#[test]
+fn a_name_beside_another_law_is_kept() {
+    let bench = Bench::control();
+    let recorded = &bench.opened.data.recordings[0].experiment;
+    let size = 0.2 * rms(&recorded.signal[0]);
+    let speed = rms(&recorded.motion.velocity[0]);
+    let of = |motion: &Motion, k: usize| {
+        let v = motion.velocity[0][k];
+        let stribeck = v.signum() * (-(v / (0.1 * speed)).powi(2)).exp();
+        size * (motion.velocity[1][k] + stribeck)
+    };
+    assert!(!is_confounded(
+        &bench,
+        effect_of("stribeck_friction", 0),
+        of
+    ));
 }
 
 /// Rows at less than half of the usual speed count if reversals, and rows at which the joint creeps, are further away than
