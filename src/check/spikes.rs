@@ -32,9 +32,10 @@ pub(super) fn check(read: &RawRecording<'_>) -> Vec<Mistake> {
                 Description::new(
                     "spikes",
                     format!(
-                        "{} samples of the {what} stand out by more than {SPIKE_SIGMA} standard deviations; the \
-                         largest by {:.4} at {:.3} s",
+                        "the {what} stands out from its neighbours by more than {SPIKE_SIGMA} standard deviations at {} of {} \
+                         samples; most, by {:.4}, at {:.3} s",
                         spikes.count,
+                        read.samples(),
                         spikes.size,
                         read.time(spikes.at)
                     ),

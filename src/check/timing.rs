@@ -125,7 +125,7 @@ fn missing(read: &RawRecording<'_>) -> Option<Mistake> {
         Description::new(
             "missing-samples",
             format!(
-                "{} gaps in time, about {lost:.0} samples ({:.2} %) are missing; the longest gap is {:.4} s",
+                "gaps in time: {}; about {lost:.0} samples ({:.2} %) are missing; the longest gap is {:.4} s",
                 gaps.len(),
                 100.0 * share,
                 longest.1

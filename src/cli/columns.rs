@@ -49,7 +49,7 @@ pub fn run(look: &Look) -> Result<u8, CliError> {
 fn in_words(survey: &Survey) -> String {
     let rate = match (&survey.time, survey.rate_hz) {
         (Some(time), Some(rate)) => {
-            format!("{rate:.4} Hz by {time:?}, {} gaps in time", survey.gaps)
+            format!("{rate:.4} Hz by {time:?}, gaps in time: {}", survey.gaps)
         }
         (Some(time), None) => format!("{time:?} does not go on at a rate"),
         (None, _) => "no column of time under its usual names".to_string(),

@@ -230,9 +230,16 @@ fn taken(before: &[f64], after: &[f64]) -> f64 {
 
 /// Smooth models of what a fit leaves where that is much, at most one per channel of a joint.
 pub fn of_all(context: &Context<'_>, fit: &ModelFit) -> Vec<AdditiveModel> {
-    let channels = fit.model.channels().iter().enumerate();
-    let active = channels.filter(|(c, channel)| channel.active && leaves_much(context, fit, *c));
-    let any = active.map(|(channel, _)| Sought {
+    let all: Vec<usize> = (0..fit.model.channels().len()).collect();
+    of_some(context, fit, &all)
+}
+
+/// The same of some channels.
+pub fn of_some(context: &Context<'_>, fit: &ModelFit, channels: &[usize]) -> Vec<AdditiveModel> {
+    let is_active = |c: &usize| fit.model.channels()[*c].active;
+    let active = channels.iter().copied().filter(is_active);
+    let much = active.filter(|&c| leaves_much(context, fit, c));
+    let any = much.map(|channel| Sought {
         channel,
         like: None,
     });

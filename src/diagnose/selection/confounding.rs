@@ -29,14 +29,18 @@ pub fn first(
     comparisons: &[RivalComparison],
     significance: f64,
 ) -> Option<usize> {
-    if comparisons.is_empty() {
+    if context.control.is_interrupted() {
         return None;
     }
-    let mut corrections = additive_model::of_all(context, full);
+    let channels_of = |k: usize| channels_of(&full.model, &full.hypotheses[k].named_joints());
+    let mut named: Vec<usize> = (0..comparisons.len()).flat_map(channels_of).collect();
+    named.sort_unstable();
+    named.dedup();
+    let mut corrections = additive_model::of_some(context, full, &named);
     let tried = corrections.len();
     corrections.retain(|correction| correction.is_needed(significance, tried));
     (0..comparisons.len()).find(|&k| {
-        let channels = channels_of(&full.model, &full.hypotheses[k].named_joints());
+        let channels = channels_of(k);
         let beside = corrections.iter();
         let beside: Vec<&AdditiveModel> =
             beside.filter(|c| channels.contains(&c.channel)).collect();
