@@ -41,7 +41,7 @@ pub struct AdditiveModel {
     pub over: Vec<String>,
     /// The variables of the motion that each of its functions is made of, the foremost function first.
     pub made_of: Vec<Vec<Quantity>>,
-    /// Whether its foremost function is of one variable of the joint itself.
+    /// Whether its foremost function is of the joint itself alone.
     pub is_own: bool,
     /// Models of the channel that it was chosen from by the held-out rows.
     pub tried: usize,

@@ -94,11 +94,12 @@ impl Hats {
         all
     }
 
-    /// Whether it is of one variable of the joint itself.
+    /// Whether no variable is of another joint.
     pub fn is_own(&self, covariates: &Covariates) -> bool {
+        let is_own = |k: usize| covariates.variables[k].other.is_none();
         match self.of {
-            Arguments::One(k) => covariates.variables[k].other.is_none(),
-            Arguments::Two(_) => false,
+            Arguments::One(k) => is_own(k),
+            Arguments::Two(both) => both.into_iter().all(is_own),
         }
     }
 

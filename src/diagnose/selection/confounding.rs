@@ -1,18 +1,17 @@
 //! Confounding: names for a part of a law that the vocabulary does not have.
 //!
-//! Where something is left beside a finding, in the same channel, what is missing there may be one law, of another joint's
-//! motion or of two variables together: a channel that hears the current of another, friction that grows with a neighbour's
-//! position. Such a law has shapes in common with many names, its mean with a torque offset, its slope over the load with a
-//! gain, and the name that it resembles most takes a large part of it. In the place of the name there is put a smooth
-//! correction, beside all parameters of the model:
+//! Where something is left beside a finding, in the same channel, what is missing there may be one law of another joint's
+//! motion: a channel that hears the current of another, friction that grows with a neighbour's position. Such a law has shapes
+//! in common with many names, its mean with a torque offset, its slope over the load with a gain, and the name that it resembles
+//! most takes a large part of it. In the place of the name there is put a smooth correction, beside all parameters of the model:
 //!
 //! ```text
 //! ‖e_k − c_k‖² ≤ (1 + IN_DOUBT) ‖e − c‖²    in every channel, e_k without the name and e with it
 //! ```
 //!
 //! If that leaves hardly more of recordings that were not fitted than the name and a correction beside it, the name is not that
-//! of the physics, and is withdrawn. A correction by one variable of the joint's own motion is another wording of the name, and
-//! says nothing against it.
+//! of the physics, and is withdrawn. A correction by the joint's own motion and load is another wording of the name, and says
+//! nothing against it.
 
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::channels_of;
