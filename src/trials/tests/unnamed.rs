@@ -255,8 +255,8 @@ fn is_confounded(bench: &Bench, found: Hypothesis, of: impl Fn(&Motion, usize) -
     first.is_some()
 }
 
-/// An offset is not the mean of a law of two joints' motions; beside something that no joint's motion explains it is one, and so it is
-/// beside a law of the joint's own motion.
+/// An offset that is found beside a law of two joints' motions is a part of it; beside something that no joint's motion explains
+/// it is one, and so it is beside a law of the joint's own motion.
 #[test]
 fn a_name_for_a_part_of_a_law_is_withdrawn() {
     let bench = Bench::control();
@@ -265,7 +265,7 @@ fn a_name_for_a_part_of_a_law_is_withdrawn() {
     let speed = rms(&recorded.motion.velocity[0]);
     let is_confounded = |of: &dyn Fn(&Motion, usize) -> f64| is_confounded(&bench, offset(0), of);
     let of_both = |motion: &Motion, k: usize| {
-        size * (motion.velocity[0][k] / speed).exp() / (1.0 + motion.position[1][k].powi(2))
+        0.5 * size * (motion.velocity[0][k] / speed).tanh() * (2.0 * motion.position[1][k]).cos()
     };
     assert!(is_confounded(&of_both));
     let of_nothing = |_: &Motion, k: usize| size * (1.0 + (40.3 * k as f64).sin());
