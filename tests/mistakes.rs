@@ -466,7 +466,7 @@ const MISTAKES: &[Case] = &[
     case("currents that are noise", "explains next to nothing", |x| x.noise_for_signals()),
     case("a bound that the estimator does not keep", "keep bounds on bodies", |x| x.bounds("\"link3.mass\" = [0.5, 1.0]")),
     case("a total mass that the estimator does not keep", "keep bounds on bodies", |x| x.bounds("total_mass = [0.5, 1.0]")),
-    case("currents in steps of half an ampere", "stuck", |x| x.each(SIGNALS, |i| (2.0 * i).round() / 2.0)),
+    case("currents in steps of half an ampere", "coarse-signal", |x| x.each(SIGNALS, |i| (2.0 * i).round() / 2.0)),
     case("positions in steps of a degree", "coarse-position", |x| x.each(POSITIONS, |q| q.to_degrees().round().to_radians())),
 ];
 

@@ -5,136 +5,72 @@ use crate::check::extent::extent;
 use crate::check::report::finding;
 use crate::fault::Description;
 use crate::outcome::check::{Mistake, Severity};
+use crate::recording::lost::{Loss, LostChannel};
+use crate::recording::noise_level::{hiding_step, pieces};
 use crate::recording::spikes::quantum;
-
-/// Samples in a row at the extreme value that make a plateau.
-const PLATEAU: usize = 4;
-
-/// Share of the samples that plateaus must hold to matter.
-const PLATEAU_SHARE: f64 = 0.002;
-
-/// The extreme value must be hit this many times as often as the value next to it: the turning point of a
-/// smooth quantised signal stays 1/(√2 − 1) = 2.4 times as long at its last step as at the one before.
-const PILE: f64 = 6.0;
-
-/// Shortest time for which a channel may not stand still while its joint moves, s: longer than a sample is
-/// held on any bus.
-const STUCK_S: f64 = 0.25;
-
-/// Steps of the encoder that the joint takes meanwhile for it to count as moving, and least share of its
-/// range.
-const MOVING_QUANTA: f64 = 20.0;
-const MOVING_SHARE: f64 = 0.01;
 
 /// Fewest encoder steps in the range of the motion: with fewer, friction near standstill lies within one.
 const LEAST_STEPS: f64 = 1000.0;
 
+/// Fewest steps in the range of a signal: with fewer, rounding is more than a tenth of a friction that is a tenth of the range.
+const LEAST_SIGNAL_STEPS: f64 = 100.0;
+
 pub(super) fn check(read: &RawRecording<'_>) -> Vec<Mistake> {
-    let mut findings = Vec::new();
+    let lost_channels = read.recording.lost.iter().flat_map(|found| &found.channels);
+    let mut findings: Vec<Mistake> = lost_channels.map(|found| lost(read, found)).collect();
     for channel in 0..read.recording.signal.len() {
-        findings.extend(saturated(read, channel).or_else(|| stuck(read, channel)));
+        findings.extend(coarse_signal(read, channel));
     }
     findings.extend((0..read.context.moving.len()).filter_map(|joint| coarse(read, joint)));
     findings
 }
 
-/// Value, samples in plateaus at it, and samples at it in all, of the upper (or with sign −1 lower) end.
-fn plateau(series: &[f64], sign: f64) -> (f64, usize, usize) {
-    let extreme = sign
-        * series
-            .iter()
-            .fold(f64::NEG_INFINITY, |m, x| m.max(sign * x));
-    let (mut run, mut held, mut all) = (0, 0, 0);
-    for value in series.iter().chain([&f64::NAN]) {
-        if *value == extreme {
-            run += 1;
-            all += 1;
-        } else {
-            held += if run >= PLATEAU { run } else { 0 };
-            run = 0;
-        }
-    }
-    (extreme, held, all)
+/// Samples at which a channel of the signal is cut off or stands still.
+fn lost(read: &RawRecording<'_>, lost: &LostChannel) -> Mistake {
+    let (count, of) = (lost.samples.len(), read.samples());
+    let values: Vec<String> = lost.values.iter().map(f64::to_string).collect();
+    let values = values.join(" and ");
+    let samples = match lost.left_out {
+        true => "these samples are left out of every fit and of held-out errors",
+        false => "leave these samples out with recordings.columns.mask",
+    };
+    let description = match lost.loss {
+        Loss::Saturated => Description::new(
+            "saturated",
+            format!("{count} of {of} samples stand exactly at the signal's limit {values}"),
+            format!("drive less hard; {samples}"),
+        ),
+        Loss::Stuck => Description::new(
+            "stuck",
+            format!(
+                "the signal does not change for {count} of {of} samples while the joint moves, first at {:.3} s with the \
+                 value {values}",
+                read.time(lost.samples[0])
+            ),
+            format!("check that the channel is connected; {samples}"),
+        ),
+    };
+    finding(Severity::Warning, read.at_signal(lost.channel), description)
 }
 
-/// How often the value next to the extreme one occurs.
-fn beside(series: &[f64], extreme: f64) -> usize {
-    let distance = |x: &f64| (x - extreme).abs();
-    let nearest = series
-        .iter()
-        .filter(|x| **x != extreme)
-        .map(distance)
-        .fold(f64::INFINITY, f64::min);
-    series.iter().filter(|x| distance(x) == nearest).count()
-}
-
-fn saturated(read: &RawRecording<'_>, channel: usize) -> Option<Mistake> {
+/// A signal in steps that are coarser than its noise, and few.
+fn coarse_signal(read: &RawRecording<'_>, channel: usize) -> Option<Mistake> {
     let series = &read.recording.signal[channel];
-    let mut total = 0;
-    let mut limits: Vec<String> = Vec::new();
-    for sign in [1.0, -1.0] {
-        let (extreme, held, all) = plateau(series, sign);
-        let piled = all as f64 >= PILE * beside(series, extreme) as f64;
-        if held as f64 >= PLATEAU_SHARE * series.len() as f64 && piled {
-            total += all;
-            limits.push(format!("{extreme}"));
-        }
-    }
-    (total > 0).then(|| {
+    let step = hiding_step(&pieces(series, read.recording.signal_mask().as_deref()))?;
+    let steps = range(series) / step;
+    (steps < LEAST_SIGNAL_STEPS).then(|| {
         finding(
             Severity::Warning,
             read.at_signal(channel),
             Description::new(
-                "saturated",
+                "coarse-signal",
                 format!(
-                    "{total} of {} samples stand exactly at the signal's limit {}",
-                    series.len(),
-                    limits.join(" and ")
+                    "the signal changes in steps of {step:.3e}, which hide its noise; all of it is {steps:.0} of them"
                 ),
-                "drive less hard, or leave these samples out with recordings.columns.mask",
+                "record the signal with all its digits",
             ),
         )
     })
-}
-
-fn stuck(read: &RawRecording<'_>, channel: usize) -> Option<Mistake> {
-    let series = &read.recording.signal[channel];
-    let least = (STUCK_S * read.timing.rate_hz).ceil().max(10.0) as usize;
-    let joint = channel.min(read.context.moving.len() - 1);
-    let position = &read.recording.position[joint];
-    let enough = MOVING_QUANTA * quantum(position);
-    let enough = enough
-        .max(MOVING_SHARE * range(position))
-        .max(f64::MIN_POSITIVE);
-    let (mut total, mut first) = (0, None);
-    let mut start = 0;
-    for k in 1..=series.len() {
-        if k < series.len() && series[k] == series[start] {
-            continue;
-        }
-        let moved = range(&position[start..k]) > enough;
-        if k - start >= least && moved && read.counts(start) {
-            total += k - start;
-            first = first.or(Some(start));
-        }
-        start = k;
-    }
-    let first = first?;
-    Some(finding(
-        Severity::Warning,
-        read.at_signal(channel),
-        Description::new(
-            "stuck",
-            format!(
-                "the signal does not change for {total} of {} samples while the joint moves, first at {:.3} s \
-                 with the value {}",
-                series.len(),
-                read.time(first),
-                series[first]
-            ),
-            "check that the channel is connected; leave these samples out with recordings.columns.mask",
-        ),
-    ))
 }
 
 fn coarse(read: &RawRecording<'_>, joint: usize) -> Option<Mistake> {

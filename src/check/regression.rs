@@ -10,7 +10,7 @@ use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
 use crate::chain::model::{Channel, Inertials, Model, ModelSettings, Signal};
 use crate::check::extent::extent;
 use crate::linalg::triangular::Triangular;
-use crate::recording::noise_level::white_deviation;
+use crate::recording::noise_level::{pieces, white_deviation};
 use crate::robot::batch::Trajectory;
 use crate::robot::tree::{JointKind, Tree};
 use nalgebra::{DMatrix, DVector};
@@ -235,9 +235,10 @@ fn torques(declared: &Model, prepared: &Prepared, sampled: &Sampled) -> Vec<Vec<
 
 /// Deviations of the white noise of one row of all torques.
 fn noise(declared: &Model, prepared: &Prepared) -> Vec<Option<f64>> {
+    let mask = prepared.experiment.mask.as_deref();
     let of = |(channel, signal): (&Channel, &Vec<f64>)| {
         let constant = torque_per_unit(declared, channel);
-        white_deviation(signal).map(|deviation| constant.abs() * deviation)
+        white_deviation(&pieces(signal, mask)).map(|deviation| constant.abs() * deviation)
     };
     let channels = declared.channels().iter();
     channels.zip(&prepared.experiment.signal).map(of).collect()

@@ -13,6 +13,7 @@ use crate::recording::columns::{RecordedJoint, read_within};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::join::separate_encoder::{EncoderFiles, read_with_separate_encoder};
 use crate::recording::join::{Source, read_joined};
+use crate::recording::lost_signal::marked;
 use crate::recording::preprocess::prepare;
 use crate::recording::samples::Recording;
 use crate::recording::settings::{InCommon, Preparation};
@@ -205,6 +206,7 @@ pub fn read_one(
     });
     let recording = recording.and_then(|recording| thinned(recording, rate));
     let recording = recording.map(evened).map(steadied);
+    let recording = recording.map(|recording| marked(recording, kind));
     recording.map_err(|e| at_request(table, path, e))
 }
 

@@ -5,6 +5,7 @@ pub mod column_map;
 pub mod column_names;
 pub mod columns;
 mod command;
+pub mod lost;
 pub mod missing;
 pub mod samples;
 pub mod survey;

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::recording::channels::lost::LostSignal;
 use crate::recording::channels::missing::MissingValues;
 
 /// What the signal of a recording is.
@@ -68,6 +69,8 @@ pub struct Recording {
     pub clock_drift: Option<ClockDrift>,
     /// Set where cells of the file hold no number; their rows are masked.
     pub missing: Option<MissingValues>,
+    /// Set where channels of the signal are cut off or stand still.
+    pub lost: Option<LostSignal>,
     /// What a reader of any result should know of how the files were put together.
     pub remarks: Vec<String>,
 }
@@ -95,6 +98,7 @@ impl Recording {
             stamp_jitter: None,
             clock_drift: None,
             missing: None,
+            lost: None,
             remarks: Vec::new(),
         }
     }
@@ -103,6 +107,20 @@ impl Recording {
     pub(in crate::recording) fn at(mut self, time: Vec<f64>) -> Self {
         self.time = Some(time);
         self
+    }
+
+    /// Whether the signal of every sample counts; `None`: all do. The motion of samples without a signal is known.
+    pub fn signal_mask(&self) -> Option<Vec<bool>> {
+        let Some(lost) = &self.lost else {
+            return self.mask.clone();
+        };
+        let both = |mask: &Vec<bool>| {
+            mask.iter()
+                .zip(&lost.valid)
+                .map(|(a, b)| *a && *b)
+                .collect()
+        };
+        Some(self.mask.as_ref().map_or_else(|| lost.valid.clone(), both))
     }
 
     /// Keeps some samples.
@@ -117,7 +135,8 @@ impl Recording {
         self.position.iter_mut().for_each(pick);
         self.signal.iter_mut().for_each(pick);
         self.time.iter_mut().for_each(pick);
-        if let Some(mask) = &mut self.mask {
+        let lost = self.lost.as_mut().map(|lost| &mut lost.valid);
+        for mask in self.mask.as_mut().into_iter().chain(lost) {
             *mask = kept.iter().map(|&k| mask[k]).collect();
         }
         if let Some(lines) = &mut self.lines {

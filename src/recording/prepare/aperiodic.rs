@@ -14,7 +14,7 @@ use crate::recording::prepare::derivatives::differentiate::{
 };
 use crate::recording::prepare::experiment::{Experiment, Raw, RowMap};
 use crate::recording::prepare::filter::parallel;
-use crate::recording::prepare::noise_level::{hiding_step, white_deviation};
+use crate::recording::prepare::noise_level::{hiding_step, pieces, white_deviation};
 use crate::recording::prepare::periods::scatter;
 use crate::recording::prepare::settings::{Method, Preparation};
 use crate::recording::series::interpolation::{Ends, fill, fill_motion};
@@ -35,7 +35,7 @@ pub(in crate::recording) fn prepare(
     let raw = Raw {
         signal: recording.signal.clone(),
         temperature: recording.temperature.take(),
-        mask: recording.mask.clone(),
+        mask: recording.signal_mask(),
         map: RowMap::Same,
         rows: t.len(),
         t,
@@ -64,8 +64,12 @@ pub(in crate::recording) fn prepare(
 
 /// What a reader should know of signals whose steps are coarser than their noise.
 fn coarse_signals(experiment: &Experiment) -> Option<String> {
-    let steps = (experiment.signal.iter().enumerate())
-        .filter_map(|(channel, series)| Some((channel, hiding_step(series)?)));
+    let steps = (experiment.signal.iter().enumerate()).filter_map(|(channel, series)| {
+        Some((
+            channel,
+            hiding_step(&pieces(series, experiment.mask.as_deref()))?,
+        ))
+    });
     let named: Vec<String> = steps
         .map(|(channel, step)| format!("{} ({step:.4})", channel + 1))
         .collect();
@@ -127,12 +131,12 @@ impl Rows {
         let differentiated = differentiate(&recording, preparation, timing)?;
         let rows = 0..raw.t.len();
         Ok(Self {
+            mask: recording.signal_mask(),
             file: recording.file,
             t: rows.map(|k| k as f64 / timing.rate_hz).collect(),
             rate_hz: timing.rate_hz,
             differentiated,
             signal: recording.signal,
-            mask: recording.mask,
             raw,
         })
     }
@@ -150,7 +154,7 @@ impl Rows {
             rate_hz: rows.rate_hz(),
             differentiated,
             signal,
-            mask: rows.mask(recording.mask.as_deref()),
+            mask: rows.mask(recording.signal_mask().as_deref()),
             file: recording.file,
             t: rows.t,
             raw: Raw {
@@ -193,8 +197,9 @@ impl Rows {
         let left = parallel
             .as_ref()
             .map_or(1.0, ZeroPhase::gain_of_white_noise);
-        let deviation =
-            |series: &Vec<f64>| white_deviation(series).map(|deviation| left * deviation);
+        let deviation = |series: &Vec<f64>| {
+            white_deviation(&pieces(series, mask.as_deref())).map(|deviation| left * deviation)
+        };
         let white_noise = signal.iter().map(deviation).collect();
         if let Some(filter) = &parallel {
             signal.iter_mut().for_each(|series| filter.apply(series));
@@ -228,19 +233,24 @@ impl Rows {
 
 /// Lines over masked samples: what is recorded there must not leak through the filters.
 fn fill_masked(recording: &mut Recording) -> Result<(), RecordingError> {
-    let Some(mask) = &recording.mask else {
+    let Some(of_signal) = recording.signal_mask() else {
         return Ok(());
     };
-    if mask.iter().filter(|&&valid| valid).count() < LEAST_ROWS {
+    if of_signal.iter().filter(|&&valid| valid).count() < LEAST_ROWS {
         let kind = RecordingErrorKind::NothingUnmasked;
         return Err(RecordingError::new(Place::file(&recording.file), kind));
     }
-    let measured = [&mut recording.velocity, &mut recording.acceleration];
+    for series in &mut recording.signal {
+        fill(series, &of_signal, Ends::Held);
+    }
+    let Some(mask) = &recording.mask else {
+        return Ok(());
+    };
     for series in &mut recording.position {
         fill_motion(series, mask);
     }
-    let signals = recording.signal.iter_mut();
-    for series in signals.chain(measured.into_iter().flatten().flatten()) {
+    let measured = [&mut recording.velocity, &mut recording.acceleration];
+    for series in measured.into_iter().flatten().flatten() {
         fill(series, mask, Ends::Held);
     }
     Ok(())

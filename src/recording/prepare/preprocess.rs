@@ -35,6 +35,8 @@ pub fn prepare(
     let joined = recording.remarks.clone();
     let missing = recording.missing.as_ref();
     let missing = missing.map(|missing| missing.words(&recording.file));
+    let lost = recording.lost.as_ref();
+    let lost = lost.and_then(|lost| lost.words(&recording.file));
     let mut experiment = match settled.period {
         Some((period, chosen)) if period::is_whole(&recording, &timing, period) => {
             periodic::prepare(recording, preparation, timing, period, chosen)
@@ -43,7 +45,7 @@ pub fn prepare(
     }?;
     experiment.remarks.extend(
         joined.into_iter().chain(
-            [missing, spikes, held, clock, drift, settled.remark]
+            [missing, lost, spikes, held, clock, drift, settled.remark]
                 .into_iter()
                 .flatten(),
         ),

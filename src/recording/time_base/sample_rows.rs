@@ -1,6 +1,7 @@
 //! Rows of a recording whose samples do not come evenly: one for every sample, at its own time, so that no signal is
 //! interpolated. Where samples are missing, masked rows in their place keep the rows about even in time.
 
+use crate::recording::channels::lost::LostSignal;
 use crate::recording::channels::samples::Recording;
 use crate::recording::series::interpolation::{Ends, fill};
 use crate::recording::time_base::timing::{GAP_STEPS, Timing, is_even};
@@ -94,6 +95,10 @@ impl SampleRows {
             signal: channels(&recording.signal),
             temperature: recording.temperature.as_ref().map(channels),
             mask: self.mask(recording.mask.as_deref()),
+            lost: recording.lost.map(|lost| LostSignal {
+                valid: self.mask(Some(&lost.valid)).unwrap_or_default(),
+                ..lost
+            }),
             lines: Some(lines),
             time: Some(self.t),
             ..recording

@@ -62,6 +62,15 @@ impl PeriodAverage {
         })
     }
 
+    /// The same periods with another mask of all samples of the recording.
+    pub fn with_mask(&self, mask: Option<&[bool]>) -> Self {
+        let range = self.first..self.first + self.count * self.samples;
+        Self {
+            mask: mask.map(|mask| mask[range].to_vec()),
+            ..*self
+        }
+    }
+
     fn valid(&self, index: usize) -> bool {
         self.mask.as_ref().is_none_or(|mask| mask[index])
     }

@@ -29,17 +29,23 @@ pub(in crate::recording) fn prepare(
     let rate_hz = samples as f64 / period;
     let t = take_stamps(&mut recording, timing.rate_hz);
     let temperature = recording.temperature.take();
-    let recorded_mask = recording.mask.clone();
+    let recorded_mask = recording.signal_mask();
     let average = PeriodAverage::new(&recording, samples, period)?;
+    let average_of_signal = average.with_mask(recorded_mask.as_deref());
     let first = average.first;
     let start = t[first];
     let parallel = parallel(&recording.file, preparation, rate_hz)?;
     let positions = std::mem::take(&mut recording.position);
     let joints = Joints::new(&positions, &average, preparation, period);
     let recorded_signal = &recording.signal;
-    let noise = noise(&average, recorded_signal, &positions, parallel.as_ref());
+    let noise = noise(
+        &average_of_signal,
+        recorded_signal,
+        &positions,
+        parallel.as_ref(),
+    );
     drop(positions);
-    let signal = averages(&average, recorded_signal, parallel.as_ref());
+    let signal = averages(&average_of_signal, recorded_signal, parallel.as_ref());
     Ok(Experiment {
         t: (0..samples).map(|k| start + k as f64 / rate_hz).collect(),
         rate_hz,
@@ -50,7 +56,7 @@ pub(in crate::recording) fn prepare(
             _ => Method::Fourier,
         },
         signal,
-        mask: average.row_mask(),
+        mask: average_of_signal.row_mask(),
         noise,
         white_noise: Vec::new(),
         raw: Raw {

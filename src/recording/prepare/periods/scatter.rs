@@ -59,7 +59,8 @@ impl Others {
         if periods < 2.0 {
             return None;
         }
-        let counts = |k: usize| recording.mask.as_ref().is_none_or(|mask| mask[k]);
+        let mask = recording.signal_mask();
+        let counts = |k: usize| mask.as_ref().is_none_or(|mask| mask[k]);
         let mut stencils: Vec<Vec<Stencil>> = vec![Vec::new(); time.len()];
         for m in (-BESIDE..=BESIDE).filter(|m| *m != 0) {
             let shift = f64::from(m) * period;
