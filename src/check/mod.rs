@@ -10,6 +10,7 @@ mod context;
 mod delay;
 mod drift;
 mod extent;
+mod filtered;
 mod identifiability;
 mod known_values;
 mod limits;
@@ -73,6 +74,7 @@ const OF_READY: &[fn(&PreparedRecording<'_>) -> Vec<Mistake>] = &[
     signs::check,
     scale::check,
     delay::check,
+    filtered::check,
 ];
 
 /// A check of the training recordings together.

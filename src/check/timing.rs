@@ -47,12 +47,13 @@ fn joined<'a>(read: &'a RawRecording<'_>) -> impl Iterator<Item = Mistake> + 'a 
 /// Rows between the samples, repeated or interpolated, which no run uses.
 fn held(read: &RawRecording<'_>) -> Option<Mistake> {
     let held = read.recording.held.as_ref()?;
+    let words = read.recording.held_words(read.timing.rate_hz)?;
     Some(finding(
         Severity::Warning,
         read.place().key(held.channels),
         Description::new(
             "samples-held",
-            held.words(&read.recording.file, read.timing.rate_hz),
+            words,
             "record every channel at the rate of the file, or write the samples alone",
         ),
     ))

@@ -5,6 +5,9 @@ use std::path::{Path, PathBuf};
 use crate::recording::channels::lost::LostSignal;
 use crate::recording::channels::missing::MissingValues;
 
+/// Steps of time beyond which samples are missing.
+const GAP_STEPS: f64 = 2.5;
+
 /// What the signal of a recording is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SignalKind {
@@ -178,8 +181,8 @@ pub struct Upsampled {
 }
 
 impl Upsampled {
-    /// What a reader of any result should know.
-    pub fn words(&self, file: &Path, rate_hz: f64) -> String {
+    /// What a reader of any result should know, at so many samples per second.
+    fn words(&self, file: &Path, rate_hz: f64) -> String {
         let (slow, fast) = (rate_hz, rate_hz * self.factor);
         let how = match self.manner {
             Manner::Repeated => "repeated",
@@ -226,6 +229,20 @@ impl Recording {
         let rows = self.held.as_ref().map(|held| held.rows.as_slice());
         let row = rows.and_then(|rows| Some(rows.get(sample)? - rows.first()?));
         self.first_line + row.unwrap_or(sample)
+    }
+
+    /// What a reader should know of rows that repeat or interpolate samples. Samples that are some rows apart, and some more, have
+    /// the rate of their mean, and not that of most steps, `rate_hz`, on which the time base rests.
+    pub fn held_words(&self, rate_hz: f64) -> Option<String> {
+        let held = self.held.as_ref()?;
+        let mean = self.time.as_ref().map(|time| {
+            let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            let usual: Vec<f64> = (steps.iter().copied())
+                .filter(|step| *step < GAP_STEPS / rate_hz)
+                .collect();
+            usual.len() as f64 / usual.iter().sum::<f64>()
+        });
+        Some(held.words(&self.file, mean.unwrap_or(rate_hz)))
     }
 
     /// Rows of the file for one sample.

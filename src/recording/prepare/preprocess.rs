@@ -27,8 +27,7 @@ pub fn prepare(
     let settled = period_of(&recording, preparation, &timing)?;
     let period = settled.period.as_ref();
     let spikes = spikes::replace(&mut recording, period.map(|(s, _)| s * timing.rate_hz));
-    let held = recording.held.as_ref();
-    let held = held.map(|held| held.words(&recording.file, timing.rate_hz));
+    let held = recording.held_words(timing.rate_hz);
     let clock = clock::words(&recording, timing.rate_hz);
     let drift = recording.clock_drift.as_ref();
     let drift = drift.map(|drift| drift.words(&recording.file));

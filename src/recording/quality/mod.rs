@@ -1,6 +1,7 @@
-//! Data quality: spikes, signals that are cut off or stand still, upsampled channels, and rows that two recordings have in common.
+//! Data quality: spikes, signals that are cut off, stand still or were low-passed, upsampled channels, and rows that two recordings have in common.
 
 pub mod copies;
+pub mod filtered;
 pub mod lost_signal;
 mod resolution;
 pub mod spikes;

@@ -1,5 +1,9 @@
 //! Detection of upsampled channels: rows that repeat a sample (zero-order hold) or lie on a line between two (first-order hold).
 //!
+//! At less than two rows for each sample only some samples are repeated: rows in which all channels at once are those of the row
+//! before, spaced as evenly as two clocks allow. At a number of rows that is not whole, rows on a line come at even phases of
+//! the samples: of r rows for each sample, those that do not lie beside one make up the share 1 − 2/r.
+//!
 //! Of a series that is repeated, `Δx = x(k) − x(k − 1)` is zero but where a sample is new; of one that is interpolated,
 //! `Δ²x = x(k + 1) − 2x(k) + x(k − 1)` is zero but at the samples. Where the rows that are not zero lie at every r-th place,
 //! the others tell nothing that these do not: r-fold data would make intervals too narrow by √r and more, as noise that is
@@ -7,9 +11,12 @@
 
 use std::collections::HashSet;
 
+use realfft::num_complex::Complex;
+
 use crate::fault::Place;
 use crate::recording::channels::samples::{Manner, Recording, Upsampled};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
+use crate::recording::series::spectrum::coefficients;
 use crate::stats::robust::quantile;
 
 /// Most rows of one sample: 10 Hz written at 1 kHz.
@@ -36,13 +43,32 @@ const MOST: f64 = 0.9;
 /// Bends below this share of a series are the rounding of double precision.
 const ROUNDING: f64 = 1e-12;
 
+/// Bend of rows on a line that was rounded when written, over that of nine rows in ten.
+const FEW_BEND: f64 = 0.01;
+
+/// Share of rows on a line below which it is not told how many rows there are for each sample: less than 2.1.
+const LEAST_STRAIGHT: f64 = 0.05;
+
+/// Share of the rows on a line that may lie beside samples: where the samples themselves lie on a line.
+const STRAY: f64 = 0.05;
+
+/// Share by which the number of rows for each sample may exceed what the share of rows on a line says.
+const NEAR: f64 = 0.05;
+
+/// Steps of a turn to which phases are told.
+const STEPS: f64 = 16.0;
+
 /// Rows in which interpolation is looked for; the pattern is held against the rest.
 const SEARCHED: usize = 5_000;
+
+/// Samples on either side by whose rows the clock of the samples is told.
+const BESIDE: usize = 10;
 
 /// Share of the samples of one channel that have to be those of every other.
 const TOGETHER: f64 = 0.9;
 
 /// The rows in which one channel has a sample of its own.
+#[derive(Clone)]
 struct Pattern {
     manner: Manner,
     /// Of one sample, on average.
@@ -75,7 +101,10 @@ impl Pattern {
 pub fn thinned(mut recording: Recording, rate: Option<f64>) -> Result<Recording, RecordingError> {
     let joints = recording.position.len();
     let series = recording.position.iter().chain(&recording.signal);
-    let patterns: Vec<Option<Pattern>> = series.map(|series| pattern(series)).collect();
+    let mut patterns: Vec<Option<Pattern>> = series.map(|series| pattern(series)).collect();
+    if patterns.iter().all(Option::is_none) {
+        patterns = sometimes_repeated(&recording);
+    }
     let found = || patterns.iter().flatten();
     let Some(slowest) = found().max_by(|a, b| a.factor.total_cmp(&b.factor)) else {
         return Ok(recording);
@@ -102,14 +131,35 @@ pub fn thinned(mut recording: Recording, rate: Option<f64>) -> Result<Recording,
         let length = recording.position.first().map_or(0, Vec::len);
         recording.time = Some((0..length).map(|k| k as f64 / rate).collect());
     }
+    let even = match (&recording.time, held.channels) {
+        (Some(time), "positions and signals") => Some(clock_of_samples(time, &held.rows)),
+        _ => None,
+    };
     recording.keep(&held.rows);
+    recording.time = even.or(recording.time);
     recording.held = Some(held);
     Ok(recording)
 }
 
+/// Times of samples that all channels have at some rows, s: on an even clock, for by the clock of the rows a sample comes up to a
+/// row late.
+fn clock_of_samples(time: &[f64], rows: &[usize]) -> Vec<f64> {
+    let last = rows.len().saturating_sub(1);
+    let at = |k: usize| {
+        let beside = BESIDE.min(k).min(last - k);
+        let near = &rows[k - beside..=k + beside];
+        let row = near.iter().sum::<usize>() as f64 / near.len() as f64;
+        let before = (row as usize).min(time.len().saturating_sub(2));
+        time[before] + (row - before as f64) * (time[before + 1] - time[before])
+    };
+    (0..rows.len()).map(at).collect()
+}
+
 /// Where the samples of a channel are; `None` where every row is one, or nothing tells.
 fn pattern(series: &[f64]) -> Option<Pattern> {
-    repeated(series).or_else(|| interpolated(series))
+    repeated(series)
+        .or_else(|| interpolated(series))
+        .or_else(|| on_lines(series))
 }
 
 fn repeated(series: &[f64]) -> Option<Pattern> {
@@ -131,6 +181,44 @@ fn repeated(series: &[f64]) -> Option<Pattern> {
         return Some(Pattern::every(Manner::Repeated, every, phase, length));
     }
     by_two_clocks(&changed, length)
+}
+
+/// Channels in which some samples are repeated, one pattern for all of them: positions and signals, or signals alone.
+fn sometimes_repeated(recording: &Recording) -> Vec<Option<Pattern>> {
+    let joints = recording.position.len();
+    let series: Vec<&Vec<f64>> = recording.position.iter().chain(&recording.signal).collect();
+    let groups = [0, joints].into_iter();
+    let found = groups.filter_map(|first| Some((first, repeated_rows(&series[first..])?)));
+    let found = found.take(1).collect::<Vec<_>>().pop();
+    let of = |k: usize| {
+        let (first, pattern) = found.as_ref()?;
+        (k >= *first).then(|| pattern.clone())
+    };
+    (0..series.len()).map(of).collect()
+}
+
+/// The pattern of rows that are those before them in all of some channels, one for several samples.
+fn repeated_rows(series: &[&Vec<f64>]) -> Option<Pattern> {
+    let length = series.first()?.len();
+    let is_repeated = |k: usize| k > 0 && series.iter().all(|s| s[k] == s[k - 1]);
+    let (repeated, rows): (Vec<usize>, Vec<usize>) = (0..length).partition(|k| is_repeated(*k));
+    let mut spacings: Vec<usize> = repeated.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    if spacings.len() < LEAST_CHANGES {
+        return None;
+    }
+    spacings.sort_unstable();
+    let middle = spacings[spacings.len() / 2];
+    let near = |least: usize| {
+        let usual = spacings.iter().filter(|s| (least..=least + 1).contains(*s));
+        usual.count()
+    };
+    let least = (middle.saturating_sub(1)..=middle).max_by_key(|least| near(*least))?;
+    let is_even = near(least) as f64 >= USUAL * spacings.len() as f64;
+    (is_even && least >= 2).then(|| Pattern {
+        manner: Manner::Repeated,
+        factor: length as f64 / rows.len() as f64,
+        rows,
+    })
 }
 
 /// Whether a series changes by one least step at a time.
@@ -201,6 +289,80 @@ fn interpolated(series: &[f64]) -> Option<Pattern> {
         .find_map(|every| largest((begin, end), every))?;
     let whole = largest((1, length - 1), every)?;
     (whole == (every, phase)).then(|| Pattern::every(Manner::Interpolated, every, phase, length))
+}
+
+/// Samples with straight lines between them, at a number of rows that is not whole: the rows nearest to the samples.
+fn on_lines(series: &[f64]) -> Option<Pattern> {
+    let bends: Vec<f64> = series
+        .windows(3)
+        .map(|x| (x[2] - 2.0 * x[1] + x[0]).abs())
+        .collect();
+    let usual = match bends.len() < LEAST_CHANGES {
+        true => return None,
+        false => quantile(&mut bends.clone(), MOST),
+    };
+    let size = series.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let is_straight = |bend: &f64| *bend <= (FEW_BEND * usual).max(ROUNDING * size);
+    let straight: Vec<usize> = (1..)
+        .zip(&bends)
+        .filter(|(_, b)| is_straight(b))
+        .map(|(k, _)| k)
+        .collect();
+    let share = straight.len() as f64 / bends.len() as f64;
+    let changed: Vec<usize> = (1..series.len())
+        .filter(|&k| series[k] != series[k - 1])
+        .collect();
+    if share < LEAST_STRAIGHT || usual <= ROUNDING * size || one_by_one(series, &changed) {
+        return None;
+    }
+    // Samples that fall on rows make more of them straight, never fewer.
+    let most = (1.0 + NEAR) * 2.0 / (1.0 - share);
+    let factor = spacing(&straight, most, series.len())?;
+    let turn = |k: usize| k as f64 / factor;
+    let resultant = resultant(straight.iter().map(|&k| turn(k)));
+    // Straight rows lie about the middle between two samples, and none beside a sample.
+    let middle = resultant.arg() / std::f64::consts::TAU;
+    let half = 0.5 * (1.0 - 2.0 / factor) + 1.0 / STEPS;
+    let apart = |k: usize| {
+        let away = turn(k) - middle;
+        (away - away.round()).abs()
+    };
+    let elsewhere = straight.iter().filter(|k| apart(**k) > half).count();
+    let bent = (1..=bends.len()).filter(|k| apart(*k) < half - 2.0 / STEPS);
+    let bent = bent.filter(|&k| !is_straight(&bends[k - 1])).count();
+    let few = STRAY * straight.len() as f64;
+    if elsewhere as f64 > few || bent as f64 > few {
+        return None;
+    }
+    let first = (middle + 0.5).rem_euclid(1.0) * factor;
+    let samples = ((series.len() as f64 - 1.0 - first) / factor) as usize;
+    let row = |n: usize| (first + n as f64 * factor).round() as usize;
+    Some(Pattern {
+        manner: Manner::Interpolated,
+        factor,
+        rows: (0..=samples).map(row).collect(),
+    })
+}
+
+/// Mean of the directions that turns point to.
+fn resultant(turns: impl ExactSizeIterator<Item = f64>) -> Complex<f64> {
+    let count = turns.len() as f64;
+    let directions = turns.map(|turn| Complex::from_polar(1.0, std::f64::consts::TAU * turn));
+    directions.sum::<Complex<f64>>() / count
+}
+
+/// The spacing up to a given one at whose phases some of so many rows come most evenly.
+fn spacing(rows: &[usize], most: f64, length: usize) -> Option<f64> {
+    let share = rows.len() as f64 / length as f64;
+    let padded = STEPS as usize * length;
+    let mut marks = vec![-share; length];
+    rows.iter().for_each(|&k| marks[k] += 1.0);
+    marks.resize(padded, 0.0);
+    let spectrum = coefficients(&marks);
+    let first = (padded as f64 / most) as usize;
+    let strengths = spectrum.iter().enumerate().skip(first);
+    let strongest = strengths.max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr()))?;
+    Some(padded as f64 / strongest.0 as f64)
 }
 
 #[cfg(test)]
@@ -295,6 +457,68 @@ mod tests {
         };
         let found = thinned(free, None).unwrap();
         assert_eq!(found.held.unwrap().channels, "signals");
+    }
+
+    #[test]
+    fn recovers_samples_of_which_only_some_are_repeated() {
+        for counts in [8192.0, 65536.0] {
+            let taken = taken(counts);
+            for factor in [1.1, 1.25, 4.0 / 3.0, 1.5, 1.6, 1.75, 1.9] {
+                let found = thinned(written(&taken, factor, repeat), None).unwrap();
+                let held = found.held.expect("repeated samples");
+                assert!(
+                    (held.factor - factor).abs() < 0.01,
+                    "{factor}: {}",
+                    held.factor
+                );
+                assert_eq!(held.channels, "positions and signals");
+                let time = found.time.as_ref().unwrap();
+                let inner = BESIDE..time.len() - BESIDE;
+                let step = |k: usize| (time[k + 1] - time[k]) * RATE;
+                assert!(
+                    inner.clone().all(|k| (step(k) - 1.0).abs() < 0.1),
+                    "{factor}"
+                );
+                assert_eq!(found.signal[0], taken.signal[0][..found.signal[0].len()]);
+            }
+        }
+    }
+
+    #[test]
+    fn recovers_samples_on_lines_at_no_whole_number_of_rows() {
+        let taken = taken(65536.0);
+        for factor in [2.2, 2.5, 10.0 / 3.0, 4.7] {
+            let found = thinned(written(&taken, factor, line), None).unwrap();
+            let held = found.held.expect("interpolated samples");
+            assert_eq!(held.manner, Manner::Interpolated);
+            assert!(
+                (held.factor - factor).abs() < 0.01,
+                "{factor}: {}",
+                held.factor
+            );
+            // The row nearest to a sample is within half a row of it.
+            let near = (held.rows.iter()).filter(|row| {
+                let at = **row as f64 / factor;
+                (at - at.round()).abs() * factor <= 0.75
+            });
+            assert!(near.count() as f64 > 0.99 * held.rows.len() as f64);
+        }
+    }
+
+    #[test]
+    fn rates_are_told_of_the_samples_themselves() {
+        let taken = taken(65536.0);
+        let smooth = |m: usize| (0.008 * m as f64).sin();
+        let written = Recording {
+            position: vec![(0..4997).map(smooth).collect()],
+            ..written(&taken, 2.5, repeat)
+        };
+        let found = thinned(written, None).unwrap();
+        let words = found.held_words(83.0).unwrap();
+        assert!(
+            words.contains("at 100.0") && words.contains("at 250.0"),
+            "{words}"
+        );
     }
 
     #[test]
