@@ -30,11 +30,18 @@ fn an_interrupt_leaves_the_best_so_far() {
         arm.edit("problem.toml", &known, "");
     }
     arm.edit("problem.toml", "\"wls\"", "\"maximum_likelihood\"");
-    let spawn = || arm.fit("out", &["--set", EVERY_SAMPLE]).spawn().unwrap();
+    let mut fit = arm.fit("out", &["--set", EVERY_SAMPLE]);
+    fit.stderr(Stdio::piped());
     // While recordings are read there is nothing yet to leave; how long that takes is up to the machine.
     let mut delay = Duration::ZERO;
     while !arm.path("out").exists() {
-        assert_eq!(interrupt(spawn(), delay), Some(130));
+        let mut child = fit.spawn().unwrap();
+        let mut said = child.stderr.take().unwrap();
+        assert_eq!(interrupt(child, delay), Some(130));
+        let mut words = String::new();
+        said.read_to_string(&mut words).unwrap();
+        assert!(words.starts_with("interrupted: "), "{words}");
+        assert_eq!(words.lines().count(), 1, "{words}");
         delay = delay * 5 / 4 + Duration::from_millis(10);
     }
     let result = result(&arm);

@@ -9,6 +9,14 @@ pub fn list(names: &[String]) -> String {
     }
 }
 
+/// `1 joint`, `6 joints`.
+pub fn count(number: usize, noun: &str) -> String {
+    match number {
+        1 => format!("1 {noun}"),
+        _ => format!("{number} {noun}s"),
+    }
+}
+
 /// Sizes below this, in any unit of a finding, are rounding and nothing else.
 const ROUNDING: f64 = 1e-12;
 
@@ -31,6 +39,14 @@ pub fn short(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_is_told_in_the_singular() {
+        assert_eq!(
+            [0, 1, 2].map(|n| count(n, "start")),
+            ["0 starts", "1 start", "2 starts"]
+        );
+    }
 
     #[test]
     fn numbers_of_sentences_have_three_digits_and_no_endless_zeros() {

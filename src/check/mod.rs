@@ -226,7 +226,9 @@ fn with_robot(
     let mut dataset = Dataset::default();
     let mut complete = true;
     let mut read = Vec::new();
-    for named in list(table) {
+    let recordings = list(table);
+    let count = control.counting(recordings.len());
+    for named in recordings {
         if control.is_interrupted() {
             return;
         }
@@ -235,6 +237,7 @@ fn with_robot(
             Some(recording) => read.push(ReadRecording { named, recording }),
             None => complete &= named.split != Split::Train,
         }
+        count.one();
     }
     let shared = shared_rows(table, &read);
     found.faults.extend(shared.iter().map(from_fault));

@@ -58,7 +58,7 @@ pub enum Verb {
     Repeat(Repetition),
     /// Two results side by side: parameters, errors, findings, and what differs significantly
     #[command(
-        after_help = "Examples:\n  exid compare results/arm6/fit results/arm6_after/fit\n  exid compare A/result.json B/result.json --json"
+        after_help = "Examples:\n  exid compare results/arm6/fit results/arm6_after/fit\n  exid compare results/arm6/fit results/arm6_after/fit --all\n  exid compare A/result.json B/result.json --json"
     )]
     Compare(Pair),
     /// A commented problem file from what a robot's description and its recordings show
@@ -383,6 +383,9 @@ pub struct Pair {
     pub first: PathBuf,
     /// Another one
     pub second: PathBuf,
+    /// Show every parameter, joint, finding and name: without it, what differs and the nearest ten of what does not
+    #[arg(long)]
+    pub all: bool,
     /// Print as JSON
     #[arg(long)]
     pub json: bool,

@@ -5,7 +5,7 @@ use crate::cli::error::CliError;
 use crate::cli::output::print;
 use crate::outcome::Outcome;
 use crate::outcome::compare::compare;
-use crate::report::compared;
+use crate::report::compared::{self, Extent};
 
 pub fn run(query: &Pair) -> Result<u8, CliError> {
     let first = Outcome::read(&query.first)?;
@@ -15,7 +15,11 @@ pub fn run(query: &Pair) -> Result<u8, CliError> {
         print(&format!("{:#}", serde_json::json!(found)))?;
     } else {
         let names = [&query.first, &query.second].map(|path| path.display().to_string());
-        print(&compared::text(&found, [&names[0], &names[1]]))?;
+        let extent = match query.all {
+            true => Extent::Everything,
+            false => Extent::Brief,
+        };
+        print(&compared::text(&found, [&names[0], &names[1]], extent))?;
     }
     Ok(0)
 }

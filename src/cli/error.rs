@@ -43,6 +43,11 @@ impl CliError {
     pub const DEFECT: u8 = ending::DEFECT;
     pub const INTERRUPTED: u8 = ending::INTERRUPTED;
 
+    /// Whether somebody interrupted the run, and no file is at fault.
+    pub fn is_interrupt(&self) -> bool {
+        matches!(self, Self::Verb(error) if error.is_interrupt())
+    }
+
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Verb(error) => error.exit_code(),

@@ -73,7 +73,10 @@ fn dispatch(verb: &Verb) -> Result<u8, CliError> {
 }
 
 fn failed(error: &CliError) -> ExitCode {
-    complain(&format!("error: {error}"));
+    // Whoever interrupts a run is answered at once.
+    if !error.is_interrupt() {
+        complain(&format!("error: {error}"));
+    }
     ExitCode::from(error.exit_code())
 }
 

@@ -232,6 +232,7 @@ impl OtherModels<'_> {
     fn compare(&self, fitted: &mut Fitted) -> Result<(), FitError> {
         let (problem, data) = (self.problem, self.data);
         let mut others = Vec::new();
+        let count = self.control.counting(problem.fit.compare.len());
         for compared in &problem.fit.compare {
             if self.control.is_interrupted() {
                 break;
@@ -252,6 +253,7 @@ impl OtherModels<'_> {
                 joints: result.estimate.joints,
             });
             others.push(result.predictions);
+            count.one();
         }
         if self.control.is_interrupted() {
             let note = "The comparison was interrupted: no model is called better than another.";

@@ -114,9 +114,9 @@ pub struct ExpectedDeviation {
     /// Absent where the motion does not determine it, or the noise is not stated.
     #[serde(with = "number::optional")]
     pub std_dev: Option<f64>,
-    /// The value that the prediction was made with.
-    #[serde(with = "number::nullable", default)]
-    pub value: f64,
+    /// The value that the prediction was made with; absent where nothing states one.
+    #[serde(with = "number::optional", default)]
+    pub value: Option<f64>,
 }
 
 /// A motion that a design is compared with, at as many samples and with the same noise.

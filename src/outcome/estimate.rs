@@ -54,7 +54,8 @@ pub struct Solver {
     pub name: String,
     /// Why it stopped, in snake_case: `cost_tolerance`, `iteration_limit`, `interrupted`, ...
     pub stop: String,
-    /// The point is a solution within the solver's tolerances.
+    /// The point is a solution within the solver's tolerances. Of a design that was cut off, or whose motion was made smaller to keep
+    /// its limits, it is false, though the motion can be used: the exit code is 0 and `stop` is `iteration_limit` or `time_limit`.
     pub converged: bool,
     /// Steps, accepted or not; 1 of a direct solution.
     pub iterations: u64,

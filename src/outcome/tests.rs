@@ -10,7 +10,7 @@ use crate::outcome::joint::JointFigures;
 use crate::outcome::parameter::{Parameter, Source};
 use crate::outcome::provenance::{Provenance, VERSION};
 use crate::outcome::run::Run;
-use crate::outcome::simulation::{RealisedNoise, Simulation};
+use crate::outcome::simulation::{RealisedNoise, RecordedPosition, Simulation};
 use crate::outcome::{Outcome, Part};
 
 /// Figures of a joint with a held-out recording.
@@ -169,6 +169,13 @@ fn invariant_every_verb_reads_back_what_was_written() {
                 channel: "i1".to_string(),
                 unit: "A".to_string(),
                 std_dev: 0.5,
+            }],
+            positions: vec![RecordedPosition {
+                joint: "joint1".to_string(),
+                channel: "i1".to_string(),
+                column: "q1".to_string(),
+                unit: "rad".to_string(),
+                factor: 1.0,
             }],
             notes: Vec::new(),
         }),

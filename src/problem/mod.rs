@@ -10,6 +10,7 @@ use crate::problem::form::Form;
 
 pub mod bounds;
 pub mod check;
+pub mod count;
 pub mod defect;
 pub mod error;
 pub mod form;

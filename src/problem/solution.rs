@@ -7,6 +7,7 @@ use std::time::Duration;
 use nalgebra::DVector;
 
 use crate::problem::bounds::ActiveBound;
+use crate::problem::count::{Count, Done};
 
 /// Why a solver stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -130,6 +131,15 @@ pub struct Control<'a> {
     pub time_limit: Option<Duration>,
     /// Called once per iteration.
     pub progress: Option<&'a (dyn Fn(&TraceRow) + Sync)>,
+    /// Called once per part of a run that has many alike.
+    pub parts: Option<&'a (dyn Fn(&Done) + Sync)>,
+}
+
+impl<'a> Control<'a> {
+    /// A count of so many parts, of which the watcher hears.
+    pub fn counting(&self, all: usize) -> Count<'a> {
+        Count::new(self.parts, all)
+    }
 }
 
 impl Control<'_> {

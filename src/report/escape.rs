@@ -30,3 +30,33 @@ pub fn breakable(name: &str) -> String {
     }
     out
 }
+
+/// Escaped sentences: what stands between backticks is code, which a narrow page may break as [`breakable`] says.
+pub fn prose(text: &str) -> String {
+    let parts: Vec<&str> = text.split('`').collect();
+    if parts.len() % 2 == 0 {
+        return escape(text);
+    }
+    let mut out = String::with_capacity(text.len());
+    for (number, part) in parts.into_iter().enumerate() {
+        match number % 2 {
+            0 => out.push_str(&escape(part)),
+            _ => out.push_str(&format!("<code>{}</code>", breakable(part))),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn code_in_sentences_stands_in_an_element_of_its_own() {
+        assert_eq!(
+            prose("set `a.b<c` & go"),
+            "set <code>a.<wbr>b&lt;c</code> &amp; go"
+        );
+        assert_eq!(prose("a lone ` stays"), "a lone ` stays");
+    }
+}

@@ -1,5 +1,6 @@
 //! The few facts that both the page and the terminal open with.
 
+pub(super) use crate::chain::words::count;
 use crate::outcome::check::{Mistake, Severity};
 use crate::outcome::estimate::Solver;
 use crate::outcome::fit::Fit;
@@ -220,6 +221,24 @@ pub(super) fn solver_sentence(solver: &Solver) -> String {
     )
 }
 
+/// How the search for a motion ended, in words: one that was cut off may have come to a motion that keeps its limits.
+pub(super) fn design_sentence(solver: &Solver) -> String {
+    match is_cut_off(solver) {
+        true => format!(
+            "{}: feasible; stopped at the {} after {}",
+            solver.name,
+            solver.stop.replace('_', " "),
+            count(solver.iterations as usize, "iteration")
+        ),
+        false => solver_sentence(solver),
+    }
+}
+
+/// Whether a search ended at a limit of its own before it came to a solution.
+pub(super) fn is_cut_off(solver: &Solver) -> bool {
+    !solver.converged && ["iteration_limit", "time_limit"].contains(&solver.stop.as_str())
+}
+
 /// Number of findings of each severity: `2 errors, 1 warning`.
 pub(super) fn finding_counts(findings: &[Mistake]) -> String {
     let counts: Vec<String> = [Severity::Error, Severity::Warning, Severity::Note]
@@ -246,14 +265,6 @@ pub(super) fn finding_place(finding: &Mistake) -> String {
         Some(channel) if place.is_empty() => channel.clone(),
         Some(channel) => format!("{place}: {channel}"),
         None => place,
-    }
-}
-
-/// `1 joint`, `6 joints`.
-pub(super) fn count(number: usize, noun: &str) -> String {
-    match number {
-        1 => format!("1 {noun}"),
-        _ => format!("{number} {noun}s"),
     }
 }
 
@@ -296,6 +307,31 @@ pub(super) fn moment(time: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_search_that_was_cut_off_is_not_said_to_have_converged() {
+        let solver = |stop: &str, converged| Solver {
+            name: "search".to_string(),
+            stop: stop.to_string(),
+            converged,
+            iterations: 16,
+            evaluations: 20,
+            cost: 1.0,
+        };
+        let sentence = |stop, converged| design_sentence(&solver(stop, converged));
+        assert_eq!(
+            sentence("iteration_limit", false),
+            "search: feasible; stopped at the iteration limit after 16 iterations"
+        );
+        assert_eq!(
+            sentence("cost_tolerance", true),
+            "search converged (cost tolerance) after 16 iterations"
+        );
+        assert_eq!(
+            sentence("infeasible", false),
+            "search did not converge (infeasible) after 16 iterations"
+        );
+    }
 
     #[test]
     fn quotes_what_a_shell_would_split() {

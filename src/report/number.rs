@@ -35,19 +35,30 @@ pub(super) fn optional(value: Option<f64>) -> String {
 
 /// A value with its standard deviation, which has two significant digits: `5.012 ± 0.012`, `1.235e-7 ± 2.1e-9`.
 pub(super) fn with_deviation(value: f64, std_dev: f64) -> String {
-    let exponent = std_dev.abs().log10().floor();
-    if !(value.is_finite() && exponent.is_finite()) {
+    if !(value.is_finite() && std_dev.abs().log10().is_finite()) {
         return significant(value);
     }
+    match decimals(value, std_dev) {
+        Some(decimals) => format!("{value:.decimals$} ± {std_dev:.decimals$}"),
+        None => format!("{} ± {std_dev:.1e}", significant(value)),
+    }
+}
+
+/// Both ends of an interval, as exact as the standard deviation behind it: `4.989 to 5.036`.
+pub(super) fn interval(ends: [f64; 2], std_dev: f64) -> String {
+    let [low, high] = ends.map(|end| match decimals(end, std_dev) {
+        Some(decimals) if end.is_finite() => format!("{end:.decimals$}"),
+        _ => significant(end),
+    });
+    format!("{low} to {high}")
+}
+
+/// Decimals to which a value is known; absent where it is written with its exponent.
+fn decimals(value: f64, std_dev: f64) -> Option<usize> {
+    let exponent = std_dev.abs().log10().floor();
     let decimals = (1 - exponent as i32).max(0);
     let plain = |x: f64| x == 0.0 || PLAIN_EXPONENTS.contains(&(x.abs().log10().floor() as i32));
-    match plain(value) && decimals <= MOST_DECIMALS {
-        true => {
-            let decimals = decimals as usize;
-            format!("{value:.decimals$} ± {std_dev:.decimals$}")
-        }
-        false => format!("{} ± {std_dev:.1e}", significant(value)),
-    }
+    (plain(value) && decimals <= MOST_DECIMALS).then_some(decimals as usize)
 }
 
 /// Decimals that are written out.

@@ -1,6 +1,6 @@
 //! Tables of the page: numbers right-aligned at the decimal point, everything else escaped text.
 
-use crate::report::escape::{breakable, escape};
+use crate::report::escape::{breakable, escape, prose};
 
 /// Space as wide as a digit, and as wide as a point: they align numbers of unlike precision.
 const FIGURE_SPACE: char = '\u{2007}';
@@ -53,7 +53,7 @@ impl Table {
         self.rows.is_empty()
     }
 
-    /// The table in a box that scrolls sideways where the page is narrow.
+    /// The table in a box that scrolls sideways; every cell bears the head of its column, which a phone shows above it.
     pub fn html(&self) -> String {
         let fractions = self.fraction_widths();
         let mut out = String::from("<div class=\"scroll\"><table>\n<thead><tr>");
@@ -72,9 +72,16 @@ impl Table {
             } else {
                 "<tr>"
             });
-            for (column, cell) in row.iter().enumerate() {
-                let fraction = fractions.get(column).copied().flatten().unwrap_or(0);
-                out.push_str(&cell.html(fraction));
+            for ((cell, head), fraction) in row.iter().zip(&self.headers).zip(&fractions) {
+                let class = match cell {
+                    Cell::Number(_) => " class=\"number\"",
+                    _ => "",
+                };
+                let content = cell.html(fraction.unwrap_or(0));
+                out.push_str(&format!(
+                    "<td{class} data-label=\"{}\">{content}</td>",
+                    escape(head)
+                ));
             }
             out.push_str("</tr>\n");
         }
@@ -109,25 +116,22 @@ impl Cell {
         }
     }
 
+    /// What stands in the cell; a number has space after it to so many characters from the point on.
     fn html(&self, fraction: usize) -> String {
         match self {
-            Cell::Text(text) => format!("<td>{}</td>", escape(text)),
+            Cell::Text(text) => prose(text),
+            Cell::Name { name, .. } if name.is_empty() => String::new(),
             Cell::Name { name, remark } if remark.is_empty() => {
-                format!("<td><code>{}</code></td>", breakable(name))
+                format!("<code>{}</code>", breakable(name))
             }
             Cell::Name { name, remark } => format!(
-                "<td><code>{}</code><small>{}</small></td>",
+                "<code>{}</code><small>{}</small>",
                 breakable(name),
-                escape(remark)
+                prose(remark)
             ),
-            Cell::Number(text) => {
-                format!(
-                    "<td class=\"number\">{}</td>",
-                    escape(&padded(text, fraction))
-                )
-            }
-            Cell::Mark(word) => format!("<td><span class=\"{word}\">{word}</span></td>"),
-            Cell::Html(html) => format!("<td>{html}</td>"),
+            Cell::Number(text) => escape(&padded(text, fraction)),
+            Cell::Mark(word) => format!("<span class=\"{word}\">{word}</span>"),
+            Cell::Html(html) => html.clone(),
         }
     }
 }
@@ -167,6 +171,17 @@ mod tests {
         assert_eq!(padded("12", 3), "12\u{2008}\u{2007}\u{2007}");
         assert_eq!(padded("1.5e7", 4), "1.5e7");
         assert_eq!(padded("6.25 %", 4), "6.25 %");
+    }
+
+    #[test]
+    fn every_cell_bears_the_head_of_its_column() {
+        let mut table = Table::new(&["Joint", "RMSE <held out>"]);
+        table.row(vec![Cell::name("a1"), Cell::Number("0.5".to_string())]);
+        let html = table.html();
+        assert!(html.contains("<td data-label=\"Joint\"><code>a1</code></td>"));
+        assert!(
+            html.contains("<td class=\"number\" data-label=\"RMSE &lt;held out&gt;\">0.5</td>")
+        );
     }
 
     #[test]

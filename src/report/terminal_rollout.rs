@@ -1,7 +1,7 @@
 //! Errors of forward simulations on a terminal.
 
 use crate::outcome::rollout::{Horizon, JointErrors, Rollout, Spread};
-use crate::report::number::optional;
+use crate::report::number::{ABSENT, optional};
 use crate::report::terminal::align;
 
 /// Horizon of the table of joints, s.
@@ -52,11 +52,10 @@ fn joints(rollout: &Rollout, horizon: &Horizon) -> Vec<String> {
 
 /// Half of the errors lie between.
 pub(super) fn quartiles(spread: &Spread) -> String {
-    format!(
-        "{} to {}",
-        optional(spread.lower_quartile),
-        optional(spread.upper_quartile)
-    )
+    match (spread.lower_quartile, spread.upper_quartile) {
+        (None, None) => ABSENT.to_string(),
+        (lower, upper) => format!("{} to {}", optional(lower), optional(upper)),
+    }
 }
 
 /// Windows in which the models are lost, before and after.

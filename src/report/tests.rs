@@ -9,6 +9,7 @@ use serde_json::json;
 use sha2::{Digest, Sha256};
 
 use crate::outcome::check::{Check, Mistake, Severity};
+use crate::outcome::design::{Design, ExpectedDeviation};
 use crate::outcome::estimate::{Covariance, Estimate, Solver};
 use crate::outcome::fit::{BaseParameter, Comparison, Fit, Posterior, Preprocessing};
 use crate::outcome::folder::ResultFolder;
@@ -17,6 +18,7 @@ use crate::outcome::joint::JointFigures;
 use crate::outcome::parameter::{Parameter, Source};
 use crate::outcome::predictions::{Block, Column, PredictionsWriter, Quantity};
 use crate::outcome::provenance::{Provenance, VERSION};
+use crate::outcome::rollout::{Before, Horizon, Integrator, JointErrors, Rollout, Spread};
 use crate::outcome::run::Run;
 use crate::outcome::sharing::{SeparateValue, SharedParameter, Sharing};
 use crate::outcome::simulation::{RealisedNoise, Simulation};
@@ -510,6 +512,105 @@ fn findings_are_told_the_worst_first() {
     ));
 }
 
+/// The result, not what is noted on the inputs, is what a reader came for.
+#[test]
+fn several_notes_on_the_inputs_of_a_result_are_folded() {
+    let page = |mistakes| {
+        let outcome = Outcome { mistakes, ..arm() };
+        html::page(&outcome, &Tables::default())
+    };
+    let late = || finding(Severity::Note, "late");
+    let several = page(vec![late(), finding(Severity::Error, "sign"), late()]);
+    let fold = several
+        .find("<details class=\"notes\"><summary>2 notes: ")
+        .unwrap();
+    assert!(several.find("<code>sign</code>").unwrap() < fold);
+    assert!(!page(vec![late()]).contains("<details class=\"notes\">"));
+    let long = Mistake {
+        message: "word ".repeat(80),
+        ..late()
+    };
+    assert!(page(vec![long]).contains("<details class=\"notes\"><summary>1 note: "));
+}
+
+#[test]
+fn code_in_notes_is_set_as_code() {
+    let part = Part::Design(Design {
+        notes: vec!["more `design.starts` may help".to_string()],
+        ..Design::default()
+    });
+    let page = html::page(&Outcome { part, ..arm() }, &Tables::default());
+    assert!(page.contains("more <code>design.<wbr>starts</code> may help"));
+}
+
+#[test]
+fn a_value_that_nothing_states_is_no_number() {
+    let part = Part::Design(Design {
+        expected_std_dev: vec![ExpectedDeviation {
+            name: "link1.mass".to_string(),
+            unit: "kg".to_string(),
+            std_dev: Some(0.1),
+            value: None,
+        }],
+        ..Design::default()
+    });
+    let page = html::page(&Outcome { part, ..arm() }, &Tables::default());
+    assert!(page.contains("data-label=\"Value\">–</td>"));
+}
+
+#[test]
+fn a_design_that_was_cut_off_can_be_used_and_is_no_solution() {
+    let mut outcome = Outcome {
+        part: Part::Design(Design::default()),
+        ..arm()
+    };
+    outcome.estimate.solver = outcome.estimate.solver.map(|solver| Solver {
+        converged: false,
+        stop: "iteration_limit".to_string(),
+        ..solver
+    });
+    let sentence = "feasible; stopped at the iteration limit after 7 iterations";
+    let page = html::page(&outcome, &Tables::default());
+    assert!(page.contains(sentence) && !page.contains("class=\"alert\""));
+    assert!(text::summary(&outcome, None).contains(sentence));
+}
+
+#[test]
+fn a_rollout_has_nothing_of_a_model_before_the_fit_where_there_is_none() {
+    let spread = Spread {
+        median: Some(0.5),
+        ..Spread::default()
+    };
+    let page = |before: Option<Before>| {
+        let joint = JointErrors {
+            joint: "joint1".to_string(),
+            unit: "rad".to_string(),
+            before: before.map(|_| spread),
+            after: spread,
+            noise: spread,
+            integration: 1e-6,
+        };
+        let part = Part::Rollout(Box::new(Rollout {
+            before,
+            horizons: vec![Horizon {
+                horizon: 0.5,
+                joints: vec![joint],
+            }],
+            integrator: Integrator {
+                checked: 1,
+                ..Integrator::default()
+            },
+            ..Rollout::default()
+        }));
+        html::page(&Outcome { part, ..arm() }, &Tables::default())
+    };
+    let (alone, beside) = (page(None), page(Some(Before::DeclaredFitted)));
+    assert!(alone.contains("the steps change in 1 window, RMS"));
+    assert!(!alone.contains("<th class=\"number\">Before</th>"));
+    assert!(beside.contains("<th class=\"number\">Before</th>"));
+    assert!(!alone.contains("– to –") && !beside.contains("– to –"));
+}
+
 #[test]
 fn a_simulation_names_its_files_and_noise() {
     let outcome = Outcome {
@@ -522,6 +623,7 @@ fn a_simulation_names_its_files_and_noise() {
                 unit: "A".to_string(),
                 std_dev: 0.5,
             }],
+            positions: Vec::new(),
             notes: Vec::new(),
         }),
         ..arm()

@@ -307,10 +307,10 @@ fn design_lines(estimate: &Estimate, design: &Design) -> Vec<String> {
         .map(|file| format!("{GAP}{file}"))
         .collect();
     lines.push(format!(
-        "{}: {} after {} starts; condition number {}, log det {}",
+        "{}: {} after {}; condition number {}, log det {}",
         design.criterion,
         significant(design.criterion_value),
-        design.starts,
+        facts::count(design.starts as usize, "start"),
         significant(design.condition_number),
         significant(design.log_det)
     ));
@@ -333,7 +333,7 @@ fn design_lines(estimate: &Estimate, design: &Design) -> Vec<String> {
             c.effect, c.joint, c.sentence
         )
     }));
-    lines.extend(estimate.solver.as_ref().map(facts::solver_sentence));
+    lines.extend(estimate.solver.as_ref().map(facts::design_sentence));
     lines.extend(design.notes.iter().map(|note| format!("note: {note}")));
     lines
 }

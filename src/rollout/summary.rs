@@ -4,7 +4,7 @@ use crate::chain::effect::{Effect, Lasts};
 use crate::chain::forward;
 use crate::chain::forward::Accuracy;
 use crate::chain::model::Signal;
-use crate::chain::words::short;
+use crate::chain::words::{count, short};
 use crate::outcome::Part;
 use crate::outcome::rollout::{
     ErrorCurve, HeldOutRows, Horizon, Integrator, JointErrors, RolledRecording, Rollout, Spread,
@@ -233,11 +233,12 @@ impl Summary<'_> {
             .map(|r| r.starts.rows.len())
             .sum::<usize>();
         let mut text = format!(
-            "Simulated forward under the recorded {} from {windows} starts in {}: after {} s the final model's error of position",
+            "Simulated forward under the recorded {} from {} in {}: after {} s the final model's error of position",
             match self.candidates.after.model.signal() {
                 Signal::PositionCommand => "commands, with the controllers in the loop,",
                 _ => "torques",
             },
+            count(windows, "start"),
             self.held_out.words(),
             horizon.horizon
         );
@@ -273,9 +274,10 @@ impl Summary<'_> {
         for (lost, model) in [(before, "model before"), (after, "final model")] {
             if lost > 0 {
                 notes.push(format!(
-                    "The {model} is lost in {lost} windows: further than half a turn (1 m for sliding joints) from the recording, or \
+                    "The {model} is lost in {}: further than half a turn (1 m for sliding joints) from the recording, or \
                      without positive inertia; they count as larger than any error in medians and quartiles, and not at all \
-                     in the RMS."
+                     in the RMS.",
+                    count(lost, "window")
                 ));
             }
         }

@@ -37,7 +37,8 @@ impl Window {
     /// Some of the samples, for the picture.
     pub(super) fn thinned(&self) -> Example {
         let every = self.t.len().div_ceil(EXAMPLE_POINTS);
-        let thin = |x: &[f64]| x.iter().step_by(every).copied().collect();
+        let thin = |x: &[f64]| -> Vec<f64> { x.iter().step_by(every).copied().collect() };
+        let is_simulated = |x: &[f64]| x.iter().any(|value| value.is_finite());
         let start = self.t.first().copied().unwrap_or(0.0);
         Example {
             kind: self.kind.to_string(),
@@ -51,7 +52,10 @@ impl Window {
                     joint: joint.joint.clone(),
                     unit: joint.unit.to_string(),
                     recorded: thin(&joint.recorded),
-                    before: thin(&joint.before),
+                    before: match is_simulated(&joint.before) {
+                        true => thin(&joint.before),
+                        false => Vec::new(),
+                    },
                     after: thin(&joint.after),
                 })
                 .collect(),

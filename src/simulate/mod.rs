@@ -28,7 +28,7 @@ mod tests;
 use crate::chain::effect::Memory;
 use crate::fault::Place;
 use crate::outcome::parameter::Parameter;
-use crate::outcome::simulation::RealisedNoise;
+use crate::outcome::simulation::{RealisedNoise, RecordedPosition};
 use crate::problem::solution::Control;
 use crate::problem_file::choices::SimulationMode;
 use crate::problem_file::simulate::Trajectory;
@@ -67,6 +67,8 @@ pub struct Simulated {
     pub trajectories: Vec<SimulatedRecording>,
     /// Noise of each channel over all recordings.
     pub realised_noise: Vec<RealisedNoise>,
+    /// Where the recordings have the positions of joints with a channel.
+    pub positions: Vec<RecordedPosition>,
     /// Every value behind the recordings.
     pub truth: Vec<Parameter>,
     /// Anything a reader should know, one sentence each.
@@ -95,10 +97,15 @@ pub fn run(
         seed,
     };
     let planned = planned(problem, &truth)?;
+    let count = control.counting(planned.len());
     let made: Vec<Made> = planned
         .par_iter()
         .enumerate()
-        .map(|(number, plan)| task.make(number, plan, control))
+        .map(|(number, plan)| {
+            let made = task.make(number, plan, control);
+            count.one();
+            made
+        })
         .collect::<Result<_, _>>()?;
     let mut notes = truth.notes.clone();
     if made.iter().any(|m| !m.repeats) {
@@ -116,6 +123,7 @@ pub fn run(
         recordings,
         trajectories,
         realised_noise,
+        positions: task.sensors.positions(&truth.recorded),
         truth: truth.parameters,
         notes,
     })

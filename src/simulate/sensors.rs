@@ -11,6 +11,7 @@
 //! ```
 
 use crate::chain::model::Model;
+use crate::outcome::simulation::RecordedPosition;
 use crate::problem_file::choices::{PositionSide, Signal};
 use crate::problem_file::recordings::ColumnsTable;
 use crate::problem_file::{Located, PerJoint, ProblemFile};
@@ -186,6 +187,28 @@ impl Sensors {
             });
         }
         Ok(channels)
+    }
+
+    /// Where recordings have the positions of the joints that have a channel.
+    pub fn positions(&self, model: &Model) -> Vec<RecordedPosition> {
+        let columns = self.columns.as_ref();
+        let position = given(columns.and_then(|c| c.position.as_ref()), "q{n}");
+        let of_channel = |channel: &Channel| {
+            let index = model.channels()[channel.index].joint?;
+            let joint = self.joints.iter().find(|joint| joint.index == index)?;
+            let unit = match self.side {
+                PositionSide::Motor => JointKind::Revolute,
+                PositionSide::Joint | PositionSide::Link => model.tree().joints()[index].kind,
+            };
+            Some(RecordedPosition {
+                joint: joint.name.clone(),
+                channel: channel.column.clone(),
+                column: label(&position, joint),
+                unit: unit.position_unit().to_string(),
+                factor: position.factor(joint.number),
+            })
+        };
+        self.channels.iter().filter_map(of_channel).collect()
     }
 
     /// Records a motion of the motors.

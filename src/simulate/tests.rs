@@ -174,6 +174,10 @@ fn recovers_known_noise_and_steps_of_the_encoder() {
         // Standard error of a standard deviation: 1/√(2n).
         let bound = 5.0 / (2.0 * count).sqrt();
         assert!(((squares / count).sqrt() / given - 1.0).abs() <= bound);
+        let position = &result.positions[j];
+        let columns = [position.channel.clone(), position.column.clone()];
+        assert_eq!(columns, [format!("tau{}", j + 1), format!("q{}", j + 1)]);
+        assert_eq!((position.unit.as_str(), position.factor), ("rad", 1.0));
         let realised = &result.realised_noise[j];
         assert_eq!(realised.channel, format!("tau{}", j + 1));
         assert!((realised.std_dev / given - 1.0).abs() <= bound);

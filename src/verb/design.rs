@@ -1,5 +1,6 @@
 //! `design`: an excitation trajectory.
 
+use crate::chain::words::count;
 use crate::check::Extent;
 use crate::design::results::designed::{Designed, End, NamedTrajectory};
 use crate::design::task;
@@ -31,10 +32,11 @@ pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, Verb
         let (value, made) = (improvement.value, improvement.starts);
         let elapsed = Duration::from_secs_f64(improvement.elapsed);
         let starts = planned.map_or_else(
-            || format!("{made} starts"),
+            || count(made, "start"),
             |all| {
                 format!(
-                    "{made} of {all} starts{}",
+                    "{made} of {}{}",
+                    count(all, "start"),
                     remaining::left(elapsed, made, all)
                 )
             },

@@ -6,6 +6,7 @@ use crate::outcome::folder::ResultFolder;
 use crate::outcome::predictions::Quantity;
 use crate::outcome::rollout::Rollout;
 use crate::outcome::{FORMULAS_FILE, NEXT_FILE, Outcome, Part};
+use crate::problem::count::Done;
 use crate::problem::defect::guarded;
 use crate::problem::solution::Stop;
 use crate::problem_file::ProblemFile;
@@ -15,6 +16,7 @@ use crate::verb::ending::Ending;
 use crate::verb::error::VerbError;
 use crate::verb::predictions::Predicted;
 use crate::verb::settings::Settings;
+use crate::verb::steps::Steps;
 use crate::verb::{fit, inputs};
 use std::io::Write;
 
@@ -23,10 +25,11 @@ use std::io::Write;
 /// # Errors
 /// As [`crate::verb::Verb::run`].
 pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, VerbError> {
-    settings.say("looking for mistakes in the inputs");
     let mistakes = settings.mistakes_beside_physics(problem)?;
-    let control = settings.control();
-    let mut result = task::run(problem, &control, &|stage| settings.say(&stage.words()))?;
+    let steps = Steps::new(settings.progress);
+    let done = |done: &Done| steps.done(done);
+    let control = settings.counted(&done);
+    let mut result = task::run(problem, &control, &|stage| steps.begin(&stage.words()))?;
     let interrupted = control.is_interrupted();
     let stop = match (&result.defect, interrupted) {
         (Some(_), _) => Some(Stop::Defect),

@@ -76,26 +76,31 @@ pub struct Account {
 impl VerbError {
     /// What the process returns to the shell.
     pub fn exit_code(&self) -> u8 {
+        if self.is_interrupt() {
+            return INTERRUPTED;
+        }
         match self {
             Self::Design(DesignError::Solve(_)) => NO_SOLUTION,
             Self::Design(error) => of_files(error.concerns_data()),
-            Self::Fit(FitError::Setup(error)) | Self::Diagnose(DiagnoseError::Setup(error))
-                if error.is_interrupt() =>
-            {
-                INTERRUPTED
-            }
             Self::Fit(FitError::Setup(error)) => of_files(error.concerns_data()),
             Self::Fit(FitError::Estimate { .. }) => NO_SOLUTION,
             Self::Motors(error) => of_files(error.concerns_data()),
             Self::Diagnose(DiagnoseError::Setup(error)) => of_files(error.concerns_data()),
             Self::Diagnose(DiagnoseError::Fit(_)) => NO_SOLUTION,
             Self::Diagnose(DiagnoseError::Defect(_)) | Self::Fit(FitError::Defect(_)) => DEFECT,
-            Self::Simulate(error) if error.is_interrupt() => INTERRUPTED,
             Self::Simulate(error) => of_files(error.concerns_data()),
-            Self::Rollout(error) if error.is_interrupt() => INTERRUPTED,
             Self::Rollout(error) => of_files(error.concerns_data()),
             Self::Mistakes(_) | Self::ChangedInputs(_) => WRONG_DATA,
             Self::Problem(_) | Self::Outcome(_) | Self::Export(_) | Self::NoProblem => WRONG_USE,
+        }
+    }
+
+    /// Whether somebody interrupted the run before it had a result.
+    pub fn is_interrupt(&self) -> bool {
+        match self {
+            Self::Simulate(error) => error.is_interrupt(),
+            Self::Rollout(error) => error.is_interrupt(),
+            _ => self.setup().is_some_and(SetupError::is_interrupt),
         }
     }
 

@@ -7,12 +7,14 @@ use crate::outcome::estimate::Estimate;
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::predictions::Quantity;
 use crate::outcome::{Outcome, Part};
+use crate::problem::count::Done;
 use crate::problem_file::ProblemFile;
 use crate::verb::completed::{Completed, Found};
 use crate::verb::ending::Ending;
 use crate::verb::error::VerbError;
 use crate::verb::predictions::Predicted;
 use crate::verb::settings::Settings;
+use crate::verb::steps::Steps;
 use crate::verb::{inputs, motors};
 
 /// Fits a problem.
@@ -20,20 +22,21 @@ use crate::verb::{inputs, motors};
 /// # Errors
 /// As [`crate::verb::Verb::run`].
 pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, VerbError> {
-    settings.say("looking for mistakes in the inputs");
     let mistakes = settings.mistakes(problem, Extent::Recordings)?;
     if problem.fit.is_of_motors() {
         return motors::run(problem, settings, mistakes);
     }
-    let control = settings.control();
+    let steps = Steps::new(settings.progress);
+    let done = |done: &Done| steps.done(done);
+    let control = settings.counted(&done);
     let simulated = match problem.of_simulator() {
         Some(simulator) => {
-            settings.say("identifying the simulator");
+            steps.begin("identifying the simulator");
             Some(task::run(&simulator, &control, |_| {})?)
         }
         None => None,
     };
-    let mut result = task::run(problem, &control, |step| settings.say(step.words()))?;
+    let mut result = task::run(problem, &control, |step| steps.begin(step.words()))?;
     result.fitted.fit.simulator =
         simulated.map(|simulated| simulator::compare(&side(&simulated), &side(&result)));
     let defect = result.defect.take();

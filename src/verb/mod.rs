@@ -16,6 +16,7 @@ pub mod remaining;
 pub mod rollout;
 pub mod settings;
 pub mod simulate;
+pub mod steps;
 mod written;
 
 use crate::problem_file::ProblemFile;

@@ -5,10 +5,12 @@ use crate::outcome::check::{Mistake, Severity};
 use crate::outcome::input::Input;
 use crate::outcome::provenance::{Provenance, VERSION};
 use crate::outcome::run::Run as Record;
+use crate::problem::count::Done;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::verb::error::VerbError;
 use crate::verb::inputs;
+use crate::verb::steps::Steps;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -47,6 +49,22 @@ impl Settings<'_> {
         }
     }
 
+    /// The same, with a watcher who hears of every part of a run that is done.
+    pub(super) fn counted<'b>(&self, done: &'b (dyn Fn(&Done) + Sync)) -> Control<'b> {
+        Control {
+            parts: Some(done),
+            ..self.control()
+        }
+    }
+
+    /// What the inputs say wrongly, as far as an extent goes.
+    fn looked_for(&self, problem: &ProblemFile, extent: Extent) -> Vec<Mistake> {
+        let steps = Steps::new(self.progress);
+        steps.begin("looking for mistakes in the inputs");
+        let done = |done: &Done| steps.done(done);
+        check::mistakes(problem, &self.counted(&done), extent)
+    }
+
     pub(super) fn say(&self, step: &str) {
         (self.progress)(step);
     }
@@ -60,7 +78,7 @@ impl Settings<'_> {
         problem: &ProblemFile,
         extent: Extent,
     ) -> Result<Vec<Mistake>, VerbError> {
-        let mistakes = check::mistakes(problem, &self.control(), extent);
+        let mistakes = self.looked_for(problem, extent);
         let errors = mistakes.iter().filter(|m| m.severity == Severity::Error);
         self.refuse(errors.cloned().collect())?;
         Ok(mistakes)
@@ -74,7 +92,7 @@ impl Settings<'_> {
         &self,
         problem: &ProblemFile,
     ) -> Result<Vec<Mistake>, VerbError> {
-        let mistakes = check::mistakes(problem, &self.control(), Extent::Everything);
+        let mistakes = self.looked_for(problem, Extent::Everything);
         let errors: Vec<&Mistake> = mistakes
             .iter()
             .filter(|m| m.severity == Severity::Error)

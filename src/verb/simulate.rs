@@ -5,6 +5,7 @@ use crate::outcome::estimate::Estimate;
 use crate::outcome::folder::ResultFolder;
 use crate::outcome::simulation::Simulation;
 use crate::outcome::{Outcome, Part};
+use crate::problem::count::Done;
 use crate::problem_file::ProblemFile;
 use crate::simulate::{self, Simulated, SimulatedRecording, write_csv};
 use crate::verb::completed::{Completed, Found};
@@ -12,6 +13,7 @@ use crate::verb::ending::Ending;
 use crate::verb::error::VerbError;
 use crate::verb::inputs;
 use crate::verb::settings::Settings;
+use crate::verb::steps::Steps;
 
 /// Simulates the recordings of a problem.
 ///
@@ -19,8 +21,10 @@ use crate::verb::settings::Settings;
 /// As [`crate::verb::Verb::run`].
 pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, VerbError> {
     let mistakes = settings.mistakes(problem, Extent::Robot)?;
-    settings.say("simulating");
-    let simulated = simulate::run(problem, settings.seed, &settings.control())?;
+    let steps = Steps::new(settings.progress);
+    steps.begin("simulating recordings");
+    let done = |done: &Done| steps.done(done);
+    let simulated = simulate::run(problem, settings.seed, &settings.counted(&done))?;
     let named = |recordings: &[SimulatedRecording]| -> Vec<String> {
         recordings.iter().map(|r| r.name.clone()).collect()
     };
@@ -38,6 +42,7 @@ pub fn run(problem: &ProblemFile, settings: &Settings) -> Result<Completed, Verb
             part: Part::Simulate(Simulation {
                 files,
                 realised_noise: simulated.realised_noise.clone(),
+                positions: simulated.positions.clone(),
                 notes: simulated.notes.clone(),
             }),
         },

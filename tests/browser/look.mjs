@@ -135,13 +135,43 @@ const pale = page =>
     return found.slice(0, 5);
   });
 
-/** The first screen says what was found: the head of the first finding is on it. */
-async function opensWithFinding(page) {
-  const head = page.locator("#missing h3").first();
-  if ((await head.count()) === 0) return;
-  const box = await head.boundingBox();
-  assert.ok(box.y + box.height <= DESK.height, `the first finding begins at ${box.y} px`);
+/** What the first screen shows of a verb's answer: the first finding of a diagnosis, the figures of a fit, the head of its load. */
+const ANSWERS = {
+  diagnose: ["#missing h3"],
+  seven: ["#missing h3"],
+  fit: ["#summary .result div:last-child", "#load h2"],
+  fit_arm: ["#summary .result div:last-child", "#joints h2"],
+};
+
+async function opensWithAnswer(page, verb) {
+  for (const answer of ANSWERS[verb] ?? []) {
+    const box = await page.locator(answer).first().boundingBox();
+    assert.ok(box && box.y + box.height <= DESK.height, `${answer} is on the first screen, not at ${box?.y} px`);
+  }
 }
+
+/** Notes on the inputs of a result are folded where there are several. */
+async function foldsNotes(page) {
+  const several = (await page.locator("#mistakes .card.note").count()) > 1;
+  const open = await page.locator("#mistakes .card.note:visible").count();
+  assert.ok(!several || open === 0, `${open} notes take the room of the result`);
+}
+
+/** Parts of the page that are wider than the box they stand in: the menu, tables, and what cells of tables hold. */
+const clipped = page =>
+  page.evaluate(() => {
+    const boxes = document.querySelectorAll("nav > div, .scroll, .scroll > table > tbody > tr > td");
+    const wide = [...boxes].filter(box => box.checkVisibility() && box.scrollWidth > box.clientWidth + 1);
+    return wide.slice(0, 5).map(box => `${box.tagName} ${box.textContent.slice(0, 40)}: ${box.scrollWidth} px in ${box.clientWidth} px`);
+  });
+
+/** On a phone every cell says which column it is of. */
+const unlabelled = page =>
+  page.evaluate(() => {
+    const cells = [...document.querySelectorAll(".scroll > table > tbody > tr > td")].filter(cell => cell.checkVisibility());
+    const isBare = cell => cell.dataset.label && !getComputedStyle(cell, "::before").content.includes(cell.dataset.label);
+    return cells.filter(isBare).length;
+  });
 
 const background = page => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
 
@@ -182,7 +212,9 @@ async function look(verb) {
   const time = await seconds(page);
   assert.ok(time < MOST_SECONDS, `drawn after ${time} s`);
   assert.ok((await overflow(page)) <= 0, "the desk overflows");
-  await opensWithFinding(page);
+  await opensWithAnswer(page, verb);
+  if (verb !== "check") await foldsNotes(page);
+  assert.deepEqual(await clipped(page), [], "cut on the desk");
   if (await page.locator("#explorer").count()) await zooms(page);
   await sorts(page);
   const paleLight = await pale(page);
@@ -201,6 +233,8 @@ async function look(verb) {
   const phone = await open(file, { viewport: PHONE });
   const wide = await overflow(phone.page);
   assert.ok(wide <= 0, `a phone overflows by ${wide} px`);
+  assert.deepEqual(await clipped(phone.page), [], "cut on a phone");
+  assert.equal(await unlabelled(phone.page), 0, "cells on a phone without a label");
   await phone.page.close();
 
   await still(file);

@@ -15,8 +15,20 @@ fn a_budget_ends_the_search_with_the_best_feasible_so_far() {
     let result = bench.design("out", &keys, 0);
     assert!(began.elapsed() < Duration::from_secs(4) + SLACK);
     assert_eq!(result["solver"]["stop"], "time_limit");
-    assert_eq!(result["solver"]["converged"], true);
+    assert_eq!(result["solver"]["converged"], false);
     assert!(value(&result).is_finite() && holds(&result));
+}
+
+/// One start comes to a motion that misses its limits between samples; a smaller one of the same form keeps them.
+#[test]
+fn a_motion_that_is_scaled_into_its_limits_is_no_solution() {
+    let bench = Bench::shipped("h4_parallel");
+    let result = bench.design("out", &["design.starts=1"], 0);
+    assert!(holds(&result));
+    assert_eq!(result["solver"]["stop"], "iteration_limit");
+    assert_eq!(result["solver"]["converged"], false);
+    let expected = result["expected_std_dev"].as_array().unwrap();
+    assert!(expected.iter().all(|d| d["value"].is_null()));
 }
 
 /// Seconds in which a seven-joint arm between walls gets no search to its end, or just one.

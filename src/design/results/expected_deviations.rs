@@ -24,8 +24,8 @@ pub struct Deviation {
     pub unit: String,
     /// In that unit.
     pub std_dev: Option<f64>,
-    /// The value that the prediction was made with.
-    pub value: f64,
+    /// The value that the prediction was made with; absent where nothing states one.
+    pub value: Option<f64>,
 }
 
 /// The experiment as an estimate would see it.
@@ -76,7 +76,7 @@ impl ExpectedEstimate<'_> {
                 value: if k < kept {
                     self.base_value(k)
                 } else {
-                    self.values[parameter]
+                    self.is_stated(parameter).then(|| self.values[parameter])
                 },
             });
         }
@@ -84,13 +84,24 @@ impl ExpectedEstimate<'_> {
     }
 
     /// Value of a base parameter: the kept parameter and what is regrouped with it.
-    fn base_value(&self, k: usize) -> f64 {
+    fn base_value(&self, k: usize) -> Option<f64> {
         let base = &self.base.base[k];
-        let others = base
-            .others
-            .iter()
-            .map(|(p, factor)| factor * self.values[*p]);
-        self.values[base.parameter] + others.sum::<f64>()
+        let regrouped = base.others.iter();
+        let is_stated = self.is_stated(base.parameter)
+            || regrouped.clone().any(|(other, _)| self.is_stated(*other));
+        let others = regrouped.map(|(p, factor)| factor * self.values[*p]);
+        is_stated.then(|| self.values[base.parameter] + others.sum::<f64>())
+    }
+
+    /// Whether something gives the parameter a value: what nothing states is zero, as are single quantities of a body that has
+    /// mass.
+    fn is_stated(&self, parameter: usize) -> bool {
+        let is_of_body = parameter < PER_LINK * self.model.tree().len();
+        let own = match is_of_body {
+            true => parameter - parameter % PER_LINK..parameter - parameter % PER_LINK + PER_LINK,
+            false => parameter..parameter + 1,
+        };
+        own.into_iter().any(|p| self.values[p] != 0.0)
     }
 
     /// Kept parameters of the base, then the nonlinear ones.
@@ -204,7 +215,7 @@ impl Body {
                 name: format!("{}.{quantity}", self.owner),
                 unit: (*unit).to_string(),
                 std_dev: own.as_ref().map(|c| c[(k, k)].sqrt()),
-                value: quantities[k],
+                value: (quantities[0] != 0.0).then_some(quantities[k]),
             })
             .collect()
     }

@@ -18,6 +18,7 @@ use crate::outcome::design::{
     Coefficients, Coverage, Design, ExpectedDeviation, JointCoefficients, Progress, WorstMargin,
 };
 use crate::outcome::estimate::Solver;
+use crate::problem::solution::Stop;
 use crate::problem_file::ProblemFile;
 use crate::problem_file::choices::{Choice, Scaling};
 use nalgebra::DMatrix;
@@ -275,15 +276,17 @@ pub fn smaller(amplitude_share: f64) -> String {
     )
 }
 
-/// How the search ended.
+/// How the search ended: a motion that keeps its limits is no solution where the search for a better one was cut off.
 pub fn solver(found: &SearchResult, end: End) -> Solver {
+    let stop = match (end, found.stop) {
+        (End::Infeasible, _) => Stop::Infeasible,
+        (_, Stop::Infeasible) => Stop::IterationLimit,
+        (_, stop) => stop,
+    };
     Solver {
         name: "sequential quadratic programming from many starts".to_string(),
-        stop: match end {
-            End::Infeasible => "infeasible".to_string(),
-            _ => found.stop.name().replace('-', "_"),
-        },
-        converged: end == End::Feasible,
+        stop: stop.name().replace('-', "_"),
+        converged: end == End::Feasible && stop.converged(),
         iterations: found.iterations as u64,
         evaluations: found.evaluations as u64,
         cost: found.value,

@@ -63,7 +63,10 @@ impl VerifiedMotion {
         Self::new(
             experiment,
             SearchResult {
-                stop: before.stop,
+                stop: match before.stop {
+                    Stop::CostTolerance => next.stop,
+                    other => other,
+                },
                 starts: before.starts,
                 history: before.history.clone(),
                 iterations: before.iterations + next.iterations,
@@ -99,8 +102,9 @@ impl VerifiedMotion {
         for k in (0..x.len()).filter(|k| k % width != 0) {
             x[k] *= share;
         }
+        // No search came to the smaller motion.
         let stop = match self.found.stop {
-            Stop::Infeasible => Stop::IterationLimit,
+            Stop::Infeasible | Stop::CostTolerance => Stop::IterationLimit,
             other => other,
         };
         let found = SearchResult {

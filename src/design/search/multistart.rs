@@ -140,6 +140,8 @@ struct Candidate {
     x: DVector<f64>,
     cost: f64,
     infeasibility: f64,
+    /// Why its last local search ended.
+    stop: Stop,
     iterations: usize,
     evaluations: usize,
 }
@@ -311,12 +313,13 @@ impl Search<'_> {
         Ok(found)
     }
 
-    /// All planned starts made is the end of a search, not a failure of it.
+    /// All planned starts made is the end of a search, not a failure of it: then the local search that came to the best motion
+    /// says whether that is a solution.
     fn verdict(&self, stop: Stop, found: &SearchResult) -> Stop {
         match stop {
             Stop::Interrupted => Stop::Interrupted,
             _ if !found.is_feasible() => Stop::Infeasible,
-            Stop::IterationLimit => Stop::CostTolerance,
+            Stop::IterationLimit => found.stop,
             other => other,
         }
     }
@@ -352,7 +355,7 @@ impl Search<'_> {
             x: candidate.x.clone(),
             value: by.value,
             infeasibility: candidate.infeasibility,
-            stop: Stop::IterationLimit,
+            stop: candidate.stop,
             starts: by.starts,
             iterations: 0,
             evaluations: 0,
@@ -485,7 +488,7 @@ impl Search<'_> {
             value: self.value(&end.x),
             infeasibility: end.infeasibility,
             x: end.x,
-            stop: Stop::CostTolerance,
+            stop: end.stop,
             starts: 0,
             iterations: end.iterations,
             evaluations: end.evaluations,
@@ -512,7 +515,7 @@ impl Search<'_> {
         let own = Control {
             interrupt: clock.control.interrupt.clone(),
             time_limit: limit.map(|b| b.saturating_sub(clock.began.elapsed())),
-            progress: None,
+            ..Control::default()
         };
         let Constrained {
             solution,
@@ -521,10 +524,19 @@ impl Search<'_> {
         Ok(Candidate {
             cost: solution.cost,
             x: solution.x,
+            stop: ended(solution.stop),
             infeasibility,
             iterations: solution.iterations,
             evaluations: solution.evaluations,
         })
+    }
+}
+
+/// How a local search ended: one whose last steps gained next to nothing is at its end, one that was cut off is not.
+fn ended(stop: Stop) -> Stop {
+    match stop {
+        Stop::IterationLimit | Stop::TimeLimit | Stop::Interrupted => stop,
+        _ => Stop::CostTolerance,
     }
 }
 

@@ -183,12 +183,15 @@ impl Stepwise<'_> {
             fit,
             open: open.len(),
         };
+        let count = context.control.counting(candidates.len());
         let first = candidates.par_iter().filter_map(|candidate| {
             let mut known = refuted.iter();
-            match known.find(|t| t.hypothesis == candidate.hypothesis) {
+            let tried = match known.find(|t| t.hypothesis == candidate.hypothesis) {
                 Some(&known) => Some(Tried::Settled(known.clone())),
                 None => beside.first(candidate),
-            }
+            };
+            count.one();
+            tried
         });
         let first: Vec<Tried<'_>> = first.collect();
         let taken = |tried: &Tried<'_>| match tried {

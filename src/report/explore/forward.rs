@@ -37,7 +37,7 @@ fn channel(joint: &ExampleJoint) -> Channel {
     let models = || {
         models
             .iter()
-            .filter(|(_, y)| y.len() == joint.recorded.len())
+            .filter(|(_, y)| y.iter().any(|value| value.is_finite()))
     };
     let line = |panel, role, y: &[f64]| Line {
         panel,

@@ -1,6 +1,6 @@
 //! Recordings of a simulation: the channels of the signal as written, noise and all, above the positions of their joints.
 
-use crate::outcome::simulation::{RealisedNoise, Simulation};
+use crate::outcome::simulation::{RealisedNoise, RecordedPosition, Simulation};
 use crate::report::explore::encoded::{Quantised, floats};
 use crate::report::explore::parts::{Channel, Line, Take};
 use crate::report::explore::thinned::Thinning;
@@ -23,7 +23,11 @@ fn take(simulation: &Simulation, table: &Written) -> Option<Take> {
     let thinning = Thinning::new(t.len(), POINTS);
     let channels = simulation.realised_noise.iter();
     let channels: Vec<Channel> = channels
-        .filter_map(|noise| channel(noise, table, &thinning))
+        .filter_map(|noise| {
+            let mut positions = simulation.positions.iter();
+            let position = positions.find(|position| position.channel == noise.channel);
+            channel(noise, position, table, &thinning)
+        })
         .collect();
     (!channels.is_empty()).then(|| Take {
         name: table.name.clone(),
@@ -35,7 +39,12 @@ fn take(simulation: &Simulation, table: &Written) -> Option<Take> {
     })
 }
 
-fn channel(noise: &RealisedNoise, table: &Written, thinning: &Thinning) -> Option<Channel> {
+fn channel(
+    noise: &RealisedNoise,
+    position: Option<&RecordedPosition>,
+    table: &Written,
+    thinning: &Thinning,
+) -> Option<Channel> {
     let line = |panel, unit: &str, y: &[f64]| Line {
         panel,
         role: "simulated",
@@ -44,12 +53,12 @@ fn channel(noise: &RealisedNoise, table: &Written, thinning: &Thinning) -> Optio
         levels: Vec::new(),
     };
     let mut lines = vec![line("signal", &noise.unit, table.column(&noise.channel)?)];
-    // Columns of a joint end alike: i3 and q3.
-    let joint = noise
-        .channel
-        .trim_start_matches(|c: char| !c.is_ascii_digit());
-    let position = table.column(&format!("q{joint}"));
-    lines.extend(position.map(|y| line("position", "rad or m", y)));
+    if let Some(position) = position
+        && let Some(recorded) = table.column(&position.column)
+    {
+        let y: Vec<f64> = recorded.iter().map(|x| position.factor * x).collect();
+        lines.push(line("position", &position.unit, &y));
+    }
     Some(Channel {
         name: noise.channel.clone(),
         lines,
@@ -66,7 +75,7 @@ mod tests {
     fn a_channel_stands_above_the_position_of_its_joint() {
         let table = Written {
             name: "train.csv".to_string(),
-            header: ["t", "q3", "i3"].map(str::to_string).to_vec(),
+            header: ["t", "lift", "i3"].map(str::to_string).to_vec(),
             columns: vec![vec![5.0, 6.0], vec![0.1, 0.2], vec![1.0, 2.0]],
         };
         let noise = |channel: &str| RealisedNoise {
@@ -77,6 +86,13 @@ mod tests {
         let simulation = Simulation {
             files: Vec::new(),
             realised_noise: vec![noise("i3"), noise("i4")],
+            positions: vec![RecordedPosition {
+                joint: "spindle".to_string(),
+                channel: "i3".to_string(),
+                column: "lift".to_string(),
+                unit: "m".to_string(),
+                factor: 1e-3,
+            }],
             notes: Vec::new(),
         };
         let takes = takes(&simulation, &[table]);
@@ -86,5 +102,6 @@ mod tests {
             (takes[0].channels.len(), panels),
             (1, vec!["signal", "position"])
         );
+        assert_eq!(takes[0].channels[0].lines[1].unit, "m");
     }
 }

@@ -1,6 +1,12 @@
 // Brings the page to life; without it the page is complete too, with still pictures.
 
 theme.start();
+const menu = document.querySelector("nav");
+const keepMenuClear = () => {
+  const covers = getComputedStyle(menu).position === "sticky" ? menu.offsetHeight : 0;
+  document.documentElement.style.setProperty("--menu", `${covers}px`);
+};
+new ResizeObserver(keepMenuClear).observe(menu);
 for (const table of document.querySelectorAll(".scroll > table")) new SortedTable(table);
 const exploration = JSON.parse(document.getElementById("exploration").textContent);
 const explorerBox = document.getElementById("explorer");

@@ -3,7 +3,7 @@
 use crate::outcome::fit::Comparison;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::model_comparison::{ErrorFigure, ModelComparison, ModelErrors};
-use crate::report::escape::{breakable, escape};
+use crate::report::escape::{breakable, escape, prose};
 use crate::report::number::{optional, significant};
 use crate::report::section::{Section, Source};
 use crate::report::table::{Cell, Table};
@@ -118,7 +118,7 @@ fn verdicts(comparisons: &[ModelComparison]) -> String {
         format!(
             "<li>{}: {}</li>\n",
             escape(joint),
-            escape(&comparison.sentence)
+            prose(&comparison.sentence)
         )
     };
     match comparisons {

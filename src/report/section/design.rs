@@ -3,8 +3,9 @@
 use crate::design::trajectory::fourier_series::{Basis, Series};
 use crate::outcome::Part;
 use crate::outcome::design::{Design, ExpectedDeviation, JointCoefficients};
-use crate::report::escape::{breakable, escape};
+use crate::report::escape::{breakable, escape, prose};
 use crate::report::explore::designed::motion as series;
+use crate::report::facts::count;
 use crate::report::number::{optional, percent, significant};
 use crate::report::plots::bars::bars;
 use crate::report::plots::curves::{Curve, curves};
@@ -59,11 +60,11 @@ fn figures(design: &Design) -> String {
         .collect();
     format!(
         "<p>{}: {}. Condition number {}, log det {}. Scaling: {}.</p>\n<ul>\n{files}</ul>\n",
-        escape(&design.criterion_meaning),
+        prose(&design.criterion_meaning),
         significant(design.criterion_value),
         significant(design.condition_number),
         significant(design.log_det),
-        escape(&design.scaling),
+        prose(&design.scaling),
     )
 }
 
@@ -82,7 +83,7 @@ fn margins(design: &Design) -> String {
     if table.is_empty() {
         return String::new();
     }
-    let how = escape(&design.verification);
+    let how = prose(&design.verification);
     format!(
         "<h3>Limits</h3>\n{}<p class=\"hint\">{how}</p>\n",
         table.html()
@@ -146,7 +147,10 @@ fn convergence(design: &Design) -> String {
     }
     let points = design.convergence.iter().map(|p| (p.elapsed_s, p.value));
     let line = [Curve::new(points.collect(), PREDICTED)];
-    let caption = format!("<b>Best value against time</b>, {} starts", design.starts);
+    let caption = format!(
+        "<b>Best value against time</b>, {}",
+        count(design.starts as usize, "start")
+    );
     figure(&caption, &curves(&line, &[], "t [s]", "convergence"))
 }
 
@@ -217,7 +221,7 @@ fn row(number: usize, d: &ExpectedDeviation) -> Vec<Cell> {
     vec![
         Cell::Number((number + 1).to_string()),
         Cell::name(&d.name),
-        Cell::Number(significant(d.value)),
+        Cell::Number(optional(d.value)),
         Cell::Number(optional(d.std_dev)),
         Cell::text(&d.unit),
     ]
@@ -225,8 +229,8 @@ fn row(number: usize, d: &ExpectedDeviation) -> Vec<Cell> {
 
 /// log10 of value over standard deviation, parameter by parameter.
 fn information(design: &Design) -> String {
-    let share = |d: &ExpectedDeviation| match d.std_dev {
-        Some(deviation) if d.value != 0.0 => (d.value.abs() / deviation).log10(),
+    let share = |d: &ExpectedDeviation| match (d.value, d.std_dev) {
+        (Some(value), Some(deviation)) if value != 0.0 => (value.abs() / deviation).log10(),
         _ => f64::NAN,
     };
     let values: Vec<f64> = design.expected_std_dev.iter().map(share).collect();

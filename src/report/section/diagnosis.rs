@@ -4,7 +4,7 @@ use crate::outcome::diagnose::{Diagnosis, NextExperiment};
 use crate::outcome::finding::{Finding, Rival, UNNAMED};
 use crate::outcome::formula::ProposedFormula;
 use crate::outcome::parameter::Parameter;
-use crate::report::escape::{breakable, escape};
+use crate::report::escape::{breakable, escape, prose};
 use crate::report::facts::count;
 use crate::report::number::{optional, percent, significant};
 use crate::report::plots::rows::{Bars, bars};
@@ -37,7 +37,7 @@ pub(super) fn missing(source: &Source) -> Option<Section> {
         body.push_str(&format!(
             "<h3>What to record next</h3>\n<p>{}</p>\n<details><summary>next_experiment.toml</summary>\n\
              <pre>{}</pre></details>\n",
-            escape(&next.sentence),
+            prose(&next.sentence),
             escape(&next.problem)
         ));
     }
@@ -92,7 +92,7 @@ fn card(number: usize, finding: &Finding, diagnosis: &Diagnosis) -> String {
         sureness(finding.probability),
         percent(finding.probability),
         of_what(finding),
-        escape(&finding.sentence),
+        prose(&finding.sentence),
         to_do(finding, diagnosis.next_experiment.as_ref()),
     )
 }

@@ -2,9 +2,12 @@
 
 use crate::outcome::Part;
 use crate::outcome::check::{Mistake, Severity};
-use crate::report::escape::{breakable, escape};
+use crate::report::escape::{breakable, prose};
 use crate::report::facts;
 use crate::report::section::{Section, Source};
+
+/// Characters of a note, message and remedy together, that stay open beside a result: about four lines of a card.
+const SHORT: usize = 240;
 
 pub(super) fn section(source: &Source) -> Option<Section> {
     let (title, found) = match &source.outcome.part {
@@ -14,11 +17,43 @@ pub(super) fn section(source: &Source) -> Option<Section> {
     if found.is_empty() {
         return None;
     }
-    let mut findings: Vec<&Mistake> = found.iter().collect();
-    findings.sort_by_key(|finding| finding.severity);
-    let cards: String = findings.into_iter().map(card).collect();
-    let body = format!("<div class=\"cards\">\n{cards}</div>\n");
+    let is_note = |finding: &&Mistake| finding.severity == Severity::Note;
+    let (notes, mut grave): (Vec<&Mistake>, Vec<&Mistake>) = found.iter().partition(is_note);
+    grave.sort_by_key(|finding| finding.severity);
+    let body = match &source.outcome.part {
+        Part::Check(_) => cards(&[grave, notes].concat()),
+        _ => cards(&grave) + &beside_a_result(&notes),
+    };
     Some(Section::new("mistakes", title, body))
+}
+
+/// Notes that leave the first screen to the result: folded where there are several, or where one is long.
+fn beside_a_result(notes: &[&Mistake]) -> String {
+    let length: usize = notes
+        .iter()
+        .map(|note| note.message.chars().count() + note.remedy.chars().count())
+        .sum();
+    if notes.len() <= 1 && length <= SHORT {
+        return cards(notes);
+    }
+    let codes: Vec<String> = notes
+        .iter()
+        .map(|note| format!("<code>{}</code>", breakable(&note.code)))
+        .collect();
+    format!(
+        "<details class=\"notes\"><summary>{}: {}</summary>\n{}</details>\n",
+        facts::count(notes.len(), "note"),
+        codes.join(", "),
+        cards(notes)
+    )
+}
+
+fn cards(findings: &[&Mistake]) -> String {
+    if findings.is_empty() {
+        return String::new();
+    }
+    let cards: String = findings.iter().map(|finding| card(finding)).collect();
+    format!("<div class=\"cards\">\n{cards}</div>\n")
 }
 
 fn title(found: &[Mistake]) -> &'static str {
@@ -39,13 +74,13 @@ fn card(finding: &Mistake) -> String {
     format!(
         "<article class=\"card {severity}\"><div class=\"head\"><h3>{}</h3><span class=\"badge {}\">{severity}</span></div>\n\
          <dl>{place}<dt>Code</dt><dd><code>{}</code></dd></dl>\n<p class=\"do\"><b>What to do:</b> {}</p></article>\n",
-        escape(&finding.message),
+        prose(&finding.message),
         match finding.severity {
             Severity::Error => "bad",
             Severity::Warning => "fair",
             Severity::Note => "",
         },
         breakable(&finding.code),
-        escape(&finding.remedy)
+        prose(&finding.remedy)
     )
 }

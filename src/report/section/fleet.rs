@@ -2,7 +2,7 @@
 
 use crate::outcome::Part;
 use crate::outcome::fleet::{Failure, Fleet, LookAt, Reason, Shown, TypeFigures};
-use crate::report::escape::{breakable, escape};
+use crate::report::escape::{breakable, escape, prose};
 use crate::report::facts::moment;
 use crate::report::number::{optional, percent, significant, with_deviation};
 use crate::report::section::{Section, Source};
@@ -94,8 +94,8 @@ pub(super) fn failures(source: &Source) -> Option<Section> {
             Cell::text(moment(*time)),
             Cell::Html(format!(
                 "<code class=\"long\">{}</code><small>{}</small>",
-                escape(code),
-                breakable(message)
+                breakable(code),
+                prose(message)
             )),
         ]);
     }

@@ -12,6 +12,7 @@ pub(super) mod fleet;
 mod inputs;
 mod joints;
 mod load;
+mod main_result;
 mod motors;
 mod notes;
 mod parameters;
@@ -35,6 +36,7 @@ use crate::report::series::Series;
 /// Every section in the order of the page; each is absent where it has nothing to say.
 const SECTIONS: [fn(&Source) -> Option<Section>; 29] = [
     summary::section,
+    load::section,
     fleet::look_at,
     fleet::types,
     fleet::failures,
@@ -46,7 +48,6 @@ const SECTIONS: [fn(&Source) -> Option<Section>; 29] = [
     joints::section,
     signals::section,
     simulation::section,
-    load::section,
     parameters::section,
     sharing::section,
     base_parameters::section,

@@ -4,7 +4,7 @@ use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::term_name;
 use crate::outcome::motors::{MotorJoint, Motors};
 use crate::outcome::parameter::Parameter;
-use crate::report::escape::escape;
+use crate::report::escape::{escape, prose};
 use crate::report::number::{optional, significant};
 use crate::report::plots::boxes::{Boxes, boxes};
 use crate::report::plots::figure;
@@ -25,7 +25,7 @@ pub(super) fn section(source: &Source) -> Option<Section> {
         .iter()
         .filter_map(|joint| {
             let advice = joint.advice.as_ref()?;
-            let (joint, advice) = (escape(&joint.joint), escape(advice));
+            let (joint, advice) = (escape(&joint.joint), prose(advice));
             Some(format!("<li><b>{joint}</b>: {advice}.</li>\n"))
         })
         .collect();

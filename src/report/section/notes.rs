@@ -1,7 +1,7 @@
 //! Whatever else a reader should know.
 
 use crate::outcome::Part;
-use crate::report::escape::escape;
+use crate::report::escape::prose;
 use crate::report::section::{Section, Source};
 
 pub(super) fn section(source: &Source) -> Option<Section> {
@@ -20,7 +20,7 @@ pub(super) fn section(source: &Source) -> Option<Section> {
     }
     let items: String = notes
         .iter()
-        .map(|note| format!("<li>{}</li>\n", escape(note)))
+        .map(|note| format!("<li>{}</li>\n", prose(note)))
         .collect();
     Some(Section::new(
         "notes",

@@ -2,7 +2,8 @@
 
 use crate::outcome::Part;
 use crate::outcome::rollout::{ErrorCurve, Example, Rollout, Spread};
-use crate::report::escape::escape;
+use crate::report::escape::{escape, prose};
+use crate::report::facts::count;
 use crate::report::number::{optional, significant};
 use crate::report::plots::curves::{Curve, curves};
 use crate::report::plots::{PREDICTED, RECORDED, RESIDUAL, figure, key};
@@ -42,7 +43,7 @@ fn windows(source: &Source, rollout: &Rollout) -> String {
 fn beside_a_diagnosis(rollout: &Rollout) -> String {
     let hint = |text: &str| format!("<p class=\"hint\">{text}</p>\n");
     let notes = rollout.notes.iter();
-    let notes: String = notes.map(|note| hint(&escape(note))).collect();
+    let notes: String = notes.map(|note| hint(&prose(note))).collect();
     notes + &hint("Windows sample by sample: <code>exid rollout</code> with this results folder.")
 }
 
@@ -51,19 +52,19 @@ fn about(rollout: &Rollout) -> String {
         format!(" Before: {}.", before.words())
     });
     let models = match rollout.source.as_str() {
-        "" => escape(&rollout.summary) + " Models of this result",
+        "" => prose(&rollout.summary) + " Models of this result",
         source => format!("Models of <code>{}</code>", escape(source)),
     };
     format!(
         "<p>{}, in {}.{} Noise alone: the final model under its own torques with the noise of the signal, \
          from starts with the errors of the estimated motion. Integrated by {} with steps of at most {} s; halving: what half of \
-         the steps change in {} windows, RMS.</p>\n",
+         the steps change in {}, RMS.</p>\n",
         models,
         rollout.held_out.words(),
         escape(&before),
         escape(&rollout.integrator.name),
         significant(rollout.integrator.step),
-        rollout.integrator.checked,
+        count(rollout.integrator.checked, "window"),
     )
 }
 
@@ -107,23 +108,15 @@ fn spread_lines(curve: &ErrorCurve, spreads: &[Spread], colour: RGBColor) -> Vec
 }
 
 fn table(rollout: &Rollout) -> String {
-    let columns = [
-        "Joint",
-        "Horizon [s]",
-        "Unit",
-        "Before",
-        "Quartiles",
-        "RMS",
-        "Lost",
-        "After",
-        "Quartiles",
-        "RMS",
-        "Lost",
-        "Noise alone",
-        "RMS",
-        "Halving",
-        "Windows",
-    ];
+    let of_model = ["Quartiles", "RMS", "Lost"];
+    let mut columns = vec!["Joint", "Horizon [s]", "Unit"];
+    if rollout.before.is_some() {
+        columns.push("Before");
+        columns.extend(of_model);
+    }
+    columns.push("After");
+    columns.extend(of_model);
+    columns.extend(["Noise alone", "RMS", "Halving", "Windows"]);
     let mut table = Table::new(&columns);
     let names = rollout.horizons.first().map_or(0, |h| h.joints.len());
     for joint in 0..names {
@@ -132,27 +125,35 @@ fn table(rollout: &Rollout) -> String {
             let Some(errors) = horizon.joints.get(joint) else {
                 continue;
             };
-            let before = errors.before.unwrap_or_default();
-            table.row(vec![
+            let mut cells = vec![
                 Cell::name(&errors.joint),
                 Cell::Number(significant(horizon.horizon)),
                 Cell::text(&errors.unit),
-                Cell::Number(optional(before.median)),
-                Cell::text(quartiles(&before)),
-                Cell::Number(optional(before.rms)),
-                Cell::Number(before.lost.to_string()),
-                Cell::Number(optional(errors.after.median)),
-                Cell::text(quartiles(&errors.after)),
-                Cell::Number(optional(errors.after.rms)),
-                Cell::Number(errors.after.lost.to_string()),
+            ];
+            if rollout.before.is_some() {
+                cells.extend(of_spread(&errors.before.unwrap_or_default()));
+            }
+            cells.extend(of_spread(&errors.after));
+            cells.extend([
                 Cell::Number(optional(errors.noise.median)),
                 Cell::Number(optional(errors.noise.rms)),
                 Cell::Number(significant(errors.integration)),
                 Cell::Number(errors.after.windows.to_string()),
             ]);
+            table.row(cells);
         }
     }
     format!("<h3>By horizon</h3>\n{}", table.html())
+}
+
+/// Median, quartiles, root mean square, and windows in which the model is lost.
+fn of_spread(spread: &Spread) -> [Cell; 4] {
+    [
+        Cell::Number(optional(spread.median)),
+        Cell::text(quartiles(spread)),
+        Cell::Number(optional(spread.rms)),
+        Cell::Number(spread.lost.to_string()),
+    ]
 }
 
 /// Positions of the joints in one window.

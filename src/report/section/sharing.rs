@@ -1,7 +1,7 @@
 //! Parameters that joints with motors of one type have in common: the common value beside that of every joint.
 
 use crate::outcome::sharing::{SeparateValue, Sharing};
-use crate::report::escape::escape;
+use crate::report::escape::prose;
 use crate::report::number::{optional, with_deviation};
 use crate::report::section::{Section, Source};
 use crate::report::table::{Cell, Table};
@@ -42,7 +42,7 @@ fn answer(answer: &Sharing) -> String {
         );
         table.row(cells);
     }
-    format!("<p>{}</p>\n{}", escape(&answer.sentence), table.html())
+    format!("<p>{}</p>\n{}", prose(&answer.sentence), table.html())
 }
 
 fn of_joint(own: &SeparateValue) -> String {

@@ -1,7 +1,7 @@
 //! The user's simulator beside the robot: what differs, what is in one alone, what agrees.
 
 use crate::outcome::simulator::{Contrast, Simulator};
-use crate::report::escape::escape;
+use crate::report::escape::prose;
 use crate::report::number::{optional, percent, significant, with_deviation};
 use crate::report::section::{Section, Source};
 use crate::report::table::{Cell, Table};
@@ -11,7 +11,7 @@ pub(super) fn section(source: &Source) -> Option<Section> {
         .fit()
         .and_then(|fit| fit.simulator.as_ref())
         .or_else(|| source.diagnosis()?.simulator.as_ref())?;
-    let mut body = format!("<p>{}</p>\n", escape(&simulator.summary));
+    let mut body = format!("<p>{}</p>\n", prose(&simulator.summary));
     body.push_str(&list(simulator));
     if !simulator.differences.is_empty() {
         body.push_str(&format!(
@@ -27,7 +27,7 @@ pub(super) fn section(source: &Source) -> Option<Section> {
         ));
     }
     for note in &simulator.notes {
-        body.push_str(&format!("<p class=\"hint\">{}</p>\n", escape(note)));
+        body.push_str(&format!("<p class=\"hint\">{}</p>\n", prose(note)));
     }
     Some(Section::new("simulator", "Simulation and robot", body))
 }
@@ -36,7 +36,7 @@ pub(super) fn section(source: &Source) -> Option<Section> {
 fn list(simulator: &Simulator) -> String {
     let all = simulator.only_robot.iter().chain(&simulator.only_simulator);
     let items: Vec<String> = all
-        .map(|one| format!("<li>{}</li>", escape(&one.sentence)))
+        .map(|one| format!("<li>{}</li>", prose(&one.sentence)))
         .collect();
     match items.is_empty() {
         true => String::new(),

@@ -5,10 +5,10 @@ use crate::outcome::finding::UNNAMED;
 use crate::outcome::fit::Fit;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::{Outcome, Part};
-use crate::report::escape::escape;
+use crate::report::escape::{escape, prose};
 use crate::report::facts::{self, count};
 use crate::report::number;
-use crate::report::section::{Section, Source};
+use crate::report::section::{Section, Source, main_result};
 
 pub(super) fn section(source: &Source) -> Option<Section> {
     let outcome = source.outcome;
@@ -17,20 +17,37 @@ pub(super) fn section(source: &Source) -> Option<Section> {
     body.push_str(&format!(
         "<p class=\"lead\">{}{}</p>\n",
         verdict(outcome),
-        escape(&sentence)
+        prose(&sentence)
     ));
     body.push_str(&match &outcome.part {
-        Part::Fit(fit) => figures(&fit_figures(outcome, fit)),
+        Part::Fit(fit) => {
+            main_result::html(&outcome.estimate.parameters, fit)
+                + &figures(&fit_figures(outcome, fit))
+        }
         Part::Diagnose(diagnosis) => figures(&diagnosis_figures(outcome, diagnosis)),
         _ => String::new(),
     });
+    body.push_str(&cut_off(outcome));
     Some(Section::new("summary", "Summary", body))
 }
 
-/// A warning where the solver did not end well: the figures are then not the answer.
+/// How the search for a motion ended that came to one within its limits and might have come to a better one.
+fn cut_off(outcome: &Outcome) -> String {
+    match (&outcome.estimate.solver, &outcome.part) {
+        (Some(solver), Part::Design(_)) if facts::is_cut_off(solver) => {
+            let sentence = escape(&facts::design_sentence(solver));
+            format!("<p class=\"hint\">{sentence}.</p>\n")
+        }
+        _ => String::new(),
+    }
+}
+
+/// A warning where the solver did not end well: the figures are then not the answer, but for a motion within its limits, which
+/// can be used.
 fn alert(outcome: &Outcome) -> String {
-    match &outcome.estimate.solver {
-        Some(solver) if !solver.converged => format!(
+    match (&outcome.estimate.solver, &outcome.part) {
+        (Some(solver), Part::Design(_)) if facts::is_cut_off(solver) => String::new(),
+        (Some(solver), _) if !solver.converged => format!(
             "<p class=\"alert\">{}. The values below are what it had reached.</p>\n",
             escape(&facts::solver_sentence(solver))
         ),

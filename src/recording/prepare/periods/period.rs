@@ -131,19 +131,29 @@ pub fn settle(recording: &Recording, timing: &Timing, stated: Option<f64>) -> Ch
             period: Some((better.period, Chosen::Data)),
             remark: Some(format!(
                 "The motion of {file} repeats after {:.6} s and not after the {stated} s that are stated: at these it \
-                 differs by {:.2e} of its power, at those by {:.2e}. The former are used.",
-                better.period, changed, better.changed
+                 differs by {} of its power, at those by {}. The former are used.",
+                better.period,
+                percent(changed),
+                percent(better.changed)
             )),
         },
         None if is_right => as_stated,
         None => ChosenPeriod {
             period: None,
             remark: Some(format!(
-                "The motion of {file} does not repeat after the {stated} s that are stated: it differs by {:.2e} of its \
+                "The motion of {file} does not repeat after the {stated} s that are stated: it differs by {} of its \
                  power. Every sample is used for itself and nothing is averaged.",
-                changed
+                percent(changed)
             )),
         },
+    }
+}
+
+/// A share as it stands in a sentence.
+fn percent(share: f64) -> String {
+    match 100.0 * share {
+        small if small > 0.0 && small < 0.01 => "less than 0.01 %".to_string(),
+        percent => format!("{percent:.2} %"),
     }
 }
 
@@ -381,6 +391,12 @@ mod tests {
         (0..5000)
             .map(|k| harmonics.iter().map(|&h| of(k, h) / h as f64).sum())
             .collect()
+    }
+
+    #[test]
+    fn shares_in_sentences_are_percentages() {
+        let words = [0.0, 0.284, 1e-6].map(percent);
+        assert_eq!(words, ["0.00 %", "28.40 %", "less than 0.01 %"]);
     }
 
     #[test]
