@@ -34,7 +34,7 @@ pub fn breakable(name: &str) -> String {
 /// Escaped sentences: what stands between backticks is code, which a narrow page may break as [`breakable`] says.
 pub fn prose(text: &str) -> String {
     let parts: Vec<&str> = text.split('`').collect();
-    if parts.len() % 2 == 0 {
+    if parts.len().is_multiple_of(2) {
         return escape(text);
     }
     let mut out = String::with_capacity(text.len());
