@@ -11,6 +11,7 @@ The verbs are those of the program `exid`, and every call gives the bits of the 
 :func:`exid.rollout`   models simulated forward beside the recording that was held out
 :func:`exid.export`    the identified robot in another format
 :func:`exid.load`      a results folder
+:func:`exid.example`   a problem with recordings that comes with the package
 =====================  ==========================================================================
 
 :mod:`exid.fleet` works through recordings of many robots on Dask, Ray or any executor.
@@ -46,6 +47,7 @@ from exid.result import (
     Solver,
 )
 from exid.robot import Derivatives, Robot
+from exid.shipped import example
 from exid.verbs import check, design, diagnose, export, fit, load, rollout, simulate
 
 __all__ = [
@@ -78,6 +80,7 @@ __all__ = [
     "check",
     "design",
     "diagnose",
+    "example",
     "export",
     "fit",
     "fleet",

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import exid
 from conftest import Program
@@ -91,3 +92,13 @@ def test_types_of_tables_are_those_of_the_schema() -> None:
     schema = json.loads(_core.schema())["properties"]
     fields = set(exid.Problem.__dataclass_fields__) - {"law", "folder"}
     assert fields == set(schema) - {"law"}
+
+
+def test_an_example_comes_with_the_package() -> None:
+    file = exid.example()
+    assert ROOT not in file.parents
+    result = exid.diagnose(file)
+    assert result.verdict == "explained"
+    assert [finding.effect for finding in result.findings] == ["transmission_efficiency"]
+    with pytest.raises(ValueError, match="'arm7'; there are arm6, arm6_gearbox"):
+        exid.example("arm7")

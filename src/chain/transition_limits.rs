@@ -52,6 +52,17 @@ pub struct SettledFit<F> {
     pub fit: F,
     /// Its limits.
     pub limits: TransitionLimits,
+    /// What its limits keep out, where transitions end at them.
+    pub wider: Option<WiderFit<F>>,
+}
+
+/// A fit with wider transitions than the motions show.
+#[derive(Debug)]
+pub struct WiderFit<F> {
+    /// The fit.
+    pub fit: F,
+    /// Joints of which the recordings do not determine the friction.
+    pub joints: Vec<usize>,
 }
 
 impl TransitionLimits {
@@ -77,6 +88,7 @@ impl TransitionLimits {
         let narrow = SettledFit {
             fit: fit(&self)?,
             limits: self,
+            wider: None,
         };
         let ended = narrow.limits.reached(&narrow.fit);
         if ended.is_empty() || control.is_interrupted() {
@@ -86,20 +98,28 @@ impl TransitionLimits {
         let Some(fitted) = fit(&limits).ok().filter(|_| !control.is_interrupted()) else {
             return Ok(narrow);
         };
-        let determined = determined(&fitted, &ended);
-        if determined.is_empty() {
-            return Ok(narrow);
-        }
-        if determined.len() == ended.len() {
+        let (determined, open): (Vec<usize>, Vec<usize>) = ended
+            .iter()
+            .partition(|joint| is_determined(&fitted, **joint));
+        if open.is_empty() {
             return Ok(SettledFit {
                 fit: fitted,
                 limits,
+                wider: None,
             });
+        }
+        let wider = Some(WiderFit {
+            fit: fitted,
+            joints: open,
+        });
+        if determined.is_empty() {
+            return Ok(SettledFit { wider, ..narrow });
         }
         let limits = narrow.limits.widened(&determined);
         Ok(SettledFit {
             fit: fit(&limits)?,
             limits,
+            wider,
         })
     }
 
@@ -134,17 +154,14 @@ impl TransitionLimits {
     }
 }
 
-/// Joints, of some, whose friction a fit determines.
-fn determined(fit: &impl TransitionFit, of: &[usize]) -> Vec<usize> {
-    let deviations = fit.deviations();
-    let is_determined = |joint: &&usize| {
-        let friction = Limited::of(&fit.model().joints()[**joint]);
-        friction.is_some_and(|friction| {
-            let size = fit.values()[friction.size].abs();
-            deviations[friction.size].is_some_and(|deviation| deviation <= DETERMINED * size)
-        })
-    };
-    of.iter().filter(is_determined).copied().collect()
+/// Whether a fit determines the friction of a joint.
+fn is_determined(fit: &impl TransitionFit, joint: usize) -> bool {
+    let friction = Limited::of(&fit.model().joints()[joint]);
+    friction.is_some_and(|friction| {
+        let size = fit.values()[friction.size].abs();
+        let deviation = fit.deviations()[friction.size];
+        deviation.is_some_and(|deviation| deviation <= DETERMINED * size)
+    })
 }
 
 /// The friction of a joint whose transition speed is limited, as positions in the model's list of parameters.
@@ -290,6 +307,9 @@ mod tests {
             })
         });
         let Ok(settled) = settled;
+        let open = settled.wider.map_or(0, |wider| wider.joints.len());
+        let ended = (0..2).filter(|&j| wanted[j] > 1.0 / 19.0 && deviation[j] > DETERMINED);
+        assert_eq!(open, ended.count());
         (positions.map(|at| settled.fit.values[at]), fits.get())
     }
 

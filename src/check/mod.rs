@@ -12,6 +12,7 @@ mod drift;
 mod extent;
 mod filtered;
 mod identifiability;
+mod jumps;
 mod known_values;
 mod limits;
 mod locked;
@@ -37,6 +38,7 @@ mod tests;
 use crate::chain::dataset::Dataset;
 use crate::chain::model::Model;
 use crate::check::context::{CheckContext, PreparedRecording, RawRecording};
+pub use crate::check::jumps::is_no_physics;
 pub(crate) use crate::check::locked::STILL;
 pub use crate::check::scale::SignalScale;
 use crate::fault::Fault;
@@ -62,6 +64,7 @@ const OF_READ: &[fn(&RawRecording<'_>) -> Vec<Mistake>] = &[
     channels::check,
     magnitude::check,
     spikes::check,
+    jumps::check,
     period::check,
 ];
 

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::check::context::RawRecording;
 use crate::check::extent::extent;
+use crate::check::jumps;
 use crate::check::report::finding;
 use crate::fault::Description;
 use crate::outcome::check::{Mistake, Severity};
@@ -21,7 +22,7 @@ pub(super) fn check(read: &RawRecording<'_>) -> Vec<Mistake> {
         return Vec::new();
     }
     let revolute: Vec<usize> = (0..context.moving.len())
-        .filter(|&j| context.is_revolute(j))
+        .filter(|&j| context.is_revolute(j) && !jumps::starts_anew(read.recording, j))
         .collect();
     let beyond: Vec<usize> = revolute
         .iter()
@@ -57,8 +58,8 @@ pub(super) fn check(read: &RawRecording<'_>) -> Vec<Mistake> {
                 revolute.len(),
                 context.joint(worst).name
             ),
-            "give positions in radians: multiply by pi/180 (velocities and accelerations too, if they are in \
-             degrees)",
+            "name the unit under [recordings.columns], as in position = { column = \"q{n}\", unit = \"deg\" } (and deg/s, \
+             deg/s^2 of velocities and accelerations)",
         ),
     )]
 }

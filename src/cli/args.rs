@@ -1,6 +1,7 @@
 //! The flags of every verb.
 
 use crate::fleet::shard::Shard;
+use crate::init::NamedColumn;
 use crate::trials::plan::AtOnce;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -126,6 +127,7 @@ const INIT_EXAMPLES: &str = "Examples:
   exid init --urdf arm.urdf run1.csv run2.csv
   exid init arm.urdf session.mcap --out arm/problem.toml
   exid init arm.urdf run.parquet --out - > problem.toml
+  exid init arm.urdf trace.csv --column 'position=AIPos.A{n}' --column 'current=MACur.A{n}' --rate 250
 
 What the files do not show is assumed, said, and written into the file as comments.";
 const SCHEMA_EXAMPLES: &str = "Examples:
@@ -305,6 +307,15 @@ fn rate(text: &str) -> Result<f64, String> {
     rate.ok_or_else(|| format!("`{text}` is no rate: write a number between 0 and 1"))
 }
 
+/// Samples per second.
+fn hertz(text: &str) -> Result<f64, String> {
+    let rate = text
+        .parse::<f64>()
+        .ok()
+        .filter(|hz| *hz > 0.0 && hz.is_finite());
+    rate.ok_or_else(|| format!("`{text}` is no rate: write samples per second"))
+}
+
 /// A time that is long enough to begin in.
 fn seconds(text: &str) -> Result<f64, String> {
     let seconds = text.parse::<f64>().ok().filter(|s| *s > 0.0 && *s < 1e9);
@@ -402,6 +413,13 @@ pub struct Drafting {
     pub mjcf: Option<PathBuf>,
     /// Recordings; the robot's description may be among them
     pub files: Vec<PathBuf>,
+    /// A column whose name does not say what it holds: time, position, velocity, current, torque or command, with {n} for the
+    /// number of a joint or {joint} for its name, or names with commas between them
+    #[arg(long = "column", value_name = "KEY=NAME")]
+    pub columns: Vec<NamedColumn>,
+    /// Samples per second of recordings without time stamps
+    #[arg(long, value_name = "HZ", value_parser = hertz)]
+    pub rate: Option<f64>,
     /// The problem file to write; - is standard output [default: problem.toml]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,

@@ -65,6 +65,8 @@ pub fn run(query: &Drafting) -> Result<u8, CliError> {
         robot: robot.clone(),
         recordings,
         target: target.clone(),
+        columns: query.columns.clone(),
+        rate: query.rate,
     };
     let draft = init::draft(&sources, &control)?;
     if control.is_interrupted() {

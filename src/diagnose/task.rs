@@ -324,7 +324,12 @@ impl Search<'_> {
         let contexts = self.contexts(halves, declared, control)?;
         let explaining = self.explaining(&contexts, reached);
         let selection = explaining.select(declared.fit.clone())?;
-        if let Some(data) = self.moved(&selection.fit, &halves.whole, control)? {
+        // An interrupt loses the motion that is estimated anew, and not what was selected.
+        let moved = match self.moved(&selection.fit, &halves.whole, control) {
+            Err(_) if control.is_interrupted() => None,
+            moved => moved?,
+        };
+        if let Some(data) = moved {
             return Ok(Searched::Moved(data));
         }
         let explanation = explaining.conclude(selection)?;

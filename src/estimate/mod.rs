@@ -13,8 +13,10 @@
 //! | covariance and intervals | `uncertainty/` |
 //! | what is reported | `derived/` |
 //! | parameters that joints have in common | `sharing` |
+//! | intervals of friction that motions do not show | `unshown_friction` |
 //!
-//! Imports follow this order upwards, from `residual/` to `derived/`; the fits use them all, `sharing` and `task` the fits.
+//! Imports follow this order upwards, from `residual/` to `derived/`; the fits use them all, `sharing`,
+//! `unshown_friction` and `task` the fits.
 
 mod derived;
 pub mod error;
@@ -30,6 +32,7 @@ pub mod sharing;
 mod solve;
 pub mod task;
 mod uncertainty;
+mod unshown_friction;
 
 pub use crate::estimate::derived::{goodness_of_fit, load, reactions, remarks};
 pub use crate::estimate::fit_problem::{estimator, problem, unknowns};

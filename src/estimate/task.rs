@@ -15,7 +15,7 @@ use crate::estimate::fit_problem::estimator::Estimator;
 use crate::estimate::initial::search_range;
 use crate::estimate::minimisation::bandwidth::Preparing;
 use crate::estimate::sharing::{self, Question};
-use crate::estimate::{errors_in_variables, load_by_difference};
+use crate::estimate::{errors_in_variables, load_by_difference, unshown_friction};
 use crate::fault::Place;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::fit::Comparison;
@@ -115,8 +115,12 @@ pub fn run(
         });
         found.map(|(fitted, defect)| Attempt { fitted, defect })
     })?;
-    let SettledFit { fit, limits } = settled;
+    let SettledFit { fit, limits, wider } = settled;
     let (mut fitted, mut defect) = (fit.fitted, fit.defect);
+    if let Some(wider) = wider.filter(|wider| wider.fit.defect.is_none()) {
+        let note = unshown_friction::admit(&mut fitted, &wider.fit.fitted, &wider.joints);
+        fitted.fit.notes.push(note);
+    }
     model.limit_transitions(&limits);
     search_range::start_within_motion(&mut model, &data);
     fitted.fit.preprocessing = preprocessing(&model, &data);

@@ -8,6 +8,10 @@ use std::fmt::Write;
 /// Distance of the second site of a hinge along its axis, m: two points that are one hold an axis as well.
 const APART: f64 = 0.1;
 
+/// How stiff MuJoCo holds a loop: within two steps of 2 ms, its shortest, and to a thousandth of what pulls; its own values are for
+/// contacts, and give by centimetres under the weight of a platform.
+const STIFF: &str = "solref=\"0.004 1\" solimp=\"0.999 0.9999 0.001\"";
+
 /// A site at which a loop is closed.
 struct Site {
     link: Option<usize>,
@@ -61,24 +65,25 @@ pub fn equalities(machine: &Machine) -> String {
             MachineLoop::Equal { joints } => {
                 let [a, b] = joints.map(|j| escaped(&machine.joints[j].name));
                 lines.push(format!(
-                    "<joint joint1=\"{b}\" joint2=\"{a}\" polycoef=\"0 1 0 0 0\"/>"
+                    "<joint joint1=\"{b}\" joint2=\"{a}\" polycoef=\"0 1 0 0 0\" {STIFF}/>"
                 ));
             }
             MachineLoop::Rod { ends, length } => {
                 // MuJoCo counts from the length at the positions of zero.
                 let beyond = length - distance(machine, ends);
                 lines.push(format!(
-                    "<tendon tendon1=\"rod_{}\" polycoef=\"{beyond:?} 0 0 0 0\"/>",
+                    "<tendon tendon1=\"rod_{}\" polycoef=\"{beyond:?} 0 0 0 0\" {STIFF}/>",
                     number + 1
                 ));
             }
             MachineLoop::Ball { .. } | MachineLoop::Hinge { .. } => {
                 let connected = pairs(number, closed).into_iter();
-                lines.extend(
-                    connected.map(|[a, b]| {
-                        format!("<connect site1=\"{}\" site2=\"{}\"/>", a.name, b.name)
-                    }),
-                );
+                lines.extend(connected.map(|[a, b]| {
+                    format!(
+                        "<connect site1=\"{}\" site2=\"{}\" {STIFF}/>",
+                        a.name, b.name
+                    )
+                }));
             }
         }
     }

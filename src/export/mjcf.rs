@@ -22,6 +22,10 @@ const KEPT: [JointTerm; 4] = [
 /// kg and kg·m² of a link without mass.
 const LEAST_BODY: [f64; 2] = [1e-6, 1e-9];
 
+/// Armature of a joint in a loop that nothing of its own resists, as a share of the least of the motors': what it adds to the
+/// motion is less than its parameters are known, and MuJoCo holds loops the softer the less resists them.
+const LOOPED: f64 = 1e-3;
+
 /// Shortest step of the simulator, s, that a delay is kept for.
 const LEAST_STEP: f64 = 1e-4;
 
@@ -47,7 +51,7 @@ pub enum Actuation<'a> {
 
 /// The robot as MJCF, the load on its link where there is one.
 pub fn write(machine: &Machine, name: &str) -> Export {
-    let natives: Vec<Native> = machine.joints.iter().map(of_joint).collect();
+    let natives = natives(machine);
     Export {
         files: vec![File {
             name: format!("{name}.xml"),
@@ -55,6 +59,36 @@ pub fn write(machine: &Machine, name: &str) -> Export {
         }],
         notes: lost(machine),
     }
+}
+
+/// What of each drive stands in its joint, with the armature of joints in loops that nothing of their own resists.
+fn natives(machine: &Machine) -> Vec<Native> {
+    let mut natives: Vec<Native> = machine.joints.iter().map(of_joint).collect();
+    let rotors = natives.iter().map(|native| native.armature);
+    let least = rotors.filter(|armature| *armature > 0.0).reduce(f64::min);
+    let bare = bare(machine);
+    let bare = natives.iter_mut().zip(bare).filter(|(_, bare)| *bare);
+    bare.for_each(|(native, _)| native.armature = LOOPED * least.unwrap_or(0.0));
+    natives
+}
+
+/// Which joints in loops have neither a rotor nor carry a mass.
+fn bare(machine: &Machine) -> Vec<bool> {
+    let joints = &machine.joints;
+    let mut carries: Vec<bool> = joints
+        .iter()
+        .map(|j| !is_massless(&Inertia(j.body)))
+        .collect();
+    for (k, joint) in joints.iter().enumerate().rev() {
+        if let (true, Some(parent)) = (carries[k], joint.parent) {
+            carries[parent] = true;
+        }
+    }
+    let rotor = |joint| of_joint(joint).armature > 0.0;
+    let is_looped = !machine.loops.is_empty();
+    let each = joints.iter().zip(carries);
+    each.map(|(joint, carries)| is_looped && !carries && !rotor(joint))
+        .collect()
 }
 
 fn of_joint(joint: &MachineJoint) -> Native {
@@ -97,6 +131,13 @@ pub fn document(machine: &Machine, natives: &[Native], actuation: Actuation<'_>)
     };
     if !actuators.is_empty() {
         text.push_str(&format!("  <actuator>\n{actuators}  </actuator>\n"));
+    }
+    if let Some(home) = &machine.home {
+        let positions: Vec<String> = home.iter().map(|q| format!("{q:?}")).collect();
+        text.push_str(&format!(
+            "  <keyframe>\n    <key name=\"home\" qpos=\"{}\"/>\n  </keyframe>\n",
+            positions.join(" ")
+        ));
     }
     text.push_str("</mujoco>\n");
     text
@@ -345,6 +386,19 @@ fn lost(machine: &Machine) -> Vec<String> {
         notes.push(format!("ctrl holds {}", held_by_ctrl(machine)));
     }
     notes.extend(massless(machine));
+    if machine.home.is_some() {
+        notes.push("the loops are closed at the keyframe `home`: start there, or at positions that close them".to_string());
+    }
+    let bare: Vec<&str> = (machine.joints.iter().zip(bare(machine)))
+        .filter(|(_, bare)| *bare)
+        .map(|(joint, _)| joint.name.as_str())
+        .collect();
+    if !bare.is_empty() {
+        notes.push(format!(
+            "{}: with {LOOPED} of the least rotor's armature, as nothing else resists them and MuJoCo lets loops give then",
+            bare.join(", ")
+        ));
+    }
     if machine.payload.is_some() {
         notes.push("the load is part of the link that carries it".to_string());
     }

@@ -6,6 +6,7 @@ use crate::recording::samples::SignalKind;
 use crate::recording::units::{self, Quantity};
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::str::FromStr;
 
 /// Words in the names of columns, in lower case. A later quantity is looked for first: `q_vel` is a velocity.
 const WORDS: &[(Quantity, &[&str])] = &[
@@ -87,6 +88,73 @@ const ASKED: &[&str] = &[
     "goal",
 ];
 
+/// A column that is named beside the files: `position=AIPos.A{n}`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NamedColumn {
+    /// What it holds: a key of `[recordings.columns]`.
+    pub key: ColumnKey,
+    /// Its name with `{n}` for the number of a joint or `{joint}` for its name, or names of all joints with commas between them.
+    pub column: String,
+}
+
+/// Keys of `[recordings.columns]` that can be named.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ColumnKey {
+    /// Time stamps.
+    Time,
+    /// Positions.
+    Position,
+    /// Velocities.
+    Velocity,
+    /// Currents.
+    Current,
+    /// Torques.
+    Torque,
+    /// Commanded positions.
+    Command,
+}
+
+impl ColumnKey {
+    const ALL: [(&str, Self); 6] = [
+        ("time", Self::Time),
+        ("position", Self::Position),
+        ("velocity", Self::Velocity),
+        ("current", Self::Current),
+        ("torque", Self::Torque),
+        ("command", Self::Command),
+    ];
+
+    fn quantity(self) -> Quantity {
+        match self {
+            Self::Time => Quantity::Time,
+            Self::Position | Self::Command => Quantity::Position,
+            Self::Velocity => Quantity::Velocity,
+            Self::Current => Quantity::Current,
+            Self::Torque => Quantity::Torque,
+        }
+    }
+}
+
+impl FromStr for NamedColumn {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let known = |key: &str| ColumnKey::ALL.iter().find(|(name, _)| *name == key);
+        let pair = text
+            .split_once('=')
+            .filter(|(_, column)| !column.is_empty());
+        let named = pair.and_then(|(key, column)| {
+            let (_, key) = known(key)?;
+            let column = column.to_owned();
+            Some(Self { key: *key, column })
+        });
+        named.ok_or_else(|| {
+            let keys = ColumnKey::ALL.map(|(name, _)| name).join(", ");
+            format!("a column is named as position=NAME{{n}}, with one of {keys}")
+        })
+    }
+}
+
 /// A channel: its columns, and their unit where that is not SI.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Channel {
@@ -132,29 +200,54 @@ pub(super) struct Channels {
 }
 
 impl Channels {
-    /// The channels by the names of columns.
+    /// The channels that are named, and the others by the names of columns.
     ///
     /// # Errors
-    /// No positions, or neither torques nor currents.
-    pub fn of(file: &Path, present: &[String], joints: &[String]) -> Result<Self, InitError> {
+    /// No positions, or neither torques nor currents; a column that is named and not there.
+    pub fn of(
+        file: &Path,
+        present: &[String],
+        joints: &[String],
+        named: &[NamedColumn],
+    ) -> Result<Self, InitError> {
         let families_of = |of| families(present, joints, of);
         let families = families_of(quantity);
-        let find = |quantity| best(&families, quantity);
+        for column in named {
+            if given(column, present, joints).is_none() {
+                return Err(InitError::NoColumn {
+                    file: file.to_path_buf(),
+                    column: column.column.clone(),
+                    present: present.to_vec(),
+                });
+            }
+        }
+        let named = |key: ColumnKey| {
+            let column = named.iter().find(|column| column.key == key)?;
+            given(column, present, joints)
+        };
+        let find = |key: ColumnKey| {
+            let by_name = || best(&families, key.quantity());
+            named(key).or_else(by_name)
+        };
         let missing = |what| InitError::NoChannel {
             file: file.to_path_buf(),
             what,
             joints: joints.to_vec(),
             present: present.to_vec(),
         };
-        let position = find(Quantity::Position).ok_or_else(|| missing("positions"))?;
+        let position = find(ColumnKey::Position).ok_or_else(|| missing("positions"))?;
+        let torque = |channel| (SignalKind::Torque, channel);
+        let current = |channel| (SignalKind::Current, channel);
+        let command = |channel| (SignalKind::PositionCommand, channel);
+        let stated = (named(ColumnKey::Torque).map(torque))
+            .or_else(|| named(ColumnKey::Current).map(current))
+            .or_else(|| named(ColumnKey::Command).map(command));
+        let asked = || best(&families_of(commanded_position), Quantity::Position);
         // A torque needs no torque constant.
-        let torque = find(Quantity::Torque).map(|channel| (SignalKind::Torque, channel));
-        let current = || Some((SignalKind::Current, find(Quantity::Current)?));
-        let command = || {
-            let asked = best(&families_of(commanded_position), Quantity::Position)?;
-            Some((SignalKind::PositionCommand, asked))
-        };
-        let signal = torque.or_else(current).or_else(command);
+        let signal = stated
+            .or_else(|| find(ColumnKey::Torque).map(torque))
+            .or_else(|| find(ColumnKey::Current).map(current))
+            .or_else(|| asked().map(command));
         let what = "currents, torques or commanded positions";
         let (kind, signal) = signal.ok_or_else(|| missing(what))?;
         let same = |channel: &Channel| channel.joints == position.joints;
@@ -164,8 +257,8 @@ impl Channels {
             ));
         }
         Ok(Self {
-            time: time(present),
-            velocity: find(Quantity::Velocity).filter(same),
+            time: named(ColumnKey::Time).or_else(|| time(present)),
+            velocity: find(ColumnKey::Velocity).filter(same),
             position,
             signal,
             kind,
@@ -178,6 +271,40 @@ impl Channels {
         let all = optional.chain([&self.position, &self.signal]);
         all.flat_map(|channel| &channel.columns)
     }
+}
+
+/// The channel of a column that is named; `None` where it is not there.
+fn given(named: &NamedColumn, present: &[String], joints: &[String]) -> Option<Channel> {
+    let quantity = named.key.quantity();
+    let of = |j: usize| {
+        (named.column.replace("{n}", &(j + 1).to_string())).replace("{joint}", &joints[j])
+    };
+    let names: Vec<String> = match named.column.split_once(',') {
+        Some(_) => named.column.split(',').map(str::to_owned).collect(),
+        None if quantity == Quantity::Time => vec![named.column.clone()],
+        None => (0..joints.len()).map(of).collect(),
+    };
+    let at = match named.column.contains(',') {
+        true => ColumnsAt::Names(names.clone()),
+        false => ColumnsAt::Pattern(named.column.clone()),
+    };
+    let members = names.into_iter().enumerate();
+    let members = members.filter(|(j, name)| (*j < joints.len()) && present.contains(name));
+    let (of_joints, columns): (Vec<usize>, Vec<String>) = members.unzip();
+    (!columns.is_empty()).then(|| Channel {
+        quantity,
+        at,
+        joints: if quantity == Quantity::Time {
+            Vec::new()
+        } else {
+            of_joints
+        },
+        columns,
+        unit: unit(
+            quantity,
+            &named.column.replace("{n}", " ").replace("{joint}", " "),
+        ),
+    })
 }
 
 /// The family of a quantity with most joints; of several the one with the shortest name.
@@ -356,22 +483,29 @@ fn commanded_position(words: &[String]) -> Option<Quantity> {
     (!asked.is_empty() && is_position).then_some(Quantity::Position)
 }
 
+/// Letters of a word from which it is known at the end of another too, as in `Istposition`, and of what was asked for at its
+/// beginning, as in `Sollposition`.
+const KNOWN_WITHIN: usize = 3;
+
 /// What words say; nothing of what was asked for and not measured.
 fn quantity(words: &[String]) -> Option<Quantity> {
-    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
-    if has(ASKED) {
+    let is_any = |list: &[&str], is: fn(&str, &str) -> bool| {
+        let known = |word: &String| list.iter().any(|known| is(word, known));
+        words.iter().any(known)
+    };
+    let begins = |word: &str, known: &str| known.len() >= KNOWN_WITHIN && word.starts_with(known);
+    let ends = |word: &str, known: &str| known.len() >= KNOWN_WITHIN && word.ends_with(known);
+    let same = |word: &str, known: &str| word == known;
+    if is_any(ASKED, same) || is_any(ASKED, begins) {
         return None;
     }
-    let found = WORDS.iter().rev().find(|(_, list)| has(list));
-    found.map(|(quantity, _)| *quantity)
+    let by = |is| WORDS.iter().rev().find(|(_, list)| is_any(list, is));
+    let composed = || by(ends).filter(|(quantity, _)| *quantity != Quantity::Time);
+    by(same).or_else(composed).map(|(quantity, _)| *quantity)
 }
 
 /// A unit in a name that is not SI.
 fn unit(quantity: Quantity, name: &str) -> Option<&'static str> {
-    let parts: Vec<&str> = name
-        .split(|c: char| !(c.is_alphabetic() || c == '/'))
-        .collect();
-    let names = units::names(quantity).into_iter();
-    let mut other = names.filter(|name| units::factor(quantity, name).is_some_and(|f| f != 1.0));
-    other.find(|unit| parts.iter().any(|part| part.eq_ignore_ascii_case(unit)))
+    let stated = units::stated(quantity, name);
+    stated.filter(|unit| units::factor(quantity, unit).is_some_and(|f| f != 1.0))
 }

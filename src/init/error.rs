@@ -23,8 +23,8 @@ pub enum InitError {
     NoRecordings,
     /// A recording has no column for the joints that is known by its name.
     #[error(
-        "{}: no column is known by its name to hold {what} of the joints {}; it has {}. Write the problem file by hand and name \
-         the columns under [recordings.columns]",
+        "{}: no column is known by its name to hold {what} of the joints {}; it has {}. Name them, as with \
+         --column 'position=NAME{{n}}' --column 'current=NAME{{n}}', where {{n}} is the number of a joint",
         file.display(), joints.join(", "), present.join(", ")
     )]
     NoChannel {
@@ -37,10 +37,20 @@ pub enum InitError {
         /// Columns of the recording.
         present: Vec<String>,
     },
+    /// A column that is named is not in the recording.
+    #[error("{}: it has no column `{column}`; it has {}", file.display(), present.join(", "))]
+    NoColumn {
+        /// The recording.
+        file: PathBuf,
+        /// What was named.
+        column: String,
+        /// Columns of the recording.
+        present: Vec<String>,
+    },
     /// A recording without time stamps and velocities.
     #[error(
-        "{}: there are neither time stamps nor velocities, so that nothing tells the rate; write the problem file by hand and state \
-         recordings.rate", file.display()
+        "{}: there are neither time stamps nor velocities, so that nothing tells the rate; state it with --rate, in Hz, or name the \
+         column of the stamps with --column time=NAME", file.display()
     )]
     NoTimeBase {
         /// The recording.

@@ -1,8 +1,7 @@
 //! What the files of a robot and its recordings are taken to say.
 
 use crate::check::SignalScale;
-use crate::init::channels::Channel;
-use crate::init::channels::Channels;
+use crate::init::channels::{Channel, Channels, NamedColumn};
 use crate::init::error::InitError;
 use crate::init::measure::{self, Standing};
 use crate::outcome::check::Mistake;
@@ -25,6 +24,10 @@ pub struct Sources {
     pub recordings: Vec<PathBuf>,
     /// Where the problem file will be; paths in it start there.
     pub target: PathBuf,
+    /// Columns whose names do not say what they hold.
+    pub columns: Vec<NamedColumn>,
+    /// Samples per second of recordings without time stamps, Hz.
+    pub rate: Option<f64>,
 }
 
 /// How a robot is described.
@@ -114,6 +117,7 @@ pub(super) struct Guess<'a> {
     pub(super) period: Option<f64>,
     /// Hz, of recordings without time stamps.
     pub(super) rate: Option<f64>,
+    is_rate_given: bool,
     /// Sentences on what was left out and why.
     pub(super) remarks: Vec<String>,
 }
@@ -131,7 +135,7 @@ impl<'a> Guess<'a> {
             ..Reading::default()
         };
         let present = (format_of(first)?.columns)(first, &reading)?;
-        let mut channels = Channels::of(first, &present, &names)?;
+        let mut channels = Channels::of(first, &present, &names, &sources.columns)?;
         let mut remarks = Vec::new();
         let mut used = Vec::new();
         for path in &sources.recordings {
@@ -145,7 +149,7 @@ impl<'a> Guess<'a> {
                 )),
             }
         }
-        let measured = measure::measure(first, &mut channels, &names)?;
+        let measured = measure::measure(first, &mut channels, &names, sources.rate)?;
         let is_current = channels.kind == SignalKind::Current;
         let constants = is_current.then(|| TorqueConstants::ones(names.len()));
         let locked = measure::standing(&used, &channels, &names)?;
@@ -159,7 +163,8 @@ impl<'a> Guess<'a> {
             locked,
             constants,
             period: measured.period,
-            rate: measured.rate,
+            rate: sources.rate.or(measured.rate),
+            is_rate_given: sources.rate.is_some(),
             remarks,
         })
     }
@@ -207,8 +212,8 @@ impl<'a> Guess<'a> {
                 velocity.unit = Some("deg/s");
             }
             self.remarks.push(
-                "positions leave the limits of the joints as radians and keep to them as degrees; should they be the motors' own turns, \
-                 state recordings.position_side = \"motor\" and drive.ratio"
+                "positions are too large for radians (beyond the limits of the joints, or many turns) and are taken as degrees; should \
+                 they be the motors' own turns, state recordings.position_side = \"motor\" and drive.ratio"
                     .into(),
             );
             let used = [&self.train[..], &self.validation].concat();
@@ -272,7 +277,7 @@ impl<'a> Guess<'a> {
                     .into(),
             ),
         }
-        if let Some(rate) = self.rate {
+        if let Some(rate) = self.rate.filter(|_| !self.is_rate_given) {
             all.push(format!(
                 "no time stamps: velocities against positions give a rate of {rate} Hz"
             ));

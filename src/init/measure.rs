@@ -40,11 +40,12 @@ pub(super) struct Measured {
     pub remarks: Vec<String>,
 }
 
-/// Measures, and gives the channels their units.
+/// Measures, and gives the channels their units; a rate is given where nothing else may tell it, Hz.
 pub(super) fn measure(
     file: &Path,
     channels: &mut Channels,
     names: &[String],
+    given: Option<f64>,
 ) -> Result<Measured, InitError> {
     let mut remarks = Vec::new();
     let raw = open(file, channels, names)?;
@@ -74,19 +75,19 @@ pub(super) fn measure(
         }
     }
     let mut recording = open(file, channels, names)?;
-    let mut rate = None;
+    let mut rate = given;
     let slope = slope(&recording);
     match (&recording.time, slope) {
-        (None, None) => {
+        (None, None) if given.is_none() => {
             let file = file.to_path_buf();
             return Err(InitError::NoTimeBase { file });
         }
-        (None, Some(step)) => rate = Some((1e6 / step).round() / 1e6),
+        (None, Some(step)) => rate = given.or(Some((1e6 / step).round() / 1e6)),
         (Some(_), Some(factor)) => {
             remarks.extend(unit_of_motion(channels, factor));
             recording = open(file, channels, names)?;
         }
-        (Some(_), None) => {}
+        (_, None) => {}
     }
     let found = examine(&recording, rate)
         .ok()

@@ -15,6 +15,7 @@ mod tests;
 
 use crate::chain::effect;
 use crate::check::{self, Extent};
+pub use crate::init::channels::{ColumnKey, NamedColumn};
 use crate::init::error::InitError;
 pub(crate) use crate::init::guess::Form;
 use crate::init::guess::Guess;

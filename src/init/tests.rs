@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use crate::init::channels::Channels;
+use crate::init::channels::{Channels, NamedColumn};
 use crate::recording::column_map::ColumnsAt;
+use crate::recording::samples::SignalKind;
 
 fn names(list: &[&str]) -> Vec<String> {
     list.iter().map(|name| (*name).to_owned()).collect()
@@ -11,7 +12,8 @@ fn names(list: &[&str]) -> Vec<String> {
 
 /// Position, velocity and signal as patterns or lists of names, with their units.
 fn found(present: &[&str], joints: &[&str]) -> [String; 3] {
-    let channels = Channels::of(Path::new("run.csv"), &names(present), &names(joints)).unwrap();
+    let channels =
+        Channels::of(Path::new("run.csv"), &names(present), &names(joints), &[]).unwrap();
     let written = |channel: &crate::init::channels::Channel| {
         let unit = channel
             .unit
@@ -104,6 +106,33 @@ fn knows_how_loggers_name_columns() {
             ],
             ["q{n}", "q_vel{n}", "tau{n}"],
         ),
+        (
+            &[
+                "Zeit [s]",
+                "AIPos.A1",
+                "AIPos.A2",
+                "SollPos.A1",
+                "SollPos.A2",
+                "MACur.A1",
+                "MACur.A2",
+            ],
+            ["AIPos.A{n}", "none", "MACur.A{n}"],
+        ),
+        (
+            &[
+                "Achse 1 Istposition [°]",
+                "Achse 2 Istposition [°]",
+                "Achse 1 Sollposition [°]",
+                "Achse 2 Sollposition [°]",
+                "Achse 1 Motorstrom [A]",
+                "Achse 2 Motorstrom [A]",
+            ],
+            [
+                "Achse {n} Istposition [°] in deg",
+                "none",
+                "Achse {n} Motorstrom [A]",
+            ],
+        ),
     ] {
         assert_eq!(found(present, two), expected, "{present:?}");
     }
@@ -116,6 +145,7 @@ fn some_joints_may_have_no_columns() {
         Path::new("run.csv"),
         &names(&["t", "q3", "q4", "i3", "i4"]),
         &names(&["a1", "a2", "a3", "a4"]),
+        &[],
     );
     assert_eq!(channels.unwrap().position.joints, [2, 3]);
 }
@@ -124,7 +154,7 @@ fn some_joints_may_have_no_columns() {
 fn what_is_not_there_is_named_with_what_is() {
     let of = |present: &[&str]| {
         let error =
-            Channels::of(Path::new("run.csv"), &names(present), &names(&["a1"])).unwrap_err();
+            Channels::of(Path::new("run.csv"), &names(present), &names(&["a1"]), &[]).unwrap_err();
         error.to_string()
     };
     assert!(
@@ -135,7 +165,57 @@ fn what_is_not_there_is_named_with_what_is() {
     assert!(
         text.contains(
             "currents, torques or commanded positions of the joints a1; it has t, q1, x1."
-        ),
+        ) && text.contains("--column 'position=NAME{n}'"),
         "{text}"
     );
+}
+
+/// Columns whose names say nothing are named.
+#[test]
+fn columns_may_be_named() {
+    let of = |columns: &[&str]| {
+        let present = names(&[
+            "clock",
+            "x_1",
+            "x_2",
+            "y_one_deg",
+            "y_two_deg",
+            "amps1",
+            "amps2",
+        ]);
+        let columns: Vec<NamedColumn> = columns.iter().map(|c| c.parse().unwrap()).collect();
+        Channels::of(
+            Path::new("run.csv"),
+            &present,
+            &names(&["one", "two"]),
+            &columns,
+        )
+    };
+    let found = of(&["time=clock", "position=x_{n}"]).unwrap();
+    assert_eq!(found.time.unwrap().columns, ["clock"]);
+    assert_eq!(found.position.columns, ["x_1", "x_2"]);
+    assert_eq!(
+        (found.kind, found.signal.columns),
+        (SignalKind::Current, names(&["amps1", "amps2"]))
+    );
+    let found = of(&["position=y_{joint}_deg", "torque=x_1,x_2"]).unwrap();
+    assert_eq!(found.position.columns, ["y_one_deg", "y_two_deg"]);
+    assert_eq!(found.position.unit, Some("deg"));
+    assert_eq!(
+        (found.kind, found.signal.columns),
+        (SignalKind::Torque, names(&["x_1", "x_2"]))
+    );
+    let error = of(&["position=z{n}"]).unwrap_err().to_string();
+    assert!(
+        error.starts_with("run.csv: it has no column `z{n}`; it has clock, x_1"),
+        "{error}"
+    );
+    for wrong in ["position", "place=q{n}", "position="] {
+        assert!(
+            wrong
+                .parse::<NamedColumn>()
+                .unwrap_err()
+                .contains("position=NAME{n}")
+        );
+    }
 }

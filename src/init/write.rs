@@ -6,7 +6,7 @@ use crate::init::channels::Channel;
 use crate::init::{Form, Guess, Sources};
 use crate::problem_file::choices::{Choice, Signal};
 use crate::recording::column_map::ColumnsAt;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// Relative standard deviation of torque constants that follow from the robot file's inertials, which are right to a factor of two: half of
 /// ln 2.
@@ -180,12 +180,55 @@ fn text(value: &str) -> String {
     toml::Value::from(value).to_string()
 }
 
-/// A path from the folder of the problem file: as it is where it is absolute or starts there, else absolute.
+/// A path from the folder of the problem file: as it is where it is absolute, and where links on the way make it unsure how to go up.
 fn relative(path: &Path, target: &Path) -> String {
     let folder = target.parent().unwrap_or(Path::new(""));
+    let whole = || std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     let path = match path.strip_prefix(folder) {
         Ok(below) => below.to_path_buf(),
-        Err(_) => std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()),
+        Err(_) if path.is_absolute() => path.to_path_buf(),
+        Err(_) => climbed(path, folder).unwrap_or_else(whole),
     };
     path.display().to_string()
+}
+
+/// A path from a folder that it is not below: up to what both have in common, and down again. `None` where a link stands in the
+/// folder, whose upper folder is another one than it seems.
+fn climbed(path: &Path, folder: &Path) -> Option<PathBuf> {
+    let [path, folder] = [path, folder].map(|p| std::path::absolute(p).ok());
+    let (path, folder) = (path?, folder?);
+    let there = folder.ancestors().find(|above| above.exists())?;
+    if there.canonicalize().ok()? != there {
+        return None;
+    }
+    let plain = |c: &Component<'_>| !matches!(c, Component::ParentDir);
+    if !path
+        .components()
+        .chain(folder.components())
+        .all(|c| plain(&c))
+    {
+        return None;
+    }
+    let pairs = path.components().zip(folder.components());
+    let common = pairs.take_while(|(a, b)| a == b).count();
+    let up = folder
+        .components()
+        .skip(common)
+        .map(|_| Component::ParentDir);
+    Some(up.chain(path.components().skip(common)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_lead_from_the_problem_file_to_the_files() {
+        let relative = |path: &str, target: &str| relative(Path::new(path), Path::new(target));
+        assert_eq!(relative("a.csv", "problem.toml"), "a.csv");
+        assert_eq!(relative("arm/a.csv", "arm/problem.toml"), "a.csv");
+        assert_eq!(relative("runs/a.csv", "arm/problem.toml"), "../runs/a.csv");
+        assert_eq!(relative("a.csv", "arm/new/problem.toml"), "../../a.csv");
+        assert_eq!(relative("/data/a.csv", "arm/problem.toml"), "/data/a.csv");
+    }
 }

@@ -30,6 +30,9 @@ pub struct Machine {
     /// What closes the loops of joints without a motor; empty for a tree.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub loops: Vec<MachineLoop>,
+    /// Positions of all joints at which the loops are closed, rad (m); absent for a tree.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub home: Option<Vec<f64>>,
     /// V of `q = V m + offset` by rows; absent where every motor moves its own joint alone.
     pub coupling: Option<Vec<Vec<f64>>>,
     /// The load of the run; absent without one.

@@ -474,7 +474,7 @@ fn describe_table(kind: &RecordingErrorKind) -> Option<Description> {
         Kind::NotANumber { found } => Description::new(
             "not-a-number",
             format!("{found:?} is not a number"),
-            "write numbers with a decimal point, or remove the row",
+            "write numbers with a decimal point, or dates as 2026-01-31T10:00:00.5, or remove the row",
         ),
         Kind::NotFinite { found } => Description::new(
             "not-finite",

@@ -30,7 +30,7 @@ pub use crate::recording::channels::{column_map, columns, lost, missing, samples
 pub use crate::recording::formats::{format, memory, reading, table};
 pub use crate::recording::prepare::periods::{clock_drift, period, successive_periods};
 pub use crate::recording::prepare::{experiment, noise_level, preprocess, settings};
-pub use crate::recording::quality::{copies, filtered, lost_signal, spikes, upsampling};
+pub use crate::recording::quality::{copies, filtered, jumps, lost_signal, spikes, upsampling};
 pub use crate::recording::time_base::{clock, timing};
 
 #[cfg(test)]

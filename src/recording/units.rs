@@ -91,6 +91,33 @@ const UNITS: &[(Quantity, &[(&str, f64)])] = &[
     ),
 ];
 
+/// Other spellings of units, in lower case.
+const SPELLINGS: &[(&str, &[&str])] = &[
+    ("s", &["sec", "second", "seconds", "sek", "sekunden"]),
+    ("ms", &["msec", "millisecond", "milliseconds"]),
+    ("us", &["µs", "μs", "usec", "microsecond", "microseconds"]),
+    ("ns", &["nsec", "nanosecond", "nanoseconds"]),
+    ("rad", &["radian", "radians"]),
+    ("deg", &["°", "degree", "degrees", "grad"]),
+    ("rev", &["turn", "turns", "revolution", "revolutions"]),
+    ("um", &["µm", "μm"]),
+    ("rad/s", &["rad/sec"]),
+    (
+        "deg/s",
+        &["°/s", "deg/sec", "degree/s", "degrees/s", "grad/s"],
+    ),
+    ("rpm", &["/min", "u/min", "r/min", "rev/min"]),
+    ("rad/s^2", &["rad/s²"]),
+    ("deg/s^2", &["deg/s²", "°/s^2", "°/s²"]),
+    ("m/s^2", &["m/s²"]),
+    ("A", &["amp", "amps", "ampere", "amperes"]),
+    (
+        "mA",
+        &["milliamp", "milliamps", "milliampere", "milliamperes"],
+    ),
+    ("Nm", &["n·m", "n*m", "newtonmeter"]),
+];
+
 /// Units of a quantity.
 fn units(quantity: Quantity) -> &'static [(&'static str, f64)] {
     let row = UNITS.iter().find(|(of, _)| *of == quantity);
@@ -105,16 +132,37 @@ pub fn factor(quantity: Quantity, unit: &str) -> Option<f64> {
         .map(|(_, factor)| *factor)
 }
 
+/// The unit of a quantity that a word spells.
+fn spelt(quantity: Quantity, word: &str) -> Option<&'static str> {
+    let lower = word.to_lowercase();
+    let known = names(quantity);
+    let is_other = |name: &str| {
+        let of = SPELLINGS.iter().find(|(unit, _)| *unit == name);
+        of.is_some_and(|(_, others)| others.contains(&lower.as_str()))
+    };
+    let exact = known.iter().find(|name| **name == word);
+    let alike = || known.iter().find(|name| name.eq_ignore_ascii_case(word));
+    let other = || known.iter().find(|name| is_other(name));
+    exact.or_else(alike).or_else(other).copied()
+}
+
+/// The unit of a quantity that a name states, as in `q1 [°]`, `q1_deg`, `q1/deg` or `angle (degrees)`.
+pub fn stated(quantity: Quantity, name: &str) -> Option<&'static str> {
+    let is_part = |c: char| c.is_alphabetic() || "/°·*²^".contains(c);
+    let words: Vec<&str> = name.split(|c| !is_part(c)).collect();
+    let last = |word: &str| {
+        word.rsplit('/')
+            .next()
+            .and_then(|part| spelt(quantity, part))
+    };
+    let mut from_the_end = words.iter().rev();
+    from_the_end.find_map(|word| spelt(quantity, word).or_else(|| last(word)))
+}
+
 /// Whether a word is a unit of any quantity, also in brackets as under the names of a table.
 pub(super) fn is_unit(word: &str) -> bool {
     let inner = word.trim_matches(['[', ']', '(', ')']);
-    let spelt = inner
-        .replace('·', "")
-        .replace('°', "deg")
-        .replace('²', "^2");
-    let known =
-        |(_, units): &(Quantity, &[(&str, f64)])| units.iter().any(|(name, _)| *name == spelt);
-    spelt == COUNT || UNITS.iter().any(known)
+    UNITS.iter().any(|(of, _)| spelt(*of, inner).is_some())
 }
 
 /// The factor of an encoder's counts, so many in a turn.
@@ -129,4 +177,46 @@ pub fn names(quantity: Quantity) -> Vec<&'static str> {
         names.push(COUNT);
     }
     names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_state_units_in_many_spellings() {
+        use Quantity::{Acceleration, Current, Position, Time, Torque, Velocity};
+        for (quantity, name, unit) in [
+            (Position, "q1 [°]", Some("deg")),
+            (Position, "q1 (degrees)", Some("deg")),
+            (Position, "Winkel 1 [Grad]", Some("deg")),
+            (Position, "q_{n}_deg", Some("deg")),
+            (Position, "q1 [rad]", Some("rad")),
+            (Position, "x_mm", Some("mm")),
+            (Position, "q1", None),
+            (Velocity, "dq1 [°/s]", Some("deg/s")),
+            (Velocity, "Drehzahl [1/min]", Some("rpm")),
+            (Acceleration, "ddq1 [rad/s²]", Some("rad/s^2")),
+            (Time, "t [µs]", Some("us")),
+            (Time, "Zeit/ms", Some("ms")),
+            (Position, "/joint_states/a1/position", None),
+            (Time, "timestamp_ms", Some("ms")),
+            (Current, "strom_1_mA", Some("mA")),
+            (Current, "i1", None),
+            (Torque, "tau1 [N·m]", Some("Nm")),
+        ] {
+            assert_eq!(stated(quantity, name), unit, "{name}");
+        }
+    }
+
+    #[test]
+    fn every_other_spelling_is_of_a_unit_and_of_no_other() {
+        for (unit, others) in SPELLINGS {
+            for other in *others {
+                let found = UNITS.iter().filter_map(|(of, _)| spelt(*of, other));
+                assert_eq!(found.collect::<Vec<_>>(), [*unit], "{other}");
+                assert!(is_unit(&format!("[{other}]")));
+            }
+        }
+    }
 }

@@ -46,6 +46,7 @@ pub fn record(
         loops: model
             .mechanism()
             .map_or_else(Vec::new, |m| m.conditions().iter().map(closed).collect()),
+        home: model.mechanism().map(|m| m.home().to_vec()),
         coupling: (!model.is_uncoupled()).then(|| rows.collect()),
         payload: load(problem, model, values),
         feasible,

@@ -126,9 +126,7 @@ impl Workplace {
             .env("NO_COLOR", "1")
             .output()
             .map_err(|e| format!("bash: {e}"))?;
-        // Paths that a command makes absolute start from the folder, whose name is another one in each run.
-        let here = format!("{}/", self.folder.path().display());
-        let text = String::from_utf8_lossy(&output.stdout).replace(&here, "");
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
         if output.status.code() != Some(exit) {
             return Err(format!(
                 "`{command}` ends with {:?}:\n{text}",
@@ -222,6 +220,9 @@ const LEFT_OUT: &str = "...";
 /// The shown lines as they are printed now: each run of lines between those that are left out stands where its first line has the
 /// same words, behind the run before it.
 fn refreshed(shown: &[&str], printed: &[&str]) -> Result<Vec<String>, String> {
+    if shown == [LEFT_OUT] {
+        return Err("nothing is shown of what is printed".into());
+    }
     if !shown.contains(&LEFT_OUT) {
         return Ok(printed.iter().map(|l| (*l).to_owned()).collect());
     }

@@ -59,6 +59,23 @@ const BREAKS: &[Break] = &[
         channels: &["time"],
     },
     Break {
+        name: "an encoder that slips",
+        apply: |p| p.train.q[1][700..].iter_mut().for_each(|q| *q += 0.02),
+        code: "position-jumps",
+        channels: &["j2"],
+    },
+    Break {
+        name: "angles that start anew after a turn",
+        apply: |p| {
+            let turn = std::f64::consts::TAU;
+            let lowest = p.train.q[2].iter().copied().fold(f64::MAX, f64::min);
+            let anew = |q: &mut f64| *q = (*q - lowest - 0.1).rem_euclid(turn) + lowest;
+            p.train.q[2].iter_mut().for_each(anew);
+        },
+        code: "position-jumps",
+        channels: &["j3"],
+    },
+    Break {
         name: "velocity in degrees per second",
         apply: |p| {
             p.with_velocity();

@@ -71,6 +71,13 @@ pub fn formula(formula: &ProposedFormula) -> String {
     )
 }
 
+/// A joint of which nothing is known.
+pub fn nothing_counts(joint: &str) -> String {
+    format!(
+        "{joint}: no row of the recordings that were not fitted counts, so that nothing is known of what is missing there"
+    )
+}
+
 /// What is left of a joint and is not known to be noise, and what left less of it and was not confirmed.
 pub fn unattested(left: &Unattested, tried: Option<TriedModel<'_>>) -> String {
     let Unattested { joint, unit, .. } = left;

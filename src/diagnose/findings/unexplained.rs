@@ -106,7 +106,8 @@ impl Compared<'_> {
     /// the noise that is known apart from the misfit: by the scatter of periods, by what no motion reaches in the signal, or by
     /// what successive rows of the residual differ, in which a misfit that follows the motion has no part. Slow noise is not
     /// told from misfit, and what uncertain parameters add to a prediction is added to it. Whatever the rows show, noise is no
-    /// more than a model that was tried leaves, confirmed or not. The final model, with smooth corrections.
+    /// more than a model that was tried leaves, confirmed or not. Where no row counts nothing is known. The final model, with smooth
+    /// corrections.
     pub fn unattested(
         &self,
         corrections: &[&AdditiveModel],
@@ -121,6 +122,15 @@ impl Compared<'_> {
         let channels = model.channels().iter().enumerate();
         let active = channels.filter(|(_, channel)| channel.active);
         let open = active.filter_map(|(c, channel)| {
+            if left[c].is_empty() {
+                return Some(Unattested {
+                    joint: channel.name.clone(),
+                    unit: channel.unit.to_string(),
+                    rmse_validation: f64::NAN,
+                    of_signal: f64::NAN,
+                    sentence: sentences::nothing_counts(&channel.name),
+                });
+            }
             let noise = match self.noise_level.measured {
                 true => self.noise_level.rms[c],
                 false => {

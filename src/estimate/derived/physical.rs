@@ -14,7 +14,7 @@ use crate::stats::distribution::Distribution;
 use nalgebra::{DMatrix, DVector, RowDVector};
 
 /// Coverage of the intervals that are reported.
-const COVERAGE: f64 = 0.95;
+pub(in crate::estimate) const COVERAGE: f64 = 0.95;
 
 /// An estimate before it is reported.
 #[derive(Debug, Clone, Copy)]

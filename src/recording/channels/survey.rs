@@ -9,7 +9,7 @@ use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::formats::format::format_of;
 use crate::recording::formats::reading::Reading;
 use crate::recording::formats::table::Table;
-use crate::recording::units::{FASTEST_HZ, SLOWEST_HZ};
+use crate::recording::units::{self, FASTEST_HZ, Quantity, SLOWEST_HZ};
 use crate::stats::robust::median;
 
 /// A step longer than this many median steps is a gap.
@@ -226,8 +226,27 @@ fn of_column(name: &str, series: Option<&Vec<f64>>) -> ColumnSurvey {
 const POSITIONS: &[&str] = &["q", "pos", "angle", "winkel", "theta"];
 const CURRENTS: &[&str] = &["i", "cur", "strom"];
 
+/// What stands in brackets at the end of a name.
+fn in_brackets(name: &str) -> Option<&str> {
+    let inner = name.trim_end().strip_suffix([']', ')'])?;
+    Some(&inner[inner.rfind(['[', '('])? + 1..])
+}
+
+/// As the name states it in brackets, or as its beginning and the numbers suggest.
 fn unit(column: &ColumnSurvey) -> Option<&'static str> {
     let most = column.lowest?.abs().max(column.highest?.abs());
+    let quantities = [
+        Quantity::Position,
+        Quantity::Velocity,
+        Quantity::Current,
+        Quantity::Torque,
+    ];
+    let mut stated = quantities.into_iter();
+    if let Some(unit) =
+        in_brackets(&column.name).and_then(|name| stated.find_map(|of| units::stated(of, name)))
+    {
+        return Some(unit);
+    }
     let name = column.name.rsplit(['.', '/', ':']).next()?.to_lowercase();
     let begins = |words: &[&str]| {
         words.iter().any(|word| {
@@ -257,6 +276,15 @@ mod tests {
         let path = folder.path().join("a.csv");
         std::fs::write(&path, text).unwrap();
         survey(&path, &Reading::default()).unwrap()
+    }
+
+    #[test]
+    fn units_in_brackets_are_taken_as_they_are_stated() {
+        let rows = (0..60).map(|k| format!("{k},0.0{k},1.{k},0.2{k}"));
+        let rows: Vec<String> = rows.collect();
+        let found = look(&format!("t,q1 [°],x (mm),q3\n{}\n", rows.join("\n")));
+        let units: Vec<Option<&str>> = found.columns.iter().map(|c| c.unit_guessed).collect();
+        assert_eq!(units[1..], [Some("deg"), Some("mm"), Some("rad")]);
     }
 
     #[test]

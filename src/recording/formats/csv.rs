@@ -7,6 +7,7 @@ use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
 
 use bzip2::read::MultiBzDecoder;
+use chrono::{DateTime, NaiveDateTime};
 use flate2::read::MultiGzDecoder;
 
 use crate::fault::Place;
@@ -446,13 +447,28 @@ fn append_row(
     })
 }
 
-/// A number, with a decimal comma where commas do not separate fields; NaN of a cell without a value.
+/// Seconds since 1970 of a date with a time (ISO 8601), which is that of Greenwich where it names no zone.
+fn instant(field: &str) -> Option<f64> {
+    let is_date = field.as_bytes().get(4) == Some(&b'-') && field.contains(':');
+    let field = is_date.then(|| field.replacen(' ', "T", 1).replacen(',', ".", 1))?;
+    let zoned = DateTime::parse_from_rfc3339(&field).map(|at| at.to_utc());
+    let plain = || field.parse::<NaiveDateTime>().map(|at| at.and_utc());
+    let at = zoned.or_else(|_| plain()).ok()?;
+    Some(at.timestamp() as f64 + 1e-9 * f64::from(at.timestamp_subsec_nanos()))
+}
+
+/// A number, with a decimal comma where commas do not separate fields, or a date; NaN of a cell without a value.
 fn number(field: &str, separator: char) -> Result<f64, RecordingErrorKind> {
     let with_comma = || match separator == ',' || field.contains('.') {
         true => None,
         false => field.replacen(',', ".", 1).parse().ok(),
     };
-    match field.parse::<f64>().ok().or_else(with_comma) {
+    match field
+        .parse::<f64>()
+        .ok()
+        .or_else(with_comma)
+        .or_else(|| instant(field))
+    {
         Some(value) if value.is_finite() => Ok(value),
         _ if is_missing(field) => Ok(f64::NAN),
         Some(_) => Err(RecordingErrorKind::NotFinite {
@@ -461,5 +477,30 @@ fn number(field: &str, separator: char) -> Result<f64, RecordingErrorKind> {
         None => Err(RecordingErrorKind::NotANumber {
             found: excerpt(field),
         }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 2026-01-31 10:00:00 of Greenwich is 1769853600 s after the beginning of 1970 (`date -u -d 2026-01-31T10:00:00 +%s`).
+    #[test]
+    fn dates_are_seconds() {
+        for (written, separator) in [
+            ("2026-01-31T10:00:00.25", ','),
+            ("2026-01-31 10:00:00,25", ';'),
+            ("2026-01-31T10:00:00.250000Z", ','),
+            ("2026-01-31T11:00:00.25+01:00", '\t'),
+        ] {
+            assert_eq!(
+                number(written, separator).unwrap(),
+                1_769_853_600.25,
+                "{written}"
+            );
+        }
+        for wrong in ["2026-13-31T10:00:00", "2026-01-31", "10:00:00", "1-2:3"] {
+            assert!(number(wrong, ',').is_err(), "{wrong}");
+        }
     }
 }
