@@ -199,7 +199,11 @@ mod tests {
             let phase = k % 300;
             let up = (phase as f64 * 0.05).min(1.5);
             let down = ((200.0 - phase as f64) * 0.05).max(0.0);
-            let sign = if k / 300 % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if (k / 300).is_multiple_of(2) {
+                1.0
+            } else {
+                -1.0
+            };
             sign * up.min(down)
         };
         let mut at = |k: usize| {
