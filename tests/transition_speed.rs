@@ -101,8 +101,8 @@ fn creeping(folder: &Path, seed: u64) {
             v += 0.02 * cos;
             a -= 0.02 * rate * sin;
         }
-        // Noise of 0.05 N, of an even distribution.
-        let noise = symmetric(&mut rng, 0.05 * 3.0_f64.sqrt());
+        // Noise of 0.4 N, of an even distribution.
+        let noise = symmetric(&mut rng, 0.4 * 3.0_f64.sqrt());
         let force = 5.0 * a + 2.0 * v / (v.abs() + 0.02) + 3.0 * v + noise;
         lines.push(format!("{t},{},{force}", (q * 1e6).round() / 1e6));
     }

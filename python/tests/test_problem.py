@@ -99,6 +99,6 @@ def test_an_example_comes_with_the_package() -> None:
     assert ROOT not in file.parents
     result = exid.diagnose(file)
     assert result.verdict == "explained"
-    assert [finding.effect for finding in result.findings] == ["transmission_efficiency"]
+    assert [finding.kind for finding in result.findings] == ["transmission_efficiency"]
     with pytest.raises(ValueError, match="'arm7'; there are arm6, arm6_gearbox"):
         exid.example("arm7")

@@ -127,7 +127,7 @@ const INIT_EXAMPLES: &str = "Examples:
   exid init --urdf arm.urdf run1.csv run2.csv
   exid init arm.urdf session.mcap --out arm/problem.toml
   exid init arm.urdf run.parquet --out - > problem.toml
-  exid init arm.urdf trace.csv --column 'position=AIPos.A{n}' --column 'current=MACur.A{n}' --rate 250
+  exid init arm.urdf trace.csv --column 'position=AIPos.{joint}' --column 'current=MACur.{joint}' --rate 250
 
 What the files do not show is assumed, said, and written into the file as comments.";
 const SCHEMA_EXAMPLES: &str = "Examples:
@@ -413,8 +413,8 @@ pub struct Drafting {
     pub mjcf: Option<PathBuf>,
     /// Recordings; the robot's description may be among them
     pub files: Vec<PathBuf>,
-    /// A column whose name does not say what it holds: time, position, velocity, current, torque or command, with {n} for the
-    /// number of a joint or {joint} for its name, or names with commas between them
+    /// A column whose name does not say what it holds: time, position, velocity, current, torque or command, with a name as under
+    /// [recordings.columns], or the names of all joints with commas between them
     #[arg(long = "column", value_name = "KEY=NAME")]
     pub columns: Vec<NamedColumn>,
     /// Samples per second of recordings without time stamps

@@ -119,7 +119,7 @@ pub fn run(
     let (mut fitted, mut defect) = (fit.fitted, fit.defect);
     if let Some(wider) = wider.filter(|wider| wider.fit.defect.is_none()) {
         let note = unshown_friction::admit(&mut fitted, &wider.fit.fitted, &wider.joints);
-        fitted.fit.notes.push(note);
+        fitted.fit.notes.extend(note);
     }
     model.limit_transitions(&limits);
     search_range::start_within_motion(&mut model, &data);

@@ -14,8 +14,23 @@ use crate::outcome::fit::BaseParameter;
 use crate::outcome::parameter::{Parameter, Source};
 use crate::stats::distribution::Distribution;
 
-/// Gives a fit the intervals that a fit with wider transitions of the friction of joints allows; says so.
-pub fn admit(fitted: &mut Fitted, wider: &Fitted, joints: &[usize]) -> String {
+/// Gives a fit the intervals that a fit with wider transitions of the friction of joints allows; says so. `None` where no joint of
+/// these has a parameter from the recordings.
+pub fn admit(fitted: &mut Fitted, wider: &Fitted, joints: &[usize]) -> Option<String> {
+    let names = joints
+        .iter()
+        .map(|&j| fitted.model.joints()[j].name.clone());
+    let estimated = |name: &String| {
+        let of_joint = |p: &Parameter| p.name.split_once('.').is_some_and(|(own, _)| own == name);
+        let parameters = fitted.estimate.parameters.iter();
+        parameters
+            .filter(|p| p.source == Source::Data)
+            .any(of_joint)
+    };
+    let names: Vec<String> = names.filter(estimated).collect();
+    if names.is_empty() {
+        return None;
+    }
     fitted.estimate.covariance = covariance(fitted, wider);
     for parameter in &mut fitted.estimate.parameters {
         let other = wider.estimate.find(&parameter.name);
@@ -32,14 +47,11 @@ pub fn admit(fitted: &mut Fitted, wider: &Fitted, joints: &[usize]) -> String {
             combination.ci95 = interval(combination.value, std_dev);
         }
     }
-    let names = joints
-        .iter()
-        .map(|&j| fitted.model.joints()[j].name.clone());
-    format!(
+    Some(format!(
         "The motion of {} is too slow to tell dry from viscous friction. How fast dry friction turns with speed was kept to what the \
          motion shows, and intervals hold what slower turns would give.",
-        names.collect::<Vec<_>>().join(", ")
-    )
+        names.join(", ")
+    ))
 }
 
 /// An estimate with its standard deviation, where it has them.
@@ -64,7 +76,9 @@ fn admit_parameter(parameter: &mut Parameter, other: &Parameter) {
     *parameter = match std_dev {
         Some(_) => Parameter {
             std_dev,
-            std_dev_statistical: None,
+            std_dev_statistical: parameter
+                .std_dev_statistical
+                .and(estimate.beside(Estimated::of(other.value, other.std_dev_statistical))),
             ci95: interval(parameter.value, std_dev),
             ..parameter.clone()
         },

@@ -17,7 +17,8 @@ use crate::fault::Place;
 use crate::recording::channels::samples::{Manner, Recording, Upsampled};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::series::spectrum::coefficients;
-use crate::stats::robust::quantile;
+use crate::recording::time_base::timing::GAP_STEPS;
+use crate::stats::robust::{median, quantile};
 
 /// Most rows of one sample: 10 Hz written at 1 kHz.
 const MOST_ROWS: usize = 100;
@@ -101,7 +102,8 @@ impl Pattern {
 pub fn thinned(mut recording: Recording, rate: Option<f64>) -> Result<Recording, RecordingError> {
     let joints = recording.position.len();
     let series = recording.position.iter().chain(&recording.signal);
-    let mut patterns: Vec<Option<Pattern>> = series.map(|series| pattern(series)).collect();
+    let steady = recording.time.as_deref().is_none_or(is_steady);
+    let mut patterns: Vec<Option<Pattern>> = series.map(|series| pattern(series, steady)).collect();
     if patterns.iter().all(Option::is_none) {
         patterns = sometimes_repeated(&recording);
     }
@@ -155,11 +157,18 @@ fn clock_of_samples(time: &[f64], rows: &[usize]) -> Vec<f64> {
     (0..rows.len()).map(at).collect()
 }
 
-/// Where the samples of a channel are; `None` where every row is one, or nothing tells.
-fn pattern(series: &[f64]) -> Option<Pattern> {
-    repeated(series)
-        .or_else(|| interpolated(series))
-        .or_else(|| on_lines(series))
+/// Whether few rows are missing: where they are, a motion bends as samples do with lines between them.
+fn is_steady(time: &[f64]) -> bool {
+    let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let usual = median(&steps).unwrap_or(0.0);
+    let gaps = steps.iter().filter(|step| **step > GAP_STEPS * usual);
+    gaps.count() as f64 <= ELSEWHERE * steps.len() as f64
+}
+
+/// Where the samples of a channel are, of rows that come steadily or not; `None` where every row is one, or nothing tells.
+fn pattern(series: &[f64], steady: bool) -> Option<Pattern> {
+    let on_lines = || interpolated(series).or_else(|| on_lines(series));
+    repeated(series).or_else(|| steady.then(on_lines).flatten())
 }
 
 fn repeated(series: &[f64]) -> Option<Pattern> {
