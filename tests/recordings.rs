@@ -101,6 +101,24 @@ fn what_is_fitted_is_not_held_out() {
     assert!(said.contains("held-out-is-fitted"), "{said}");
 }
 
+/// An encoder that slips is no physics: it stops a diagnosis where one recording alone has it, too.
+#[test]
+fn a_position_that_jumps_is_refused() {
+    let arm = Arm::new();
+    let mut slipped = arm.train.clone();
+    slipped[4000..].iter_mut().for_each(|row| row[1] += 0.3);
+    arm.write("train.csv", &slipped, 16);
+    for verb in ["fit", "diagnose"] {
+        let output = arm.run(verb, &[]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(3), "{verb}: {said}");
+        assert!(
+            said.contains("train.csv:4002: a1:") && said.contains("[position-jumps]"),
+            "{verb}: {said}"
+        );
+    }
+}
+
 #[test]
 fn a_recording_counts_once() {
     let arm = Arm::new();

@@ -239,6 +239,39 @@ fn velocities_tell_units_and_rates() {
     );
 }
 
+/// What names and numbers do not say is said on the command line.
+#[test]
+fn columns_and_a_rate_may_be_named() {
+    let arm = Arm::new(6);
+    fs::remove_file(arm.path("problem.toml")).unwrap();
+    let text = fs::read_to_string(arm.path("train.csv")).unwrap();
+    let (header, rows) = text.split_once('\n').unwrap();
+    assert_eq!(header, "t,q1,q2,i1,i2");
+    let without_stamps = rows.lines().map(|row| row.split_once(',').unwrap().1);
+    let lines: Vec<&str> = ["x1,x2,y1,y2"].into_iter().chain(without_stamps).collect();
+    arm.write("plain.csv", lines.join("\n"));
+    let files = ["init", "arm.urdf", "plain.csv"];
+    let said = says(arm.folder(), &files, 3);
+    assert!(said.contains("--column 'position=NAME{n}'"), "{said}");
+    let named = ["--column", "position=x{n}", "--column", "current=y{n}"];
+    let said = says(arm.folder(), &[&files[..], &named].concat(), 3);
+    assert!(said.contains("--rate"), "{said}");
+    let all = [&files[..], &named, &["--rate", "100"]].concat();
+    says(arm.folder(), &all, 0);
+    says(
+        arm.folder(),
+        &["check", "problem.toml", "--out", "checked"],
+        0,
+    );
+    let draft = fs::read_to_string(arm.path("problem.toml")).unwrap();
+    for line in ["position = \"x{n}\"", "current = \"y{n}\"", "rate = 100.0"] {
+        assert!(
+            draft.lines().any(|l| l.starts_with(line)),
+            "{line}: {draft}"
+        );
+    }
+}
+
 #[test]
 fn nothing_is_overwritten_and_what_is_missing_is_said() {
     let arm = Arm::new(4);

@@ -13,6 +13,7 @@ use crate::diagnose::residuals::prediction_error::PredictionError;
 use crate::diagnose::residuals::quantity::Quantity;
 use crate::diagnose::residuals::reversal_mask;
 use crate::diagnose::selection::confounding;
+use crate::diagnose::selection::explanation::Explanation;
 use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::diagnose::selection::stepwise::{Rules, Stepwise};
@@ -170,6 +171,42 @@ fn chances_of_residuals_are_corrected_for_joints_and_views() {
         ..state
     };
     assert!(unexplained(&context, &full, noise, strict).is_empty());
+}
+
+/// Of a joint without a row that counts nothing is said to be noise.
+#[test]
+fn a_joint_without_rows_is_not_attested() {
+    let bench = Bench::control();
+    let context = bench.context(&bench.opened.data);
+    let declared = bench.declared(context.data);
+    let noise_level = noise_level::of_rows(&context, &declared, &[]);
+    let mut full = declared.clone();
+    full.validation[0].clear();
+    let compared = Compared {
+        context: &context,
+        declared: &declared,
+        full: &full,
+        noise_level: &noise_level,
+        predicted: &PredictionError::of(&context, &declared, None),
+    };
+    let nothing = Explanation {
+        full: full.clone(),
+        tests: Vec::new(),
+        comparisons: Vec::new(),
+        prefixes: Vec::new(),
+        examined: 0,
+        withdrawn: Vec::new(),
+        tried: Vec::new(),
+    };
+    let rules = Rules {
+        sought: None,
+        significance: SIGNIFICANCE,
+    };
+    let [left] = &compared.unattested(&[], &nothing, rules)[..] else {
+        panic!("one joint has no rows");
+    };
+    assert_eq!(left.joint, full.model.channels()[0].name);
+    assert!(left.rmse_validation.is_nan() && left.sentence.contains("no row"));
 }
 
 /// However far beyond the noise, a residual that is small beside the signal is none, except where a name was withdrawn.
