@@ -1,13 +1,13 @@
 //! Single channels: cut off at a limit, standing still while the joint moves, too coarse.
 
 use crate::check::context::RawRecording;
-use crate::check::extent::extent;
 use crate::check::report::finding;
 use crate::fault::Description;
 use crate::outcome::check::{Mistake, Severity};
 use crate::recording::lost::{Loss, LostChannel};
 use crate::recording::noise_level::{hiding_step, pieces};
 use crate::recording::spikes::quantum;
+use crate::stats::deviation::range;
 
 /// Fewest encoder steps in the range of the motion: with fewer, friction near standstill lies within one.
 const LEAST_STEPS: f64 = 1000.0;
@@ -93,9 +93,4 @@ fn coarse(read: &RawRecording<'_>, joint: usize) -> Option<Mistake> {
             ),
         )
     })
-}
-
-fn range(series: &[f64]) -> f64 {
-    let (low, high) = extent(series.iter().copied());
-    high - low
 }

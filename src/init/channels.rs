@@ -1,12 +1,12 @@
 //! Which columns of a recording hold which channel of which joint, by their names.
 
 use crate::init::error::InitError;
-use crate::recording::column_map::{Column, ColumnsAt, Factors};
+use crate::init::named_column::{ColumnKey, NamedColumn};
+use crate::recording::column_map::{Column, ColumnsAt, Factors, expand};
 use crate::recording::samples::SignalKind;
 use crate::recording::units::{self, Quantity};
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::str::FromStr;
 
 /// Words in the names of columns, in lower case. A later quantity is looked for first: `q_vel` is a velocity.
 const WORDS: &[(Quantity, &[&str])] = &[
@@ -87,73 +87,6 @@ const ASKED: &[&str] = &[
     "soll",
     "goal",
 ];
-
-/// A column that is named beside the files: `position=AIPos.A{n}`.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct NamedColumn {
-    /// What it holds: a key of `[recordings.columns]`.
-    pub key: ColumnKey,
-    /// Its name with `{n}` for the number of a joint or `{joint}` for its name, or names of all joints with commas between them.
-    pub column: String,
-}
-
-/// Keys of `[recordings.columns]` that can be named.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ColumnKey {
-    /// Time stamps.
-    Time,
-    /// Positions.
-    Position,
-    /// Velocities.
-    Velocity,
-    /// Currents.
-    Current,
-    /// Torques.
-    Torque,
-    /// Commanded positions.
-    Command,
-}
-
-impl ColumnKey {
-    const ALL: [(&str, Self); 6] = [
-        ("time", Self::Time),
-        ("position", Self::Position),
-        ("velocity", Self::Velocity),
-        ("current", Self::Current),
-        ("torque", Self::Torque),
-        ("command", Self::Command),
-    ];
-
-    fn quantity(self) -> Quantity {
-        match self {
-            Self::Time => Quantity::Time,
-            Self::Position | Self::Command => Quantity::Position,
-            Self::Velocity => Quantity::Velocity,
-            Self::Current => Quantity::Current,
-            Self::Torque => Quantity::Torque,
-        }
-    }
-}
-
-impl FromStr for NamedColumn {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let known = |key: &str| ColumnKey::ALL.iter().find(|(name, _)| *name == key);
-        let pair = text
-            .split_once('=')
-            .filter(|(_, column)| !column.is_empty());
-        let named = pair.and_then(|(key, column)| {
-            let (_, key) = known(key)?;
-            let column = column.to_owned();
-            Some(Self { key: *key, column })
-        });
-        named.ok_or_else(|| {
-            let keys = ColumnKey::ALL.map(|(name, _)| name).join(", ");
-            format!("a column is named as position=NAME{{n}}, with one of {keys}")
-        })
-    }
-}
 
 /// A channel: its columns, and their unit where that is not SI.
 #[derive(Debug, Clone, PartialEq)]
@@ -276,34 +209,33 @@ impl Channels {
 /// The channel of a column that is named; `None` where it is not there.
 fn given(named: &NamedColumn, present: &[String], joints: &[String]) -> Option<Channel> {
     let quantity = named.key.quantity();
-    let of = |j: usize| {
-        (named.column.replace("{n}", &(j + 1).to_string())).replace("{joint}", &joints[j])
+    let listed = named.column.contains(',');
+    let names: Vec<String> = match (listed, quantity) {
+        (true, _) => named.column.split(',').map(str::to_owned).collect(),
+        (false, Quantity::Time) => vec![named.column.clone()],
+        (false, _) => {
+            let numbered = (1..).zip(joints);
+            numbered
+                .map(|(number, joint)| expand(&named.column, joint, number))
+                .collect()
+        }
     };
-    let names: Vec<String> = match named.column.split_once(',') {
-        Some(_) => named.column.split(',').map(str::to_owned).collect(),
-        None if quantity == Quantity::Time => vec![named.column.clone()],
-        None => (0..joints.len()).map(of).collect(),
-    };
-    let at = match named.column.contains(',') {
+    let at = match listed {
         true => ColumnsAt::Names(names.clone()),
         false => ColumnsAt::Pattern(named.column.clone()),
     };
-    let members = names.into_iter().enumerate();
-    let members = members.filter(|(j, name)| (*j < joints.len()) && present.contains(name));
+    let members = names.into_iter().take(joints.len()).enumerate();
+    let members = members.filter(|(_, name)| present.contains(name));
     let (of_joints, columns): (Vec<usize>, Vec<String>) = members.unzip();
     (!columns.is_empty()).then(|| Channel {
         quantity,
         at,
-        joints: if quantity == Quantity::Time {
-            Vec::new()
-        } else {
-            of_joints
+        joints: match quantity {
+            Quantity::Time => Vec::new(),
+            _ => of_joints,
         },
         columns,
-        unit: unit(
-            quantity,
-            &named.column.replace("{n}", " ").replace("{joint}", " "),
-        ),
+        unit: unit(quantity, &without_joint(&named.column)),
     })
 }
 
@@ -413,7 +345,7 @@ fn family(
     members: Vec<(usize, String)>,
     of: QuantityOf,
 ) -> Option<Channel> {
-    let name = pattern.replace("{joint}", " ").replace("{n}", " ");
+    let name = without_joint(pattern);
     let quantity = of(&words(&name)).filter(|q| *q != Quantity::Time)?;
     let (joints, columns) = members.into_iter().unzip();
     Some(Channel {
@@ -423,6 +355,11 @@ fn family(
         columns,
         unit: unit(quantity, &name),
     })
+}
+
+/// A pattern with blanks for the name and the number of a joint.
+fn without_joint(pattern: &str) -> String {
+    pattern.replace("{joint}", " ").replace("{n}", " ")
 }
 
 /// The column with `{joint}` for the longest name of a joint in it, and which joint that is.

@@ -1,9 +1,10 @@
 //! What the files of a robot and its recordings are taken to say.
 
 use crate::check::SignalScale;
-use crate::init::channels::{Channel, Channels, NamedColumn};
+use crate::init::channels::{Channel, Channels};
 use crate::init::error::InitError;
 use crate::init::measure::{self, Standing};
+use crate::init::named_column::NamedColumn;
 use crate::outcome::check::Mistake;
 use crate::problem::solution::Control;
 use crate::recording::format::format_of;

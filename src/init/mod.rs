@@ -8,6 +8,7 @@ mod channels;
 pub mod error;
 mod guess;
 mod measure;
+mod named_column;
 mod write;
 
 #[cfg(test)]
@@ -15,11 +16,11 @@ mod tests;
 
 use crate::chain::effect;
 use crate::check::{self, Extent};
-pub use crate::init::channels::{ColumnKey, NamedColumn};
 use crate::init::error::InitError;
 pub(crate) use crate::init::guess::Form;
 use crate::init::guess::Guess;
 pub use crate::init::guess::Sources;
+pub use crate::init::named_column::{ColumnKey, NamedColumn};
 use crate::outcome::check::Mistake;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use crate::init::channels::{Channels, NamedColumn};
+use crate::init::channels::Channels;
+use crate::init::named_column::NamedColumn;
 use crate::recording::column_map::ColumnsAt;
 use crate::recording::samples::SignalKind;
 

@@ -13,6 +13,7 @@ use crate::recording::missing::require_complete;
 use crate::recording::reading::Reading;
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
 use crate::simulate::path::{Fourier, Path, Spline};
+use crate::stats::deviation::range;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
@@ -143,15 +144,6 @@ fn closes(x: &[f64]) -> bool {
 
 fn comes_back(x: &[f64]) -> bool {
     (x[0] - x[x.len() - 1]).abs() <= LEFT_OUT * range(x)
-}
-
-fn range(x: &[f64]) -> f64 {
-    let (low, high) = x
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-            (low.min(*x), high.max(*x))
-        });
-    high - low
 }
 
 /// The series through even samples of one period.

@@ -95,7 +95,7 @@ impl Column {
 }
 
 /// The name that a pattern stands for.
-pub(super) fn expand(pattern: &str, name: &str, number: usize) -> String {
+pub fn expand(pattern: &str, name: &str, number: usize) -> String {
     // The number first: a joint's name may hold braces, a number cannot.
     pattern
         .replace("{n}", &number.to_string())

@@ -6,6 +6,7 @@ use std::path::Path;
 use crate::fault::Place;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::formats::table::Table;
+use crate::recording::series::differences::steps;
 use crate::recording::series::interpolation::{Ends, fill};
 use crate::stats::robust::median;
 
@@ -132,7 +133,7 @@ fn drop_empty_end(table: &mut Table) {
 /// Stamps between their neighbours; beyond the ends at the usual step, so that they increase.
 fn bridge_stamps(time: &mut [f64], there: &[bool]) {
     let known: Vec<f64> = time.iter().copied().filter(|t| !t.is_nan()).collect();
-    let steps: Vec<f64> = known.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let steps = steps(&known);
     let step = median(&steps).unwrap_or(0.0);
     fill(time, there, Ends::Held);
     let first = there.iter().position(|there| *there).unwrap_or(0);

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::recording::channels::lost::LostSignal;
 use crate::recording::channels::missing::MissingValues;
+use crate::recording::series::differences::steps;
 
 /// Steps of time beyond which samples are missing.
 const GAP_STEPS: f64 = 2.5;
@@ -236,7 +237,7 @@ impl Recording {
     pub fn held_words(&self, rate_hz: f64) -> Option<String> {
         let held = self.held.as_ref()?;
         let mean = self.time.as_ref().map(|time| {
-            let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            let steps = steps(time);
             let usual: Vec<f64> = (steps.iter().copied())
                 .filter(|step| *step < GAP_STEPS / rate_hz)
                 .collect();

@@ -9,6 +9,7 @@ use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::formats::format::format_of;
 use crate::recording::formats::reading::Reading;
 use crate::recording::formats::table::Table;
+use crate::recording::series::differences::steps;
 use crate::recording::units::{self, FASTEST_HZ, Quantity, SLOWEST_HZ};
 use crate::stats::robust::median;
 
@@ -179,7 +180,7 @@ impl Clock {
     /// None of stamps that do not go on.
     fn of(stamps: &[f64]) -> Option<Self> {
         let known: Vec<f64> = stamps.iter().copied().filter(|t| t.is_finite()).collect();
-        let steps: Vec<f64> = known.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let steps = steps(&known);
         let step = median(&steps).filter(|step| *step > 0.0)?;
         let units = [("s", 1.0), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)];
         let fits = |(_, parts): &(&str, f64)| (SLOWEST_HZ..=FASTEST_HZ).contains(&(parts / step));

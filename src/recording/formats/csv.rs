@@ -7,11 +7,11 @@ use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
 
 use bzip2::read::MultiBzDecoder;
-use chrono::{DateTime, NaiveDateTime};
 use flate2::read::MultiGzDecoder;
 
 use crate::fault::Place;
 use crate::recording::error::{RecordingError, RecordingErrorKind, excerpt};
+use crate::recording::formats::date;
 use crate::recording::formats::encoding::without_mark;
 use crate::recording::formats::reading::Reading;
 use crate::recording::formats::reading::from_io;
@@ -447,16 +447,6 @@ fn append_row(
     })
 }
 
-/// Seconds since 1970 of a date with a time (ISO 8601), which is that of Greenwich where it names no zone.
-fn instant(field: &str) -> Option<f64> {
-    let is_date = field.as_bytes().get(4) == Some(&b'-') && field.contains(':');
-    let field = is_date.then(|| field.replacen(' ', "T", 1).replacen(',', ".", 1))?;
-    let zoned = DateTime::parse_from_rfc3339(&field).map(|at| at.to_utc());
-    let plain = || field.parse::<NaiveDateTime>().map(|at| at.and_utc());
-    let at = zoned.or_else(|_| plain()).ok()?;
-    Some(at.timestamp() as f64 + 1e-9 * f64::from(at.timestamp_subsec_nanos()))
-}
-
 /// A number, with a decimal comma where commas do not separate fields, or a date; NaN of a cell without a value.
 fn number(field: &str, separator: char) -> Result<f64, RecordingErrorKind> {
     let with_comma = || match separator == ',' || field.contains('.') {
@@ -467,7 +457,7 @@ fn number(field: &str, separator: char) -> Result<f64, RecordingErrorKind> {
         .parse::<f64>()
         .ok()
         .or_else(with_comma)
-        .or_else(|| instant(field))
+        .or_else(|| date::seconds(field))
     {
         Some(value) if value.is_finite() => Ok(value),
         _ if is_missing(field) => Ok(f64::NAN),

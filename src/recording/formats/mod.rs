@@ -5,6 +5,7 @@ pub mod arrays;
 mod arrow_schema;
 mod bag;
 mod csv;
+mod date;
 mod encoding;
 pub mod format;
 mod hdf5;

@@ -16,9 +16,12 @@
 
 use crate::recording::channels::samples::Recording;
 use crate::recording::quality::spikes::{self, SPIKE_SIGMA, quantum};
+use crate::recording::series::differences::steps;
 use crate::recording::time_base::timing::GAP_STEPS;
+use crate::stats::deviation::range;
 use crate::stats::robust::{mad_scale, median};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Quanta of a position that a jump exceeds: its steps are sums of rounding of a few counts.
 const QUANTA: f64 = 8.0;
@@ -59,15 +62,11 @@ pub fn jumps(recording: &Recording) -> Vec<Jump> {
     let joints: Vec<Steps> = (recording.position.par_iter())
         .map(|position| Steps::of(position, time))
         .collect();
-    let mut at: Vec<usize> = joints
-        .iter()
-        .flat_map(|joint| joint.standing_out.clone())
-        .collect();
-    at.sort_unstable();
-    at.dedup();
+    let count = joints.first().map_or(0, |joint| joint.steps.len());
+    let at = (0..count).filter(|&k| joints.iter().any(|joint| joint.stands_out[k]));
     let jump = |before: usize| {
         let out = joints.iter().enumerate();
-        let out = out.filter(|(_, steps)| steps.standing_out.contains(&before));
+        let out = out.filter(|(_, steps)| steps.stands_out[before]);
         let of_joint = |(joint, steps): (usize, &Steps)| JointJump {
             joint,
             size: steps.off[before],
@@ -79,7 +78,7 @@ pub fn jumps(recording: &Recording) -> Vec<Jump> {
             late: late(&joints, before),
         }
     };
-    at.into_iter().map(jump).collect()
+    at.map(jump).collect()
 }
 
 /// τ where it explains the steps of all joints that move there.
@@ -105,8 +104,8 @@ struct Steps {
     scale: f64,
     /// The longest step of the motion.
     longest: f64,
-    /// Where no motion makes the step.
-    standing_out: Vec<usize>,
+    /// Whether no motion makes the step.
+    stands_out: Vec<bool>,
 }
 
 impl Steps {
@@ -129,11 +128,9 @@ impl Steps {
             off,
             scale,
             longest: 0.0,
-            standing_out: Vec::new(),
+            stands_out: Vec::new(),
         };
-        if scale > 0.0 {
-            found.standing_out = found.out_of(position, inner);
-        }
+        found.stands_out = found.out_of(position, inner);
         let own = (0..found.steps.len()).map(|k| found.own(k).abs());
         found.longest = own.filter(|step| step.is_finite()).fold(0.0, f64::max);
         found
@@ -141,25 +138,26 @@ impl Steps {
 
     /// The step that the motion makes of itself.
     fn own(&self, k: usize) -> f64 {
-        match self.standing_out.contains(&k) {
+        match self.stands_out[k] {
             true => self.steps[k] - self.off[k],
             false => self.steps[k],
         }
     }
 
-    fn out_of(&self, position: &[f64], inner: std::ops::Range<usize>) -> Vec<usize> {
+    fn out_of(&self, position: &[f64], inner: Range<usize>) -> Vec<bool> {
+        let mut stands_out = vec![false; self.steps.len()];
+        if self.scale == 0.0 {
+            return stands_out;
+        }
         let least = (SPIKE_SIGMA * self.scale).max(QUANTA * quantum(position));
-        let range = |k: usize| {
-            let near = beside(&self.steps, k).into_iter();
-            near.clone().fold(f64::MIN, f64::max) - near.fold(f64::MAX, f64::min)
-        };
         let alone = spikes::spikes(position, spikes::Channel::Smooth);
         let is_spike = |k: usize| alone.iter().any(|spike| spike.at == k || spike.at == k + 1);
-        let stands_out = |k: &usize| {
-            let off = self.off[*k].abs();
-            off > least && off > RANGES * range(*k) && !is_spike(*k)
-        };
-        inner.filter(stands_out).collect()
+        for k in inner {
+            let off = self.off[k].abs();
+            stands_out[k] =
+                off > least && off > RANGES * range(&beside(&self.steps, k)) && !is_spike(k);
+        }
+        stands_out
     }
 }
 
@@ -170,17 +168,17 @@ fn beside(steps: &[f64], k: usize) -> [f64; 4] {
 
 /// Steps between successive samples; over uneven ones what the usual time would have made of them, over gaps none (NaN).
 fn evened(position: &[f64], time: Option<&[f64]>) -> Vec<f64> {
-    let plain = position.windows(2).map(|pair| pair[1] - pair[0]);
+    let plain = steps(position);
     let Some(time) = time else {
-        return plain.collect();
+        return plain;
     };
-    let times: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let times = steps(time);
     let usual = median(&times).unwrap_or(0.0);
     let of = |(step, time): (f64, &f64)| match *time <= GAP_STEPS * usual {
         true => step * usual / time,
         false => f64::NAN,
     };
-    plain.zip(&times).map(of).collect()
+    plain.into_iter().zip(&times).map(of).collect()
 }
 
 #[cfg(test)]

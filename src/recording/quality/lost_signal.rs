@@ -18,6 +18,7 @@ use crate::recording::channels::lost::{Loss, LostChannel, LostSignal};
 use crate::recording::channels::samples::{Recording, SignalKind};
 use crate::recording::quality::spikes::quantum;
 use crate::recording::series::differences::fourth;
+use crate::stats::deviation::range;
 use crate::stats::distribution::Distribution;
 use crate::stats::robust::{normal_scale, quantile};
 
@@ -259,7 +260,6 @@ fn deviation<'a>(windows: impl Iterator<Item = &'a [f64]>) -> f64 {
 impl Series<'_> {
     /// At a limit a signal that is cut off stands still by itself.
     fn stuck(&self, limits: &[f64]) -> Option<Lost> {
-        let moves = self.moves();
         let enough = (MOVING_QUANTA * quantum(self.position))
             .max(MOVING_SHARE * range(self.position))
             .max(f64::MIN_POSITIVE);
@@ -268,7 +268,7 @@ impl Series<'_> {
             !limits.contains(&self.signal[run.start]) && range(&self.position[run.clone()]) > enough
         });
         let longest = runs.iter().max_by_key(|run| run.len())?.clone();
-        let alike = self.chance_of_alike(&moves, &longest);
+        let alike = self.chance_of_alike(&self.moves(), &longest);
         let count = self.signal.len() as f64;
         let is_chance = |run: &Range<usize>| {
             run.len() < LEAST_STUCK
@@ -320,12 +320,6 @@ impl Series<'_> {
         };
         of_noise.max(of_others)
     }
-}
-
-fn range(series: &[f64]) -> f64 {
-    let low = series.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = series.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    high - low
 }
 
 #[cfg(test)]

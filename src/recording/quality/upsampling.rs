@@ -16,6 +16,7 @@ use realfft::num_complex::Complex;
 use crate::fault::Place;
 use crate::recording::channels::samples::{Manner, Recording, Upsampled};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
+use crate::recording::series::differences::steps;
 use crate::recording::series::spectrum::coefficients;
 use crate::recording::time_base::timing::GAP_STEPS;
 use crate::stats::robust::{median, quantile};
@@ -159,7 +160,7 @@ fn clock_of_samples(time: &[f64], rows: &[usize]) -> Vec<f64> {
 
 /// Whether few rows are missing: where they are, a motion bends as samples do with lines between them.
 fn is_steady(time: &[f64]) -> bool {
-    let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let steps = steps(time);
     let usual = median(&steps).unwrap_or(0.0);
     let gaps = steps.iter().filter(|step| **step > GAP_STEPS * usual);
     gaps.count() as f64 <= ELSEWHERE * steps.len() as f64

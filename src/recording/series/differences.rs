@@ -7,6 +7,11 @@
 //! 5e-5 and 1e-5, where the plain central difference loses 3 %. The gain at high frequencies does
 //! not matter, as the series is low-passed before. Source: Fornberg (1988), tables 1 and 2.
 
+/// Differences of successive values.
+pub(in crate::recording) fn steps(series: &[f64]) -> Vec<f64> {
+    series.windows(2).map(|pair| pair[1] - pair[0]).collect()
+}
+
 /// First derivative of an even series with step h.
 pub(in crate::recording) fn first(series: &[f64], step: f64) -> Vec<f64> {
     let scale = 1.0 / (60.0 * step);

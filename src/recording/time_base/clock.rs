@@ -8,7 +8,7 @@
 //! ```
 
 use crate::recording::channels::samples::Recording;
-use crate::recording::series::differences::fourth;
+use crate::recording::series::differences::{fourth, steps};
 use crate::recording::time_base::timing::{GAP_STEPS, UNIFORM_STEPS};
 use crate::stats::robust::median;
 
@@ -70,7 +70,7 @@ struct Clock {
 impl Clock {
     /// `None` for stamps that do not increase, or of too few samples.
     fn of(time: &[f64]) -> Option<Self> {
-        let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let steps = steps(time);
         let usual = median(&steps)?;
         if time.len() < 2 * STEADY || steps.iter().any(|step| *step <= 0.0) {
             return None;

@@ -5,6 +5,7 @@ use crate::fault::Place;
 use crate::recording::channels::samples::Recording;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::formats::table::require_rows;
+use crate::recording::series::differences::steps;
 use crate::recording::series::interpolation::{Bracket, Stencil, brackets};
 
 /// How the samples lie in time.
@@ -97,7 +98,7 @@ pub(in crate::recording) fn stamps(recording: &Recording) -> Result<&[f64], Reco
 
 /// Timing of increasing stamps, s; gaps by the sample after them.
 fn of_stamps(time: &[f64]) -> Timing {
-    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mut steps = steps(time);
     let gaps_beyond = |median: f64| move |step: &f64| *step > GAP_STEPS * median;
     let median = {
         let mut sorted = steps.clone();
