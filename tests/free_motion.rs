@@ -433,3 +433,55 @@ fn a_held_out_run_that_differs_is_unexplained_where_it_does() {
     assert!(left.iter().all(|l| l["of_signal"].as_f64().unwrap() > 0.03));
     assert!(named(&result, "unnamed"), "{}", result["summary"]);
 }
+
+/// Joints that rest by themselves for seconds, each held there by static friction of any size.
+fn with_rests(rng: &mut ChaCha8Rng) -> (Course, [Vec<f64>; 2]) {
+    let mut course = course(Motion::Moves, 40.0, rng);
+    let mut held: [Vec<f64>; 2] = Default::default();
+    for joint in 0..2 {
+        let moves = course.dq[joint].clone();
+        let mut kept = Vec::new();
+        for row in 0..moves.len() {
+            kept.push((row, 0.0));
+            if row > 0 && moves[row] == 0.0 && moves[row - 1] != 0.0 {
+                let friction = COULOMB[joint] * 0.9 * (2.0 * rng.random::<f64>() - 1.0);
+                let rest = (4.0 * rng.random::<f64>() * RATE_HZ) as usize;
+                kept.extend(std::iter::repeat_n((row, friction), rest));
+            }
+        }
+        kept.truncate(moves.len());
+        for series in [&mut course.q, &mut course.dq, &mut course.ddq] {
+            series[joint] = kept.iter().map(|(row, _)| series[joint][*row]).collect();
+        }
+        held[joint] = kept.iter().map(|(_, friction)| *friction).collect();
+    }
+    (course, held)
+}
+
+/// At rest the torque of a joint says nothing of it, while that of another which moves does.
+#[test]
+fn joints_that_rest_while_others_move_lack_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    for name in ["train.csv", "validation.csv"] {
+        let (course, held) = with_rests(&mut rng);
+        let at = |row: usize| [held[0][row], held[1][row]];
+        write(name, &recording_with(&at, &course, WHITE_TONES, &mut rng));
+    }
+    write("arm.urdf", ROBOT);
+    write("problem.toml", PROBLEM);
+    let diagnosis = run("diagnose", folder.path());
+    assert_eq!(
+        diagnosis["verdict"], "nothing_missing",
+        "{}",
+        diagnosis["summary"]
+    );
+    let fit = run("fit", folder.path());
+    for (joint, noise) in fit["joints"].as_array().unwrap().iter().zip(NOISE) {
+        for error in ["rmse_train_raw", "rmse_validation", "rmse_validation_raw"] {
+            let error = joint[error].as_f64().unwrap() / noise;
+            assert!((0.9..1.1).contains(&error), "{joint}");
+        }
+    }
+}

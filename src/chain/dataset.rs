@@ -34,6 +34,8 @@ pub struct Prepared {
     commands: Option<Commands>,
     /// What the bodies do in rows of the experiment, where it is known.
     bodies: Option<KnownBodies>,
+    /// Whether a channel's joint stands still, `[channel][row of the experiment]`, where any does.
+    standing: Option<Arc<Vec<Vec<bool>>>>,
     rows: Option<Rows>,
 }
 
@@ -67,6 +69,7 @@ impl Prepared {
             forces: Vec::new(),
             commands: None,
             bodies: None,
+            standing: None,
             rows: None,
         }
     }
@@ -99,6 +102,7 @@ impl Prepared {
             forces: self.forces.clone(),
             commands: self.commands.clone(),
             bodies: self.bodies.clone(),
+            standing: self.standing.clone(),
             rows,
         }
     }
@@ -140,6 +144,19 @@ impl Prepared {
             rows.bodies = Some(bodies.thinned(self.stride));
         }
         self.bodies = Some(bodies);
+        self
+    }
+
+    /// The same recording, in which channels count for nothing at used rows at which their joint stands still,
+    /// `[channel][row]`.
+    pub fn with_standstill(mut self, standing: &[Vec<bool>]) -> Self {
+        let rows = 0..self.experiment.rows();
+        let of = |standing: &Vec<bool>| {
+            rows.clone()
+                .map(|row| standing[row / self.stride])
+                .collect()
+        };
+        self.standing = Some(Arc::new(standing.iter().map(of).collect()));
         self
     }
 
@@ -211,9 +228,25 @@ impl Prepared {
         (0..self.rows()).filter(|&row| self.counts(row))
     }
 
-    /// A series over the used rows at those that count.
-    pub fn counted(&self, series: &[f64]) -> Vec<f64> {
-        self.counting().map(|row| series[row]).collect()
+    /// Whether the joint of a channel stands still at a row of the experiment, so that the channel says nothing there.
+    pub fn stands(&self, channel: usize, row_of_experiment: usize) -> bool {
+        let standing = self.standing.as_ref();
+        standing.is_some_and(|standing| standing[channel][row_of_experiment])
+    }
+
+    /// Whether a used row counts for a channel.
+    pub fn counts_for(&self, channel: usize, row: usize) -> bool {
+        self.counts(row) && !self.stands(channel, row * self.stride)
+    }
+
+    /// The used rows that count for a channel.
+    pub fn counting_for(&self, channel: usize) -> impl Iterator<Item = usize> {
+        (0..self.rows()).filter(move |&row| self.counts_for(channel, row))
+    }
+
+    /// A series over the used rows at those that count for a channel.
+    pub fn counted_for(&self, channel: usize, series: &[f64]) -> Vec<f64> {
+        self.counting_for(channel).map(|row| series[row]).collect()
     }
 
     /// Whether forces of the surroundings on the links are measured.

@@ -12,7 +12,6 @@ use crate::diagnose::fit::held_out;
 use crate::diagnose::fit::hypothesis::{Hypothesis, addition};
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::fit::recording_parameters;
-use crate::diagnose::residuals::standstill;
 use crate::diagnose::selection::between_periods;
 use crate::diagnose::selection::explanation::{Explaining, Explanation};
 use crate::diagnose::selection::last_selection::LastSelection;
@@ -127,7 +126,7 @@ fn of_robot(
         sought: sought.as_deref(),
         significance: problem.diagnose.significance.value,
     };
-    let mut recorded = Recorded::of(&model, prepared.clone());
+    let mut recorded = Recorded::of(prepared.clone());
     let mut motions = 1;
     let (found, defect, limits) = loop {
         on_stage(Stage::Fitting);
@@ -142,7 +141,7 @@ fn of_robot(
         };
         let declared = Declared::fit(&separated, &recorded.halves, control)?;
         match search.guarded(&recorded.halves, &declared, control)? {
-            (Searched::Moved(data), _) => recorded = Recorded::of(&model, data),
+            (Searched::Moved(data), _) => recorded = Recorded::of(data),
             (Searched::Found(found), defect) => break (*found, defect, declared.limits),
         }
         motions += 1;
@@ -240,8 +239,8 @@ struct Recorded {
 }
 
 impl Recorded {
-    fn of(model: &Model, data: Dataset) -> Self {
-        let (data, held_out) = held_out::with_held_out(standstill::left_out(model, data));
+    fn of(data: Dataset) -> Self {
+        let (data, held_out) = held_out::with_held_out(data);
         Self {
             halves: halves(data, held_out),
             held_out,

@@ -7,7 +7,6 @@ use crate::diagnose::fit::fitting::fit_model;
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::fit::start::{Start, WarmStart};
-use crate::diagnose::residuals::standstill;
 use crate::estimate::bandwidth::Preparing;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
@@ -115,7 +114,7 @@ impl DeclaredModel {
             prior: &prior,
             control,
         };
-        let data = standstill::left_out(&model, preparing.prepared()?);
+        let data = preparing.prepared()?;
         Ok(Self { declared, data })
     }
 

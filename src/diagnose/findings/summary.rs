@@ -33,7 +33,7 @@ pub fn correct(
                 Split::Train => &mut train,
                 Split::Validation => &mut held_out,
             };
-            let counting = recording.counting();
+            let counting = recording.counting_for(correction.channel);
             for (row, by) in counting.zip(series) {
                 of_channels[correction.channel][row] -= by;
             }

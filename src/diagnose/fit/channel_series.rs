@@ -6,11 +6,13 @@ use crate::estimate::rows::{tasks, visit};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// Series of every channel over the rows that count, recording after recording.
+/// Series of every channel over the rows that count for it, recording after recording.
 #[derive(Debug, Clone, Default)]
 pub struct ChannelSeries {
     /// `[channel][row]`; empty for channels that are not active.
     pub predicted: Vec<Vec<f64>>,
+    /// The same over all rows that count, also where the channel's own joint stands still.
+    pub loads: Vec<Vec<f64>>,
     /// The signal as recorded, over the same rows.
     pub recorded: Vec<Vec<f64>>,
     /// `[channel][column]`; `None` where the channel does not depend on the column.
@@ -31,19 +33,15 @@ impl ChannelSeries {
             .map(|task| {
                 let mut part = Self::empty(model.channels().len(), columns.len());
                 visit(model, values, columns, task, |block| {
-                    let keep = block.counting();
+                    let counting = block.counting();
                     for (c, channel) in model.channels().iter().enumerate() {
                         if !channel.active {
                             continue;
                         }
-                        let take = |to: &mut Vec<f64>, from: &[f64]| match &keep {
-                            None => to.extend_from_slice(from),
-                            Some(keep) => {
-                                let kept = from.iter().zip(keep).filter(|(_, k)| **k);
-                                to.extend(kept.map(|(x, _)| *x));
-                            }
-                        };
+                        let own = block.counting_for(c);
+                        let take = |to: &mut Vec<f64>, from: &[f64]| add(to, from, own.as_deref());
                         let before = part.predicted[c].len();
+                        add(&mut part.loads[c], block.predicted(c), counting.as_deref());
                         take(&mut part.predicted[c], block.predicted(c));
                         take(&mut part.recorded[c], block.recorded(c));
                         for k in 0..columns.len() {
@@ -67,6 +65,7 @@ impl ChannelSeries {
     fn empty(channels: usize, columns: usize) -> Self {
         Self {
             predicted: vec![Vec::new(); channels],
+            loads: vec![Vec::new(); channels],
             recorded: vec![Vec::new(); channels],
             columns: vec![vec![None; columns]; channels],
         }
@@ -91,6 +90,9 @@ impl ChannelSeries {
         for (to, from) in self.predicted.iter_mut().zip(part.predicted) {
             to.extend(from);
         }
+        for (to, from) in self.loads.iter_mut().zip(part.loads) {
+            to.extend(from);
+        }
         for (to, from) in self.recorded.iter_mut().zip(part.recorded) {
             to.extend(from);
         }
@@ -102,5 +104,16 @@ impl ChannelSeries {
         pairs
             .map(|(p, r)| p.iter().zip(r).map(|(p, r)| p - r).collect())
             .collect()
+    }
+}
+
+/// Adds values at the rows that are kept; all where there is no list.
+fn add(to: &mut Vec<f64>, from: &[f64], kept: Option<&[bool]>) {
+    match kept {
+        None => to.extend_from_slice(from),
+        Some(kept) => {
+            let pairs = from.iter().zip(kept).filter(|(_, kept)| **kept);
+            to.extend(pairs.map(|(x, _)| *x));
+        }
     }
 }

@@ -63,7 +63,7 @@ impl<'a> Context<'a> {
         let channels = channels.map_or(0, |r| r.experiment.signal.len());
         let of = |c: usize| {
             let counting = self.data.of(split).flat_map(|r| {
-                let rows = r.counting();
+                let rows = r.counting_for(c);
                 rows.map(move |row| r.signal(c)[row])
             });
             rms(&counting.collect::<Vec<f64>>()).max(f64::MIN_POSITIVE)

@@ -19,6 +19,8 @@ pub struct LinearModel {
     pub scale: Vec<f64>,
     /// The signal as the model has it, `[channel][row]`, in the unit of the signal.
     pub predicted: Vec<Vec<f64>>,
+    /// The same over all rows that count, also where the channel's own joint stands still.
+    pub loads: Vec<Vec<f64>>,
     /// `ŝ − s`, `[channel][row]`.
     pub residual: Vec<Vec<f64>>,
     /// `[channel][unknown][row]`; `None` where a channel does not depend on an unknown.
@@ -48,6 +50,7 @@ impl LinearModel {
         let residual = weighted_difference(&series.predicted, &series.recorded, &scale);
         Self {
             predicted: series.predicted,
+            loads: series.loads,
             scale,
             ..Self::of_columns(columns, residual, known)
         }
@@ -62,6 +65,7 @@ impl LinearModel {
         Self {
             scale: vec![1.0; residual.len()],
             predicted: Vec::new(),
+            loads: Vec::new(),
             inverse: inverse_factor(&columns, &known),
             residual,
             columns,

@@ -38,7 +38,7 @@ pub fn brakes(context: &Context<'_>, fit: &ModelFit, channel: usize) -> bool {
     let (there, back) = (predicted(&recordings), predicted(&turned));
     let speeds = recordings.iter().flat_map(|r| {
         let speed = &r.segment().motors.dq[joint];
-        r.counting().map(move |row| speed[row])
+        r.counting_for(channel).map(move |row| speed[row])
     });
     let (mut driven, mut all) = (0.0, 0.0);
     for ((there, back), v) in there.iter().zip(&back).zip(speeds) {

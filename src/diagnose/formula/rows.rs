@@ -66,8 +66,10 @@ impl FittedRows {
         let motion = |pick: &dyn Fn(&Prepared) -> Vec<f64>| -> Vec<f64> {
             recordings.iter().flat_map(|r| pick(r)).collect()
         };
-        let position = |k: usize| motion(&|r| r.counted(&r.segment().motors.q[k]));
-        let velocity = |k: usize| motion(&|r| r.counted(&r.segment().motors.dq[k]));
+        let position =
+            |k: usize| motion(&|r| r.counted_for(place.channel, &r.segment().motors.q[k]));
+        let velocity =
+            |k: usize| motion(&|r| r.counted_for(place.channel, &r.segment().motors.dq[k]));
         let load = by_share.iter().zip(&by_torque);
         let load = load.map(|(share, torque)| share / torque).collect();
         let speed = velocity(joint);
@@ -82,7 +84,7 @@ impl FittedRows {
             (Quantity::Velocity, speed),
             (
                 Quantity::Acceleration,
-                motion(&|r| r.counted(&r.segment().motors.ddq[joint])),
+                motion(&|r| r.counted_for(place.channel, &r.segment().motors.ddq[joint])),
             ),
             (Quantity::Load, load),
         ];

@@ -13,7 +13,7 @@ use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::estimation_error::FittedInNoise;
 use crate::diagnose::fit::linear_model::LinearModel;
 use crate::diagnose::fit::model_fit::ModelFit;
-use crate::diagnose::residuals::covariates::Covariates;
+use crate::diagnose::residuals::covariates::{Covariates, JointChannel};
 use crate::diagnose::residuals::effect_size::{MATTERS, OF_NOISE};
 use crate::diagnose::residuals::folds::FoldedModel;
 use crate::diagnose::residuals::hats::Arguments;
@@ -119,7 +119,7 @@ impl AdditiveModel {
         let mut left = problem.counted_residuals(&fit.solution.x);
         let mut taken = self.train.iter();
         for (recording, residuals) in recordings.iter().zip(&mut left) {
-            for (row, by) in recording.counting().zip(taken.by_ref()) {
+            for (row, by) in recording.counting_for(self.channel).zip(taken.by_ref()) {
                 residuals[self.channel][row] -= by;
             }
         }
@@ -146,8 +146,8 @@ impl<'a> Rows<'a> {
         Self { recordings, series }
     }
 
-    fn covariates(&self, fit: &ModelFit, joint: usize) -> Covariates {
-        Covariates::of(&fit.model, joint, &self.series.predicted, &self.recordings)
+    fn covariates(&self, fit: &ModelFit, place: JointChannel) -> Covariates {
+        Covariates::of(&fit.model, place, &self.series.loads, &self.recordings)
     }
 }
 
@@ -161,18 +161,20 @@ struct Place<'a> {
 impl Place<'_> {
     /// Smooth functions along the rows, not judged yet; `None` where the channel is that of no joint.
     fn model(&self, curves: Arc<Smoothed>, tried: usize) -> Option<AdditiveModel> {
-        let joint = self.fit.model.channels()[self.channel].joint?;
+        let channel = self.channel;
+        let joint = self.fit.model.channels()[channel].joint?;
+        let place = JointChannel { channel, joint };
         let covariates = self
             .rows
             .each_ref()
-            .map(|rows| rows.covariates(self.fit, joint));
-        let of = |k: usize| curves.at(&covariates[k], &self.rows[k].series.columns[self.channel]);
+            .map(|rows| rows.covariates(self.fit, place));
+        let of = |k: usize| curves.at(&covariates[k], &self.rows[k].series.columns[channel]);
         let (train, validation) = (of(0), of(1));
-        let before = &self.fit.validation[self.channel];
+        let before = &self.fit.validation[channel];
         let after: Vec<f64> = before.iter().zip(&validation).map(|(e, f)| e - f).collect();
         let functions = || curves.functions.iter();
         Some(AdditiveModel {
-            channel: self.channel,
+            channel,
             over: functions().map(|hats| hats.name(&covariates[0])).collect(),
             made_of: functions()
                 .map(|hats| hats.made_of(&covariates[0]))
@@ -287,7 +289,11 @@ fn sought(context: &Context<'_>, fit: &ModelFit, channels: &[Sought<'_>]) -> Vec
     };
     let all_rows = Rows::both(context, fit);
     let of_channel = |&(of, joint): &(&Sought<'_>, usize)| {
-        let covariates = Covariates::of(model, joint, &linear.predicted, &thinned);
+        let at = JointChannel {
+            channel: of.channel,
+            joint,
+        };
+        let covariates = Covariates::of(model, at, &linear.loads, &thinned);
         let folded = FoldedChannel {
             channel: of.channel,
             covariates: &covariates,

@@ -36,11 +36,28 @@ pub struct Covariates {
     pub direction: Vec<f64>,
 }
 
+/// A joint, and a channel that shows its torque.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct JointChannel {
+    /// Index of the channel.
+    pub channel: usize,
+    /// Index of the joint.
+    pub joint: usize,
+}
+
 impl Covariates {
-    /// Variables of `joint`; `loads` are what the model predicts, per channel, over the same rows.
-    pub fn of(model: &Model, joint: usize, loads: &[Vec<f64>], recordings: &[&Prepared]) -> Self {
+    /// Variables of a joint over the rows that count for its channel; `loads` are what the model predicts, per channel, over
+    /// all rows that count.
+    pub fn of(
+        model: &Model,
+        place: JointChannel,
+        loads: &[Vec<f64>],
+        recordings: &[&Prepared],
+    ) -> Self {
+        let JointChannel { channel, joint } = place;
         let rows = Rows {
             model,
+            channel,
             loads,
             recordings,
         };
@@ -56,17 +73,28 @@ impl Covariates {
     }
 }
 
-/// The rows that count.
+/// The rows that count for a channel.
 struct Rows<'a> {
     model: &'a Model,
+    channel: usize,
     loads: &'a [Vec<f64>],
     recordings: &'a [&'a Prepared],
 }
 
 impl Rows<'_> {
     fn series(&self, pick: &dyn Fn(&Prepared) -> Vec<f64>) -> Vec<f64> {
-        let of = |r: &&Prepared| r.counted(&pick(r));
+        let of = |r: &&Prepared| r.counted_for(self.channel, &pick(r));
         self.recordings.iter().flat_map(of).collect()
+    }
+
+    /// A series over all rows that count, at those that count for the channel.
+    fn own(&self, series: &[f64]) -> Vec<f64> {
+        let counts = self.recordings.iter().flat_map(|r| {
+            let counting = r.counting();
+            counting.map(|row| r.counts_for(self.channel, row))
+        });
+        let pairs = series.iter().zip(counts).filter(|(_, counts)| *counts);
+        pairs.map(|(x, _)| *x).collect()
     }
 
     fn position(&self, joint: usize) -> Vec<f64> {
@@ -81,7 +109,7 @@ impl Rows<'_> {
     fn load(&self, joint: usize, name: &str) -> Option<Covariate> {
         let mut channels = self.model.channels().iter().zip(self.loads);
         let own = channels.find(|(channel, _)| channel.joint == Some(joint) && channel.active)?;
-        Some(named(name, own.0.unit, own.1.clone()))
+        Some(named(name, own.0.unit, self.own(own.1)))
     }
 
     fn of_joint(&self, joint: usize) -> Vec<Covariate> {

@@ -6,6 +6,7 @@ use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::clear_band;
+use crate::diagnose::residuals::covariates::JointChannel;
 use crate::diagnose::residuals::reversal_mask;
 use crate::recording::split::Split;
 use crate::stats::deviation::rms;
@@ -51,7 +52,10 @@ pub fn error_reduction(context: &Context<'_>, hypothesis: &Hypothesis, pair: Fit
     let of = |c: usize| {
         let joint = after.model.channels()[c].joint.filter(|_| shifts);
         let joint = joint.filter(is_hidden);
-        let under_way = joint.map(|joint| reversal_mask::rows(context, after, joint));
+        let under_way = joint.map(|joint| {
+            let place = JointChannel { channel: c, joint };
+            reversal_mask::rows(context, after, place)
+        });
         let left = |residual: &[f64]| match (band, &under_way) {
             (Some(band), _) => clear_band::rms(residual, band),
             (_, Some(rows)) => rms(&reversal_mask::kept(residual, rows)),
@@ -59,7 +63,7 @@ pub fn error_reduction(context: &Context<'_>, hypothesis: &Hypothesis, pair: Fit
         };
         let (old, new) = (left(&before.validation[c]), left(&after.validation[c]));
         let taken = (old * old - new * new).max(0.0).sqrt();
-        let signals = held_out.iter().flat_map(|r| r.signal(c)).copied();
+        let signals = held_out.iter().flat_map(|r| r.counted_for(c, r.signal(c)));
         let signal = rms(&signals.collect::<Vec<f64>>());
         // Where nothing tells the noise, it is at most what is left.
         let noise = context.noise.as_ref().map_or(new, |noise| noise[c]);

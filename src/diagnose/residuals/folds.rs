@@ -22,7 +22,8 @@ const ROUNDING: f64 = 1e-12;
 /// A model with its products over each fold.
 pub struct FoldedModel<'a> {
     linear: &'a LinearModel,
-    folds: Vec<Range<usize>>,
+    /// Rows of `[channel][fold]`: as many in each fold of a channel.
+    folds: Vec<Vec<Range<usize>>>,
     /// `[channel][fold]`.
     channels: Vec<Vec<OwnProducts>>,
     /// Over all channels, by fold.
@@ -53,14 +54,20 @@ pub struct HatProducts {
 }
 
 impl<'a> FoldedModel<'a> {
-    /// Of a model along rows of which every channel has as many; `None` where its derivatives are not finite.
+    /// Of a model along rows; `None` where its derivatives are not finite.
     pub fn of(linear: &'a LinearModel) -> Option<Self> {
-        let rows = linear.residual.iter().map(Vec::len).max().unwrap_or(0);
-        let fold = |k: usize| k * rows / FOLDS..(k + 1) * rows / FOLDS;
-        let folds: Vec<Range<usize>> = (0..FOLDS).map(fold).collect();
+        let of_rows = |rows: usize| -> Vec<Range<usize>> {
+            let fold = |k: usize| k * rows / FOLDS..(k + 1) * rows / FOLDS;
+            (0..FOLDS).map(fold).collect()
+        };
+        let folds: Vec<Vec<Range<usize>>> = linear
+            .residual
+            .iter()
+            .map(|rows| of_rows(rows.len()))
+            .collect();
         let of_channel = |c: usize| -> Vec<OwnProducts> {
             let of = |fold: &Range<usize>| OwnProducts::of(linear, c, fold.clone());
-            folds.iter().map(of).collect()
+            folds[c].iter().map(of).collect()
         };
         let numbers = (0..linear.residual.len()).into_par_iter();
         let channels: Vec<Vec<OwnProducts>> = numbers.map(of_channel).collect();
@@ -126,7 +133,7 @@ impl<'a> FoldedModel<'a> {
             let cross: Vec<DMatrix<f64>> = functions.iter().map(|f| square(f)).collect();
             before.with(own, &cross)
         };
-        self.folds.iter().zip(known).map(of).collect()
+        self.folds[channel].iter().zip(known).map(of).collect()
     }
 
     /// B.

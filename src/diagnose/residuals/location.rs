@@ -6,7 +6,7 @@
 use crate::diagnose::fit::channel_series::ChannelSeries;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::model_fit::ModelFit;
-use crate::diagnose::residuals::covariates::{Covariate, Covariates};
+use crate::diagnose::residuals::covariates::{Covariate, Covariates, JointChannel};
 use crate::outcome::diagnose::{CurvePoint, Located};
 use crate::recording::split::Split;
 use crate::stats::encompassing::{Known, ResidualPair, ResidualRows};
@@ -37,8 +37,9 @@ pub fn locate(context: &Context<'_>, fit: &ModelFit, significance: f64) -> Vec<L
         let Some(joint) = channel.joint.filter(|_| channel.active) else {
             continue;
         };
-        let of_train = Covariates::of(model, joint, &fitted.predicted, &train);
-        let of_held_out = Covariates::of(model, joint, &tested.predicted, &held_out);
+        let place = JointChannel { channel: c, joint };
+        let of_train = Covariates::of(model, place, &fitted.loads, &train);
+        let of_held_out = Covariates::of(model, place, &tested.loads, &held_out);
         let count = of_train.variables.len();
         let mut found: Vec<Located> = (0..count)
             .filter_map(|k| {

@@ -14,4 +14,3 @@ pub mod prediction_error;
 pub mod quantity;
 pub mod reversal_mask;
 pub mod smooth_fit;
-pub mod standstill;

@@ -7,7 +7,7 @@
 use crate::chain::dataset::Prepared;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::model_fit::ModelFit;
-use crate::diagnose::residuals::covariates::turns;
+use crate::diagnose::residuals::covariates::{JointChannel, turns};
 use crate::recording::split::Split;
 use crate::stats::deviation::rms;
 
@@ -17,16 +17,17 @@ const FAST: f64 = 0.5;
 /// Up to this share of its RMS speed a joint creeps, and friction is as uncertain as at a reversal.
 const CREEPS: f64 = 0.03;
 
-/// The rows of the held-out recordings that count, and whether the joint and all to which it is coupled are fast there,
-/// or further than half a period of their bandwidth from any reversal.
-pub fn rows(context: &Context<'_>, fit: &ModelFit, joint: usize) -> Vec<bool> {
+/// The rows of the held-out recordings that count for a channel of a joint, and whether the joint and all to which it is
+/// coupled are fast there, or further than half a period of their bandwidth from any reversal.
+pub fn rows(context: &Context<'_>, fit: &ModelFit, place: JointChannel) -> Vec<bool> {
+    let JointChannel { channel, joint } = place;
     let coupling = fit.model.coupling(&fit.values);
     let coupled = |k: &usize| coupling[(joint, *k)] != 0.0 || coupling[(*k, joint)] != 0.0;
     let joints: Vec<usize> = (0..coupling.nrows()).filter(coupled).collect();
     let held_out = context.recordings(Split::Validation);
     let of = |r: &&Prepared| {
         let away: Vec<Vec<bool>> = joints.iter().map(|&k| away(r, k)).collect();
-        let counting = r.counting();
+        let counting = r.counting_for(channel);
         counting
             .map(|row| away.iter().all(|of| of[row]))
             .collect::<Vec<bool>>()
@@ -60,7 +61,10 @@ pub fn residual(
     residual: &[f64],
 ) -> Vec<f64> {
     match fit.model.channels()[channel].joint {
-        Some(joint) => kept(residual, &rows(context, fit, joint)),
+        Some(joint) => {
+            let rows = rows(context, fit, JointChannel { channel, joint });
+            kept(residual, &rows)
+        }
         None => residual.to_vec(),
     }
 }

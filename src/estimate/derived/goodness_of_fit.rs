@@ -128,7 +128,7 @@ pub fn figures_by_recording(
 
 fn add_rows(sums: &mut Sums, recording: &Prepared, predicted: &[f64], channel: usize) {
     let recorded = recording.signal(channel);
-    for row in recording.counting() {
+    for row in recording.counting_for(channel) {
         sums.add(predicted[row], recorded[row]);
     }
 }
@@ -137,10 +137,11 @@ fn add_rows(sums: &mut Sums, recording: &Prepared, predicted: &[f64], channel: u
 fn add_raw(sums: &mut Sums, recording: &Prepared, predicted: &[f64], channel: usize) {
     let raw = &recording.experiment.raw;
     for (k, recorded) in raw.signal[channel].iter().enumerate() {
-        if raw.mask.as_ref().is_some_and(|mask| !mask[k]) {
-            continue;
+        let row = raw.row_of(k);
+        let counts = raw.mask.as_ref().is_none_or(|mask| mask[k]);
+        if counts && !recording.stands(channel, row) {
+            sums.add(predicted[row], *recorded);
         }
-        sums.add(predicted[raw.row_of(k)], *recorded);
     }
 }
 

@@ -20,6 +20,7 @@ use crate::estimate::fit_problem::unknowns::Unknowns;
 use crate::estimate::minimisation::minimise::Minimisation;
 use crate::estimate::minimisation::optimum::Optimum;
 use crate::estimate::residual::noise::counting_rows;
+use crate::estimate::residual::standstill;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::recording::experiment::Chosen;
@@ -94,7 +95,7 @@ pub struct Preparing<'a> {
 
 impl Preparing<'_> {
     /// Reads the recordings and makes them ready; in the order of time for a model that changes with it, as averages
-    /// over periods are of no one time.
+    /// over periods are of no one time. Channels count for nothing where their joints stand still.
     ///
     /// # Errors
     /// Those of files and of settings.
@@ -125,10 +126,11 @@ impl Preparing<'_> {
 
     fn chosen(&self, is_fitted: bool) -> Result<Dataset, SetupError> {
         let data = self.with_best_bandwidth(is_fitted)?;
-        Ok(match self.model.changes_with_time() {
+        let data = match self.model.changes_with_time() {
             true => data.in_successive_periods(),
             false => data,
-        })
+        };
+        Ok(standstill::left_out(self.model, data))
     }
 
     /// The recordings with the bandwidth that the data choose.

@@ -106,6 +106,13 @@ impl RowBlock<'_> {
         self.range.start
     }
 
+    /// Which of the rows count for a channel; `None` where all do.
+    pub fn counting_for(&self, channel: usize) -> Option<Vec<bool>> {
+        let counts = |row| self.recording.counts_for(channel, row);
+        let mut rows = self.range.clone();
+        (!rows.all(counts)).then(|| self.range.clone().map(counts).collect())
+    }
+
     /// Which of the rows count; `None` where all do.
     pub fn counting(&self) -> Option<Vec<bool>> {
         let counts = |row| self.recording.counts(row);

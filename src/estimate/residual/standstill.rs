@@ -1,9 +1,11 @@
 //! Standstill: rows at which a joint does not move. Static friction lies anywhere between −Fc and Fc there, and its torque says
 //! nothing of parameters. A joint stands where its speed cannot be told from zero, `|ṁ| <= 3σ` with the deviation σ of the
-//! error of the speed, for longer than a reversal takes; where the transition speed w of Coulomb friction is known, also
-//! where it creeps, `|ṁ| <= w`. Such stretches are left out of the fit of that joint.
+//! error of the speed, for longer than a reversal takes, and for half a period of the motion's bandwidth before and after: a
+//! motion in that band does not tell more closely when a joint came to rest. Where the transition speed w of Coulomb friction
+//! is known it also stands where it creeps, `|ṁ| <= w`. Such stretches are left out of the fit of that joint, and of what its
+//! errors are said to be.
 
-use crate::chain::dataset::Prepared;
+use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
 use crate::estimate::residual::weights::RowFactors;
 
@@ -40,6 +42,23 @@ pub fn factors(model: &Model, recordings: &[&Prepared]) -> Option<RowFactors> {
     all.iter().flatten().any(stands).then_some(all)
 }
 
+/// The dataset in which channels count for nothing where their joints stand still.
+pub fn left_out(model: &Model, data: Dataset) -> Dataset {
+    let all: Vec<&Prepared> = data.recordings.iter().collect();
+    let Some(factors) = factors(model, &all) else {
+        return data;
+    };
+    let pairs = data.recordings.into_iter().zip(factors);
+    let recordings = pairs.map(|(recording, factors)| {
+        let stands = |series: Vec<f64>| series.iter().map(|factor| *factor == 0.0).collect();
+        let standing: Vec<Vec<bool>> = factors.into_iter().map(stands).collect();
+        recording.with_standstill(&standing)
+    });
+    Dataset {
+        recordings: recordings.collect(),
+    }
+}
+
 fn of_joint(model: &Model, recording: &Prepared, joint: usize, width: usize) -> Vec<f64> {
     let velocity = &recording.segment().motors.dq[joint];
     let experiment = &recording.experiment;
@@ -49,6 +68,7 @@ fn of_joint(model: &Model, recording: &Prepared, joint: usize, width: usize) -> 
         let unseen = Standstill {
             speed: UNSEEN * error.velocity[joint],
             longest: UNSEEN_S * rate_hz,
+            reach: (0.5 * rate_hz / experiment.bandwidth[joint].cutoff_hz).round() as usize,
         };
         unseen.leave_out(&mut factors, velocity);
     }
@@ -57,6 +77,7 @@ fn of_joint(model: &Model, recording: &Prepared, joint: usize, width: usize) -> 
         let creeping = Standstill {
             speed: width.value,
             longest: LONGEST_REVERSAL_S * rate_hz,
+            reach: 0,
         };
         creeping.leave_out(&mut factors, velocity);
     }
@@ -69,18 +90,22 @@ struct Standstill {
     speed: f64,
     /// Rows of a reversal, which is none.
     longest: f64,
+    /// Rows before and after that may belong to it.
+    reach: usize,
 }
 
 impl Standstill {
     /// Stretches of standstill count for nothing.
     fn leave_out(&self, factors: &mut [f64], velocity: &[f64]) {
+        let rows = velocity.len();
         let mut start = 0;
-        for row in 0..=velocity.len() {
+        for row in 0..=rows {
             if velocity.get(row).is_some_and(|v| v.abs() <= self.speed) {
                 continue;
             }
             if (row - start) as f64 > self.longest {
-                factors[start..row].fill(0.0);
+                let around = start.saturating_sub(self.reach)..rows.min(row + self.reach);
+                factors[around].fill(0.0);
             }
             start = row + 1;
         }
@@ -93,16 +118,20 @@ mod tests {
 
     #[test]
     fn a_rest_is_left_out_and_a_reversal_is_not() {
-        let velocity = [1.0, 0.0, 0.1, 0.0, -1.0, 0.1, -1.0, 0.0, 0.0, 0.0, 0.0];
-        let mut factors = [1.0; 11];
-        let standstill = Standstill {
-            speed: 0.1,
-            longest: 3.0,
+        let velocity = [1.0, 0.0, 0.1, 0.0, -1.0, 0.1, -1.0, 0.0, 0.0, 0.0, 0.0, 2.0];
+        let left = |reach: usize| {
+            let standstill = Standstill {
+                speed: 0.1,
+                longest: 3.0,
+                reach,
+            };
+            let mut factors = vec![1.0; velocity.len()];
+            standstill.leave_out(&mut factors, &velocity);
+            (0..factors.len())
+                .filter(|k| factors[*k] == 0.0)
+                .collect::<Vec<_>>()
         };
-        standstill.leave_out(&mut factors, &velocity);
-        assert_eq!(
-            factors,
-            [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0]
-        );
+        assert_eq!(left(0), [7, 8, 9, 10]);
+        assert_eq!(left(2), [5, 6, 7, 8, 9, 10, 11]);
     }
 }

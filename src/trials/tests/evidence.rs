@@ -7,6 +7,7 @@ use crate::diagnose::fit::contexts::HeldOutHalves;
 use crate::diagnose::fit::held_out::{self, Purpose};
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::fit::recording_parameters;
+use crate::diagnose::residuals::covariates::JointChannel;
 use crate::diagnose::residuals::effect_size::{MATTERS, OF_NOISE, OF_TORQUE, error_reduction};
 use crate::diagnose::residuals::noise_level::NoiseLevel;
 use crate::diagnose::residuals::reversal_mask;
@@ -287,7 +288,13 @@ fn rows_under_way_are_those_of_the_joint_that_moves() {
     };
     let joints = poorer.model.joints().len();
     let under_way: Vec<Vec<bool>> = (0..joints)
-        .map(|joint| reversal_mask::rows(&context, &poorer, joint))
+        .map(|joint| {
+            let place = JointChannel {
+                channel: joint,
+                joint,
+            };
+            reversal_mask::rows(&context, &poorer, place)
+        })
         .collect();
     let usual = p_value(&poorer);
     for channel in 0..joints {
