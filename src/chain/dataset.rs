@@ -234,6 +234,13 @@ impl Prepared {
         standing.is_some_and(|standing| standing[channel][row_of_experiment])
     }
 
+    /// The same at the row that is nearest to a time, s.
+    pub fn stands_at(&self, channel: usize, time: f64) -> bool {
+        let half = 0.5 / self.experiment.rate_hz;
+        let row = self.experiment.t.partition_point(|t| t + half < time);
+        row < self.experiment.rows() && self.stands(channel, row)
+    }
+
     /// Whether a used row counts for a channel.
     pub fn counts_for(&self, channel: usize, row: usize) -> bool {
         self.counts(row) && !self.stands(channel, row * self.stride)

@@ -19,7 +19,7 @@ use crate::estimate::fit_problem::estimator::{Estimator, Training};
 use crate::estimate::fit_problem::unknowns::Unknowns;
 use crate::estimate::minimisation::minimise::Minimisation;
 use crate::estimate::minimisation::optimum::Optimum;
-use crate::estimate::residual::noise::counting_rows;
+use crate::estimate::residual::noise::{counting_rows, residuals};
 use crate::estimate::residual::standstill;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
@@ -144,6 +144,7 @@ impl Preparing<'_> {
                 is_fitted,
                 read,
                 begin_hz,
+                judged: standstill::left_out(self.model, first),
             }
             .run(),
         }
@@ -164,6 +165,9 @@ struct Search<'a> {
     is_fitted: bool,
     read: Vec<ReadRecording<'a>>,
     begin_hz: f64,
+    /// The recordings with the spectrum's bandwidth: every motion is judged where joints move in these, as one that takes most
+    /// rows for standstill leaves little of the others.
+    judged: Dataset,
 }
 
 impl Search<'_> {
@@ -263,12 +267,15 @@ impl Search<'_> {
             Some(values) => minimisation.near(unknowns.among(values)).ok()?,
             None => minimisation.run().ok()?,
         };
-        let residuals = problem.counted_residuals(&solution.x);
+        let values = problem.parameters(&solution.x);
+        let residuals = residuals(model, &values, &recordings);
         let channels = model.channels().iter().enumerate();
         let of = |c: usize| {
             let (mut squares, mut rows) = (0.0, 0.0);
-            for (recording, series) in recordings.iter().zip(&residuals) {
-                for row in recording.counting() {
+            let judged = self.judged.of(Split::Train);
+            for ((recording, series), judged) in recordings.iter().zip(&residuals).zip(judged) {
+                let stands = |row: &usize| judged.stands_at(c, recording.time(*row));
+                for row in recording.counting().filter(|row| !stands(row)) {
                     squares += series[c][row].powi(2);
                     rows += 1.0;
                 }
@@ -279,10 +286,7 @@ impl Search<'_> {
             .filter(|(_, channel)| channel.active)
             .filter_map(|(c, _)| of(c))
             .sum();
-        logarithms.is_finite().then(|| Left {
-            logarithms,
-            values: problem.parameters(&solution.x),
-        })
+        logarithms.is_finite().then(|| Left { logarithms, values })
     }
 }
 

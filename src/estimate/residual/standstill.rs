@@ -1,7 +1,8 @@
 //! Standstill: rows at which a joint does not move. Static friction lies anywhere between −Fc and Fc there, and its torque says
 //! nothing of parameters. A joint stands where its speed cannot be told from zero, `|ṁ| <= 3σ` with the deviation σ of the
-//! error of the speed, for longer than a reversal takes, and for half a period of the motion's bandwidth before and after: a
-//! motion in that band does not tell more closely when a joint came to rest. Where the transition speed w of Coulomb friction
+//! error of the speed, for longer than a reversal takes, and within half a period of the motion's bandwidth before and after
+//! where its position is not told from that of its rest by one sample: a smooth motion does not tell more closely when a joint
+//! came to rest. Where the transition speed w of Coulomb friction
 //! is known it also stands where it creeps, `|ṁ| <= w`. Such stretches are left out of the fit of that joint, and of what its
 //! errors are said to be.
 
@@ -60,26 +61,33 @@ pub fn left_out(model: &Model, data: Dataset) -> Dataset {
 }
 
 fn of_joint(model: &Model, recording: &Prepared, joint: usize, width: usize) -> Vec<f64> {
-    let velocity = &recording.segment().motors.dq[joint];
+    let motors = recording.segment().motors;
+    let (position, velocity) = (&motors.q[joint], &motors.dq[joint]);
     let experiment = &recording.experiment;
     let rate_hz = experiment.rate_hz / recording.stride as f64;
     let mut factors = vec![1.0; velocity.len()];
     if let Some(error) = &experiment.motion_error {
+        // White noise of samples of which the band of a motion keeps its share.
+        let per_period = rate_hz / experiment.bandwidth[joint].cutoff_hz;
+        let of_sample = error.position[joint] * (0.5 * per_period).max(1.0).sqrt();
         let unseen = Standstill {
             speed: UNSEEN * error.velocity[joint],
             longest: UNSEEN_S * rate_hz,
-            reach: (0.5 * rate_hz / experiment.bandwidth[joint].cutoff_hz).round() as usize,
+            around: Around {
+                rows: (0.5 * per_period).round() as usize,
+                way: UNSEEN * of_sample,
+            },
         };
-        unseen.leave_out(&mut factors, velocity);
+        unseen.leave_out(&mut factors, position, velocity);
     }
     let width = &model.parameters()[model.estimated_as(width)];
     if !width.is_free() {
         let creeping = Standstill {
             speed: width.value,
             longest: LONGEST_REVERSAL_S * rate_hz,
-            reach: 0,
+            around: Around::default(),
         };
-        creeping.leave_out(&mut factors, velocity);
+        creeping.leave_out(&mut factors, position, velocity);
     }
     factors
 }
@@ -90,13 +98,21 @@ struct Standstill {
     speed: f64,
     /// Rows of a reversal, which is none.
     longest: f64,
-    /// Rows before and after that may belong to it.
-    reach: usize,
+    around: Around,
+}
+
+/// Rows before and after a standstill that may belong to it.
+#[derive(Default)]
+struct Around {
+    /// So many at most.
+    rows: usize,
+    /// rad (m), as far as the position is at most from that of the standstill.
+    way: f64,
 }
 
 impl Standstill {
     /// Stretches of standstill count for nothing.
-    fn leave_out(&self, factors: &mut [f64], velocity: &[f64]) {
+    fn leave_out(&self, factors: &mut [f64], position: &[f64], velocity: &[f64]) {
         let rows = velocity.len();
         let mut start = 0;
         for row in 0..=rows {
@@ -104,8 +120,14 @@ impl Standstill {
                 continue;
             }
             if (row - start) as f64 > self.longest {
-                let around = start.saturating_sub(self.reach)..rows.min(row + self.reach);
-                factors[around].fill(0.0);
+                factors[start..row].fill(0.0);
+                let is_near =
+                    |k: &usize, end: usize| (position[*k] - position[end]).abs() <= self.around.way;
+                let before = start.saturating_sub(self.around.rows)..start;
+                let before = before.rev().take_while(|k| is_near(k, start));
+                let behind = row..rows.min(row + self.around.rows);
+                let behind = behind.take_while(|k| is_near(k, row - 1));
+                before.chain(behind).for_each(|k| factors[k] = 0.0);
             }
             start = row + 1;
         }
@@ -114,24 +136,29 @@ impl Standstill {
 
 #[cfg(test)]
 mod tests {
-    use super::Standstill;
+    use super::{Around, Standstill};
 
     #[test]
     fn a_rest_is_left_out_and_a_reversal_is_not() {
         let velocity = [1.0, 0.0, 0.1, 0.0, -1.0, 0.1, -1.0, 0.0, 0.0, 0.0, 0.0, 2.0];
-        let left = |reach: usize| {
+        let position = [
+            -9.0, -8.0, -7.0, -1.0, -0.4, -0.2, -0.1, 0.0, 0.0, 0.0, 0.0, 0.4,
+        ];
+        let left = |rows: usize| {
             let standstill = Standstill {
                 speed: 0.1,
                 longest: 3.0,
-                reach,
+                around: Around { rows, way: 0.3 },
             };
             let mut factors = vec![1.0; velocity.len()];
-            standstill.leave_out(&mut factors, &velocity);
+            standstill.leave_out(&mut factors, &position, &velocity);
             (0..factors.len())
                 .filter(|k| factors[*k] == 0.0)
                 .collect::<Vec<_>>()
         };
         assert_eq!(left(0), [7, 8, 9, 10]);
-        assert_eq!(left(2), [5, 6, 7, 8, 9, 10, 11]);
+        assert_eq!(left(1), [6, 7, 8, 9, 10]);
+        // As far as the position is that of the rest.
+        assert_eq!(left(4), [5, 6, 7, 8, 9, 10]);
     }
 }
