@@ -479,9 +479,9 @@ fn joints_that_rest_while_others_move_lack_nothing() {
     );
     let fit = run("fit", folder.path());
     for (joint, noise) in fit["joints"].as_array().unwrap().iter().zip(NOISE) {
-        for error in ["rmse_train_raw", "rmse_validation", "rmse_validation_raw"] {
-            let error = joint[error].as_f64().unwrap() / noise;
-            assert!((0.9..1.1).contains(&error), "{joint}");
-        }
+        let number = |key: &str| joint[key].as_f64().unwrap() / noise;
+        assert!((0.9..1.1).contains(&number("rmse_train")), "{joint}");
+        assert!((0.9..1.1).contains(&number("rmse_validation")), "{joint}");
+        assert!(number("rmse_validation_raw") > 1.5, "{joint}");
     }
 }

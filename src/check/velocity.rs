@@ -97,8 +97,11 @@ fn of_factor(read: &RawRecording<'_>, joint: usize, factor: f64) -> Option<Mista
     }
     let near = |(known, ..): &&(f64, &str, &str)| (factor / known - 1.0).abs() <= FACTOR_TOLERANCE;
     let (reason, remedy) = match REASONS.iter().find(near) {
-        Some((_, reason, remedy)) if !reason.is_empty() => (*reason, *remedy),
-        _ => ("", "check the units of position, velocity and time"),
+        Some((_, reason, remedy)) => (format!("{reason} "), *remedy),
+        None => (
+            String::new(),
+            "check the units of position, velocity and time",
+        ),
     };
     Some(finding(
         Severity::Error,
@@ -106,7 +109,7 @@ fn of_factor(read: &RawRecording<'_>, joint: usize, factor: f64) -> Option<Mista
         Description::new(
             "velocity-factor",
             format!(
-                "the position changes {factor:.5} times as fast as the velocity channel says: {reason} the two \
+                "the position changes {factor:.5} times as fast as the velocity channel says: {reason}the two \
                  do not belong together"
             ),
             format!("{remedy}; or leave out recordings.columns.velocity"),

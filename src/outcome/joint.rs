@@ -11,13 +11,14 @@ pub struct JointFigures {
     pub joint: String,
     /// Unit of every `rmse`, `mae` and of `noise_rms`.
     pub unit: String,
-    /// Root mean square of the residual, `sqrt(mean(r²))`, after preprocessing.
+    /// Root mean square of the residual, `sqrt(mean(r²))`, after preprocessing, over rows at which the joint does not rest, where
+    /// static friction is any.
     #[serde(with = "number::nullable")]
     pub rmse_train: f64,
     /// The same on recordings that were not fitted.
     #[serde(with = "number::optional")]
     pub rmse_validation: Option<f64>,
-    /// Root mean square over every recorded sample, unfiltered.
+    /// Root mean square over every recorded sample, unfiltered, at rest too.
     #[serde(with = "number::nullable")]
     pub rmse_train_raw: f64,
     /// The same on recordings that were not fitted; absent where there are none.

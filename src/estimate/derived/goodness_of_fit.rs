@@ -137,11 +137,10 @@ fn add_rows(sums: &mut Sums, recording: &Prepared, predicted: &[f64], channel: u
 fn add_raw(sums: &mut Sums, recording: &Prepared, predicted: &[f64], channel: usize) {
     let raw = &recording.experiment.raw;
     for (k, recorded) in raw.signal[channel].iter().enumerate() {
-        let row = raw.row_of(k);
-        let counts = raw.mask.as_ref().is_none_or(|mask| mask[k]);
-        if counts && !recording.stands(channel, row) {
-            sums.add(predicted[row], *recorded);
+        if raw.mask.as_ref().is_some_and(|mask| !mask[k]) {
+            continue;
         }
+        sums.add(predicted[raw.row_of(k)], *recorded);
     }
 }
 
