@@ -16,6 +16,8 @@ const MOST_BYTES = 3e6;
 const MOST_SECONDS = 1;
 const PHONE = { width: 420, height: 860 };
 const DESK = { width: 1280, height: 900 };
+/** A4 within margins of a centimetre. */
+const PAPER = { width: 718, height: 1046 };
 const PICTURE = { width: 1000, height: 700 };
 
 if (withPictures) mkdirSync(screens, { recursive: true });
@@ -173,6 +175,24 @@ const unlabelled = page =>
     return cells.filter(isBare).length;
   });
 
+/** Colours that tell something and that a printer leaves out: keys of pictures and charts, bars of errors. */
+const unprinted = page =>
+  page.evaluate(() => {
+    const telling = [...document.querySelectorAll(".key, .u-marker, .meter, .meter > span")];
+    return telling.filter(element => getComputedStyle(element).printColorAdjust !== "exact").length;
+  });
+
+/** The widest chart, CSS pixels, between the events of printing and after them; charts take their size before anything else happens. */
+const printedWidths = page =>
+  page.evaluate(async () => {
+    const widest = async event => {
+      window.dispatchEvent(new Event(event));
+      await Promise.resolve();
+      return Math.max(0, ...[...document.querySelectorAll(".chart .u-wrap")].map(chart => chart.offsetWidth));
+    };
+    return [await widest("beforeprint"), await widest("afterprint")];
+  });
+
 const background = page => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
 
 /** The report in a results folder. */
@@ -221,6 +241,9 @@ async function look(verb) {
   assert.deepEqual(paleLight, [], "contrast on light");
   const light = await background(page);
   await page.locator("#theme").click();
+  const [printed, shown] = await printedWidths(page);
+  assert.ok(printed <= PAPER.width, `a chart of ${printed} px is cut on paper`);
+  assert.ok(shown === 0 || shown > PAPER.width / 2, `a chart of ${shown} px after printing`);
   const toggled = await background(page);
   assert.notEqual(toggled, light, "the button changes the colours");
   assert.deepEqual(await pale(page), [], "contrast on dark");
@@ -237,9 +260,16 @@ async function look(verb) {
   assert.equal(await unlabelled(phone.page), 0, "cells on a phone without a label");
   await phone.page.close();
 
+  const paper = await open(file, { viewport: PAPER });
+  await paper.page.emulateMedia({ media: "print" });
+  const beyond = await overflow(paper.page);
+  assert.ok(beyond <= 0, `a printed page is ${beyond} px too wide`);
+  assert.equal(await unprinted(paper.page), 0, "colours that are not printed");
+  await paper.page.close();
+
   await still(file);
 
-  const all = [...complaints, ...dark.complaints, ...phone.complaints];
+  const all = [...complaints, ...dark.complaints, ...phone.complaints, ...paper.complaints];
   assert.deepEqual(all, [], "the browser complains of nothing");
   if (withPictures) await pictures(verb, file);
   console.log(`${verb}: ${(bytes / 1e6).toFixed(2)} MB, drawn after ${time.toFixed(2)} s`);

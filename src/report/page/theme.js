@@ -20,14 +20,16 @@ const theme = (() => {
         tell();
       });
       system.addEventListener("change", tell);
-      // Paper is light whatever the screen is.
+      // Paper is light whatever the screen is, and not as wide.
       let before;
       window.addEventListener("beforeprint", () => {
         before = root.dataset.theme;
         root.dataset.theme = "light";
+        root.classList.add("paper");
         tell();
       });
       window.addEventListener("afterprint", () => {
+        root.classList.remove("paper");
         if (before) root.dataset.theme = before;
         else delete root.dataset.theme;
         tell();
