@@ -8,6 +8,9 @@ use crate::recording::units::{self, Quantity};
 use std::collections::BTreeMap;
 use std::path::Path;
 
+/// What asks an amplifier for a current.
+const VOLTAGE: &str = "voltage";
+
 /// Words in the names of columns, in lower case. A later quantity is looked for first: `q_vel` is a velocity.
 const WORDS: &[(Quantity, &[&str])] = &[
     (Quantity::Time, &["t", "time", "timestamp", "stamp", "zeit"]),
@@ -48,7 +51,7 @@ const WORDS: &[(Quantity, &[&str])] = &[
     (
         Quantity::Current,
         &[
-            "i", "cur", "curr", "current", "currents", "strom", "amps", "iq", "voltage",
+            "i", "cur", "curr", "current", "currents", "strom", "amps", "iq", VOLTAGE,
         ],
     ),
     (
@@ -110,6 +113,12 @@ impl Channel {
             at: self.at.clone(),
             factors: factor.map_or(Factors::SI, Factors::Same),
         }
+    }
+
+    /// Whether the columns say that they hold voltages.
+    pub fn is_voltage(&self) -> bool {
+        let mut names = self.columns.iter();
+        names.any(|name| words(name).iter().any(|word| word == VOLTAGE))
     }
 
     /// The names of the columns, for people.

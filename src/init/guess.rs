@@ -271,7 +271,17 @@ impl<'a> Guess<'a> {
                  estimate them"
                     .into(),
             ),
-            SignalKind::Current => all.push(self.of_torque_constants()),
+            SignalKind::Current => {
+                let signal = &self.channels.signal;
+                if signal.is_voltage() {
+                    all.push(format!(
+                        "`{}` is taken to ask an amplifier for a current, and stands for it: with V in the place of A, torque constants are \
+                         in N·m/V (N/V)",
+                        signal.written()
+                    ));
+                }
+                all.push(self.of_torque_constants());
+            }
             _ => all.push(
                 "torques are taken to be those of the motors at the joint side; sensors behind the gear are signal = \
                  \"link_torque\""
@@ -305,7 +315,7 @@ impl<'a> Guess<'a> {
                 ": they are those that the robot file's inertials ask for, to a third, as a factor of a single joint's scales all that is unknown"
             }
             (false, _) => {
-                ", nor do inertials of the robot file speak for any: with 1 N·m/A, all parameters come out divided by one common factor"
+                ", nor do inertials of the robot file speak for any: with 1 N·m/A (N/A), all parameters come out divided by one common factor"
             }
         };
         let remedy = match self.has_gains() {

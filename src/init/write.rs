@@ -75,7 +75,7 @@ pub(super) fn toml(sources: &Sources, guess: &Guess<'_>) -> String {
             false => "not known, state the robot's",
         };
         lines.push(format!(
-            "torque_constant = [{}]    # N·m/A at the joint: {why}",
+            "torque_constant = [{}]    # N·m/A (N/A) at the joint: {why}",
             values.join(", ")
         ));
     }

@@ -393,4 +393,18 @@ fn a_single_joint_needs_no_number() {
     }
     let found = errors(temporary.path(), "problem.toml", &[]);
     assert!(found[0] < 0.1, "{found:?}");
+    // What drives an amplifier is no current, and the draft says what is made of it.
+    let run = temporary.path().join("run.csv");
+    let text = fs::read_to_string(&run).unwrap();
+    fs::write(&run, text.replace("force", "voltage")).unwrap();
+    let said = says(
+        temporary.path(),
+        &["init", "slide.urdf", "run.csv", "--force"],
+        0,
+    );
+    assert!(
+        said.contains("assumed: `voltage` is taken to ask an amplifier"),
+        "{said}"
+    );
+    assert!(said.contains("N·m/V (N/V)"), "{said}");
 }
