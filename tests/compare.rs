@@ -71,6 +71,12 @@ fn only_what_is_another_arm_differs() {
     let all = compare(&arm, &["a", "b", "--all"]);
     assert!(all.contains("shoulder.viscous_friction.Fv"), "{all}");
     assert!(all.lines().count() > text.lines().count(), "{all}");
+    // The folder above the results names them.
+    let said = common::program::says(arm.folder(), &["compare", ".", "b"], 2);
+    assert!(
+        said.contains("holds results; name one of ./a, ./b, ./c"),
+        "{said}"
+    );
     let again = compare(&arm, &["a", "a"]);
     assert!(
         again.contains("not independent: both are made of train.csv"),

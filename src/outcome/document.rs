@@ -1,6 +1,6 @@
 //! An outcome as one flat JSON object, whose `verb` says which part it carries.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -30,10 +30,19 @@ impl Outcome {
     /// Reads `result.json` of a results folder, or the file itself.
     ///
     /// # Errors
-    /// `not-readable` if there is no such file, `not-a-result` if it is not the result of a run.
+    /// `not-readable` if there is no such file, `results-within` if folders in it have one, `not-a-result` if it is not the result of a run.
     pub fn read(path: &Path) -> Result<Self, OutcomeError> {
         read_as(path)
     }
+}
+
+/// Folders with results directly in a folder, as the verbs of a problem leave them; none of what is no folder.
+fn results_within(path: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
+    let folders = entries.map(|entry| entry.path());
+    let mut found: Vec<PathBuf> = folders.filter(|f| f.join(RESULT_FILE).is_file()).collect();
+    found.sort();
+    found
 }
 
 /// Reads `result.json` of a results folder, or the file itself, as what it is to be.
@@ -42,6 +51,13 @@ fn read_as<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, OutcomeErro
         true => path.join(RESULT_FILE),
         false => path.to_path_buf(),
     };
+    if !file.exists() {
+        let folders = results_within(path);
+        if !folders.is_empty() {
+            let kind = OutcomeErrorKind::ResultsWithin { folders };
+            return Err(OutcomeError::new(path, kind));
+        }
+    }
     let text = std::fs::read_to_string(&file)
         .map_err(|error| OutcomeError::io(&file, Action::ReadResult, &error))?;
     serde_json::from_str(&text)

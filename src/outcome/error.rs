@@ -42,6 +42,11 @@ pub enum OutcomeErrorKind {
         /// The system's words.
         reason: String,
     },
+    /// The folder has no result, and folders in it have.
+    ResultsWithin {
+        /// These folders.
+        folders: Vec<PathBuf>,
+    },
     /// The text is not the result of a run.
     NotAResult(String),
     /// The predictions do not follow their layout.
@@ -124,7 +129,9 @@ impl OutcomeError {
             OutcomeErrorKind::NotPermitted { action } | OutcomeErrorKind::Failed { action, .. } => {
                 action.writes()
             }
-            OutcomeErrorKind::NotAResult(_) | OutcomeErrorKind::NotPredictions(_) => false,
+            OutcomeErrorKind::ResultsWithin { .. }
+            | OutcomeErrorKind::NotAResult(_)
+            | OutcomeErrorKind::NotPredictions(_) => false,
         }
     }
 }
@@ -159,6 +166,14 @@ impl Fault for OutcomeError {
             ),
             OutcomeErrorKind::NotPermitted { action } => describe_refusal(*action),
             OutcomeErrorKind::Failed { action, reason } => describe_failure(*action, reason),
+            OutcomeErrorKind::ResultsWithin { folders } => {
+                let names: Vec<String> = folders.iter().map(|f| f.display().to_string()).collect();
+                Description::new(
+                    "results-within",
+                    "the folder is not the result of a run, but holds results",
+                    format!("name one of {}", names.join(", ")),
+                )
+            }
             OutcomeErrorKind::NotAResult(reason) => Description::new(
                 "not-a-result",
                 format!("not the result of a run: {reason}"),
