@@ -251,12 +251,20 @@ impl<'a> Guess<'a> {
         };
         let [without, still] = [of(false), of(true)];
         if !without.is_empty() {
-            all.push(format!(
-                "{without} have no column and are taken to stand at 0"
-            ));
+            let said = match without.contains(", ") {
+                true => "have no columns and are",
+                false => "has no column and is",
+            };
+            all.push(format!("{without} {said} taken to stand at 0"));
         }
         if !still.is_empty() {
-            all.push(format!("{still} stand still, and are locked where they do: what does not move has no friction to fit"));
+            let said = match still.contains(", ") {
+                true => "stand still, and are locked where they do",
+                false => "stands still, and is locked where it does",
+            };
+            all.push(format!(
+                "{still} {said}: what does not move has no friction to fit"
+            ));
         }
         match self.channels.kind {
             SignalKind::PositionCommand if self.has_inertials() => all.push(

@@ -178,9 +178,18 @@ pub(super) fn read_text(path: &Path) -> Result<String, ProblemFileError> {
         let byte = bytes.get(valid).copied().unwrap_or_default();
         ProblemFileError::new(
             &Positions::new(path, &text).place(valid, None),
-            FileFault::NotUtf8 { byte },
+            FileFault::NotUtf8 {
+                byte,
+                is_named_toml: is_named_toml(path),
+            },
         )
     })
+}
+
+/// Whether a file is named as a problem file is.
+fn is_named_toml(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
 /// Parses the text of the file at `path` into its root table.
@@ -192,7 +201,12 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Node, ProblemFileError> {
     let table = DeTable::parse(text).map_err(|error| {
         let offset = error.span().map_or(text.len(), |span| span.start);
         let reason = error.message().replace('\n', ", ");
-        ProblemFileError::new(&positions.place(offset, None), FileFault::Syntax { reason })
+        let is_named_toml = is_named_toml(path);
+        let fault = FileFault::Syntax {
+            reason,
+            is_named_toml,
+        };
+        ProblemFileError::new(&positions.place(offset, None), fault)
     })?;
     let source = Source::File(&positions);
     Ok(Node {

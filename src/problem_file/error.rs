@@ -53,6 +53,8 @@ pub enum FileFault {
     NotUtf8 {
         /// The first byte that is none of it.
         byte: u8,
+        /// The file is named as a problem file is.
+        is_named_toml: bool,
     },
     /// There is nothing in the file.
     Empty,
@@ -60,8 +62,13 @@ pub enum FileFault {
     Syntax {
         /// What the TOML reader says.
         reason: String,
+        /// The file is named as a problem file is.
+        is_named_toml: bool,
     },
 }
+
+/// What to do about a file that is another than a problem file, such as a recording or a robot.
+const ANOTHER_FILE: &str = "name a problem file, whose name ends with .toml; `exid init` drafts one from recordings and the robot's file";
 
 /// A key is unknown, missing, or contradicts another.
 #[derive(Debug, Clone, PartialEq)]
@@ -334,20 +341,34 @@ impl FileFault {
                 format!("the file has {bytes} bytes or more, above the limit of {limit}"),
                 "name the problem file, not a recording",
             ),
-            Self::NotUtf8 { byte } => (
+            Self::NotUtf8 {
+                byte,
+                is_named_toml,
+            } => (
                 "not-utf8",
                 format!("byte 0x{byte:02x} is not UTF-8 text"),
-                "save the file as UTF-8; a problem file is TOML text",
+                match is_named_toml {
+                    true => "save the file as UTF-8; a problem file is TOML text",
+                    false => ANOTHER_FILE,
+                },
             ),
             Self::Empty => (
                 "empty-file",
                 "the file is empty".to_owned(),
                 "state at least the robot, with a table [robot]",
             ),
-            Self::Syntax { reason } => (
+            Self::Syntax {
+                reason,
+                is_named_toml,
+            } => (
                 "syntax",
                 format!("not TOML: {reason}"),
-                "correct the text here; texts need quotes, and a key stands once in a table",
+                match is_named_toml {
+                    true => {
+                        "correct the text here; texts need quotes, and a key stands once in a table"
+                    }
+                    false => ANOTHER_FILE,
+                },
             ),
         };
         Description::new(code, message, remedy)

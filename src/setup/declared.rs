@@ -131,11 +131,22 @@ pub fn differences(
         })
     };
     let all = values(file_values, model).into_iter();
-    let differences: Vec<String> = all.filter_map(differs).collect();
-    (!differences.is_empty()).then(|| {
+    sentence(&all.filter_map(differs).collect::<Vec<String>>())
+}
+
+/// Values of a robot file that are said to differ one by one: more fill a screen.
+const MOST_SAID: usize = 4;
+
+fn sentence(differences: &[String]) -> Option<String> {
+    let said = &differences[..differences.len().min(MOST_SAID)];
+    let further = match differences.len() - said.len() {
+        0 => String::new(),
+        count => format!("; and {count} further values"),
+    };
+    (!said.is_empty()).then(|| {
         format!(
-            "The robot file and the recordings differ: {}.",
-            differences.join("; ")
+            "The robot file and the recordings differ: {}{further}.",
+            said.join("; ")
         )
     })
 }
@@ -209,4 +220,22 @@ fn with_followers(robot: &Robot, joint: usize) -> DeclaredDrive {
         }
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sentence;
+
+    #[test]
+    fn a_few_differences_are_said_and_the_others_counted() {
+        let of = |count: usize| {
+            let names: Vec<String> = (1..=count).map(|k| format!("d{k}")).collect();
+            sentence(&names)
+        };
+        let begins = "The robot file and the recordings differ: ";
+        assert_eq!(of(0), None);
+        assert_eq!(of(4), Some(format!("{begins}d1; d2; d3; d4.")));
+        let many = format!("{begins}d1; d2; d3; d4; and 20 further values.");
+        assert_eq!(of(24), Some(many));
+    }
 }

@@ -438,22 +438,6 @@ fn a_rival_that_unseen_rows_do_not_refute_is_inseparable() {
     assert!(among || is_there(&first.effect, &first.joints), "{trial:?}");
 }
 
-/// An offset, of which a coupling of two joints takes the place where models are chosen; rows that chose nothing find it ten
-/// times as probable.
-#[test]
-fn a_finding_has_the_name_that_unseen_rows_find_more_probable() {
-    let trial = Concealing {
-        effect: "torque_offset",
-        seed: 81925,
-        motion: Motion::Moves,
-        number: 95,
-    }
-    .run();
-    assert_eq!(trial.found.len(), 1, "{trial:?}");
-    assert_eq!(trial.found[0].effect, "torque_offset");
-    assert_eq!(trial.found[0].joints, trial.concealed[0].joints);
-}
-
 /// Impacts of play at any speed and any current, of which the recorder has no part: they shake other joints too.
 #[test]
 fn impacts_that_shake_other_joints_are_no_spikes() {

@@ -86,7 +86,7 @@ fn assumptions_that_are_wrong_are_said() {
     let [robot, recording] = files.each_ref().map(|f| f.to_str().unwrap());
     let said = says(temporary.path(), &["init", robot, recording], 0);
     assert!(
-        said.contains("assumed: a1, a2 have no column and are taken to stand at 0"),
+        said.contains("assumed: a1, a2 have no columns and are taken to stand at 0"),
         "{said}"
     );
     // The second axis stands a quarter of a turn off: gravity from another side and another zero of the third axis are the same.

@@ -1,8 +1,10 @@
 //! Broken files: each row is a text, the code of its fault, where it lies, and what the message
 //! has to say.
 
-use super::{FULL, parse};
+use super::{EFFECTS, FULL, parse};
 use crate::fault::Fault;
+use crate::problem_file::ProblemFile;
+use std::path::Path;
 
 /// Text, code, line and column, key, and a part of the message or remedy.
 type Case = (
@@ -180,6 +182,19 @@ fn broken_files_are_refused_with_code_place_and_remedy() {
         .map(|case| complaint(ROBOT, case));
     let complaints: Vec<String> = whole.chain(rest).flatten().collect();
     assert!(complaints.is_empty(), "{}", complaints.join("\n\n"));
+}
+
+/// A recording or a robot in the place of a problem file is not to be corrected as one.
+#[test]
+fn other_files_are_told_from_broken_problem_files() {
+    let remedy = |path: &str| {
+        let read = ProblemFile::parse(Path::new(path), "t,q1\n0,1", &[], EFFECTS);
+        read.unwrap_err().describe().remedy
+    };
+    for other in ["run.csv", "robot.urdf", "run"] {
+        assert!(remedy(other).contains("`exid init`"), "{other}");
+    }
+    assert!(remedy("problem.toml").contains("correct the text"));
 }
 
 #[test]

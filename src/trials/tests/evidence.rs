@@ -16,7 +16,7 @@ use crate::diagnose::selection::explanation::Explaining;
 use crate::diagnose::selection::forecast::under_way;
 use crate::diagnose::selection::hypothesis_test::HypothesisTest;
 use crate::diagnose::selection::last_selection::LastSelection;
-use crate::diagnose::selection::rival_models::RivalComparison;
+use crate::diagnose::selection::rival_models::{Alternative, RivalComparison, Separation};
 use crate::diagnose::selection::stepwise::{Rules, Stepwise};
 use crate::diagnose::selection::weak_findings;
 use crate::diagnose::selection::zero_size;
@@ -24,7 +24,9 @@ use crate::problem::solution::Control;
 use crate::recording::split::Split;
 use crate::stats::encompassing::Encompassing;
 use crate::trials::run::run;
-use crate::trials::tests::bench::{Bench, CONTROLS, SIGNIFICANCE, leaving, offset, scope};
+use crate::trials::tests::bench::{
+    Bench, CONTROLS, SIGNIFICANCE, effect_of, leaving, offset, scope,
+};
 
 #[test]
 fn a_control_stays_silent() {
@@ -34,6 +36,39 @@ fn a_control_stays_silent() {
         assert!(trial.found.is_empty(), "{number}: {:?}", trial.found);
         assert_eq!(trial.verdict, "nothing is missing", "{number}");
     }
+}
+
+/// Of an offset and a spring that could stand in the place of one another, rows with an offset find it more probable, where what
+/// neither explains does not decide.
+#[test]
+fn a_finding_is_called_by_the_name_that_rows_find_more_probable() {
+    let bench = Bench::control();
+    let data = bench.with_signals(&[Split::Train, Split::Validation], |s| s + 1.0);
+    let context = bench.context(&data);
+    let without = bench.declared(&data);
+    let fits = [offset(0), effect_of("joint_spring", 0)].map(|h| bench.fit(&data, &[h]));
+    let [with_offset, with_spring] = &fits;
+    let is_called_otherwise = |found: &ModelFit, rival: &ModelFit, is_clear: bool| {
+        let hypothesis = rival.hypotheses[0].clone();
+        let alternative = Alternative {
+            test: HypothesisTest::of(&context, &without, rival.clone(), hypothesis),
+            separation: Separation {
+                evidence: Encompassing::of_nothing(),
+                is_clear,
+                separable: false,
+                times_longer: None,
+            },
+            better: false,
+        };
+        let comparison = RivalComparison {
+            without: without.clone(),
+            alternatives: vec![alternative],
+        };
+        !comparison.more_probable(&context, found).is_empty()
+    };
+    assert!(is_called_otherwise(with_spring, with_offset, true));
+    assert!(!is_called_otherwise(with_offset, with_spring, true));
+    assert!(!is_called_otherwise(with_spring, with_offset, false));
 }
 
 #[test]
