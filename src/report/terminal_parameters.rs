@@ -16,15 +16,36 @@ const LEAST_BASE: usize = 4;
 /// Prefix of the parameters of a load, which have a table of their own.
 pub(super) const LOAD: &str = "payload.";
 
-/// Every estimated parameter that has a value and is not of a load; known ones beside estimates of the same quantity.
-pub(super) fn lines(parameters: &[Parameter]) -> Vec<String> {
+/// Lines that tell of the other tables and of base parameters where there is no room for them.
+const COUNTED: usize = 2;
+
+/// Rows of some quantities under one head.
+struct Table {
+    heads: Vec<String>,
+    lines: Vec<String>,
+}
+
+/// Every estimated parameter that has a value and is not of a load; known ones beside estimates of the same quantity. The first
+/// table, and of the others those that `room` lines have space for.
+pub(super) fn lines(parameters: &[Parameter], room: usize) -> Vec<String> {
     let of_joint = |p: &&Parameter| p.name.matches('.').count() > 1;
     let valued = || valued(parameters);
     let of_joints: Vec<&Parameter> = valued().filter(of_joint).collect();
     let others = valued().filter(|p| !of_joint(p) && p.source != Source::Known);
     let others: Vec<&Parameter> = others.collect();
-    let mut lines = table("joint", &of_joints);
-    lines.extend(table("of", &others));
+    let tables = tables("joint", &of_joints);
+    let tables = tables.into_iter().chain(self::tables("of", &others));
+    let (mut lines, mut others) = (Vec::new(), Vec::new());
+    for (k, table) in tables.enumerate() {
+        match k == 0 || lines.len() + table.lines.len() + COUNTED <= room {
+            true => lines.extend(table.lines),
+            false => others.extend(table.heads),
+        }
+    }
+    if !others.is_empty() {
+        let others = others.join(", ");
+        lines.push(format!("{others}: in the report and in result.json"));
+    }
     lines
 }
 
@@ -59,7 +80,7 @@ pub(super) fn base(parameters: &[Parameter], base: &[BaseParameter], room: usize
 }
 
 /// A row for each owner, a column for each of its quantities, in as many tables as the width of a line asks for.
-fn table(owner: &str, parameters: &[&Parameter]) -> Vec<String> {
+fn tables(owner: &str, parameters: &[&Parameter]) -> Vec<Table> {
     let mut owners: Vec<&str> = Vec::new();
     let mut quantities: Vec<&str> = Vec::new();
     for (of, quantity) in parameters.iter().filter_map(|p| p.name.split_once('.')) {
@@ -85,8 +106,8 @@ fn table(owner: &str, parameters: &[&Parameter]) -> Vec<String> {
             .collect();
         column(short(quantity, &quantities), &own, &owners)
     });
-    let mut lines = Vec::new();
-    for group in grouped(columns.collect(), width(&first)) {
+    let groups = grouped(columns.collect(), width(&first)).into_iter();
+    let table = |group: Vec<Vec<String>>| {
         let has_any = |row: &usize| group.iter().any(|column| !column[*row].is_empty());
         let rows: Vec<Vec<String>> = (0..first.len())
             .filter(has_any)
@@ -95,9 +116,12 @@ fn table(owner: &str, parameters: &[&Parameter]) -> Vec<String> {
                 std::iter::once(first[row].clone()).chain(cells).collect()
             })
             .collect();
-        lines.extend(align(&rows, 1));
-    }
-    lines
+        Table {
+            heads: group.iter().map(|column| column[0].clone()).collect(),
+            lines: align(&rows, 1),
+        }
+    };
+    groups.map(table).collect()
 }
 
 /// The name of a quantity without its effect, where no other has the same.
@@ -226,7 +250,7 @@ mod tests {
             "  a1     5.012 ± 0.012",
             "  a2       2.50 ± 0.10     1.250 ± 0.030",
         ];
-        let lines = lines(&parameters);
+        let lines = lines(&parameters, 40);
         let columns = |line: &str| {
             line.split_whitespace()
                 .map(str::to_string)
@@ -267,7 +291,8 @@ mod tests {
             own.map(|name| parameter(&name, "N·m·s/rad", 1234.5, 0.01))
         });
         let all: Vec<Parameter> = all.collect();
-        let lines = lines(&all);
+        let shown = |room: usize| super::lines(&all, room);
+        let lines = shown(40);
         assert!(
             lines
                 .iter()
@@ -279,5 +304,12 @@ mod tests {
             .map(|line| line.matches('±').count())
             .sum::<usize>();
         assert_eq!(values, all.len());
+        // Without room for all there is the first table, and what is in the others.
+        let few = shown(6);
+        assert_eq!(few.len(), 4);
+        assert_eq!(few[..3], lines[..3]);
+        let last = &few[3];
+        assert!(last.ends_with("in the report and in result.json"), "{last}");
+        assert!(last.contains("Jm") && !last.contains("Fc"), "{last}");
     }
 }

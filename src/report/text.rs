@@ -88,7 +88,6 @@ fn fit_lines(estimate: &Estimate, fit: &Fit, room: usize) -> Vec<String> {
         "parameters: {}",
         facts::parameter_counts(&estimate.parameters)
     ));
-    lines.extend(terminal_parameters::lines(&estimate.parameters));
     let mut rest = Vec::new();
     if let Some(load) = &fit.payload {
         rest.extend(load_lines(estimate, load));
@@ -99,6 +98,9 @@ fn fit_lines(estimate: &Estimate, fit: &Fit, room: usize) -> Vec<String> {
     rest.extend(fit.sharing.iter().map(|sharing| sharing.sentence.clone()));
     rest.extend(fit.notes.iter().map(|note| format!("note: {note}")));
     let room = room.saturating_sub(lines.len() + rest.len());
+    let parameters = terminal_parameters::lines(&estimate.parameters, room);
+    let room = room.saturating_sub(parameters.len());
+    lines.extend(parameters);
     let base = terminal_parameters::base(&estimate.parameters, &fit.base_parameters, room);
     lines.into_iter().chain(base).chain(rest).collect()
 }
