@@ -43,16 +43,21 @@ pub fn factors(model: &Model, recordings: &[&Prepared]) -> Option<RowFactors> {
     all.iter().flatten().any(stands).then_some(all)
 }
 
-/// The dataset in which channels count for nothing where their joints stand still.
+/// The dataset in which channels count for nothing where their joints stand still. A joint that never moves is judged at rest: how
+/// badly the model does there is all that is known of it.
 pub fn left_out(model: &Model, data: Dataset) -> Dataset {
     let all: Vec<&Prepared> = data.recordings.iter().collect();
     let Some(factors) = factors(model, &all) else {
         return data;
     };
-    let pairs = data.recordings.into_iter().zip(factors);
+    let moves = |c: usize| factors.iter().any(|of| of[c].iter().any(|f| *f != 0.0));
+    let moves: Vec<bool> = (0..model.channels().len()).map(moves).collect();
+    let pairs = data.recordings.into_iter().zip(&factors);
     let recordings = pairs.map(|(recording, factors)| {
-        let stands = |series: Vec<f64>| series.iter().map(|factor| *factor == 0.0).collect();
-        let standing: Vec<Vec<bool>> = factors.into_iter().map(stands).collect();
+        let stands = |(series, moves): (&Vec<f64>, &bool)| -> Vec<bool> {
+            series.iter().map(|f| *moves && *f == 0.0).collect()
+        };
+        let standing: Vec<Vec<bool>> = factors.iter().zip(&moves).map(stands).collect();
         recording.with_standstill(&standing)
     });
     Dataset {

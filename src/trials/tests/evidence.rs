@@ -38,16 +38,18 @@ fn a_control_stays_silent() {
     }
 }
 
-/// Of an offset and a spring that could stand in the place of one another, rows with an offset find it more probable, where what
-/// neither explains does not decide.
+/// Of an offset and a friction by load that could stand in the place of one another, rows with an offset find it more probable,
+/// where what neither explains does not decide.
 #[test]
 fn a_finding_is_called_by_the_name_that_rows_find_more_probable() {
     let bench = Bench::control();
     let data = bench.with_signals(&[Split::Train, Split::Validation], |s| s + 1.0);
     let context = bench.context(&data);
     let without = bench.declared(&data);
-    let fits = [offset(0), effect_of("joint_spring", 0)].map(|h| bench.fit(&data, &[h]));
-    let [with_offset, with_spring] = &fits;
+    let by_load = effect_of("load_dependent_friction", 0);
+    let fits = [offset(0), by_load].map(|h| bench.fit(&data, &[h]));
+    let [with_offset, with_friction] = &fits;
+    assert_eq!(with_offset.freedom(), with_friction.freedom());
     let is_called_otherwise = |found: &ModelFit, rival: &ModelFit, is_clear: bool| {
         let hypothesis = rival.hypotheses[0].clone();
         let alternative = Alternative {
@@ -66,9 +68,9 @@ fn a_finding_is_called_by_the_name_that_rows_find_more_probable() {
         };
         !comparison.more_probable(&context, found).is_empty()
     };
-    assert!(is_called_otherwise(with_spring, with_offset, true));
-    assert!(!is_called_otherwise(with_offset, with_spring, true));
-    assert!(!is_called_otherwise(with_spring, with_offset, false));
+    assert!(is_called_otherwise(with_friction, with_offset, true));
+    assert!(!is_called_otherwise(with_offset, with_friction, true));
+    assert!(!is_called_otherwise(with_friction, with_offset, false));
 }
 
 #[test]
