@@ -286,7 +286,9 @@ impl Search<'_> {
             .filter(|(_, channel)| channel.active)
             .filter_map(|(c, _)| of(c))
             .sum();
-        logarithms.is_finite().then(|| Left { logarithms, values })
+        logarithms
+            .is_finite()
+            .then_some(Left { logarithms, values })
     }
 }
 
