@@ -236,6 +236,9 @@ impl Prepared {
 
     /// The same at the row that is nearest to a time, s.
     pub fn stands_at(&self, channel: usize, time: f64) -> bool {
+        if self.standing.is_none() {
+            return false;
+        }
         let half = 0.5 / self.experiment.rate_hz;
         let row = self.experiment.t.partition_point(|t| t + half < time);
         row < self.experiment.rows() && self.stands(channel, row)

@@ -244,26 +244,24 @@ impl<'a> Guess<'a> {
         let mut all = self.remarks.clone();
         let of = |recorded: bool| {
             let joints = self.locked.iter().filter(|l| l.is_recorded == recorded);
-            joints
-                .map(|l| l.joint.clone())
-                .collect::<Vec<_>>()
-                .join(", ")
+            joints.map(|l| l.joint.clone()).collect::<Vec<String>>()
         };
         let [without, still] = [of(false), of(true)];
         if !without.is_empty() {
-            let said = match without.contains(", ") {
-                true => "have no columns and are",
-                false => "has no column and is",
+            let said = match without.len() {
+                1 => "has no column and is",
+                _ => "have no columns and are",
             };
-            all.push(format!("{without} {said} taken to stand at 0"));
+            all.push(format!("{} {said} taken to stand at 0", without.join(", ")));
         }
         if !still.is_empty() {
-            let said = match still.contains(", ") {
-                true => "stand still, and are locked where they do",
-                false => "stands still, and is locked where it does",
+            let said = match still.len() {
+                1 => "stands still, and is locked where it does",
+                _ => "stand still, and are locked where they do",
             };
             all.push(format!(
-                "{still} {said}: what does not move has no friction to fit"
+                "{} {said}: what does not move has no friction to fit",
+                still.join(", ")
             ));
         }
         match self.channels.kind {

@@ -13,7 +13,7 @@ use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::estimation_error::FittedInNoise;
 use crate::diagnose::fit::linear_model::LinearModel;
 use crate::diagnose::fit::model_fit::ModelFit;
-use crate::diagnose::residuals::covariates::{Covariates, JointChannel};
+use crate::diagnose::residuals::covariates::Covariates;
 use crate::diagnose::residuals::effect_size::{MATTERS, OF_NOISE};
 use crate::diagnose::residuals::folds::FoldedModel;
 use crate::diagnose::residuals::hats::Arguments;
@@ -146,8 +146,8 @@ impl<'a> Rows<'a> {
         Self { recordings, series }
     }
 
-    fn covariates(&self, fit: &ModelFit, place: JointChannel) -> Covariates {
-        Covariates::of(&fit.model, place, &self.series.loads, &self.recordings)
+    fn covariates(&self, fit: &ModelFit, channel: usize) -> Option<Covariates> {
+        Covariates::of(&fit.model, channel, &self.series.loads, &self.recordings)
     }
 }
 
@@ -162,12 +162,11 @@ impl Place<'_> {
     /// Smooth functions along the rows, not judged yet; `None` where the channel is that of no joint.
     fn model(&self, curves: Arc<Smoothed>, tried: usize) -> Option<AdditiveModel> {
         let channel = self.channel;
-        let joint = self.fit.model.channels()[channel].joint?;
-        let place = JointChannel { channel, joint };
-        let covariates = self
-            .rows
-            .each_ref()
-            .map(|rows| rows.covariates(self.fit, place));
+        let [fitted, held_out] = self.rows;
+        let covariates = [
+            fitted.covariates(self.fit, channel)?,
+            held_out.covariates(self.fit, channel)?,
+        ];
         let of = |k: usize| curves.at(&covariates[k], &self.rows[k].series.columns[channel]);
         let (train, validation) = (of(0), of(1));
         let before = &self.fit.validation[channel];
@@ -270,11 +269,8 @@ struct Sought<'a> {
 
 fn sought(context: &Context<'_>, fit: &ModelFit, channels: &[Sought<'_>]) -> Vec<AdditiveModel> {
     let model = &fit.model;
-    let joint = |of: &Sought<'_>| model.channels()[of.channel].joint;
-    let open: Vec<(&Sought<'_>, usize)> = channels
-        .iter()
-        .filter_map(|of| Some((of, joint(of)?)))
-        .collect();
+    let is_of_joint = |of: &&Sought<'_>| model.channels()[of.channel].joint.is_some();
+    let open: Vec<&Sought<'_>> = channels.iter().filter(is_of_joint).collect();
     if open.is_empty() {
         return Vec::new();
     }
@@ -288,12 +284,8 @@ fn sought(context: &Context<'_>, fit: &ModelFit, channels: &[Sought<'_>]) -> Vec
         return Vec::new();
     };
     let all_rows = Rows::both(context, fit);
-    let of_channel = |&(of, joint): &(&Sought<'_>, usize)| {
-        let at = JointChannel {
-            channel: of.channel,
-            joint,
-        };
-        let covariates = Covariates::of(model, at, &linear.loads, &thinned);
+    let of_channel = |of: &&Sought<'_>| {
+        let covariates = Covariates::of(model, of.channel, &linear.loads, &thinned)?;
         let folded = FoldedChannel {
             channel: of.channel,
             covariates: &covariates,

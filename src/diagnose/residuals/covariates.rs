@@ -36,25 +36,16 @@ pub struct Covariates {
     pub direction: Vec<f64>,
 }
 
-/// A joint, and a channel that shows its torque.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct JointChannel {
-    /// Index of the channel.
-    pub channel: usize,
-    /// Index of the joint.
-    pub joint: usize,
-}
-
 impl Covariates {
-    /// Variables of a joint over the rows that count for its channel; `loads` are what the model predicts, per channel, over
-    /// all rows that count.
+    /// Variables of the joint of a channel over the rows that count for it; `loads` are what the model predicts, per channel, over
+    /// all rows that count. `None` where the channel is that of no joint.
     pub fn of(
         model: &Model,
-        place: JointChannel,
+        channel: usize,
         loads: &[Vec<f64>],
         recordings: &[&Prepared],
-    ) -> Self {
-        let JointChannel { channel, joint } = place;
+    ) -> Option<Self> {
+        let joint = model.channels()[channel].joint?;
         let rows = Rows {
             model,
             channel,
@@ -66,10 +57,10 @@ impl Covariates {
         for (k, other) in others(model, joint) {
             variables.extend(rows.of_another(k, other, &velocity));
         }
-        Self {
+        Some(Self {
             variables,
             direction: velocity.iter().map(|v| 1.0_f64.copysign(*v)).collect(),
-        }
+        })
     }
 }
 

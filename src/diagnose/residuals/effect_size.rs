@@ -6,7 +6,6 @@ use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::clear_band;
-use crate::diagnose::residuals::covariates::JointChannel;
 use crate::diagnose::residuals::reversal_mask;
 use crate::recording::split::Split;
 use crate::stats::deviation::rms;
@@ -52,10 +51,7 @@ pub fn error_reduction(context: &Context<'_>, hypothesis: &Hypothesis, pair: Fit
     let of = |c: usize| {
         let joint = after.model.channels()[c].joint.filter(|_| shifts);
         let joint = joint.filter(is_hidden);
-        let under_way = joint.map(|joint| {
-            let place = JointChannel { channel: c, joint };
-            reversal_mask::rows(context, after, place)
-        });
+        let under_way = joint.and_then(|_| reversal_mask::rows(context, after, c));
         let left = |residual: &[f64]| match (band, &under_way) {
             (Some(band), _) => clear_band::rms(residual, band),
             (_, Some(rows)) => rms(&reversal_mask::kept(residual, rows)),

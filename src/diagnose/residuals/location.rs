@@ -6,7 +6,7 @@
 use crate::diagnose::fit::channel_series::ChannelSeries;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::model_fit::ModelFit;
-use crate::diagnose::residuals::covariates::{Covariate, Covariates, JointChannel};
+use crate::diagnose::residuals::covariates::{Covariate, Covariates};
 use crate::outcome::diagnose::{CurvePoint, Located};
 use crate::recording::split::Split;
 use crate::stats::encompassing::{Known, ResidualPair, ResidualRows};
@@ -34,12 +34,14 @@ pub fn locate(context: &Context<'_>, fit: &ModelFit, significance: f64) -> Vec<L
     let tested = ChannelSeries::of(model, &fit.values, &[], &held_out);
     let mut located = Vec::new();
     for (c, channel) in model.channels().iter().enumerate() {
-        let Some(joint) = channel.joint.filter(|_| channel.active) else {
+        if !channel.active {
+            continue;
+        }
+        let of_train = Covariates::of(model, c, &fitted.loads, &train);
+        let of_held_out = Covariates::of(model, c, &tested.loads, &held_out);
+        let (Some(of_train), Some(of_held_out)) = (of_train, of_held_out) else {
             continue;
         };
-        let place = JointChannel { channel: c, joint };
-        let of_train = Covariates::of(model, place, &fitted.loads, &train);
-        let of_held_out = Covariates::of(model, place, &tested.loads, &held_out);
         let count = of_train.variables.len();
         let mut found: Vec<Located> = (0..count)
             .filter_map(|k| {

@@ -7,7 +7,7 @@
 use crate::chain::dataset::Prepared;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::model_fit::ModelFit;
-use crate::diagnose::residuals::covariates::{JointChannel, turns};
+use crate::diagnose::residuals::covariates::turns;
 use crate::recording::split::Split;
 use crate::stats::deviation::rms;
 
@@ -17,10 +17,10 @@ const FAST: f64 = 0.5;
 /// Up to this share of its RMS speed a joint creeps, and friction is as uncertain as at a reversal.
 const CREEPS: f64 = 0.03;
 
-/// The rows of the held-out recordings that count for a channel of a joint, and whether the joint and all to which it is
-/// coupled are fast there, or further than half a period of their bandwidth from any reversal.
-pub fn rows(context: &Context<'_>, fit: &ModelFit, place: JointChannel) -> Vec<bool> {
-    let JointChannel { channel, joint } = place;
+/// The rows of the held-out recordings that count for a channel, and whether its joint and all to which that is coupled are fast
+/// there, or further than half a period of their bandwidth from any reversal; `None` where it is that of no joint.
+pub fn rows(context: &Context<'_>, fit: &ModelFit, channel: usize) -> Option<Vec<bool>> {
+    let joint = fit.model.channels()[channel].joint?;
     let coupling = fit.model.coupling(&fit.values);
     let coupled = |k: &usize| coupling[(joint, *k)] != 0.0 || coupling[(*k, joint)] != 0.0;
     let joints: Vec<usize> = (0..coupling.nrows()).filter(coupled).collect();
@@ -32,7 +32,7 @@ pub fn rows(context: &Context<'_>, fit: &ModelFit, place: JointChannel) -> Vec<b
             .map(|row| away.iter().all(|of| of[row]))
             .collect::<Vec<bool>>()
     };
-    held_out.iter().flat_map(of).collect()
+    Some(held_out.iter().flat_map(of).collect())
 }
 
 fn away(recording: &Prepared, joint: usize) -> Vec<bool> {
@@ -60,11 +60,8 @@ pub fn residual(
     channel: usize,
     residual: &[f64],
 ) -> Vec<f64> {
-    match fit.model.channels()[channel].joint {
-        Some(joint) => {
-            let rows = rows(context, fit, JointChannel { channel, joint });
-            kept(residual, &rows)
-        }
+    match rows(context, fit, channel) {
+        Some(rows) => kept(residual, &rows),
         None => residual.to_vec(),
     }
 }

@@ -7,7 +7,6 @@
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::estimation_error::FittedInNoise;
 use crate::diagnose::fit::model_fit::FitPair;
-use crate::diagnose::residuals::covariates::JointChannel;
 use crate::diagnose::residuals::noise_level;
 use crate::diagnose::residuals::reversal_mask;
 use crate::recording::split::Split;
@@ -52,12 +51,8 @@ impl<'a> KeptRows<'a> {
     }
 
     fn under_way(context: &'a Context<'_>, pair: FitPair<'a>) -> Self {
-        let channels = pair.richer.model.channels().iter().enumerate();
-        let kept = channels.map(|(channel, of)| {
-            let joint = of.joint?;
-            let place = JointChannel { channel, joint };
-            Some(reversal_mask::rows(context, pair.richer, place))
-        });
+        let channels = 0..pair.richer.model.channels().len();
+        let kept = channels.map(|channel| reversal_mask::rows(context, pair.richer, channel));
         Self {
             context,
             pair,

@@ -9,8 +9,9 @@
 //! min over cut-offs   Σ_c N_c ln σ_c,    σ_c² = mean square of the residual of channel c,
 //! ```
 //!
-//! over the same rows for all, those at which joints move: the profile likelihood of one parameter more. The signal is not filtered, so that residuals may be compared. A wider band about
-//! reversals is taken where the likelihood gains more than by chance (Wilks 1938).
+//! over the same rows for all, those at which joints move: the profile likelihood of one parameter more. The signal is not
+//! filtered, so that residuals may be compared. A wider band about reversals is taken where the likelihood gains more than by
+//! chance (Wilks 1938).
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;

@@ -2,9 +2,8 @@
 //! nothing of parameters. A joint stands where its speed cannot be told from zero, `|ṁ| <= 3σ` with the deviation σ of the
 //! error of the speed, for longer than a reversal takes, and within half a period of the motion's bandwidth before and after
 //! where its position is not told from that of its rest by one sample: a smooth motion does not tell more closely when a joint
-//! came to rest. Where the transition speed w of Coulomb friction
-//! is known it also stands where it creeps, `|ṁ| <= w`. Such stretches are left out of the fit of that joint, and of what its
-//! errors are said to be.
+//! came to rest. Where the transition speed w of Coulomb friction is known it also stands where it creeps, `|ṁ| <= w`. Such
+//! stretches are left out of the fit of that joint, and of what its errors are said to be.
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::model::Model;
@@ -54,10 +53,11 @@ pub fn left_out(model: &Model, data: Dataset) -> Dataset {
     let moves: Vec<bool> = (0..model.channels().len()).map(moves).collect();
     let pairs = data.recordings.into_iter().zip(&factors);
     let recordings = pairs.map(|(recording, factors)| {
-        let stands = |(series, moves): (&Vec<f64>, &bool)| -> Vec<bool> {
-            series.iter().map(|f| *moves && *f == 0.0).collect()
+        let stands = |c: usize| -> Vec<bool> {
+            let series = factors[c].iter();
+            series.map(|factor| moves[c] && *factor == 0.0).collect()
         };
-        let standing: Vec<Vec<bool>> = factors.iter().zip(&moves).map(stands).collect();
+        let standing: Vec<Vec<bool>> = (0..moves.len()).map(stands).collect();
         recording.with_standstill(&standing)
     });
     Dataset {

@@ -7,7 +7,6 @@ use crate::diagnose::fit::contexts::HeldOutHalves;
 use crate::diagnose::fit::held_out::{self, Purpose};
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::fit::recording_parameters;
-use crate::diagnose::residuals::covariates::JointChannel;
 use crate::diagnose::residuals::effect_size::{MATTERS, OF_NOISE, OF_TORQUE, error_reduction};
 use crate::diagnose::residuals::noise_level::NoiseLevel;
 use crate::diagnose::residuals::reversal_mask;
@@ -325,13 +324,7 @@ fn rows_under_way_are_those_of_the_joint_that_moves() {
     };
     let joints = poorer.model.joints().len();
     let under_way: Vec<Vec<bool>> = (0..joints)
-        .map(|joint| {
-            let place = JointChannel {
-                channel: joint,
-                joint,
-            };
-            reversal_mask::rows(&context, &poorer, place)
-        })
+        .map(|joint| reversal_mask::rows(&context, &poorer, joint).unwrap())
         .collect();
     let usual = p_value(&poorer);
     for channel in 0..joints {

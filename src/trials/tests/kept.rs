@@ -1,7 +1,7 @@
 //! What a hypothesis has to keep, once fitted: scales within what the joint does and inside the limits of their search, a better
 //! fit than parameters without a meaning would have, and no larger error on rows that chose nothing.
 
-use crate::chain::dataset::Prepared;
+use crate::chain::dataset::{Dataset, Prepared};
 use crate::diagnose::fit::contexts::HeldOutHalves;
 use crate::diagnose::fit::fit_cache::FitCache;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
@@ -137,7 +137,7 @@ fn a_delay_shorter_than_stamps_are_good_is_none() {
     assert!((reduction(-0.051 * interval) - 0.5).abs() < 1e-12);
 }
 
-/// What is there for more than 95 % of a recording is an offset of all of it.
+/// What is there for more than 95 % of the rows at which a joint moves is an offset of all of them.
 #[test]
 fn what_begins_and_ends_does_so_within_the_recordings() {
     let bench = Bench::control();
@@ -155,6 +155,28 @@ fn what_begins_and_ends_does_so_within_the_recordings() {
     assert!(lasts(0.5) && lasts(0.94));
     assert!(!lasts(0.96) && !lasts(3.0));
     assert!(is_shorter(&context, &fit, &offset(0)));
+    // A joint that moves in the first half alone.
+    let halved = recordings.iter().map(|r| {
+        let rests = |c: usize| (0..r.rows()).map(move |row| c == 0 && 2 * row > r.rows());
+        let standing: Vec<Vec<bool>> = (0..r.experiment.signal.len())
+            .map(|c| rests(c).collect())
+            .collect();
+        r.clone().with_standstill(&standing)
+    });
+    let halved = Dataset {
+        recordings: halved.collect(),
+    };
+    let context = bench.context(&halved);
+    let begun = at(&fit, "external_contact.from", recordings[0].time(0));
+    let until = |share: f64| {
+        let end = recordings[0].time(0) + share * duration;
+        is_shorter(
+            &context,
+            &at(&begun, "external_contact.to", end),
+            &hypothesis,
+        )
+    };
+    assert!(until(0.4) && !until(0.6));
 }
 
 /// A law of friction may have ended in a shallow optimum when it was tried alone: of two fits of one model the better is kept.

@@ -7,7 +7,6 @@ use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::additive_model;
-use crate::diagnose::residuals::covariates::JointChannel;
 use crate::diagnose::residuals::effect_size::{MATTERS, OF_NOISE, OF_TORQUE};
 use crate::diagnose::residuals::noise_level::{self, NoiseLevel, chance};
 use crate::diagnose::residuals::prediction_error::PredictionError;
@@ -360,11 +359,8 @@ fn rows_under_way_are_fast_or_away_from_reversals() {
             let counts = |row: usize| speed[row].abs() > 0.5 * usual || is_away(row);
             expected.extend(recording.counting().map(counts));
         }
-        let place = JointChannel {
-            channel: joint,
-            joint,
-        };
-        assert_eq!(reversal_mask::rows(&context, &declared, place), expected);
+        let rows = reversal_mask::rows(&context, &declared, joint);
+        assert_eq!(rows.as_ref(), Some(&expected));
         let slow = expected.iter().filter(|counts| !**counts).count();
         assert!(slow > 0 && slow < expected.len());
     }
