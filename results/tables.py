@@ -484,7 +484,7 @@ def outside_rates():
         ["laws of at least 5 times the noise that no smooth correction forecasts: a formula is proposed", "70 %", share(outside["proposed"])],
         ["the same: a formula is proposed and errs at most half as much in the larger motion", "70 %", share(outside["forecasts"])],
         ["formulas with the variables of the law, no more and no less", "85 %", share(outside["variables_right"])],
-        ["controls, and laws that a smooth correction forecasts to less than the noise: a formula", "at most 2 %", share(outside["needless"])],
+        ["controls, and laws that a smooth correction forecasts to less than the noise: a formula that errs no less", "at most 2 %", share(outside["needless"])],
         ["laws of at least 3 times the noise that are given a name of the vocabulary", "at most 2 %", share(rates["outside_named"])],
         ["controls with a finding", "at most 1 %", share({"are": false["with_finding"], "of": false["controls"]})],
     ]

@@ -84,6 +84,8 @@ def test_what_a_callback_raises_ends_the_run() -> None:
 
 
 def test_ctrl_c_gives_what_there_is() -> None:
+    # A shell that runs this in the background has interrupts ignored.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     started = time.monotonic()
     timer = threading.Timer(2.0, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()

@@ -3,6 +3,8 @@
 use crate::chain::dataset::Dataset;
 use crate::chain::model::Model;
 use crate::chain::transition_limits::TransitionLimits;
+use crate::diagnose::conclusion::explanation::{Explaining, Explanation};
+use crate::diagnose::conclusion::last_selection::LastSelection;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::findings::report::{Nameless, Reported, Reporting};
 use crate::diagnose::fit::context::is_in_time;
@@ -13,8 +15,6 @@ use crate::diagnose::fit::hypothesis::{Hypothesis, addition};
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::fit::recording_parameters;
 use crate::diagnose::selection::between_periods;
-use crate::diagnose::selection::explanation::{Explaining, Explanation};
-use crate::diagnose::selection::last_selection::LastSelection;
 use crate::diagnose::selection::rival_models::Ambiguity;
 use crate::diagnose::selection::stepwise::{Rules, Selection};
 use crate::diagnose::simulator::{self, Side};

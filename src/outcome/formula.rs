@@ -16,6 +16,9 @@ pub struct ProposedFormula {
     /// Variables of the motion that it has, as formulas of laws name them: `q`, `v[shoulder]`.
     #[serde(default)]
     pub variables: Vec<String>,
+    /// Whether it drives its joint over part of the motion, which friction does not.
+    #[serde(default)]
+    pub drives: bool,
     /// The law as a table `[[law]]` of a problem file.
     pub law: String,
     /// Number of its parameters.

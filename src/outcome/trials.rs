@@ -186,7 +186,8 @@ pub struct OutsideRates {
     pub forecasts: Share,
     /// Formulas of laws of that size: their variables are those of the law.
     pub variables_right: Share,
-    /// Controls, and laws that the smooth correction forecasts to less than the noise in the larger motion: a formula is proposed.
+    /// Controls, and laws that the smooth correction forecasts to less than the noise in the larger motion: a formula is proposed that
+    /// errs no less there.
     pub needless: Share,
     /// Median of the error of formulas in the larger motion over that of the smooth correction, of laws of that size.
     #[serde(with = "number::optional")]

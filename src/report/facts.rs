@@ -61,7 +61,7 @@ pub(super) fn trial_rates(trials: &Trials) -> Vec<(&'static str, Share)> {
                 outside.variables_right,
             ),
             (
-                "nothing, or forecast smoothly, yet a formula",
+                "nothing, or forecast smoothly, yet a formula that errs no less",
                 outside.needless,
             ),
         ]);

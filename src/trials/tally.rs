@@ -267,7 +267,10 @@ fn outside(trials: &[&Trial]) -> Option<OutsideRates> {
         }
         // Less than the noise is left to a formula.
         if forecast.smooth <= 1.0 {
-            rates.needless.count(has_formula);
+            let errs_no_less = |formula: f64| formula >= forecast.smooth;
+            rates
+                .needless
+                .count(forecast.formula.is_some_and(errs_no_less));
             continue;
         }
         if size(trial) < FORMULA_SIZE {

@@ -48,6 +48,11 @@ fn quiet(folder: &Folder, name: &str) {
 
 /// A folder with recordings in which a law acts, and a problem that does not know it.
 fn concealing(hidden: Option<&Hidden>, seed: &str) -> Folder {
+    concealing_in(hidden, seed, &|text| text)
+}
+
+/// The same in recordings of which both problems say something else.
+fn concealing_in(hidden: Option<&Hidden>, seed: &str, change: &dyn Fn(String) -> String) -> Folder {
     let folder = Folder::new();
     let (mut laws, mut values) = (String::new(), String::new());
     if let Some(hidden) = hidden {
@@ -71,8 +76,11 @@ fn concealing(hidden: Option<&Hidden>, seed: &str) -> Folder {
         },
     );
     folder.write("problem.toml", &Problem::default());
-    quiet(&folder, "truth.toml");
-    quiet(&folder, "problem.toml");
+    for name in ["truth.toml", "problem.toml"] {
+        quiet(&folder, name);
+        let text = fs::read_to_string(folder.path(name)).unwrap();
+        fs::write(folder.path(name), change(text)).unwrap();
+    }
     folder.simulate("truth.toml", seed);
     folder
 }
@@ -190,6 +198,80 @@ fn recovers_known_truth_of_a_concealed_law_and_its_block_is_fitted() {
         let fit = folder.json(&["fit", "with.toml", "--json", "--out", "fit"]);
         let [again, _] = super::parameter(&fit, &format!("elbow.{id}.a"));
         assert!((again - found).abs() < 2.0 * std_dev, "{again} and {found}");
+    }
+}
+
+/// Nothing repeats, and no smooth function follows a wave of so many periods: nothing attests the noise, and a formula alone says
+/// that what is left is none.
+#[test]
+fn what_is_left_and_not_known_to_be_noise_is_given_a_formula() {
+    let hidden = Hidden {
+        torque: "a*sin(n*q[shoulder] + phi)",
+        truth: &[("a", 1.2), ("n", 12.0), ("phi", 0.4)],
+        variables: &["q[shoulder]"],
+    };
+    let folder = concealing_in(Some(&hidden), "1", &|text| {
+        let text = text.replace(
+            "period = 4.0\n[design]\nperiod = 4.0",
+            "[design]\nperiod = 24.0",
+        );
+        text.replace("periods = 3", "periods = 1")
+    });
+    let result = diagnosed(&folder);
+    let [formula] = &formulas(&result)[..] else {
+        panic!("{}", result["summary"]);
+    };
+    let said = result["summary"].as_str().unwrap();
+    assert!(said.contains("no smooth correction"), "{said}");
+    assert_eq!(formula["joint"], "elbow");
+    assert_eq!(
+        variables(formula["expression"].as_str().unwrap()),
+        hidden.variables
+    );
+    assert!(formula["explains"].as_f64().unwrap() > 0.9, "{formula:#}");
+}
+
+/// A torque that has the sign of no friction at half of the positions, and outweighs that of the joint.
+#[test]
+fn what_drives_a_joint_is_a_formula_where_none_that_brakes_is_as_good() {
+    let hidden = Hidden {
+        torque: "a*v*abs(v)*tanh(q[shoulder]/0.3)",
+        truth: &[("a", 10.0)],
+        variables: &["q[shoulder]", "v"],
+    };
+    let result = diagnosed(&concealing(Some(&hidden), "1"));
+    let [formula] = &formulas(&result)[..] else {
+        panic!("{}", result["summary"]);
+    };
+    assert_eq!(formula["drives"], true, "{formula:#}");
+    assert_eq!(
+        variables(formula["expression"].as_str().unwrap()),
+        hidden.variables
+    );
+}
+
+/// The mean of the one is a torque constant, and the signal of the shoulder takes a part of the other.
+#[test]
+fn a_law_of_another_joint_is_not_given_the_name_of_a_part_of_it() {
+    let by_position = Hidden {
+        torque: "a*tau*exp(n*q[shoulder])",
+        truth: &[("a", 0.3), ("n", -0.6)],
+        variables: &["q[shoulder]", "tau"],
+    };
+    let by_speed = Hidden {
+        torque: "a*exp(n*v[shoulder])",
+        truth: &[("a", 0.5), ("n", -0.8)],
+        variables: &["v[shoulder]"],
+    };
+    for hidden in [by_position, by_speed] {
+        let result = diagnosed(&concealing(Some(&hidden), "1"));
+        let findings = result["findings"].as_array().unwrap();
+        let [finding] = &findings[..] else {
+            panic!("{}", result["summary"]);
+        };
+        assert_eq!(finding["effect"], "unnamed", "{}", result["summary"]);
+        let formula = finding["formula"]["expression"].as_str().unwrap();
+        assert_eq!(variables(formula), hidden.variables, "{formula}");
     }
 }
 

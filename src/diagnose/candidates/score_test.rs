@@ -81,7 +81,7 @@ impl<'a> Linearised<'a> {
         let recordings = context.recordings(Split::Train).into_iter();
         let recordings: Vec<Prepared> = recordings.map(|r| r.thinned(every)).collect();
         let of: Vec<&Prepared> = recordings.iter().collect();
-        let linear = LinearModel::of(fit, &of);
+        let linear = LinearModel::of(fit, every, &of);
         let path = SignalPath::of(&fit.model);
         Self {
             fit,
@@ -193,14 +193,9 @@ impl<'a> Linearised<'a> {
         self.motions.recorded()
     }
 
-    /// The residual of a channel, in units of its deviation.
-    pub fn residual_of(&self, channel: usize) -> &[f64] {
-        &self.linear.residual[channel]
-    }
-
-    /// What the model's own parameters can take of a further column of a channel, in units of its deviation: R⁻ᵀ Jᵀ c.
-    pub fn taken_of(&self, channel: usize, column: &[f64]) -> DVector<f64> {
-        self.linear.project_one(channel, column)
+    /// Residual and derivatives along them.
+    pub fn linear(&self) -> &LinearModel {
+        &self.linear
     }
 
     /// Positions of the free parameters that a larger model has beyond the fitted one.

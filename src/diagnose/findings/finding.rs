@@ -1,6 +1,7 @@
 //! Findings of the vocabulary: what each explains, how probable it is, and what else could be there.
 
 use crate::chain::effect::Law;
+use crate::diagnose::conclusion::explanation::Explanation;
 use crate::diagnose::findings::probability::{Alternatives, Probabilities};
 use crate::diagnose::findings::sentences;
 use crate::diagnose::fit::context::Context;
@@ -9,7 +10,6 @@ use crate::diagnose::fit::hypothesis::{Hypothesis, channels_of, joint_names};
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::noise_level::{NoiseLevel, chance};
 use crate::diagnose::residuals::reversal_mask;
-use crate::diagnose::selection::explanation::Explanation;
 use crate::diagnose::selection::hypothesis_test::HypothesisTest;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::diagnose::selection::stepwise::SelectionStep;

@@ -1,5 +1,5 @@
-//! Formulas of what has no name: of findings that no effect of the vocabulary explains, and of names that something without one is
-//! more probable than.
+//! Formulas of what has no name: of findings that no effect of the vocabulary explains, of names that something without one is
+//! more probable than, and of what is left without a finding and is not known to be noise.
 
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::findings::corrections::Corrections;
@@ -7,11 +7,14 @@ use crate::diagnose::findings::{probability, sentences};
 use crate::diagnose::fit::contexts::Contexts;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::formula::proposal::{Proposal, Proposing};
+use crate::diagnose::formula::seeking::Seeking;
 use crate::diagnose::residuals::additive_model;
-use crate::diagnose::residuals::noise_level::NoiseLevel;
+use crate::diagnose::residuals::noise_level::{self, NoiseLevel};
 use crate::diagnose::selection::exact_fit::fit_without;
-use crate::outcome::finding::Finding;
+use crate::outcome::diagnose::Unattested;
+use crate::outcome::finding::{Finding, UNNAMED};
 use crate::outcome::formula::{OtherFormula, ProposedFormula};
+use crate::stats::deviation::rms;
 
 /// What a smooth correction is called as the rival of a formula.
 const SMOOTH: &str = "the smooth correction";
@@ -30,7 +33,7 @@ pub struct Formulas<'a> {
     pub significance: f64,
 }
 
-/// A channel without a name, and the findings of it: the first is given the formula.
+/// A channel without a name, and the findings of it, if there are any: the first is given the formula.
 struct Open {
     channel: usize,
     findings: Vec<usize>,
@@ -52,9 +55,14 @@ pub struct FormulaModel {
 }
 
 impl Formulas<'_> {
-    /// Gives findings the formulas that have earned it; those of the vocabulary come first, in the order of the hypotheses.
-    pub fn propose(&self, findings: &mut [Finding]) -> Result<Vec<FormulaModel>, DiagnoseError> {
-        let open = self.open(findings);
+    /// Gives findings the formulas that have earned it; those of the vocabulary come first, in the order of the hypotheses. A formula
+    /// of what is left where there is no finding makes one.
+    pub fn propose(
+        &self,
+        findings: &mut Vec<Finding>,
+        unattested: &[Unattested],
+    ) -> Result<Vec<FormulaModel>, DiagnoseError> {
+        let open = self.open(findings, unattested);
         let mut models = Vec::new();
         for place in &open {
             let named = place.findings.iter().copied();
@@ -62,22 +70,35 @@ impl Formulas<'_> {
             let model = self.without(&named)?;
             let correction = self.corrections.of_channel(place.channel);
             let proposing = Proposing {
-                variables: correction.map_or(&[], |c| c.made_of.as_slice()),
                 contexts: self.contexts,
-                model: &model,
+                seeking: Seeking {
+                    context: &self.contexts.selection,
+                    model: &model,
+                    variables: correction.map_or(&[], |c| c.made_of.as_slice()),
+                },
                 noise_level: self.noise_level,
                 significance: self.significance,
                 channels: open.len(),
             };
             let rival = self.rival(place.channel, &named, findings);
             let left = rival.as_ref().map(|rival| rival.left.as_slice());
-            if let Some(proposal) = proposing.propose(place.channel, left)? {
+            let proposal = proposing.propose(place.channel, left)?;
+            // Nothing but what the formula leaves says that the rest was not noise.
+            let is_earned = |proposal: &Proposal| {
+                let left = &proposal.test.fit.validation[place.channel];
+                !place.findings.is_empty() || noise_level::is_noise(left, 0.0)
+            };
+            if let Some(proposal) = proposal.filter(is_earned) {
                 models.push(FormulaModel {
                     channel: place.channel,
                     fit: proposal.test.fit.clone(),
                 });
+                let k = place.findings.first().copied().unwrap_or_else(|| {
+                    findings.push(self.nameless(place.channel, &proposal));
+                    findings.len() - 1
+                });
                 let formula = formula(proposal, rival.map(|rival| rival.name));
-                let finding = &mut findings[place.findings[0]];
+                let finding = &mut findings[k];
                 finding.sentence = format!("{} {}", finding.sentence, sentences::formula(&formula));
                 finding.formula = Some(formula);
             }
@@ -85,8 +106,31 @@ impl Formulas<'_> {
         Ok(models)
     }
 
-    /// Channels of which a finding has no name, or a name of one joint that is less probable than none.
-    fn open(&self, findings: &[Finding]) -> Vec<Open> {
+    /// The finding of a channel that had none before a formula took what is left of it.
+    fn nameless(&self, channel: usize, proposal: &Proposal) -> Finding {
+        let name = &self.full.model.channels()[channel].name;
+        let error = rms(&self.full.on(&self.contexts.whole).validation[channel]);
+        let odds = probability::of_unnamed(&proposal.test.evidence);
+        Finding {
+            effect: UNNAMED.to_string(),
+            joints: vec![name.clone()],
+            parameters: Vec::new(),
+            rmse_validation_before: error,
+            rmse_validation_after: error,
+            explained_share: 0.0,
+            p_value: proposal.test.p_value,
+            sentence: sentences::nameless(name),
+            rivals: Vec::new(),
+            probability: odds.finding,
+            probability_unnamed: odds.finding,
+            probability_nothing: odds.nothing,
+            formula: None,
+        }
+    }
+
+    /// Channels of which a finding has no name, or a name of one joint that is less probable than none, and those without a finding of
+    /// which something is left that is not known to be noise.
+    fn open(&self, findings: &[Finding], unattested: &[Unattested]) -> Vec<Open> {
         let channels = self.full.model.channels().iter().enumerate();
         let of_channel = channels.filter_map(|(channel, own)| {
             let is_open = |k: &usize| {
@@ -94,8 +138,14 @@ impl Formulas<'_> {
                 let doubtful = finding.probability_unnamed > finding.probability;
                 finding.joints == [own.name.clone()] && (finding.has_no_name() || doubtful)
             };
-            let findings: Vec<usize> = (0..findings.len()).filter(is_open).collect();
-            (!findings.is_empty()).then_some(Open { channel, findings })
+            let open: Vec<usize> = (0..findings.len()).filter(is_open).collect();
+            let is_own = |left: &Unattested| left.joint == own.name;
+            let is_bare = !findings.iter().any(|f| f.joints.contains(&own.name));
+            let is_left = is_bare && unattested.iter().any(is_own);
+            (is_left || !open.is_empty()).then_some(Open {
+                channel,
+                findings: open,
+            })
         });
         of_channel.collect()
     }
@@ -142,6 +192,7 @@ fn formula(proposal: Proposal, against: Option<String>) -> ProposedFormula {
         effect: proposal.formula.id.clone(),
         joint: proposal.formula.on.clone(),
         expression: proposal.formula.expression(),
+        drives: proposal.drives,
         law: proposal.formula.table(),
         variables: proposal.formula.variables(),
         complexity: proposal.formula.parameters().count(),

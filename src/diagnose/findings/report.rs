@@ -1,6 +1,7 @@
 //! The report of a search: findings, verdict, figures of the declared and of the final model.
 
 use crate::chain::model::Model;
+use crate::diagnose::conclusion::explanation::Explanation;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::findings::compared::Compared;
 use crate::diagnose::findings::corrections::Corrections;
@@ -18,7 +19,6 @@ use crate::diagnose::residuals::additive_model::AdditiveModel;
 use crate::diagnose::residuals::location;
 use crate::diagnose::residuals::noise_level::{self, NoiseLevel};
 use crate::diagnose::residuals::prediction_error::PredictionError;
-use crate::diagnose::selection::explanation::Explanation;
 use crate::diagnose::selection::rival_models::{Ambiguity, RivalComparison, ambiguities};
 use crate::diagnose::selection::stepwise::Rules;
 use crate::estimate::covariance::of_unknowns;
@@ -107,6 +107,7 @@ impl Reporting<'_> {
         };
         let comparisons = self.comparisons(&compared);
         let mut findings = self.findings(&compared, &comparisons, &confirmed, &parameters);
+        let unattested = compared.unattested(&corrections, explanation, self.rules);
         let mut proposed = Vec::new();
         if !self.is_cut_short() {
             let formulas = Formulas {
@@ -116,11 +117,10 @@ impl Reporting<'_> {
                 noise_level: &noise_level,
                 significance: self.rules.significance,
             };
-            proposed = formulas.propose(&mut findings)?;
+            proposed = formulas.propose(&mut findings, &unattested)?;
         }
         let last = summary::correct(context, full, &mut after, &corrections);
         judged_in_time(context, &noise_level, [&mut before, &mut after]);
-        let unattested = compared.unattested(&corrections, explanation, self.rules);
         let verdict = (!self.is_cut_short())
             .then(|| verdict::verdict(&findings, compared.lack_of_fit(&findings), &unattested));
         let about = About {

@@ -3,8 +3,8 @@
 use crate::chain::effect::fitted_effect::{Estimated, FittedEffect};
 use crate::chain::model::Model;
 use crate::chain::words::{list, short};
+use crate::diagnose::conclusion::explanation::TriedModel;
 use crate::diagnose::fit::hypothesis::{Hypothesis, joint_names};
-use crate::diagnose::selection::explanation::TriedModel;
 use crate::outcome::diagnose::Unattested;
 use crate::outcome::formula::{OtherFormula, ProposedFormula};
 use crate::outcome::parameter::Parameter;
@@ -62,12 +62,23 @@ pub fn formula(formula: &ProposedFormula) -> String {
         Some(rival) => format!(", not {rival}"),
         None => String::new(),
     };
+    let drives = match formula.drives {
+        true => " It drives the joint over part of the motion, which friction does not.",
+        false => "",
+    };
     format!(
-        "As a formula, {} at {} explains {} of it ({} probable{against}){shorter}.",
+        "As a formula, {} at {} explains {} of it ({} probable{against}){shorter}.{drives}",
         formula.expression,
         formula.joint,
         percent(formula.explains),
         percent(formula.probability)
+    )
+}
+
+/// Of a joint of which a formula alone takes what is left.
+pub fn nameless(joint: &str) -> String {
+    format!(
+        "Something is missing on {joint} that no effect of the vocabulary and no smooth correction explains."
     )
 }
 

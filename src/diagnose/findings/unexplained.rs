@@ -1,6 +1,7 @@
 //! What is left without a name: joints whose error is beyond noise though no finding names them, and errors that nothing
 //! attests to be noise.
 
+use crate::diagnose::conclusion::explanation::{Explanation, TriedModel};
 use crate::diagnose::findings::compared::Compared;
 use crate::diagnose::findings::probability;
 use crate::diagnose::findings::sentences;
@@ -8,7 +9,6 @@ use crate::diagnose::residuals::additive_model::{self, AdditiveModel};
 use crate::diagnose::residuals::effect_size::OF_TORQUE;
 use crate::diagnose::residuals::noise_level::{UNEXPLAINED, chance};
 use crate::diagnose::residuals::reversal_mask;
-use crate::diagnose::selection::explanation::{Explanation, TriedModel};
 use crate::diagnose::selection::stepwise::Rules;
 use crate::outcome::diagnose::Unattested;
 use crate::outcome::finding::{Finding, UNNAMED};

@@ -4,14 +4,15 @@
 //! r + J δ + C γ,   δ = −(JᵀJ)⁻¹ Jᵀ C γ,   C⊥ = C − J (JᵀJ)⁻¹ Jᵀ C
 //! ```
 //!
-//! with the weighted residual r, which is orthogonal to the weighted derivatives J, and columns C of something that the model has
-//! not (Frisch and Waugh 1933, Lovell 1963).
+//! with the weighted derivatives J, the weighted residual r without what a step of the model's parameters takes of it, which is
+//! orthogonal to J over these rows, and columns C of something that the model has not (Frisch and Waugh 1933, Lovell 1963).
 
 use crate::chain::dataset::Prepared;
 use crate::diagnose::fit::channel_series::ChannelSeries;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::linalg::triangular::Triangular;
 use nalgebra::{DMatrix, DVector, DVectorView};
+use std::ops::Range;
 
 /// Residual and derivatives of a model, in units of the deviation of each channel.
 pub struct LinearModel {
@@ -21,7 +22,7 @@ pub struct LinearModel {
     pub predicted: Vec<Vec<f64>>,
     /// The same over all rows that count, also where the channel's own joint stands still.
     pub loads: Vec<Vec<f64>>,
-    /// `ŝ − s`, `[channel][row]`.
+    /// `ŝ − s`, `[channel][row]`, without what a step of its parameters takes of it.
     pub residual: Vec<Vec<f64>>,
     /// `[channel][unknown][row]`; `None` where a channel does not depend on an unknown.
     pub columns: Vec<Vec<Option<Vec<f64>>>>,
@@ -31,12 +32,23 @@ pub struct LinearModel {
     inverse: DMatrix<f64>,
 }
 
+/// Products of derivatives J and residual r over some rows of a channel.
+#[derive(Debug, Clone)]
+pub struct OwnProducts {
+    /// JᵀJ.
+    pub square: DMatrix<f64>,
+    /// Jᵀr.
+    pub right: DVector<f64>,
+    /// rᵀr.
+    pub residual: f64,
+}
+
 /// A column beside the derivatives: the channels that it enters.
 pub type ChannelColumn = Vec<(usize, Vec<f64>)>;
 
 impl LinearModel {
-    /// Of a fitted model over recordings.
-    pub fn of(fit: &ModelFit, recordings: &[&Prepared]) -> Self {
+    /// Of a fitted model over every n-th row of the fitted recordings.
+    pub fn of(fit: &ModelFit, every: usize, recordings: &[&Prepared]) -> Self {
         let scale = fit.deviations();
         let positions = fit.unknowns.positions();
         let series = ChannelSeries::of(&fit.model, &fit.values, &positions, recordings);
@@ -46,13 +58,31 @@ impl LinearModel {
                 column.iter_mut().for_each(|x| *x /= scale[c]);
             }
         }
-        let known = fit.prior.rows().select_columns(&positions);
+        // What is known beforehand weighs beside some rows as it does beside all.
+        let weight = 1.0 / (every as f64).sqrt();
+        let known = fit.prior.rows().select_columns(&positions) * weight;
         let residual = weighted_difference(&series.predicted, &series.recorded, &scale);
-        Self {
+        let mut linear = Self {
             predicted: series.predicted,
             loads: series.loads,
             scale,
             ..Self::of_columns(columns, residual, known)
+        };
+        linear.step(&(fit.prior.residual(&fit.values) * weight));
+        linear
+    }
+
+    /// Takes from the residual what a Gauss-Newton step of the parameters takes beside what is known of them: a fit is where all rows
+    /// want none, and some of them, or others, do.
+    fn step(&mut self, of_known: &DVector<f64>) {
+        let own = (0..self.residual.len()).map(|c| self.against_columns(c, &self.residual[c]));
+        let gradient = own.fold(self.known.tr_mul(of_known), |sum, own| sum + own);
+        let step = -(&self.inverse * self.inverse.tr_mul(&gradient));
+        for (residual, columns) in self.residual.iter_mut().zip(&self.columns) {
+            for (column, step) in columns.iter().zip(step.iter()) {
+                let rows = column.iter().flatten().zip(residual.iter_mut());
+                rows.for_each(|(j, r)| *r += step * j);
+            }
         }
     }
 
@@ -87,13 +117,18 @@ impl LinearModel {
         self.inverse.tr_mul(&product)
     }
 
-    /// The same of a column of one channel.
-    pub fn project_one(&self, channel: usize, column: &[f64]) -> DVector<f64> {
-        self.inverse.tr_mul(&self.against_columns(channel, column))
+    /// The same of what a column of one channel has with the derivatives there, Jᵀ c.
+    pub fn project_one(&self, against_columns: &DVector<f64>) -> DVector<f64> {
+        self.inverse.tr_mul(against_columns)
     }
 
-    /// Jᵀ c.
-    fn against_columns(&self, channel: usize, column: &[f64]) -> DVector<f64> {
+    /// The step of the parameters that takes it, but for its sign: R⁻¹ p of a projection p.
+    pub fn step_of(&self, projected: &DVector<f64>) -> DVector<f64> {
+        &self.inverse * projected
+    }
+
+    /// Jᵀ c of a column of one channel.
+    pub fn against_columns(&self, channel: usize, column: &[f64]) -> DVector<f64> {
         let own = self.columns[channel].iter();
         let of = |own: &Option<Vec<f64>>| own.as_ref().map_or(0.0, |own| dot(own, column));
         DVector::from_iterator(self.columns[channel].len(), own.map(of))
@@ -103,6 +138,37 @@ impl LinearModel {
     pub fn against_residual(&self, column: &ChannelColumn) -> f64 {
         let of = |(c, series): &(usize, Vec<f64>)| dot(&self.residual[*c], series);
         column.iter().map(of).sum()
+    }
+}
+
+impl OwnProducts {
+    /// Of some rows of a channel.
+    pub fn of(linear: &LinearModel, channel: usize, rows: Range<usize>) -> Self {
+        let own = &linear.columns[channel];
+        let residual = linear.residual[channel]
+            .get(rows.clone())
+            .unwrap_or_default();
+        let mut columns = DMatrix::zeros(residual.len(), own.len());
+        for (k, column) in own.iter().enumerate() {
+            if let Some(column) = column {
+                columns.column_mut(k).copy_from_slice(&column[rows.clone()]);
+            }
+        }
+        let residual = DVector::from_column_slice(residual);
+        Self {
+            square: columns.tr_mul(&columns),
+            right: columns.tr_mul(&residual),
+            residual: residual.norm_squared(),
+        }
+    }
+
+    /// Of the rows of both.
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            square: self.square + other.square,
+            right: self.right + other.right,
+            residual: self.residual + other.residual,
+        }
     }
 }
 
@@ -145,4 +211,52 @@ pub fn inner(a: &ChannelColumn, b: &ChannelColumn) -> f64 {
         other.map_or(0.0, |(_, y)| dot(x, y))
     };
     a.iter().map(of).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::random::{generator, symmetric};
+
+    /// What a step leaves is what least squares leaves over the rows of the data and of what is known, whatever was fitted.
+    #[test]
+    fn matches_independent_implementation_by_dense_least_squares() {
+        const ROWS: usize = 30;
+        let mut rng = generator(7);
+        let mut drawn =
+            |rows: usize| -> Vec<f64> { (0..rows).map(|_| symmetric(&mut rng, 1.0)).collect() };
+        let columns = [drawn(2 * ROWS), drawn(2 * ROWS)];
+        let (residual, of_known) = (drawn(2 * ROWS), DVector::from_vec(drawn(1)));
+        let known = DMatrix::from_row_slice(1, 2, &[3.0, -1.0]);
+        let of_channel = |series: &[f64], c: usize| series[c * ROWS..(c + 1) * ROWS].to_vec();
+        let mut linear = LinearModel::of_columns(
+            [0, 1]
+                .map(|c| {
+                    columns
+                        .each_ref()
+                        .map(|column| Some(of_channel(column, c)))
+                        .to_vec()
+                })
+                .to_vec(),
+            [0, 1].map(|c| of_channel(&residual, c)).to_vec(),
+            known.clone(),
+        );
+        linear.step(&of_known);
+        let mut system = DMatrix::zeros(2 * ROWS + 1, 2);
+        for (k, column) in columns.iter().enumerate() {
+            system
+                .view_mut((0, k), (2 * ROWS, 1))
+                .copy_from_slice(column);
+        }
+        system.row_mut(2 * ROWS).copy_from(&known.row(0));
+        let right = DVector::from_iterator(
+            2 * ROWS + 1,
+            residual.iter().chain(of_known.iter()).copied(),
+        );
+        let step = system.clone().svd(true, true).solve(&right, 1e-12).unwrap();
+        let left = right - system * step;
+        for (k, value) in linear.residual.concat().iter().enumerate() {
+            assert!((value - left[k]).abs() < 1e-12);
+        }
+    }
 }

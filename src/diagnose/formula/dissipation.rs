@@ -5,7 +5,8 @@
 //! ```
 //!
 //! Inertia, gravity and springs are even in all speeds together, and so are centrifugal torques: the odd part of a whole model
-//! is its friction, of which a formula may be a part that alone would drive. A model that drives a joint with it is none.
+//! is its friction, of which a formula may be a part that alone would drive. A model that drives a joint with it has something
+//! else in it: such a formula gives way to any other that is as good.
 
 use crate::chain::dataset::Prepared;
 use crate::chain::effect::Memory;

@@ -22,6 +22,8 @@ pub enum Shape {
     Bump,
     /// exp(n x)
     Exponential,
+    /// x − x₀, beside other factors: alone it is x and an offset.
+    Shifted,
     /// max(x − x₀, 0), or its square.
     Above(u8),
     /// min(x − x₀, 0), or its square.
@@ -48,10 +50,9 @@ pub struct Factor {
 impl Shape {
     /// Whether it has a parameter of its own.
     pub fn has_inner(self) -> bool {
-        use Shape::{Above, Below, Bump, Cosine, Decay, Exponential, Saturation, Sine, Wave};
-        matches!(
+        !matches!(
             self,
-            Decay | Above(_) | Below(_) | Wave | Sine | Cosine | Saturation | Bump | Exponential
+            Self::Power(_) | Self::Magnitude | Self::SignedSquare | Self::Direction
         )
     }
 
@@ -72,7 +73,7 @@ impl Shape {
     pub fn power(self) -> i8 {
         match self {
             Self::Power(n) | Self::Above(n) | Self::Below(n) => n as i8,
-            Self::Magnitude => 1,
+            Self::Magnitude | Self::Shifted => 1,
             Self::SignedSquare => 2,
             Self::Direction
             | Self::Decay
@@ -153,6 +154,7 @@ impl Factor {
             Shape::Saturation => ((x - centre) / a).tanh(),
             Shape::Bump => (-((x - centre) / a).powi(2)).exp(),
             Shape::Exponential => (a * x).exp(),
+            Shape::Shifted => x - a,
             Shape::Above(n) => (x - a).max(0.0).powi(i32::from(n)),
             Shape::Below(n) => (x - a).min(0.0).powi(i32::from(n)),
             Shape::Wave | Shape::Sine => (a * x).sin(),

@@ -21,7 +21,7 @@ const TOUCHES: [f64; 7] = [0.15, 0.3, 0.4, 0.5, 0.6, 0.7, 0.85];
 const DECAYS: [f64; 4] = [0.03, 0.08, 0.2, 0.5];
 
 /// Growth over the range of a variable.
-const RATES: [f64; 4] = [-4.0, -1.5, 1.5, 4.0];
+const RATES: [f64; 6] = [-4.0, -1.5, -0.5, 0.5, 1.5, 4.0];
 
 /// The fastest, by powers of e.
 const FASTEST: f64 = 8.0;
@@ -29,6 +29,9 @@ const FASTEST: f64 = 8.0;
 /// Shares of the range of a position about which something may be one, and over which it changes.
 const MIDDLES: [f64; 3] = [0.3, 0.5, 0.7];
 const WIDTHS: [f64; 3] = [0.05, 0.15, 0.4];
+
+/// Share of a limit within which a parameter is at it: golden section comes as near as some thousandths.
+const NEAR: f64 = 1e-2;
 
 /// Kinds of variables, of which a class of terms has some.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -94,42 +97,35 @@ impl Grammar {
 
     /// Where the parameter of a factor may lie between its neighbours in the search.
     pub fn around(&self, factor: &Factor) -> [f64; 2] {
-        let extent = self.extents.get(&factor.quantity);
-        let range = extent.map_or(1.0, |extent| extent.range());
+        let range = self.extent(factor.quantity).range();
         let a = factor.inner;
-        match factor.shape {
-            Shape::Decay => [0.5 * a, 2.0 * a],
-            Shape::Saturation | Shape::Bump => {
-                let [least, most] = self.widths(factor.quantity);
-                [least.max(0.5 * a), most.min(2.0 * a)]
-            }
-            Shape::Exponential => {
-                let step = 1.0 / range;
-                let [least, most] = self.rates(factor.quantity);
-                [(a - step).max(least), (a + step).min(most)]
-            }
-            Shape::Above(_) | Shape::Below(_) => {
-                let step = 0.15 * range;
-                let inside = self.inside(factor.quantity);
-                [(a - step).max(inside[0]), (a + step).min(inside[1])]
-            }
+        let [low, high] = match factor.shape {
+            Shape::Decay | Shape::Saturation | Shape::Bump => [0.5 * a, 2.0 * a],
+            Shape::Exponential => [a - 1.0 / range, a + 1.0 / range],
+            Shape::Above(_) | Shape::Below(_) => [a - 0.15 * range, a + 0.15 * range],
+            Shape::Shifted => [a - 0.5 * range, a + 0.5 * range],
             _ => {
                 let step = 0.5 * CYCLES * TAU / range;
                 [(a - step).max(step), a + step]
             }
+        };
+        let [least, most] = self.limits(factor);
+        [low.max(least), high.min(most)]
+    }
+
+    /// What the parameter of a factor may be: shapes over narrower ranges have too few rows, and over wider ones are powers; what is
+    /// none far from where the joint is is a constant there.
+    pub fn limits(&self, factor: &Factor) -> [f64; 2] {
+        let extent = self.extent(factor.quantity);
+        let range = extent.range();
+        match factor.shape {
+            Shape::Decay => [1e-3 * extent.largest(), extent.largest()],
+            Shape::Saturation | Shape::Bump => [0.02 * range, 2.0 * range],
+            Shape::Exponential => [-FASTEST / range, FASTEST / range],
+            Shape::Above(_) | Shape::Below(_) => self.inside(factor.quantity),
+            Shape::Shifted => [extent.least - range, extent.greatest + range],
+            _ => [f64::NEG_INFINITY, f64::INFINITY],
         }
-    }
-
-    /// Ranges over which something may change: narrower ones have too few rows, and over wider ones it is a power.
-    pub fn widths(&self, quantity: Quantity) -> [f64; 2] {
-        let range = self.extents.get(&quantity).map_or(0.0, |e| e.range());
-        [0.02 * range, 2.0 * range]
-    }
-
-    /// Rates at which something may grow.
-    pub fn rates(&self, quantity: Quantity) -> [f64; 2] {
-        let range = self.extents.get(&quantity).map_or(1.0, |e| e.range());
-        [-FASTEST / range, FASTEST / range]
     }
 
     /// Where the place about which a factor is one may lie between its neighbours in the search.
@@ -140,21 +136,32 @@ impl Grammar {
         [low.max(inside[0]), high.min(inside[1])]
     }
 
+    /// Whether the parameters of a factor lie within their limits, so that a fit does not end there.
+    pub fn is_inside(&self, factor: &Factor) -> bool {
+        let is_within = |x: f64, limits: [f64; 2]| {
+            limits
+                .iter()
+                .all(|limit| (x - limit).abs() > NEAR * limit.abs() || limit.is_infinite())
+        };
+        (!factor.shape.has_inner() || is_within(factor.inner, self.limits(factor)))
+            && (!factor.has_centre() || is_within(factor.centre, self.inside(factor.quantity)))
+    }
+
     /// The range of a variable without its outermost twentieths: what is touched beyond them has too few rows.
     pub fn inside(&self, quantity: Quantity) -> [f64; 2] {
         const OUTERMOST: f64 = 0.05;
-        let extent = self.extents.get(&quantity);
-        let extent = extent.copied().unwrap_or(Extent {
-            least: 0.0,
-            greatest: 0.0,
-        });
+        let extent = self.extent(quantity);
         let margin = OUTERMOST * extent.range();
         [extent.least + margin, extent.greatest - margin]
     }
 
-    /// The greatest size of a variable.
-    pub fn largest(&self, quantity: Quantity) -> f64 {
-        self.extents.get(&quantity).map_or(0.0, |e| e.largest())
+    /// Of a variable that some term has; of any other none.
+    fn extent(&self, quantity: Quantity) -> Extent {
+        let known = self.extents.get(&quantity).copied();
+        known.unwrap_or(Extent {
+            least: 0.0,
+            greatest: 0.0,
+        })
     }
 }
 
@@ -354,6 +361,10 @@ fn shapes(quantity: Quantity, rows: &FittedRows) -> Vec<Factor> {
             };
             all.extend([Shape::Saturation, Shape::Bump].map(of));
         }
+    }
+    if matches!(quantity, Quantity::Position | Quantity::OtherPosition(_)) {
+        let middle = 0.5 * (extent.least + extent.greatest);
+        all.push(plain(Shape::Shifted).with_inner(middle));
     }
     all.extend(touches(quantity, rows));
     if quantity == Quantity::Velocity {

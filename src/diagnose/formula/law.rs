@@ -46,6 +46,17 @@ impl Formula {
         }
     }
 
+    /// Name of a parameter in a model that has it.
+    pub fn full_name(&self, parameter: &str) -> String {
+        format!("{}.{}.{parameter}", self.on, self.id)
+    }
+
+    /// Whether each of its terms is of the motion of another joint too.
+    pub fn is_of_others(&self) -> bool {
+        let knows_others = |term: &Term| term.factors.iter().any(|f| f.quantity.other().is_some());
+        self.terms.iter().all(|named| knows_others(&named.term))
+    }
+
     pub fn parameters(&self) -> impl Iterator<Item = &Named> {
         self.terms.iter().flat_map(NamedTerm::parameters)
     }
@@ -180,30 +191,23 @@ fn named(
         f => format!("{name}{again}_{}", f + 1),
     };
     let inner = |(f, factor): (usize, &Factor)| {
-        let (name, meaning, bounds) = match factor.shape {
-            Shape::Wave | Shape::Sine | Shape::Cosine => ("n", "periods over 2π", FREE),
-            Shape::Above(_) | Shape::Below(_) => {
-                let inside = grammar.inside(factor.quantity);
-                ("touch", "position at which it begins", inside)
+        let (name, meaning) = match factor.shape {
+            Shape::Wave | Shape::Sine | Shape::Cosine => ("n", "periods over 2π"),
+            Shape::Above(_) | Shape::Below(_) => ("touch", "position at which it begins"),
+            Shape::Shifted => ("zero", "position at which it is none"),
+            Shape::Decay => ("scale", "speed over which it decays"),
+            Shape::Saturation | Shape::Bump => ("width", "range over which it changes"),
+            Shape::Exponential => ("rate", "growth"),
+            Shape::Power(_) | Shape::Magnitude | Shape::SignedSquare | Shape::Direction => {
+                return None;
             }
-            Shape::Decay => {
-                let largest = grammar.largest(factor.quantity);
-                let bounds = [1e-3 * largest, largest];
-                ("scale", "speed over which it decays", bounds)
-            }
-            Shape::Saturation | Shape::Bump => {
-                let bounds = grammar.widths(factor.quantity);
-                ("width", "range over which it changes", bounds)
-            }
-            Shape::Exponential => ("rate", "growth", grammar.rates(factor.quantity)),
-            _ => return None,
         };
         Some(Named {
             name: of_factor(name, f),
             value: factor.inner,
             unit: units.of_inner(factor),
             meaning,
-            bounds,
+            bounds: grammar.limits(factor),
             is_shape: true,
         })
     };
@@ -329,6 +333,7 @@ mod tests {
             Shape::Saturation,
             Shape::Bump,
             Shape::Exponential,
+            Shape::Shifted,
             Shape::Wave,
         ] {
             assert!(shapes.contains(&shape), "{shape:?}");

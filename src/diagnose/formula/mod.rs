@@ -3,16 +3,17 @@
 //! ```text
 //! τ_f = Σ_k c_k Π_j g_kj(x_kj),   x of q, v, acc, tau of the joint, q and v of others
 //! g of x, x², x³, |x|, x|x|, sign(v), exp(−|v|/s), max(x − x₀, 0), min(x − x₀, 0) and their squares, sin(n x + φ),
-//!      tanh((x − x₀)/s), exp(−((x − x₀)/s)²), exp(n x)
+//!      tanh((x − x₀)/s), exp(−((x − x₀)/s)²), exp(n x), and x − x₀ of positions beside another factor
 //! ```
 //!
 //! Where a smooth correction says of which few variables the misfit is a function, terms are all products of two shapes of these;
-//! otherwise those that physics has, of all variables, without the last three shapes.
+//! otherwise those that physics has, of all variables, without the last four shapes.
 //!
 //! Terms are chosen one after the other by what they take from the fitted rows beyond what every parameter of the model can
 //! take (orthogonal matching pursuit: Pati, Rezaiifar and Krishnaprasad 1993), several formulas at a time; their orders, touches and
-//! scales are refined, and factors are dropped, exchanged and added (symbolic regression: Schmidt and Lipson 2009). Each
-//! parameter is charged as by Schwarz (1978), and each term with the number of those that it was chosen from (Chen and Chen 2008).
+//! scales are refined, and factors are dropped, exchanged and added (symbolic regression: Schmidt and Lipson 2009). What is left is
+//! looked at in all channels, as a law bends parameters that several of them have. Each parameter is charged as by Schwarz (1978),
+//! and each term with the number of those that it was chosen from (Chen and Chen 2008).
 //! The foremost formulas are built as laws of one's own and fitted with all parameters of the model; the rows that choose models
 //! choose among them, and one is tested on rows that no choice has seen, against nothing and against a smooth correction.
 
@@ -24,6 +25,7 @@ pub mod named;
 pub mod proposal;
 pub mod rows;
 pub mod search;
+pub mod seeking;
 pub mod solved;
 pub mod term;
 pub mod units;

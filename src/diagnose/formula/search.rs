@@ -13,6 +13,12 @@ const MOST_TERMS: usize = 3;
 /// Formulas that are kept for each number of terms.
 const KEPT: usize = 5;
 
+/// Terms of which the likelihood is looked at beside a formula, those that take most of the weighted residuals.
+const CLOSER: usize = 40;
+
+/// Of these, the ones whose parameters are refined.
+const REFINED: usize = 10;
+
 /// Formulas of each number of terms that a search gives.
 const GIVEN: usize = 2;
 
@@ -63,32 +69,27 @@ pub fn formulas(misfit: &Misfit<'_>, is_interrupted: &(dyn Fn() -> bool + Sync))
     distinct(given, GIVEN * MOST_TERMS)
 }
 
-/// A formula with one term more, each of those that take most.
+/// A formula with one term more, each of those that score best among those that take most.
 fn grown(misfit: &Misfit<'_>, candidates: &[Candidate], known: &Solved) -> Vec<Solved> {
     let basis = basis(misfit, known);
     let residual = misfit.residual();
     let shares: Vec<f64> = basis.iter().map(|e| dot(residual, &e.series)).collect();
     let mut gains: Vec<(f64, &Candidate)> = candidates
         .iter()
-        .map(|candidate| {
-            let gain = gain(candidate, residual, &basis, &shares);
-            (gain - misfit.grammar.charge(&candidate.term), candidate)
-        })
+        .map(|candidate| (gain(candidate, residual, &basis, &shares), candidate))
         .collect();
     gains.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut chosen: Vec<&Candidate> = Vec::new();
+    let mut foremost: Vec<&Candidate> = Vec::new();
     for (_, candidate) in gains {
         let is_new = |other: &&Candidate| !other.term.is_like(&candidate.term);
-        if chosen.len() < KEPT && chosen.iter().all(is_new) {
-            chosen.push(candidate);
+        if foremost.len() < CLOSER && foremost.iter().all(is_new) {
+            foremost.push(candidate);
         }
     }
-    let with = |candidate: &Candidate| {
-        let mut terms = known.terms.clone();
-        terms.push(candidate.term.clone());
-        refined(misfit, misfit.solve(terms))
-    };
-    chosen.into_iter().map(with).collect()
+    let parts = Parts::of(misfit, known);
+    let with = |candidate: &&Candidate| parts.and(candidate);
+    let closer = distinct(foremost.iter().map(with).collect(), REFINED).into_iter();
+    closer.map(|one| refined(misfit, one)).collect()
 }
 
 /// Orthonormal columns of a formula.
@@ -255,6 +256,15 @@ impl<'a> Parts<'a> {
         self.misfit.solve_of(terms, &columns)
     }
 
+    /// The formula with a term more.
+    fn and(&self, candidate: &Candidate) -> Solved {
+        let mut terms = self.terms.to_vec();
+        terms.push(candidate.term.clone());
+        let mut columns: Vec<&[Column]> = self.columns.iter().map(Vec::as_slice).collect();
+        columns.push(&candidate.columns);
+        self.misfit.solve_of(terms, &columns)
+    }
+
     /// The formula without its t-th term.
     fn without(&self, t: usize) -> Solved {
         let mut terms = self.terms.to_vec();
@@ -355,6 +365,7 @@ mod tests {
         // The model has one column of norm one, and takes all of it.
         let own = DVector::from_vec(series(0)).normalize();
         let column = |k: usize| Column {
+            by_model: DVector::zeros(1),
             taken: DVector::from_element(1, own.dot(&DVector::from_vec(series(k)))),
             series: series(k),
         };

@@ -55,7 +55,8 @@ impl Term {
         odd % 2 == 1 && !self.factors.iter().any(knows_others)
     }
 
-    /// Whether it has no two factors of which a product is another factor, and at most one that repeats.
+    /// Whether it has no two factors of which a product is another factor, at most one that repeats, and none alone that is an
+    /// offset and another.
     pub fn is_sound(&self) -> bool {
         let repeating = self.factors.iter().filter(|f| f.shape.is_periodic());
         let alike = |k: usize| {
@@ -65,7 +66,9 @@ impl Term {
         };
         let decays = self.factors.iter().filter(|f| is_decay(f)).count();
         let count = self.factors.len();
+        let is_shifted_alone = count == 1 && self.factors[0].shape == Shape::Shifted;
         (1..=MOST_FACTORS).contains(&count)
+            && !is_shifted_alone
             && repeating.count() <= 1
             && decays <= 1
             && !(0..count).any(alike)
@@ -115,5 +118,7 @@ mod tests {
         ];
         assert!(term(&four[..3]).is_sound() && !term(&four).is_sound());
         assert!(!term(&[]).is_sound());
+        let shifted = (Position, Shape::Shifted);
+        assert!(term(&[shifted, direction]).is_sound() && !term(&[shifted]).is_sound());
     }
 }

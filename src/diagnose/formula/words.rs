@@ -105,6 +105,7 @@ fn written(factor: &Factor, own: &Own<'_>, joints: &[String]) -> String {
         Shape::SignedSquare => format!("{x}*abs({x})"),
         Shape::Direction => format!("sign({x})"),
         Shape::Decay => format!("exp(-abs({x})/{inner})"),
+        Shape::Shifted => format!("({})", less(&x, inner)),
         Shape::Above(power) => raised(format!("max({}, 0)", less(&x, inner)), power),
         Shape::Below(power) => raised(format!("min({}, 0)", less(&x, inner)), power),
         Shape::Saturation => format!("tanh({from_centre}/{inner})"),

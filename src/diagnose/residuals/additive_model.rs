@@ -276,10 +276,11 @@ fn sought(context: &Context<'_>, fit: &ModelFit, channels: &[Sought<'_>]) -> Vec
     }
     let train = context.recordings(Split::Train);
     let rows: usize = train.iter().map(|r| r.counting().count()).sum();
-    let thinned = train.iter().map(|r| r.thinned((rows / ENOUGH).max(1)));
+    let every = (rows / ENOUGH).max(1);
+    let thinned = train.iter().map(|r| r.thinned(every));
     let thinned: Vec<Prepared> = thinned.collect();
     let thinned: Vec<&Prepared> = thinned.iter().collect();
-    let linear = LinearModel::of(fit, &thinned);
+    let linear = LinearModel::of(fit, every, &thinned);
     let Some(folded) = FoldedModel::of(&linear) else {
         return Vec::new();
     };

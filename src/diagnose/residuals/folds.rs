@@ -7,7 +7,7 @@
 //!
 //! over all channels: what a hat function takes of one is wrong in another by what the model's unknowns change there.
 
-use crate::diagnose::fit::linear_model::LinearModel;
+use crate::diagnose::fit::linear_model::{LinearModel, OwnProducts};
 use crate::diagnose::residuals::hats::HatRows;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
@@ -29,17 +29,6 @@ pub struct FoldedModel<'a> {
     /// Over all channels, by fold.
     all: Vec<OwnProducts>,
     whole: Cholesky<f64, Dyn>,
-}
-
-/// Products of derivatives J and residual r.
-#[derive(Clone)]
-pub struct OwnProducts {
-    /// JᵀJ.
-    square: DMatrix<f64>,
-    /// Jᵀr.
-    right: DVector<f64>,
-    /// rᵀr.
-    pub residual: f64,
 }
 
 /// Products of the hats of some functions over one fold.
@@ -149,35 +138,6 @@ impl<'a> FoldedModel<'a> {
     pub fn apart(&self, products: &[HatProducts], steps: &DMatrix<f64>) -> Vec<Apart> {
         let folds = products.iter().zip(&self.all);
         folds.map(|(p, all)| p.apart(steps, all)).collect()
-    }
-}
-
-impl OwnProducts {
-    fn of(linear: &LinearModel, channel: usize, rows: Range<usize>) -> Self {
-        let own = &linear.columns[channel];
-        let residual = linear.residual[channel]
-            .get(rows.clone())
-            .unwrap_or_default();
-        let mut columns = DMatrix::zeros(residual.len(), own.len());
-        for (k, column) in own.iter().enumerate() {
-            if let Some(column) = column {
-                columns.column_mut(k).copy_from_slice(&column[rows.clone()]);
-            }
-        }
-        let residual = DVector::from_column_slice(residual);
-        Self {
-            square: columns.tr_mul(&columns),
-            right: columns.tr_mul(&residual),
-            residual: residual.norm_squared(),
-        }
-    }
-
-    fn plus(self, other: Self) -> Self {
-        Self {
-            square: self.square + other.square,
-            right: self.right + other.right,
-            residual: self.residual + other.residual,
-        }
     }
 }
 

@@ -69,6 +69,13 @@ pub fn chance(residual: &[f64], noise: f64) -> Option<f64> {
     (lack > UNEXPLAINED).then(|| spread.upper_tail(lack))
 }
 
+/// Whether held-out rows are no more than noise by what successive ones differ, in which a misfit that follows the motion has no
+/// part, or by noise that is known otherwise. Slow noise is not told from misfit.
+pub fn is_noise(residual: &[f64], known: f64) -> bool {
+    let attested = of_steps(residual, 1).max(known * known);
+    rms(residual).powi(2) <= UNEXPLAINED * attested
+}
+
 /// Rows apart at which noise that forgets from row to row differs no more than from one to the next.
 const APART: usize = 4;
 

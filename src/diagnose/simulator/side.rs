@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::chain::dataset::Dataset;
 use crate::chain::effect::{Effect, find};
 use crate::chain::model::Model;
-use crate::diagnose::selection::zero_size::sizes_alone;
+use crate::diagnose::conclusion::zero_size::sizes_alone;
 use crate::outcome::estimate::Estimate;
 use crate::outcome::finding::Finding;
 use crate::outcome::fit::Fit;

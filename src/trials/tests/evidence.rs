@@ -2,6 +2,11 @@
 //! have, names that are withdrawn, rows that judge; and controls, which stay silent.
 
 use crate::chain::dataset::{Dataset, Prepared};
+use crate::diagnose::conclusion::confirmation;
+use crate::diagnose::conclusion::explanation::Explaining;
+use crate::diagnose::conclusion::last_selection::LastSelection;
+use crate::diagnose::conclusion::weak_findings;
+use crate::diagnose::conclusion::zero_size;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::contexts::HeldOutHalves;
 use crate::diagnose::fit::held_out::{self, Purpose};
@@ -10,15 +15,10 @@ use crate::diagnose::fit::recording_parameters;
 use crate::diagnose::residuals::effect_size::{MATTERS, OF_NOISE, OF_TORQUE, error_reduction};
 use crate::diagnose::residuals::noise_level::NoiseLevel;
 use crate::diagnose::residuals::reversal_mask;
-use crate::diagnose::selection::confirmation;
-use crate::diagnose::selection::explanation::Explaining;
 use crate::diagnose::selection::forecast::under_way;
 use crate::diagnose::selection::hypothesis_test::HypothesisTest;
-use crate::diagnose::selection::last_selection::LastSelection;
 use crate::diagnose::selection::rival_models::{Alternative, RivalComparison, Separation};
 use crate::diagnose::selection::stepwise::{Rules, Stepwise};
-use crate::diagnose::selection::weak_findings;
-use crate::diagnose::selection::zero_size;
 use crate::problem::solution::Control;
 use crate::recording::split::Split;
 use crate::stats::encompassing::Encompassing;

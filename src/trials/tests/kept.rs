@@ -2,12 +2,12 @@
 //! fit than parameters without a meaning would have, and no larger error on rows that chose nothing.
 
 use crate::chain::dataset::{Dataset, Prepared};
+use crate::diagnose::conclusion::confirmation;
 use crate::diagnose::fit::contexts::HeldOutHalves;
 use crate::diagnose::fit::fit_cache::FitCache;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::effect_size::error_reduction;
 use crate::diagnose::residuals::noise_level;
-use crate::diagnose::selection::confirmation;
 use crate::diagnose::selection::hypothesis_test::{HypothesisTest, fits_better};
 use crate::diagnose::selection::law_range;
 use crate::diagnose::selection::rival_models::separation;

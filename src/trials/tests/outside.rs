@@ -113,20 +113,21 @@ fn formulas_are_counted_where_a_smooth_correction_is_not_enough() {
         // Too small for a formula, and for anything.
         lost,
         trial(Some(0.5), None, larger),
-        // The smooth correction forecasts it.
+        // The smooth correction forecasts it, better than a formula once.
         trial(Some(6.0), Some("v[j2] q"), [0.9, 0.1]),
+        trial(Some(6.0), Some("v[j2] q"), [0.9, 0.95]),
         trial(None, None, larger),
         trial(None, Some("q"), larger),
     ];
     let tallied = tally(trials);
     let rates = tallied.rates.outside.unwrap();
     let share = |are: usize, of: usize| Share { of, are };
-    assert_eq!(rates.located, share(4, 5));
-    assert_eq!(rates.smooth_takes_half, share(5, 5));
+    assert_eq!(rates.located, share(5, 6));
+    assert_eq!(rates.smooth_takes_half, share(6, 6));
     assert_eq!(rates.proposed, share(2, 3));
     assert_eq!(rates.forecasts, share(1, 3));
     assert_eq!(rates.variables_right, share(1, 2));
-    assert_eq!(rates.needless, share(2, 3));
+    assert_eq!(rates.needless, share(2, 4));
     assert_eq!(rates.median_forecast_ratio, Some(5.0 / 8.0));
     assert_eq!(tally(vec![Trial::default()]).rates.outside, None);
 }

@@ -1,6 +1,8 @@
 //! What has no name in a diagnosis: smooth corrections, residuals that are left, rivals, and names that other joints explain.
 
 use crate::chain::dataset::Dataset;
+use crate::diagnose::conclusion::confounding;
+use crate::diagnose::conclusion::explanation::Explanation;
 use crate::diagnose::findings::compared::Compared;
 use crate::diagnose::findings::unexplained::SearchState;
 use crate::diagnose::fit::context::Context;
@@ -12,8 +14,6 @@ use crate::diagnose::residuals::noise_level::{self, NoiseLevel, chance};
 use crate::diagnose::residuals::prediction_error::PredictionError;
 use crate::diagnose::residuals::quantity::Quantity;
 use crate::diagnose::residuals::reversal_mask;
-use crate::diagnose::selection::confounding;
-use crate::diagnose::selection::explanation::Explanation;
 use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::diagnose::selection::stepwise::{Rules, Stepwise};

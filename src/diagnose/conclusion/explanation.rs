@@ -1,20 +1,20 @@
 //! From a declared model to the findings that explain what it leaves: selection, pruning, rivals, exchanges, the
 //! withdrawal of names that only resemble what is missing, confirmation, and more probable names.
 
+use crate::diagnose::conclusion::confirmation;
+use crate::diagnose::conclusion::confounding;
+use crate::diagnose::conclusion::last_selection::LastSelection;
+use crate::diagnose::conclusion::weak_findings;
+use crate::diagnose::conclusion::zero_size;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::contexts::Contexts;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::residuals::noise_level::{self, NoiseLevel};
-use crate::diagnose::selection::confirmation;
-use crate::diagnose::selection::confounding;
 use crate::diagnose::selection::exact_fit::fit_without;
 use crate::diagnose::selection::hypothesis_test::HypothesisTest;
-use crate::diagnose::selection::last_selection::LastSelection;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::diagnose::selection::stepwise::{Rules, Selection, SelectionStep, Stepwise};
-use crate::diagnose::selection::weak_findings;
-use crate::diagnose::selection::zero_size;
 use crate::diagnose::stage::Stage;
 use crate::stats::deviation::rms;
 

@@ -1,0 +1,139 @@
+//! Confounding: names for a part of a law that the vocabulary does not have.
+//!
+//! Where something is left beside a finding, in the same channel, what is missing there may be one law of another joint's
+//! motion: a channel that hears the current of another, friction that grows with a neighbour's position. Such a law has shapes
+//! in common with many names, its mean with a torque offset, its slope over the load with a gain, and the name that it resembles
+//! most takes a large part of it. In the place of the name there is put a smooth correction, or a formula of which every term is of
+//! another joint's motion, beside all parameters of the model:
+//!
+//! ```text
+//! ‖e_k − c_k‖² ≤ (1 + IN_DOUBT) ‖e − c‖²    in every channel, e_k without the name and e with it
+//! ```
+//!
+//! If that leaves hardly more of recordings that were not fitted than the name and a correction beside it, the name is not that of
+//! the physics, and is withdrawn; so it is where no correction takes what is left and a formula does, if it leaves hardly more than
+//! the name with that formula beside it. A correction by the joint's own motion and load is another wording of the name, and says
+//! nothing against it.
+
+use crate::diagnose::fit::context::Context;
+use crate::diagnose::fit::hypothesis::channels_of;
+use crate::diagnose::fit::model_fit::ModelFit;
+use crate::diagnose::formula::seeking::{Fitted, FittedFormula, Seeking};
+use crate::diagnose::residuals::additive_model::{self, AdditiveModel};
+use crate::diagnose::residuals::noise_level;
+use crate::diagnose::residuals::quantity::Quantity;
+use crate::diagnose::selection::rival_models::{IN_DOUBT, RivalComparison};
+use crate::stats::deviation::rms;
+
+/// The first finding of a model that is superfluous beside a smooth correction or a formula, if there is one, where such a correction is
+/// needed beside the model at `significance`.
+pub fn first(
+    context: &Context<'_>,
+    full: &ModelFit,
+    comparisons: &[RivalComparison],
+    significance: f64,
+) -> Option<usize> {
+    if context.control.is_interrupted() {
+        return None;
+    }
+    let channels_of = |k: usize| channels_of(&full.model, &full.hypotheses[k].named_joints());
+    let mut named: Vec<usize> = (0..comparisons.len()).flat_map(channels_of).collect();
+    named.sort_unstable();
+    named.dedup();
+    let mut corrections = additive_model::of_some(context, full, &named);
+    let tried = corrections.len();
+    corrections.retain(|correction| correction.is_needed(significance, tried));
+    let named = Named { context, full };
+    (0..comparisons.len()).find(|&k| {
+        let (channels, without) = (channels_of(k), &comparisons[k].without);
+        let beside = corrections.iter();
+        let beside: Vec<&AdditiveModel> =
+            beside.filter(|c| channels.contains(&c.channel)).collect();
+        match (&beside[..], &channels[..]) {
+            ([], &[channel]) => named.yields_to_a_formula(channel, without),
+            ([], _) => false,
+            _ => named.is_superfluous(&beside, without),
+        }
+    })
+}
+
+/// A model with names.
+struct Named<'a> {
+    context: &'a Context<'a>,
+    full: &'a ModelFit,
+}
+
+/// Held-out residuals of a model, `[channel][row]`.
+type Left = Vec<Vec<f64>>;
+
+impl Named<'_> {
+    /// Whether the model without a finding and with smooth corrections or a formula in its place leaves hardly more than the finding
+    /// with such corrections beside it.
+    fn is_superfluous(&self, beside: &[&AdditiveModel], without: &ModelFit) -> bool {
+        let (context, full) = (self.context, self.full);
+        let both = additive_model::left_everywhere(context, full, beside);
+        let smooth = additive_model::in_place(context, without, beside);
+        let is_of_others = smooth.len() == beside.len() && smooth.iter().any(|c| !c.is_own);
+        if is_of_others {
+            let smooth: Vec<&AdditiveModel> = smooth.iter().collect();
+            let instead = additive_model::left_everywhere(context, without, &smooth);
+            if is_hardly_more(&instead, &both) {
+                return true;
+            }
+        }
+        let [correction] = beside else {
+            return false;
+        };
+        let instead = smooth.iter().find(|c| c.channel == correction.channel);
+        let mut variables = instead.map_or_else(Vec::new, |c| c.made_of.clone());
+        // What the name has not taken follows what would take all of it.
+        let after_first = variables.len().min(1);
+        variables.splice(after_first..after_first, correction.made_of.iter().cloned());
+        let formula = self.formula(correction.channel, without, &variables);
+        formula.is_some_and(|instead| is_hardly_more(&instead.fit.validation, &both))
+    }
+
+    /// Whether something is left beside a finding that no smooth correction takes, and a formula in the place of the finding leaves
+    /// hardly more than with the finding.
+    fn yields_to_a_formula(&self, channel: usize, without: &ModelFit) -> bool {
+        let noise = self.context.noise.as_ref();
+        let known = noise.map_or(0.0, |noise| noise[channel]);
+        if noise_level::is_noise(&self.full.validation[channel], known) {
+            return false;
+        }
+        let Some(instead) = self.formula(channel, without, &[]) else {
+            return false;
+        };
+        let beside = self.seeking(self.full, &[]);
+        let both = beside.fit(channel, instead.formula());
+        both.is_some_and(|both| is_hardly_more(&instead.fit.validation, &both.fit.validation))
+    }
+
+    /// The formula in the place of a finding, if every term of it is of another joint's motion.
+    fn formula(
+        &self,
+        channel: usize,
+        without: &ModelFit,
+        variables: &[Vec<Quantity>],
+    ) -> Option<FittedFormula> {
+        let seeking = self.seeking(without, variables);
+        let Fitted { mut all, .. } = seeking.fitted(channel)?;
+        let chosen = seeking.chosen(channel, &all)?;
+        all.swap_remove(chosen).of_others()
+    }
+
+    fn seeking<'s>(&'s self, model: &'s ModelFit, variables: &'s [Vec<Quantity>]) -> Seeking<'s> {
+        Seeking {
+            context: self.context,
+            model,
+            variables,
+        }
+    }
+}
+
+/// Whether what is left in the place of a name is hardly more than with the name, in every channel.
+fn is_hardly_more(instead: &Left, both: &Left) -> bool {
+    let mean_square = |residual: &[f64]| rms(residual).powi(2);
+    let mut pairs = instead.iter().zip(both);
+    pairs.all(|(instead, both)| mean_square(instead) <= (1.0 + IN_DOUBT) * mean_square(both))
+}

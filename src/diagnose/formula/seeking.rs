@@ -1,0 +1,235 @@
+//! The foremost formulas of the residual of a channel, fitted with all parameters of the model, and the one that the rows which choose
+//! prefer.
+
+use crate::chain::effect::user_law;
+use crate::diagnose::candidates::score_test::Linearised;
+use crate::diagnose::fit::candidate::Candidate;
+use crate::diagnose::fit::context::Context;
+use crate::diagnose::fit::fitting::fit_model;
+use crate::diagnose::fit::hypothesis::Hypothesis;
+use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
+use crate::diagnose::fit::start::Start;
+use crate::diagnose::formula::dissipation;
+use crate::diagnose::formula::grammar::Grammar;
+use crate::diagnose::formula::law::Formula;
+use crate::diagnose::formula::rows::{FittedRows, Place};
+use crate::diagnose::formula::search;
+use crate::diagnose::formula::solved::Misfit;
+use crate::diagnose::residuals::effect_size::MATTERS;
+use crate::diagnose::residuals::quantity::Quantity;
+use crate::diagnose::selection::exact_fit::ExactFit;
+use crate::diagnose::selection::forecast::forecast;
+use crate::diagnose::selection::hypothesis_test::{CONFIDENCE, HypothesisTest};
+use crate::diagnose::selection::stepwise::CHOICE;
+use crate::recording::split::Split;
+use crate::stats::deviation::rms;
+use rayon::prelude::*;
+
+/// Rows along which formulas are sought: what takes 2 % of the squares of so many is told from chance among thousands of terms.
+const ENOUGH: usize = 1200;
+
+/// Of so many variables every shape and every product of two is tried.
+const FEW: usize = 4;
+
+/// A model of which formulas are sought.
+#[derive(Clone, Copy)]
+pub struct Seeking<'a> {
+    /// The rows that fit and choose.
+    pub context: &'a Context<'a>,
+    /// The model without a formula, with what it leaves on these rows.
+    pub model: &'a ModelFit,
+    /// Of each function of a smooth correction, the foremost first, what it says that the misfit is a function of.
+    pub variables: &'a [Vec<Quantity>],
+}
+
+/// A formula with the fit of the model that has it.
+pub struct FittedFormula {
+    formula: Formula,
+    /// The formula as the last of the hypotheses of the model.
+    pub hypothesis: Hypothesis,
+    /// The model.
+    pub fit: ModelFit,
+    /// Its friction drives the joint along part of the fitted recordings.
+    pub drives: bool,
+}
+
+impl FittedFormula {
+    /// The formula with the values of its fit.
+    pub fn formula(&self) -> Formula {
+        self.formula.with_values(&|name| {
+            let index = self.fit.model.position(&self.formula.full_name(name))?;
+            Some(self.fit.values[index])
+        })
+    }
+
+    /// It, if each of its terms is of the motion of another joint too.
+    pub fn of_others(self) -> Option<Self> {
+        self.formula.is_of_others().then_some(self)
+    }
+}
+
+/// The formulas of a channel, fitted.
+pub struct Fitted {
+    /// Those that are possible.
+    pub all: Vec<FittedFormula>,
+    /// Number of the terms that they were made of.
+    pub tried: usize,
+}
+
+impl Seeking<'_> {
+    /// The foremost formulas of a channel, each fitted with all parameters of the model; those that are possible.
+    pub fn fitted(&self, channel: usize) -> Option<Fitted> {
+        let context = self.context;
+        let train = context.recordings(Split::Train);
+        let count: usize = train.iter().map(|r| r.counting().count()).sum();
+        let linearised = Linearised::of_every((count / ENOUGH).max(1), context, self.model);
+        let place = Place {
+            channel,
+            recordings: linearised.recordings(),
+            deviation: self.model.deviations()[channel],
+        };
+        let rows = FittedRows::of(context, self.model, &place)?;
+        let is_known = |quantity: &Quantity| !rows.series(*quantity).is_empty();
+        let mut sets: Vec<Option<Vec<Quantity>>> = few_of(self.variables, &is_known);
+        if sets.is_empty() {
+            sets.push(None);
+        }
+        let mut tried = 0;
+        let mut all = Vec::new();
+        for few in sets {
+            let grammar = Grammar::of(&rows, few.as_deref());
+            let misfit = Misfit::of(linearised.linear(), channel, &rows, &grammar);
+            let found = search::formulas(&misfit, &|| context.control.is_interrupted());
+            let model = &self.model.model;
+            let formulas = found.par_iter().filter_map(|solved| {
+                let formula = Formula::of(solved, &grammar, model, rows.joint);
+                self.fit(channel, formula)
+            });
+            all.extend(formulas.collect::<Vec<FittedFormula>>());
+            tried += grammar.terms.len();
+        }
+        Some(Fitted { all, tried })
+    }
+
+    /// A formula of a channel beside what the model has already; `None` where it cannot be fitted or is not possible.
+    pub fn fit(&self, channel: usize, formula: Formula) -> Option<FittedFormula> {
+        let context = self.context;
+        let hypothesis = Hypothesis {
+            effect: user_law::effect(&formula.text()).ok()?,
+            joints: vec![formula.joint],
+            other: None,
+        };
+        let values = formula
+            .parameters()
+            .map(|p| (formula.full_name(&p.name), p.value));
+        let start: Start = values.collect();
+        let mut hypotheses = self.model.hypotheses.clone();
+        hypotheses.push(hypothesis.clone());
+        let from = self.model.warm_start().with(&start);
+        // A formula that cannot be fitted is none.
+        let fit = fit_model(context, &hypotheses, &from).ok()?;
+        let candidate = Candidate {
+            hypothesis: hypothesis.clone(),
+            gain: 0.0,
+            start,
+            others: Vec::new(),
+            anew: Vec::new(),
+        };
+        let exact = ExactFit {
+            context,
+            before: self.model,
+            candidate: &candidate,
+        };
+        exact.is_possible(&fit).then(|| FittedFormula {
+            drives: formula.has_friction() && !dissipation::brakes(context, &fit, channel),
+            formula,
+            hypothesis,
+            fit,
+        })
+    }
+
+    /// Of the formulas that the rows which choose want, the one of the least charged error, or one that is not significantly
+    /// worse, or not by what matters: one that drives no joint, and of these one with fewer parameters.
+    pub fn chosen(&self, channel: usize, all: &[FittedFormula]) -> Option<usize> {
+        let context = self.context;
+        let is_wanted = |k: &usize| {
+            let FittedFormula {
+                hypothesis, fit, ..
+            } = &all[*k];
+            let test = HypothesisTest::of(context, self.model, fit.clone(), hypothesis.clone());
+            test.corrected_for(all.len()).is_needed(CHOICE)
+        };
+        let wanted: Vec<usize> = (0..all.len()).filter(is_wanted).collect();
+        let parameters = |k: usize| all[k].formula.parameters().count();
+        let charged = |k: usize| {
+            let fit = &all[k].fit;
+            let rows = fit.validation[channel].len().max(1) as f64;
+            fit.held_out_score() + parameters(k) as f64 * rows.ln()
+        };
+        let best = *wanted
+            .iter()
+            .min_by(|&&a, &&b| charged(a).total_cmp(&charged(b)))?;
+        let is_as_good = |k: &usize| {
+            let pair = FitPair {
+                poorer: &all[*k].fit,
+                richer: &all[best].fit,
+            };
+            let error = |fit: &ModelFit| rms(&fit.validation[channel]);
+            let excess = error(pair.poorer) / error(pair.richer) - 1.0;
+            *k == best || excess <= MATTERS || forecast(context, pair).p_value > 1.0 - CONFIDENCE
+        };
+        let as_good = wanted.iter().copied().filter(is_as_good);
+        as_good.min_by(|&a, &b| {
+            let of = |k: usize| (all[k].drives, parameters(k));
+            of(a).cmp(&of(b)).then(charged(a).total_cmp(&charged(b)))
+        })
+    }
+}
+
+/// Variables of the first function of a smooth correction, of the first two, and so on, for as long as they are few.
+fn few_of(
+    functions: &[Vec<Quantity>],
+    is_known: &dyn Fn(&Quantity) -> bool,
+) -> Vec<Option<Vec<Quantity>>> {
+    let mut sets = Vec::new();
+    let mut known: Vec<Quantity> = Vec::new();
+    for of_function in functions {
+        let before = known.len();
+        for quantity in of_function.iter().filter(|quantity| is_known(quantity)) {
+            if !known.contains(quantity) {
+                known.push(*quantity);
+            }
+        }
+        if known.len() > FEW {
+            break;
+        }
+        if known.len() > before {
+            sets.push(Some(known.clone()));
+        }
+    }
+    sets
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Quantity::{Load, OtherVelocity, Position, Velocity};
+
+    /// Variables add up, function after function, for as long as they are few; what a formula cannot have is left out.
+    #[test]
+    fn formulas_have_the_variables_of_the_foremost_functions() {
+        let functions = [
+            vec![Position, OtherVelocity(2)],
+            vec![OtherVelocity(2), OtherVelocity(7)],
+            vec![Velocity, Load],
+            vec![OtherVelocity(1)],
+        ];
+        let is_known = |quantity: &Quantity| *quantity != OtherVelocity(7);
+        let first = vec![Position, OtherVelocity(2)];
+        let second = [&first[..], &[Velocity, Load]].concat();
+        let found = few_of(&functions, &is_known);
+        assert_eq!(found, [Some(first), Some(second)]);
+        assert!(few_of(&[], &is_known).is_empty());
+        assert!(few_of(&[vec![OtherVelocity(7)]], &is_known).is_empty());
+    }
+}
