@@ -442,6 +442,13 @@ mod tests {
             assert!(low < high && [low, high].iter().all(|r| r.abs() <= 8.0 / range));
         }
         let inside = grammar.inside(quantity);
+        let middle = 0.5 * (inside[0] + inside[1]);
+        let is_inside = |share: f64, centre: f64| {
+            grammar.is_inside(&plain(Shape::Bump, share * range).about(centre))
+        };
+        assert!(is_inside(0.1, middle));
+        assert!(!is_inside(0.0201, middle) && !is_inside(1.999, middle));
+        assert!(!is_inside(0.1, inside[0]) && !is_inside(0.1, inside[1]));
         for centre in inside {
             let [low, high] = grammar.around_centre(&plain(Shape::Bump, 0.1).about(centre));
             assert!(low < high && low >= inside[0] && high <= inside[1]);

@@ -136,3 +136,22 @@ pub fn of_rows(
         },
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::random::{generator, symmetric};
+
+    /// A wave of a hundred rows changes little from one to the next.
+    #[test]
+    fn what_follows_a_motion_is_no_noise_unless_something_knows_it_to_be() {
+        let mut rng = generator(3);
+        let mut noise = || -> Vec<f64> { (0..2000).map(|_| symmetric(&mut rng, 1.0)).collect() };
+        let white = noise();
+        let wave = |(k, e): (usize, f64)| e + 2.0 * (0.0628 * k as f64).sin();
+        let slow: Vec<f64> = noise().into_iter().enumerate().map(wave).collect();
+        assert!(is_noise(&white, 0.0));
+        assert!(!is_noise(&slow, 0.0));
+        assert!(is_noise(&slow, rms(&slow)));
+    }
+}
