@@ -25,8 +25,8 @@ use crate::diagnose::residuals::quantity::Quantity;
 use crate::diagnose::selection::rival_models::{IN_DOUBT, RivalComparison};
 use crate::stats::deviation::rms;
 
-/// The first finding of a model that is superfluous beside a smooth correction or a formula, if there is one, where such a correction is
-/// needed beside the model at `significance`.
+/// The first finding of a model in whose place a smooth correction or a formula leaves hardly more, if there is one; asked of channels
+/// for which a correction is needed beside the model at `significance`, or of which more than noise is left.
 pub fn first(
     context: &Context<'_>,
     full: &ModelFit,

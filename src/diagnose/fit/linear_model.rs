@@ -77,7 +77,7 @@ impl LinearModel {
     fn step(&mut self, of_known: &DVector<f64>) {
         let own = (0..self.residual.len()).map(|c| self.against_columns(c, &self.residual[c]));
         let gradient = own.fold(self.known.tr_mul(of_known), |sum, own| sum + own);
-        let step = -(&self.inverse * self.inverse.tr_mul(&gradient));
+        let step = -self.step_of(&self.project_one(&gradient));
         for (residual, columns) in self.residual.iter_mut().zip(&self.columns) {
             for (column, step) in columns.iter().zip(step.iter()) {
                 let rows = column.iter().flatten().zip(residual.iter_mut());

@@ -108,11 +108,7 @@ impl Factor {
 
     /// Whether x₀ is its own parameter: speeds and loads have their zero.
     pub fn has_centre(&self) -> bool {
-        let is_place = matches!(
-            self.quantity,
-            Quantity::Position | Quantity::OtherPosition(_)
-        );
-        is_place && matches!(self.shape, Shape::Saturation | Shape::Bump)
+        self.quantity.is_position() && matches!(self.shape, Shape::Saturation | Shape::Bump)
     }
 
     /// The same function of the same variable, whatever its parameter.

@@ -346,11 +346,11 @@ fn shapes(quantity: Quantity, rows: &FittedRows) -> Vec<Factor> {
     all.extend([Shape::Magnitude, Shape::SignedSquare].map(plain));
     let rate = 1.0 / extent.range();
     all.extend(RATES.map(|of| plain(Shape::Exponential).with_inner(of * rate)));
-    let centres = match quantity {
-        Quantity::Position | Quantity::OtherPosition(_) => MIDDLES
+    let centres = match quantity.is_position() {
+        true => MIDDLES
             .map(|share| extent.least + share * extent.range())
             .to_vec(),
-        _ => vec![0.0],
+        false => vec![0.0],
     };
     for centre in centres {
         for width in WIDTHS {
@@ -362,7 +362,7 @@ fn shapes(quantity: Quantity, rows: &FittedRows) -> Vec<Factor> {
             all.extend([Shape::Saturation, Shape::Bump].map(of));
         }
     }
-    if matches!(quantity, Quantity::Position | Quantity::OtherPosition(_)) {
+    if quantity.is_position() {
         let middle = 0.5 * (extent.least + extent.greatest);
         all.push(plain(Shape::Shifted).with_inner(middle));
     }

@@ -18,6 +18,7 @@ use crate::outcome::parameter::Parameter;
 use crate::recording::split::Split;
 use crate::stats::deviation::rms;
 use crate::stats::encompassing::{Encompassing, Known, ResidualPair};
+
 /// What formulas are sought for.
 pub struct Proposing<'a> {
     pub contexts: &'a Contexts<'a>,

@@ -18,11 +18,16 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Whether it is of another joint.
+    /// The other joint that it is of.
     pub fn other(self) -> Option<usize> {
         match self {
             Self::OtherPosition(joint) | Self::OtherVelocity(joint) => Some(joint),
             _ => None,
         }
+    }
+
+    /// Whether it is a position, of whatever joint.
+    pub fn is_position(self) -> bool {
+        matches!(self, Self::Position | Self::OtherPosition(_))
     }
 }
