@@ -1,4 +1,4 @@
-//! The task behind `exid diagnose`: from a problem file to findings.
+//! The task behind `exid diagnose`: from a robot, what its model is made of, and recordings to findings.
 
 use crate::chain::dataset::Dataset;
 use crate::chain::model::Model;
@@ -6,6 +6,7 @@ use crate::chain::transition_limits::TransitionLimits;
 use crate::diagnose::conclusion::explanation::{Explaining, Explanation};
 use crate::diagnose::conclusion::last_selection::LastSelection;
 use crate::diagnose::error::DiagnoseError;
+use crate::diagnose::findings::next_experiment::Discrimination;
 use crate::diagnose::findings::report::{Nameless, Reported, Reporting};
 use crate::diagnose::fit::context::is_in_time;
 use crate::diagnose::fit::contexts::{Contexts, HeldOutHalves};
@@ -31,9 +32,10 @@ use crate::outcome::fit::Fit;
 use crate::outcome::sharing::Sharing;
 use crate::problem::defect::{Defect, guarded};
 use crate::problem::solution::Control;
-use crate::problem_file::ProblemFile;
 use crate::problem_file::diagnose::SoughtEffects;
+use crate::problem_file::{DiagnoseTable, ProblemFile, RecordingsTable};
 use crate::setup;
+use crate::setup::error::SetupError;
 use crate::setup::model_spec::{ModelSpec, ModelWithPrior};
 use crate::setup::robot::Robot;
 use nalgebra::DVector;
@@ -63,6 +65,8 @@ pub struct DiagnoseRun {
     pub ambiguities: Vec<Ambiguity>,
     /// What takes the place of what has no name.
     pub nameless: Nameless,
+    /// Models that these recordings do not tell apart, to be told apart by others.
+    pub rivals: Option<Discrimination>,
     /// What ended the search, where the rest is what was found before it.
     pub defect: Option<Defect>,
 }
@@ -81,58 +85,108 @@ impl DiagnoseRun {
     }
 }
 
-/// Runs a diagnosis, of the simulator first where there are recordings of it; `on_stage` hears of every stage.
+/// Runs the diagnosis of a problem file; `on_stage` hears of every stage. What cannot be told apart gets a problem file for the
+/// experiment that would.
+///
+/// # Errors
+/// Faults of the file and of those that it names, and as [`DiagnoseTask::run`].
 pub fn run(
     problem: &ProblemFile,
     control: &Control<'_>,
     on_stage: &(dyn Fn(Stage) + Sync),
 ) -> Result<DiagnoseRun, DiagnoseError> {
-    let simulated = match problem.of_simulator() {
-        Some(simulator) => {
-            on_stage(Stage::Simulator);
-            // Its steps are not those of the robot.
-            Some(run(&simulator, control, &|_| {})?)
-        }
-        None => None,
+    let robot = setup::robot::open(problem)?;
+    let declared = ModelSpec::of(problem, &robot)?;
+    let task = DiagnoseTask {
+        robot: &robot,
+        declared: &declared,
+        recordings: problem.recordings().map_err(SetupError::from)?,
+        settings: &problem.diagnose,
     };
-    let mut found = of_robot(problem, control, on_stage)?;
-    found.diagnosis.simulator =
-        simulated.map(|simulated| simulator::compare(&simulated.side(), &found.side()));
+    let mut found = task.run(control, on_stage)?;
+    let next = found.rivals.as_ref();
+    found.diagnosis.next_experiment = next.and_then(|rivals| rivals.experiment(problem));
     Ok(found)
+}
+
+/// A model, the recordings that it is held against, and what is looked for.
+#[derive(Debug, Clone, Copy)]
+pub struct DiagnoseTask<'a> {
+    /// The robot that the recordings are of.
+    pub robot: &'a Robot,
+    /// What its model is made of.
+    pub declared: &'a ModelSpec,
+    /// Those that are fitted and those that are held out, and those of a simulator.
+    pub recordings: &'a RecordingsTable,
+    /// What is looked for, and how sure a finding has to be.
+    pub settings: &'a DiagnoseTable,
+}
+
+impl DiagnoseTask<'_> {
+    /// Runs the diagnosis, of the simulator first where there are recordings of it; `on_stage` hears of every stage.
+    ///
+    /// # Errors
+    /// Recordings that cannot be read; a declared model that they do not determine; a defect before anything was found.
+    pub fn run(
+        &self,
+        control: &Control<'_>,
+        on_stage: &(dyn Fn(Stage) + Sync),
+    ) -> Result<DiagnoseRun, DiagnoseError> {
+        let simulated = match self.recordings.of_simulator() {
+            Some(recordings) => {
+                on_stage(Stage::Simulator);
+                let simulator = DiagnoseTask {
+                    recordings: &recordings,
+                    ..*self
+                };
+                // Its steps are not those of the robot.
+                Some(of_robot(simulator, control, &|_| {})?)
+            }
+            None => None,
+        };
+        let mut found = of_robot(*self, control, on_stage)?;
+        found.diagnosis.simulator =
+            simulated.map(|simulated| simulator::compare(&simulated.side(), &found.side()));
+        Ok(found)
+    }
 }
 
 /// The diagnosis of the robot itself.
 fn of_robot(
-    problem: &ProblemFile,
+    task: DiagnoseTask<'_>,
     control: &Control<'_>,
     on_stage: &(dyn Fn(Stage) + Sync),
 ) -> Result<DiagnoseRun, DiagnoseError> {
+    let DiagnoseTask {
+        robot,
+        declared: asked,
+        recordings,
+        settings,
+    } = task;
     on_stage(Stage::Reading);
-    let robot = setup::robot::open(problem)?;
-    let asked = ModelSpec::of(problem, &robot)?;
     // A motor that is taken for the like of another would look like missing physics: every joint is searched by itself.
     let separated = asked.separated();
     let ModelWithPrior { model, prior } = separated.build()?;
     let preparing = Preparing {
-        problem,
-        robot: &robot,
+        recordings,
+        robot,
         model: &model,
         prior: &prior,
         control,
     };
     let prepared = preparing.prepared()?;
-    let sought = sought(problem);
+    let sought = sought(settings);
     let rules = Rules {
         sought: sought.as_deref(),
-        significance: problem.diagnose.significance.value,
+        significance: settings.significance.value,
     };
     let mut recorded = Recorded::of(prepared.clone());
     let mut motions = 1;
     let (found, defect, limits) = loop {
         on_stage(Stage::Fitting);
         let search = Search {
-            problem,
-            robot: &robot,
+            recordings,
+            robot,
             declared: &separated,
             rules,
             held_out: recorded.held_out,
@@ -160,8 +214,8 @@ fn of_robot(
     let estimated = &reported.diagnosis.outcome.parameters;
     let differences = setup::declared::differences(separated.file_values(), &model, estimated);
     reported.diagnosis.notes.extend(differences);
-    if !problem.drive.shared.is_empty() && defect.is_none() && !control.is_interrupted() {
-        match shared(&asked, &reported, &data, &limits, control) {
+    if asked.has_motors_of_one_type() && defect.is_none() && !control.is_interrupted() {
+        match shared(asked, &reported, &data, &limits, control) {
             Ok(answers) => {
                 reported.fitted.fit.sharing.clone_from(&answers);
                 if let Some(fit) = &mut reported.diagnosis.fit {
@@ -172,9 +226,9 @@ fn of_robot(
         }
     }
     if let Some(fit) = &mut reported.diagnosis.fit {
-        fit.machine = Some(machine(problem, &robot, &reported.fitted));
+        fit.machine = Some(machine(asked, robot, &reported.fitted));
         if robot.mechanism.is_none() {
-            fit.possible_machine = possible_machine(problem, &robot, &reported.fitted);
+            fit.possible_machine = possible_machine(asked, robot, &reported.fitted);
         }
     }
     Ok(DiagnoseRun {
@@ -187,6 +241,7 @@ fn of_robot(
         finally: reported.last,
         ambiguities: reported.ambiguities,
         nameless: reported.nameless,
+        rivals: reported.rivals,
         data,
         prepared,
         defect,
@@ -262,7 +317,7 @@ fn halves(data: Dataset, held_out: bool) -> HeldOutHalves {
 
 /// The search of a diagnosis over prepared recordings.
 struct Search<'a> {
-    problem: &'a ProblemFile,
+    recordings: &'a RecordingsTable,
     robot: &'a Robot,
     declared: &'a ModelSpec,
     rules: Rules<'a>,
@@ -368,7 +423,7 @@ impl Search<'_> {
         }
         let model = found.started();
         let preparing = Preparing {
-            problem: self.problem,
+            recordings: self.recordings,
             robot: self.robot,
             model: &model,
             prior: &found.prior,
@@ -454,14 +509,13 @@ impl Search<'_> {
             contexts: explaining.contexts,
             explanation,
             rules: explaining.rules,
-            problem: self.problem,
         };
         reporting.report()
     }
 }
 
-fn sought(problem: &ProblemFile) -> Option<Vec<String>> {
-    match &problem.diagnose.effects.value {
+fn sought(settings: &DiagnoseTable) -> Option<Vec<String>> {
+    match &settings.effects.value {
         SoughtEffects::All => None,
         SoughtEffects::Listed(ids) => Some(ids.iter().map(|id| id.value.clone()).collect()),
     }

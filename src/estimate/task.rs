@@ -1,4 +1,4 @@
-//! The task behind `exid fit`: from a problem to the reported estimate.
+//! The task behind `exid fit`: from a robot, what its model is made of, and recordings to the reported estimate.
 
 use crate::chain::dataset::Dataset;
 use crate::chain::model::{Model, Signal};
@@ -24,7 +24,7 @@ use crate::outcome::sharing::Sharing;
 use crate::problem::defect::{Defect, guarded};
 use crate::problem::solution::{Control, Stop};
 use crate::problem_file::choices::{LoadFrom, Motion};
-use crate::problem_file::{ProblemFile, choices};
+use crate::problem_file::{FitTable, ProblemFile, RecordingsTable, choices};
 use crate::setup;
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::model_spec::{Addition, ModelSpec, ModelWithPrior};
@@ -87,7 +87,10 @@ impl Step {
     }
 }
 
-/// Runs a fit; `on_step` hears of every step.
+/// Runs the fit of a problem file; `on_step` hears of every step.
+///
+/// # Errors
+/// Faults of the file and of those that it names, and as [`FitTask::run`].
 pub fn run(
     problem: &ProblemFile,
     control: &Control<'_>,
@@ -95,86 +98,209 @@ pub fn run(
 ) -> Result<FitRun, FitError> {
     let robot = setup::robot::open(problem)?;
     let declared = ModelSpec::of(problem, &robot)?;
-    let ModelWithPrior { mut model, prior } = declared.build()?;
-    on_step(Step::Reading);
-    let preparing = Preparing {
-        problem,
+    let task = FitTask {
         robot: &robot,
-        model: &model,
-        prior: &prior,
-        control,
-    };
-    let data = preparing.prepared()?;
-    on_step(Step::Fitting);
-    let settled = TransitionLimits::of(&data).settle(control, |limits| {
-        let mut model = model.clone();
-        model.limit_transitions(limits);
-        search_range::start_within_motion(&mut model, &data);
-        let found = or_before_defect(control, |control| {
-            fitted_by(problem, &model, &data, &prior, control)
-        });
-        found.map(|(fitted, defect)| Attempt { fitted, defect })
-    })?;
-    let SettledFit { fit, limits, wider } = settled;
-    let (mut fitted, mut defect) = (fit.fitted, fit.defect);
-    if let Some(wider) = wider.filter(|wider| wider.fit.defect.is_none()) {
-        let note = unshown_friction::admit(&mut fitted, &wider.fit.fitted, &wider.joints);
-        fitted.fit.notes.extend(note);
-    }
-    model.limit_transitions(&limits);
-    search_range::start_within_motion(&mut model, &data);
-    fitted.fit.preprocessing = preprocessing(&model, &data);
-    fitted.fit.payload = load::describe(&fitted.estimate);
-    fitted.fit.notes.extend(undetermined_load(&fitted.fit));
-    fitted.fit.notes.extend(notes(&model, &data));
-    fitted.fit.notes.extend(misfit(&fitted.estimate.joints));
-    let estimated = &fitted.estimate.parameters;
-    let differences = setup::declared::differences(declared.file_values(), &model, estimated);
-    fitted.fit.notes.extend(differences);
-    if matches!(model.signal(), Signal::BaseWrench | Signal::Both) {
-        let theta_d = reactions::joint_torque_parameters(&fitted.model, &fitted.fit.posterior);
-        fitted.fit.joint_torque_parameters = theta_d;
-    }
-    fitted.fit.machine = Some(machine(problem, &robot, &fitted));
-    if robot.mechanism.is_none() {
-        fitted.fit.possible_machine = possible_machine(problem, &robot, &fitted);
-    }
-    fitted.fit.model = Some(in_full(&fitted.model, &fitted.values));
-    let others = OtherModels {
-        problem,
         declared: &declared,
-        data: &data,
-        limits: &limits,
-        control,
+        recordings: problem.recordings().map_err(SetupError::from)?,
+        settings: &problem.fit,
     };
-    if !problem.fit.compare.is_empty() {
-        on_step(Step::Comparing);
-        let compared = guarded(|| others.compare(&mut fitted));
-        match compared {
-            Ok(compared) => compared?,
-            Err(found) => defect = defect.or(Some(found)),
+    task.run(control, on_step)
+}
+
+/// A model, the recordings that it is fitted to, and how.
+#[derive(Debug, Clone, Copy)]
+pub struct FitTask<'a> {
+    /// The robot that the recordings are of.
+    pub robot: &'a Robot,
+    /// What its model is made of.
+    pub declared: &'a ModelSpec,
+    /// Those that are fitted and those that are held out.
+    pub recordings: &'a RecordingsTable,
+    /// The estimator, limits, priors, and models to compare with.
+    pub settings: &'a FitTable,
+}
+
+impl FitTask<'_> {
+    /// Runs the fit; `on_step` hears of every step.
+    ///
+    /// # Errors
+    /// Recordings that cannot be read; a model that they do not determine; a defect before anything was found.
+    pub fn run(&self, control: &Control<'_>, on_step: impl Fn(Step)) -> Result<FitRun, FitError> {
+        let ModelWithPrior { mut model, prior } = self.declared.build()?;
+        on_step(Step::Reading);
+        let preparing = Preparing {
+            recordings: self.recordings,
+            robot: self.robot,
+            model: &model,
+            prior: &prior,
+            control,
+        };
+        let data = preparing.prepared()?;
+        on_step(Step::Fitting);
+        let settled = TransitionLimits::of(&data).settle(control, |limits| {
+            let mut model = model.clone();
+            model.limit_transitions(limits);
+            search_range::start_within_motion(&mut model, &data);
+            let found = or_before_defect(control, |control| {
+                self.fitted(&model, &data, &prior, control)
+            });
+            found.map(|(fitted, defect)| Attempt { fitted, defect })
+        })?;
+        let SettledFit { fit, limits, wider } = settled;
+        let (mut fitted, mut defect) = (fit.fitted, fit.defect);
+        if let Some(wider) = wider.filter(|wider| wider.fit.defect.is_none()) {
+            let note = unshown_friction::admit(&mut fitted, &wider.fit.fitted, &wider.joints);
+            fitted.fit.notes.extend(note);
+        }
+        model.limit_transitions(&limits);
+        search_range::start_within_motion(&mut model, &data);
+        fitted.fit.preprocessing = preprocessing(&model, &data);
+        fitted.fit.payload = load::describe(&fitted.estimate);
+        fitted.fit.notes.extend(undetermined_load(&fitted.fit));
+        fitted.fit.notes.extend(notes(&model, &data));
+        fitted.fit.notes.extend(misfit(&fitted.estimate.joints));
+        let estimated = &fitted.estimate.parameters;
+        let differences =
+            setup::declared::differences(self.declared.file_values(), &model, estimated);
+        fitted.fit.notes.extend(differences);
+        if matches!(model.signal(), Signal::BaseWrench | Signal::Both) {
+            let theta_d = reactions::joint_torque_parameters(&fitted.model, &fitted.fit.posterior);
+            fitted.fit.joint_torque_parameters = theta_d;
+        }
+        fitted.fit.machine = Some(machine(self.declared, self.robot, &fitted));
+        if self.robot.mechanism.is_none() {
+            fitted.fit.possible_machine = possible_machine(self.declared, self.robot, &fitted);
+        }
+        fitted.fit.model = Some(in_full(&fitted.model, &fitted.values));
+        let others = OtherModels {
+            task: *self,
+            data: &data,
+            limits: &limits,
+            control,
+        };
+        if !self.settings.compare.is_empty() {
+            on_step(Step::Comparing);
+            let compared = guarded(|| others.compare(&mut fitted));
+            match compared {
+                Ok(compared) => compared?,
+                Err(found) => defect = defect.or(Some(found)),
+            }
+        }
+        if self.declared.has_motors_of_one_type() && defect.is_none() && !control.is_interrupted() {
+            on_step(Step::Sharing);
+            match guarded(|| others.shared(&fitted)) {
+                Ok(Ok(answers)) => fitted.fit.sharing = answers,
+                Ok(Err(error)) => fitted.fit.notes.push(sharing::unanswered(&error)),
+                Err(found) => defect = Some(found),
+            }
+        }
+        if let Some(defect) = &defect {
+            stopped(&mut fitted.estimate, Stop::Defect);
+            let note = format!("{ENDED_BY_DEFECT} ({defect}).");
+            fitted.fit.notes.insert(0, note);
+        } else if control.is_interrupted() {
+            stopped(&mut fitted.estimate, Stop::Interrupted);
+        }
+        Ok(FitRun {
+            fitted,
+            data,
+            defect,
+        })
+    }
+
+    /// Fits by the estimator, a load as the settings have it.
+    fn fitted(
+        &self,
+        model: &Model,
+        data: &Dataset,
+        prior: &Prior,
+        control: &Control<'_>,
+    ) -> Result<Fitted, FitError> {
+        let fitted = match self.settings.load.value {
+            LoadFrom::Together => self.estimate(model, data, prior, control)?,
+            LoadFrom::Difference => self.by_difference(model, data, prior, control)?,
+        };
+        fitted.map_err(|error| self.failed(error))
+    }
+
+    fn failed(&self, error: EstimateError) -> FitError {
+        let file = &self.settings.estimator.place.file;
+        FitError::Estimate {
+            place: Place::file(file).key("fit").to_string(),
+            error: Box::new(error),
         }
     }
-    if !problem.drive.shared.is_empty() && defect.is_none() && !control.is_interrupted() {
-        on_step(Step::Sharing);
-        match guarded(|| others.shared(&fitted)) {
-            Ok(Ok(answers)) => fitted.fit.sharing = answers,
-            Ok(Err(error)) => fitted.fit.notes.push(sharing::unanswered(&error)),
-            Err(found) => defect = Some(found),
-        }
+
+    /// Fits by the estimator.
+    fn estimate(
+        &self,
+        model: &Model,
+        data: &Dataset,
+        prior: &Prior,
+        control: &Control<'_>,
+    ) -> Result<Result<Fitted, EstimateError>, SetupError> {
+        let plain = |estimator| Ok(fit(model, data, estimator, prior, control));
+        let form = match self.settings.estimator.value {
+            choices::Estimator::OrdinaryLeastSquares => return plain(Estimator::Ordinary),
+            choices::Estimator::WeightedLeastSquares => return plain(Estimator::Weighted),
+            choices::Estimator::IterativelyReweightedLeastSquares => {
+                return plain(Estimator::Robust);
+            }
+            choices::Estimator::MaximumLikelihood
+                if self.settings.motion.value == Motion::Noisy =>
+            {
+                return Ok(errors_in_variables::fit::fit(model, data, prior, control));
+            }
+            choices::Estimator::MaximumLikelihood => return plain(Estimator::MaximumLikelihood),
+            choices::Estimator::Feasible => Form::Weighted,
+            choices::Estimator::FeasibleMaximumLikelihood => Form::MaximumLikelihood,
+            choices::Estimator::ConstantVelocity => {
+                return Err(SetupError::mismatch(
+                    &self.settings.estimator.place,
+                    Mismatch::NotYet {
+                        what: "the estimator `constant_velocity`".to_string(),
+                        instead: "it has a task of its own, over steady parts of the recordings"
+                            .to_string(),
+                    },
+                ));
+            }
+        };
+        let chosen = &self.settings.prior;
+        let settings = feasible::Settings {
+            form,
+            by: self.settings.feasible_by.value,
+            prior: chosen
+                .kind
+                .as_ref()
+                .map(|kind| (kind.value, chosen.strength.value)),
+            limits: setup::combined_limits::build(self.settings, model)?,
+        };
+        Ok(feasible::fit(model, data, prior, &settings, control))
     }
-    if let Some(defect) = &defect {
-        stopped(&mut fitted.estimate, Stop::Defect);
-        let note = format!("{ENDED_BY_DEFECT} ({defect}).");
-        fitted.fit.notes.insert(0, note);
-    } else if control.is_interrupted() {
-        stopped(&mut fitted.estimate, Stop::Interrupted);
+
+    /// Fits the recordings without the load, then the load on top.
+    fn by_difference(
+        &self,
+        model: &Model,
+        data: &Dataset,
+        prior: &Prior,
+        control: &Control<'_>,
+    ) -> Result<Result<Fitted, EstimateError>, SetupError> {
+        let unloaded = match load_by_difference::without_load(model, data) {
+            Ok(unloaded) => unloaded,
+            Err(error) => return Ok(Err(error)),
+        };
+        let estimator = match self.settings.estimator.value {
+            choices::Estimator::OrdinaryLeastSquares => Estimator::Ordinary,
+            choices::Estimator::WeightedLeastSquares | choices::Estimator::Feasible => {
+                Estimator::Weighted
+            }
+            choices::Estimator::IterativelyReweightedLeastSquares => Estimator::Robust,
+            _ => Estimator::MaximumLikelihood,
+        };
+        let first = self.estimate(model, &unloaded, prior, control)?;
+        Ok(first.and_then(|first| load_by_difference::second(first, data, estimator, control)))
     }
-    Ok(FitRun {
-        fitted,
-        data,
-        defect,
-    })
 }
 
 /// A fit, or where it would have begun and the defect that ended it.
@@ -224,8 +350,7 @@ const THIS_FIT: &str = "this fit";
 
 /// Models that are fitted beside that of the problem.
 struct OtherModels<'a> {
-    problem: &'a ProblemFile,
-    declared: &'a ModelSpec,
+    task: FitTask<'a>,
     data: &'a Dataset,
     limits: &'a TransitionLimits,
     control: &'a Control<'a>,
@@ -234,23 +359,24 @@ struct OtherModels<'a> {
 impl OtherModels<'_> {
     /// Fits the models to compare with and sets them side by side.
     fn compare(&self, fitted: &mut Fitted) -> Result<(), FitError> {
-        let (problem, data) = (self.problem, self.data);
+        let (task, data) = (self.task, self.data);
         let mut others = Vec::new();
-        let count = self.control.counting(problem.fit.compare.len());
-        for compared in &problem.fit.compare {
+        let count = self.control.counting(task.settings.compare.len());
+        for compared in &task.settings.compare {
             if self.control.is_interrupted() {
                 break;
             }
             let effects = &compared.effects.value;
-            let built = self.declared.compared(effects).build()?;
+            let built = task.declared.compared(effects).build()?;
             let ModelWithPrior {
                 model: mut other,
                 prior,
             } = built;
             other.limit_transitions(self.limits);
             search_range::start_within_motion(&mut other, data);
-            let result = estimate(problem, &other, data, &prior, self.control)?
-                .map_err(|error| failed(problem, error))?;
+            let result = task
+                .estimate(&other, data, &prior, self.control)?
+                .map_err(|error| task.failed(error))?;
             fitted.fit.comparison.push(Comparison {
                 name: compared.name.value.clone(),
                 effects: effects.iter().map(|e| e.value.clone()).collect(),
@@ -281,36 +407,14 @@ impl OtherModels<'_> {
     /// Asks whether joints with motors of one type have parameters in common.
     fn shared(&self, fitted: &Fitted) -> Result<Vec<Sharing>, FitError> {
         let question = Question {
-            declared: self.declared,
+            declared: self.task.declared,
             addition: &Addition::default(),
             data: self.data,
             limits: self.limits,
         };
         question.answers(fitted, &|model, prior| {
-            fitted_by(self.problem, model, self.data, prior, self.control)
+            self.task.fitted(model, self.data, prior, self.control)
         })
-    }
-}
-
-/// Fits by the estimator of the problem file, a load as it says.
-fn fitted_by(
-    problem: &ProblemFile,
-    model: &Model,
-    data: &Dataset,
-    prior: &Prior,
-    control: &Control<'_>,
-) -> Result<Fitted, FitError> {
-    let fitted = match problem.fit.load.value {
-        LoadFrom::Together => estimate(problem, model, data, prior, control)?,
-        LoadFrom::Difference => by_difference(problem, model, data, prior, control)?,
-    };
-    fitted.map_err(|error| failed(problem, error))
-}
-
-fn failed(problem: &ProblemFile, error: EstimateError) -> FitError {
-    FitError::Estimate {
-        place: Place::file(&problem.path).key("fit").to_string(),
-        error: Box::new(error),
     }
 }
 
@@ -323,7 +427,7 @@ fn stopped(estimate: &mut Estimate, stop: Stop) {
 }
 
 /// The identified robot, with the bodies of the realization where there is one.
-pub fn machine(problem: &ProblemFile, robot: &Robot, fitted: &Fitted) -> Machine {
+pub fn machine(declared: &ModelSpec, robot: &Robot, fitted: &Fitted) -> Machine {
     let mut values = fitted.values.clone();
     for realized in &fitted.fit.realization {
         if let Some(position) = fitted.model.position(&realized.name) {
@@ -331,11 +435,11 @@ pub fn machine(problem: &ProblemFile, robot: &Robot, fitted: &Fitted) -> Machine
         }
     }
     let feasible = fitted.fit.feasible;
-    setup::machine::record(problem, robot, &fitted.model, &values, feasible)
+    setup::machine::record(declared, robot, &fitted.model, &values, feasible)
 }
 
 /// The nearest possible robot, where that of the realization is none.
-pub fn possible_machine(problem: &ProblemFile, robot: &Robot, fitted: &Fitted) -> Option<Machine> {
+pub fn possible_machine(declared: &ModelSpec, robot: &Robot, fitted: &Fitted) -> Option<Machine> {
     let mut values = fitted.values.clone();
     for realized in &fitted.fit.nearest {
         if let Some(position) = fitted.model.position(&realized.name) {
@@ -343,72 +447,5 @@ pub fn possible_machine(problem: &ProblemFile, robot: &Robot, fitted: &Fitted) -
         }
     }
     let has_one = !fitted.fit.nearest.is_empty();
-    has_one.then(|| setup::machine::record(problem, robot, &fitted.model, &values, Some(true)))
-}
-
-/// Fits by the estimator of the problem file.
-fn estimate(
-    problem: &ProblemFile,
-    model: &Model,
-    data: &Dataset,
-    prior: &Prior,
-    control: &Control<'_>,
-) -> Result<Result<Fitted, EstimateError>, SetupError> {
-    let plain = |estimator| Ok(fit(model, data, estimator, prior, control));
-    let form = match problem.fit.estimator.value {
-        choices::Estimator::OrdinaryLeastSquares => return plain(Estimator::Ordinary),
-        choices::Estimator::WeightedLeastSquares => return plain(Estimator::Weighted),
-        choices::Estimator::IterativelyReweightedLeastSquares => return plain(Estimator::Robust),
-        choices::Estimator::MaximumLikelihood if problem.fit.motion.value == Motion::Noisy => {
-            return Ok(errors_in_variables::fit::fit(model, data, prior, control));
-        }
-        choices::Estimator::MaximumLikelihood => return plain(Estimator::MaximumLikelihood),
-        choices::Estimator::Feasible => Form::Weighted,
-        choices::Estimator::FeasibleMaximumLikelihood => Form::MaximumLikelihood,
-        choices::Estimator::ConstantVelocity => {
-            return Err(SetupError::mismatch(
-                &problem.fit.estimator.place,
-                Mismatch::NotYet {
-                    what: "the estimator `constant_velocity`".to_string(),
-                    instead: "it has a task of its own, over steady parts of the recordings"
-                        .to_string(),
-                },
-            ));
-        }
-    };
-    let chosen = &problem.fit.prior;
-    let settings = feasible::Settings {
-        form,
-        by: problem.fit.feasible_by.value,
-        prior: chosen
-            .kind
-            .as_ref()
-            .map(|kind| (kind.value, chosen.strength.value)),
-        limits: setup::combined_limits::build(problem, model)?,
-    };
-    Ok(feasible::fit(model, data, prior, &settings, control))
-}
-
-/// Fits the recordings without the load, then the load on top.
-fn by_difference(
-    problem: &ProblemFile,
-    model: &Model,
-    data: &Dataset,
-    prior: &Prior,
-    control: &Control<'_>,
-) -> Result<Result<Fitted, EstimateError>, SetupError> {
-    let unloaded = match load_by_difference::without_load(model, data) {
-        Ok(unloaded) => unloaded,
-        Err(error) => return Ok(Err(error)),
-    };
-    let estimator = match problem.fit.estimator.value {
-        choices::Estimator::OrdinaryLeastSquares => Estimator::Ordinary,
-        choices::Estimator::WeightedLeastSquares | choices::Estimator::Feasible => {
-            Estimator::Weighted
-        }
-        choices::Estimator::IterativelyReweightedLeastSquares => Estimator::Robust,
-        _ => Estimator::MaximumLikelihood,
-    };
-    let first = estimate(problem, model, &unloaded, prior, control)?;
-    Ok(first.and_then(|first| load_by_difference::second(first, data, estimator, control)))
+    has_one.then(|| setup::machine::record(declared, robot, &fitted.model, &values, Some(true)))
 }

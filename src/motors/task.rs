@@ -56,7 +56,7 @@ pub fn run(problem: &ProblemFile) -> Result<MotorRun, MotorsError> {
         ..Steadiness::default()
     };
     let mut recordings = Vec::new();
-    for ReadRecording { named, recording } in read_all(problem, &robot)? {
+    for ReadRecording { named, recording } in read_all(table, &robot)? {
         let parameters = link_parameters(problem, &model, named.loaded)?;
         let mut steady = steady_parts(&recording, table, &robot, &parameters, &rule)?;
         steady.name = named.path.written.clone();

@@ -320,7 +320,7 @@ impl RecordingsTable {
 
     /// The same table for the simulator in the place of the robot; `None` without recordings of it. They have time stamps, by
     /// which the rate is theirs.
-    pub(super) fn of_simulator(&self) -> Option<Self> {
+    pub fn of_simulator(&self) -> Option<Self> {
         let has_any = !self.simulated.is_empty();
         has_any.then(|| Self {
             train: self.simulated.clone(),

@@ -37,6 +37,7 @@ use crate::rollout::summary::Summary;
 pub use crate::rollout::task::{RolloutRun, Task};
 pub use crate::rollout::window::{Window, WindowJoint, table};
 use crate::setup;
+use crate::setup::error::SetupError;
 use crate::setup::model_spec::ModelSpec;
 
 /// Rolls the models of a result out; `on_step` hears of every step.
@@ -55,7 +56,7 @@ pub fn run(
     on_step("reading and differentiating the recordings");
     let declared = ModelSpec::of(problem, &robot)?.build()?;
     let preparing = Preparing {
-        problem,
+        recordings: problem.recordings().map_err(SetupError::from)?,
         robot: &robot,
         model: &declared.model,
         prior: &declared.prior,

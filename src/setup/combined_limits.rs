@@ -2,7 +2,7 @@
 //! which is linear in mass and first moment: `lower·m <= m c <= upper·m`.
 
 use crate::chain::model::Model;
-use crate::problem_file::ProblemFile;
+use crate::problem_file::FitTable;
 use crate::robot::inertia::PER_LINK;
 use crate::setup::error::SetupError;
 use crate::setup::known::resolve;
@@ -21,10 +21,10 @@ pub struct Limit {
     pub constant: f64,
 }
 
-/// The limits of a problem file that are not bounds of single parameters.
-pub fn build(problem: &ProblemFile, model: &Model) -> Result<Vec<Limit>, SetupError> {
+/// The limits of a fit that are not bounds of single parameters.
+pub fn build(settings: &FitTable, model: &Model) -> Result<Vec<Limit>, SetupError> {
     let mut limits = Vec::new();
-    for entry in &problem.fit.bounds {
+    for entry in &settings.bounds {
         let reference = resolve(model, &entry.name, &entry.value.place)?;
         if let Reference::Body(first, BodyQuantity::Centre(axis)) = reference {
             let interval = entry.value.value;
@@ -43,7 +43,7 @@ pub fn build(problem: &ProblemFile, model: &Model) -> Result<Vec<Limit>, SetupEr
             }
         }
     }
-    if let Some(total) = &problem.fit.total_mass {
+    if let Some(total) = &settings.total_mass {
         let interval = total.value;
         for (sign, side, word) in [
             (1.0, interval.lower, "lower"),

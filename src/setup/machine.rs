@@ -8,15 +8,14 @@ use crate::outcome::machine::{
     Machine, MachineAnchor, MachineController, MachineEffect, MachineFrame, MachineJoint,
     MachineLeader, MachineLoad, MachineLoop, MachineValue, Pose, RobotDescription,
 };
-use crate::problem_file::ProblemFile;
-use crate::problem_file::robot::PayloadPlace;
 use crate::robot::inertia::PER_LINK;
+use crate::setup::model_spec::ModelSpec;
 use crate::setup::robot::Robot;
 use nalgebra::DVector;
 
 /// The robot of a model at parameter `values`; bodies are those of `values`, whether possible or not.
 pub fn record(
-    problem: &ProblemFile,
+    declared: &ModelSpec,
     robot: &Robot,
     model: &Model,
     values: &DVector<f64>,
@@ -30,8 +29,8 @@ pub fn record(
     });
     let joints = (0..tree.len()).map(|j| joint(robot, model, values, j));
     let tilt = model.tilt().map(|at| [values[at], values[at + 1]]);
-    let declared = tree.gravity();
-    let gravity = tilt.map_or(declared, |angles| tilted(&declared, angles));
+    let level = tree.gravity();
+    let gravity = tilt.map_or(level, |angles| tilted(&level, angles));
     let coupling = model.coupling(values);
     let rows = coupling
         .row_iter()
@@ -48,7 +47,7 @@ pub fn record(
             .map_or_else(Vec::new, |m| m.conditions().iter().map(closed).collect()),
         home: model.mechanism().map(|m| m.home().to_vec()),
         coupling: (!model.is_uncoupled()).then(|| rows.collect()),
-        payload: load(problem, model, values),
+        payload: load(declared, model, values),
         feasible,
         signal: word(model.signal()).to_string(),
         description: description(robot),
@@ -149,16 +148,12 @@ fn joint(robot: &Robot, model: &Model, values: &DVector<f64>, j: usize) -> Machi
     }
 }
 
-fn load(problem: &ProblemFile, model: &Model, values: &DVector<f64>) -> Option<MachineLoad> {
+fn load(declared: &ModelSpec, model: &Model, values: &DVector<f64>) -> Option<MachineLoad> {
     let (payload, first) = model.payload()?;
-    let link = model.tree().joints()[payload.link].link.clone();
-    let frame = match problem.robot.payload.as_ref().map(|p| &p.value) {
-        Some(PayloadPlace::Named(name)) => name.clone(),
-        Some(PayloadPlace::Last) | None => link,
-    };
+    let link = &model.tree().joints()[payload.link].link;
     Some(MachineLoad {
         joint: payload.link,
-        frame,
+        frame: declared.load_frame().unwrap_or(link).to_string(),
         pose: Pose::of(&payload.frame),
         body: std::array::from_fn(|k| values[first + k]),
     })

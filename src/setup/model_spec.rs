@@ -31,8 +31,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 pub struct ModelSpec {
     /// Tree, signal, drives, and the effects of every joint.
     settings: ModelSettings,
-    /// The link and frame of a declared load.
-    payload: Option<Payload>,
+    payload: Option<DeclaredLoad>,
     /// Joints that follow others.
     dependents: Vec<Dependent>,
     platform: PlatformSpec,
@@ -47,6 +46,15 @@ pub struct ModelSpec {
     prior: PriorSpec,
     /// Where what cannot be built is to be mended.
     place: Place,
+}
+
+/// A load that the robot is said to carry.
+#[derive(Debug, Clone)]
+struct DeclaredLoad {
+    /// Where it hangs.
+    payload: Payload,
+    /// The frame that it is given in, where that is not its link's.
+    frame: Option<String>,
 }
 
 /// Physics beside what is declared.
@@ -174,9 +182,19 @@ impl ModelSpec {
         sharing::proposed(&self.alike, model)
     }
 
+    /// Whether joints are said to have motors of one type.
+    pub fn has_motors_of_one_type(&self) -> bool {
+        !self.alike.is_empty()
+    }
+
     /// What the robot file says of the drives.
     pub fn file_values(&self) -> &[FileValue] {
         &self.file_values
+    }
+
+    /// The frame that a declared load is given in, where it has one of its own.
+    pub fn load_frame(&self) -> Option<&str> {
+        self.payload.as_ref()?.frame.as_deref()
     }
 
     /// The model, and what is known of its parameters before a fit.
@@ -220,7 +238,11 @@ impl ModelSpec {
         }
         let carries = |list: &Vec<&Effect>| list.iter().any(|e| matches!(e.law, Law::Body));
         let carried = settings.effects.iter().rposition(carries);
-        settings.payload = self.payload.or(carried.map(on));
+        settings.payload = self
+            .payload
+            .as_ref()
+            .map(|load| load.payload)
+            .or(carried.map(on));
         let n = settings.tree.len();
         settings.coupling = with_entries(settings.coupling, freed, n);
         let mut model = Model::new(settings).map_err(|e| at(&self.place, e))?;
@@ -459,14 +481,20 @@ fn on(link: usize) -> Payload {
 }
 
 /// The load that a problem file declares.
-fn payload(problem: &ProblemFile, robot: &Robot) -> Result<Option<Payload>, SetupError> {
+fn payload(problem: &ProblemFile, robot: &Robot) -> Result<Option<DeclaredLoad>, SetupError> {
     let Some(place) = &problem.robot.payload else {
         return Ok(None);
     };
     match &place.value {
-        PayloadPlace::Last => Ok(Some(on(robot.tree.len() - 1))),
+        PayloadPlace::Last => Ok(Some(DeclaredLoad {
+            payload: on(robot.tree.len() - 1),
+            frame: None,
+        })),
         PayloadPlace::Named(name) => match robot.tree.frame(name) {
-            Some((Some(link), frame)) => Ok(Some(Payload { link, frame })),
+            Some((Some(link), frame)) => Ok(Some(DeclaredLoad {
+                payload: Payload { link, frame },
+                frame: Some(name.clone()),
+            })),
             _ => Err(SetupError::mismatch(
                 &place.place,
                 Mismatch::UnknownFrame {

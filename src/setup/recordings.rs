@@ -1,11 +1,10 @@
 //! The recordings of a problem file: read, made ready, and brought to motor coordinates at joint scale.
 
 use crate::chain::dataset::{Dataset, Prepared};
-use crate::chain::model::Model;
 use crate::fault::Place;
 use crate::problem_file::choices::Signal;
 use crate::problem_file::recordings::{ColumnsTable, RecordingFiles};
-use crate::problem_file::{FilePath, Located, ProblemFile, RecordingsTable};
+use crate::problem_file::{FilePath, Located, RecordingsTable};
 use crate::recording::clock::evened;
 use crate::recording::clock_drift::steadied;
 use crate::recording::column_map::{Column, ColumnMap};
@@ -27,14 +26,13 @@ use crate::setup::recording_file::{NamedRecording, ReadRecording, RecordedRobot}
 use crate::setup::robot::Robot;
 use crate::setup::shared_rows::shared_rows;
 
-/// Reads every recording of a problem file.
+/// Reads every recording that a table lists.
 ///
 /// Errors: those of the files; rows that are given twice.
 pub fn read_all<'a>(
-    problem: &'a ProblemFile,
+    table: &'a RecordingsTable,
     robot: &Robot,
 ) -> Result<Vec<ReadRecording<'a>>, SetupError> {
-    let table = problem.recordings()?;
     let read = |named: NamedRecording<'a>| -> Result<ReadRecording<'a>, SetupError> {
         let recording = read_one(table, robot, named.path)?;
         Ok(ReadRecording { named, recording })
@@ -47,34 +45,20 @@ pub fn read_all<'a>(
     }
 }
 
-/// Makes every recording of a problem file ready, those that do not repeat with what their smoothers have in common.
+/// Makes recordings of a robot ready, those that do not repeat with what their smoothers have in common.
 pub fn prepare_all(
-    problem: &ProblemFile,
-    robot: &Robot,
-    model: &Model,
+    recorded: RecordedRobot<'_>,
     read: Vec<ReadRecording<'_>>,
     in_common: InCommon,
 ) -> Result<Dataset, SetupError> {
-    let table = problem.recordings()?;
-    let mut settings = preparation(table);
+    let mut settings = preparation(recorded.table);
     settings.differentiation.in_common = in_common;
-    let recorded = RecordedRobot {
-        table,
-        robot,
-        model,
-    };
     let mut dataset = Dataset::default();
     for ReadRecording { named, recording } in read {
         let ready = prepared(recording, &named, &settings, recorded)?;
         dataset.recordings.push(ready);
     }
     Ok(dataset)
-}
-
-/// Reads and prepares every recording of a problem file.
-pub fn open(problem: &ProblemFile, robot: &Robot, model: &Model) -> Result<Dataset, SetupError> {
-    let read = read_all(problem, robot)?;
-    prepare_all(problem, robot, model, read, InCommon::default())
 }
 
 /// Makes one recording ready, in motor coordinates at joint scale.

@@ -8,7 +8,9 @@ use crate::fault::Fault;
 use crate::problem::solution::Control;
 use crate::problem_file::ProblemFile;
 use crate::recording::preprocess::prepare;
+use crate::recording::settings::InCommon;
 use crate::setup::limits::of_joints;
+use crate::setup::recording_file::RecordedRobot;
 use crate::setup::robot;
 use crate::setup::robot::Robot;
 use crate::simulate::error::SimulateError;
@@ -242,7 +244,13 @@ fn recovers_the_motion_and_the_truth_through_files_and_the_recordings_of_a_probl
     let read = crate::setup::recordings::read_one(table, &robot, &table.train[0].value).unwrap();
     assert_eq!(read.position[3], columns(&result, 0, "q")[3]);
     prepare(read, &crate::setup::preparation::preparation(table)).unwrap();
-    let data = crate::setup::recordings::open(&problem, &robot, &truth.recorded).unwrap();
+    let read = crate::setup::recordings::read_all(table, &robot).unwrap();
+    let recorded = RecordedRobot {
+        table,
+        robot: &robot,
+        model: &truth.recorded,
+    };
+    let data = crate::setup::recordings::prepare_all(recorded, read, InCommon::default()).unwrap();
     for prepared in &data.recordings {
         let motion = &prepared.experiment.motion;
         let motion: Motion = [

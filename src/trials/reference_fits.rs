@@ -108,7 +108,7 @@ impl DeclaredModel {
         let declared = ModelSpec::of(&problem, &robot)?;
         let ModelWithPrior { model, prior } = declared.build()?;
         let preparing = Preparing {
-            problem: &problem,
+            recordings: problem.recordings()?,
             robot: &robot,
             model: &model,
             prior: &prior,

@@ -235,7 +235,8 @@ fn robot(effects: &[&str], head: &str) -> Robot {
             _ => {}
         }
     }
-    let machine = setup::machine::record(&problem, &robot, &model, &values, None);
+    let declared = ModelSpec::without_prior(&problem, &robot).unwrap();
+    let machine = setup::machine::record(&declared, &robot, &model, &values, None);
     Robot {
         model,
         values,

@@ -70,7 +70,8 @@ fn invariant_loops_that_are_closed_here_are_closed_in_mujoco() {
         let problems = Path::new(env!("CARGO_MANIFEST_DIR")).join("problems");
         let (problem, robot, model) = open(&problems.join(name).join("problem.toml"));
         let values = drawn_values(&model, 4);
-        let machine = setup::machine::record(&problem, &robot, &model, &values, None);
+        let declared = ModelSpec::without_prior(&problem, &robot).unwrap();
+        let machine = setup::machine::record(&declared, &robot, &model, &values, None);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("model.xml");
         let joints: Vec<&str> = machine.joints.iter().map(|j| j.name.as_str()).collect();

@@ -65,7 +65,8 @@ impl Case {
         fs::write(&path, problem).unwrap();
         let (problem, robot, model) = open(&path);
         let values = drawn_values(&model, seed);
-        let machine = setup::machine::record(&problem, &robot, &model, &values, None);
+        let declared = ModelSpec::without_prior(&problem, &robot).unwrap();
+        let machine = setup::machine::record(&declared, &robot, &model, &values, None);
         Self {
             folder,
             model,

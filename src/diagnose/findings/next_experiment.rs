@@ -4,6 +4,7 @@
 use crate::chain::effect::{COUPLING, CROSSTALK};
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
+use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::outcome::diagnose::NextExperiment;
@@ -15,62 +16,78 @@ use serde_json::{Map, Value, json};
 /// Starts of the search where the problem file states none.
 const STARTS: usize = 8;
 
-/// The experiment for the first finding with rivals that the recordings cannot set aside; `None` where there is no
-/// such finding.
-pub fn experiment(
-    problem: &ProblemFile,
-    noise: Option<&[f64]>,
-    full: &ModelFit,
-    comparisons: &[RivalComparison],
-) -> Option<NextExperiment> {
-    let (k, open) = comparisons.iter().enumerate().find_map(|(k, comparison)| {
-        let open = comparison
-            .alternatives
-            .iter()
-            .filter(|a| !a.separation.separable);
-        let fits: Vec<&ModelFit> = open.map(|a| &a.test.fit).collect();
-        (!fits.is_empty()).then_some((k, fits))
-    })?;
-    let finding = &full.hypotheses[k];
-    let all: Vec<&ModelFit> = std::iter::once(full).chain(open.iter().copied()).collect();
-    let word = |fit: &ModelFit| fit.hypotheses.last().map_or("", |h| h.effect.id);
-    let mut names = vec![finding.effect.id.to_string()];
-    for fit in &open {
-        let name = word(fit).to_string();
-        names.push(match names.contains(&name) {
-            true => format!("{name} {}", names.len()),
-            false => name,
-        });
+/// Models that the recordings do not tell apart: with the first finding that has rivals, and with these in its place.
+#[derive(Debug, Clone)]
+pub struct Discrimination {
+    /// Names of the effects, the finding's first.
+    names: Vec<String>,
+    /// The models, as `[[design.rival]]` has them.
+    models: Vec<Value>,
+    /// Standard deviation of the noise of every channel, where it is known.
+    noise: Option<Vec<f64>>,
+}
+
+impl Discrimination {
+    /// `None` where no finding has rivals that the recordings cannot set aside.
+    pub fn of(
+        context: &Context<'_>,
+        full: &ModelFit,
+        comparisons: &[RivalComparison],
+    ) -> Option<Self> {
+        let (k, open) = comparisons.iter().enumerate().find_map(|(k, comparison)| {
+            let open = comparison
+                .alternatives
+                .iter()
+                .filter(|a| !a.separation.separable);
+            let fits: Vec<&ModelFit> = open.map(|a| &a.test.fit).collect();
+            (!fits.is_empty()).then_some((k, fits))
+        })?;
+        let finding = &full.hypotheses[k];
+        let all: Vec<&ModelFit> = std::iter::once(full).chain(open.iter().copied()).collect();
+        let word = |fit: &ModelFit| fit.hypotheses.last().map_or("", |h| h.effect.id);
+        let mut names = vec![finding.effect.id.to_string()];
+        for fit in &open {
+            let name = word(fit).to_string();
+            names.push(match names.contains(&name) {
+                true => format!("{name} {}", names.len()),
+                false => name,
+            });
+        }
+        let models = all.iter().zip(&names).map(|(fit, name)| rival(fit, name));
+        Some(Self {
+            models: models.collect(),
+            names,
+            noise: context.noise.clone(),
+        })
     }
-    let rivals: Vec<Value> = all
-        .iter()
-        .zip(&names)
-        .map(|(r, name)| rival(r, name))
-        .collect();
-    let mut next = declared(problem)?;
-    let design = next.entry("design").or_insert_with(|| json!({}));
-    let design = design.as_object_mut()?;
-    design.insert("criterion".to_string(), json!("discriminate"));
-    design.insert("rival".to_string(), Value::Array(rivals));
-    if let Some(noise) = noise {
-        design.insert("noise".to_string(), json!(noise));
+
+    /// The problem file of an experiment for the robot of a problem; `None` where its own file cannot be written out.
+    pub fn experiment(&self, problem: &ProblemFile) -> Option<NextExperiment> {
+        let mut next = declared(problem)?;
+        let design = next.entry("design").or_insert_with(|| json!({}));
+        let design = design.as_object_mut()?;
+        design.insert("criterion".to_string(), json!("discriminate"));
+        design.insert("rival".to_string(), Value::Array(self.models.clone()));
+        if let Some(noise) = &self.noise {
+            design.insert("noise".to_string(), json!(noise));
+        }
+        // With the same period the new recording fits the problem file of the old.
+        let recordings = problem.recordings.as_ref();
+        if let Some(period) = recordings.and_then(|r| r.period.as_ref()) {
+            design.entry("period").or_insert(json!(period.value));
+        }
+        if !design.contains_key("budget_s") && !design.contains_key("starts") {
+            design.insert("starts".to_string(), json!(STARTS));
+        }
+        Some(NextExperiment {
+            sentence: format!(
+                "These recordings cannot tell {} apart; the motion that `exid design` finds for this problem sets \
+                 their predictions as far apart as the robot's limits allow.",
+                self.names.join(" and ")
+            ),
+            problem: toml::to_string(&Value::Object(next)).ok()?,
+        })
     }
-    // With the same period the new recording fits the problem file of the old.
-    let recordings = problem.recordings.as_ref();
-    if let Some(period) = recordings.and_then(|r| r.period.as_ref()) {
-        design.entry("period").or_insert(json!(period.value));
-    }
-    if !design.contains_key("budget_s") && !design.contains_key("starts") {
-        design.insert("starts".to_string(), json!(STARTS));
-    }
-    Some(NextExperiment {
-        sentence: format!(
-            "These recordings cannot tell {} apart; the motion that `exid design` finds for this problem sets \
-             their predictions as far apart as the robot's limits allow.",
-            names.join(" and ")
-        ),
-        problem: toml::to_string(&Value::Object(next)).ok()?,
-    })
 }
 
 /// Puts the next of these paths in the place of each file of an entry, which is a path, or a table with `file` or `files`.

@@ -7,9 +7,10 @@ use crate::diagnose::findings::compared::Compared;
 use crate::diagnose::findings::corrections::Corrections;
 use crate::diagnose::findings::finding::{self, ConfirmedStep};
 use crate::diagnose::findings::formulas::{FormulaModel, Formulas};
+use crate::diagnose::findings::next_experiment::Discrimination;
 use crate::diagnose::findings::summary::{self, About};
 use crate::diagnose::findings::unexplained::SearchState;
-use crate::diagnose::findings::{next_experiment, verdict};
+use crate::diagnose::findings::verdict;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::contexts::Contexts;
 use crate::diagnose::fit::fitting::fit_declared;
@@ -29,7 +30,6 @@ use crate::outcome::diagnose::{Baseline, Diagnosis, Final};
 use crate::outcome::finding::Finding;
 use crate::outcome::fit::{AddedEffect, Fit, FittedModel};
 use crate::outcome::parameter::Parameter;
-use crate::problem_file::ProblemFile;
 use crate::recording::split::Split;
 
 const UNMEASURED: &str = "Nothing repeats, so the noise is not known apart from the misfit: shares are of what the \
@@ -51,6 +51,8 @@ pub struct Reported {
     pub hypotheses: Vec<Hypothesis>,
     /// What takes the place of what has no name.
     pub nameless: Nameless,
+    /// Models that the recordings do not tell apart.
+    pub rivals: Option<Discrimination>,
 }
 
 /// A final model, and what takes the place of what has no name in it.
@@ -72,8 +74,6 @@ pub struct Reporting<'a> {
     pub explanation: &'a Explanation,
     /// What was sought, and how sure a finding has to be.
     pub rules: Rules<'a>,
-    /// As it was written: the problem of the next experiment is made of it.
-    pub problem: &'a ProblemFile,
 }
 
 impl Reporting<'_> {
@@ -145,12 +145,7 @@ impl Reporting<'_> {
                 joints: after.estimate.joints.clone(),
                 parameters,
             },
-            next_experiment: next_experiment::experiment(
-                self.problem,
-                context.noise.as_deref(),
-                full,
-                &comparisons,
-            ),
+            next_experiment: None,
             rollout: None,
             preprocessing: preprocessing(&after.model, context.data),
             notes: notes(&after.model, context.data)
@@ -178,6 +173,7 @@ impl Reporting<'_> {
             last,
             ambiguities: ambiguities(full, &comparisons),
             hypotheses: full.hypotheses.clone(),
+            rivals: Discrimination::of(context, full, &comparisons),
             nameless: Nameless {
                 full: full.clone(),
                 corrections: smooth,

@@ -23,12 +23,12 @@ use crate::estimate::minimisation::optimum::Optimum;
 use crate::estimate::residual::noise::{counting_rows, residuals};
 use crate::estimate::residual::standstill;
 use crate::problem::solution::Control;
-use crate::problem_file::ProblemFile;
+use crate::problem_file::RecordingsTable;
 use crate::recording::experiment::Chosen;
 use crate::recording::settings::{InCommon, Method, Width};
 use crate::recording::split::Split;
 use crate::setup::error::SetupError;
-use crate::setup::recording_file::ReadRecording;
+use crate::setup::recording_file::{ReadRecording, RecordedRobot};
 use crate::setup::recordings::{prepare_all, read_all};
 use crate::setup::robot::Robot;
 use crate::stats::likelihood_ratio::is_beyond_chance;
@@ -82,8 +82,8 @@ fn is_wider(recording: &Prepared) -> bool {
 /// What recordings are made ready for: a model of a robot that is to be fitted to them.
 #[derive(Clone, Copy)]
 pub struct Preparing<'a> {
-    /// What is said of the recordings.
-    pub problem: &'a ProblemFile,
+    /// Which recordings there are, and what is said of them.
+    pub recordings: &'a RecordingsTable,
     /// The robot that they are of.
     pub robot: &'a Robot,
     /// The model.
@@ -136,7 +136,7 @@ impl Preparing<'_> {
 
     /// The recordings with the bandwidth that the data choose.
     fn with_best_bandwidth(&self, is_fitted: bool) -> Result<Dataset, SetupError> {
-        let read = read_all(self.problem, self.robot)?;
+        let read = read_all(self.recordings, self.robot)?;
         let first = self.prepare(read.clone(), InCommon::default())?;
         match in_common(&first) {
             None => Ok(first),
@@ -156,7 +156,12 @@ impl Preparing<'_> {
         read: Vec<ReadRecording<'_>>,
         in_common: InCommon,
     ) -> Result<Dataset, SetupError> {
-        prepare_all(self.problem, self.robot, self.model, read, in_common)
+        let recorded = RecordedRobot {
+            table: self.recordings,
+            robot: self.robot,
+            model: self.model,
+        };
+        prepare_all(recorded, read, in_common)
     }
 }
 
