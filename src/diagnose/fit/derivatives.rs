@@ -18,11 +18,11 @@ pub struct Derivatives {
     pub held_out: Vec<Vec<Option<Vec<f64>>>>,
 }
 
-/// Fits whose derivatives are kept: the one that others are compared with, and the one before.
+/// Fits whose derivatives are kept, those that were asked for last: the one that others are compared with, and one of these.
 const KEPT: usize = 2;
 
-/// With more rows they are not kept: those of sixty unknowns of seven joints take 70 MB.
-const MOST_ROWS: usize = 20_000;
+/// With more rows they are not kept: those of sixty unknowns of seven joints take 100 MB.
+const MOST_ROWS: usize = 30_000;
 
 /// The latest derivatives.
 #[derive(Debug, Default)]
@@ -75,9 +75,12 @@ impl DerivativesCache {
     }
 
     fn known(&self, fit: &ModelFit) -> Option<Arc<Derivatives>> {
-        let latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = latest.iter().find(|kept| kept.is_of(fit));
-        known.map(|kept| Arc::clone(&kept.derivatives))
+        let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        let place = latest.iter().position(|kept| kept.is_of(fit))?;
+        let known = latest.remove(place);
+        let derivatives = Arc::clone(&known.derivatives);
+        latest.push(known);
+        Some(derivatives)
     }
 
     fn keep(&self, fit: &ModelFit, derivatives: &Arc<Derivatives>) {

@@ -15,6 +15,7 @@ use crate::diagnose::selection::law_range;
 use crate::diagnose::selection::search_bounds;
 use crate::diagnose::selection::time_window;
 use crate::stats::deviation::rms;
+use rayon::prelude::*;
 use std::cmp::Ordering;
 
 /// A search that reaches less than this share of what one step of all parameters promised is made from other starts too.
@@ -108,10 +109,10 @@ impl ExactFit<'_> {
         let others: Vec<WarmStart> = others.map(|own| fitted.with(own)).collect();
         let all = std::iter::once(&start).chain(&others);
         let bent = all.filter_map(|start| self.without_shapes(start));
-        let mut tried = Vec::new();
-        for other in others.iter().cloned().chain(bent) {
-            tried.push(fit_model_holding(self.context, hypotheses, &other, &[])?);
-        }
+        let starts: Vec<WarmStart> = others.iter().cloned().chain(bent).collect();
+        let tried = starts.par_iter();
+        let tried = tried.map(|start| fit_model_holding(self.context, hypotheses, start, &[]));
+        let tried = tried.collect::<Result<Vec<ModelFit>, DiagnoseError>>()?;
         let foremost = tried.into_iter().reduce(|a, b| self.better(a, b));
         if let Some(foremost) = foremost.filter(|one| self.is_better(one, &best)) {
             best = self.better(best, from(&foremost.warm_start())?);

@@ -15,6 +15,7 @@ use crate::diagnose::selection::hypothesis_test::{CONFIDENCE, HypothesisTest, fi
 use crate::diagnose::selection::stepwise::Stepwise;
 use crate::stats::distribution::Distribution;
 use crate::stats::encompassing::{Encompassing, ResidualPair};
+use rayon::prelude::*;
 
 /// A rival is told apart only if it leaves at least half as much again as the finding does, above the noise.
 pub const IN_DOUBT: f64 = 0.5;
@@ -106,7 +107,7 @@ impl RivalComparison {
         };
         Self {
             without: self.without.on(rows),
-            alternatives: self.alternatives.iter().map(seen).collect(),
+            alternatives: self.alternatives.par_iter().map(seen).collect(),
         }
     }
 
@@ -131,7 +132,11 @@ impl RivalComparison {
             let is_simpler = rival.freedom() < full.freedom();
             alternative.separation.is_clear && !(is_simpler && is_likelier(pair))
         };
-        let all = self.alternatives.iter().filter(open).map(|a| (a, odds(a)));
+        let all = self
+            .alternatives
+            .par_iter()
+            .filter(open)
+            .map(|a| (a, odds(a)));
         let mut likelier: Vec<_> = all.filter(|(_, odds)| *odds > 0.0).collect();
         likelier.sort_by(|a, b| b.1.total_cmp(&a.1));
         likelier.into_iter().map(|(a, _)| a).collect()
@@ -221,7 +226,7 @@ impl Stepwise<'_> {
             }
         };
         Ok(RivalComparison {
-            alternatives: tests.into_iter().map(alternative).collect(),
+            alternatives: tests.into_par_iter().map(alternative).collect(),
             without,
         })
     }
