@@ -37,6 +37,7 @@ use crate::problem_file::{DiagnoseTable, ProblemFile, RecordingsTable};
 use crate::setup;
 use crate::setup::error::SetupError;
 use crate::setup::model_spec::{ModelSpec, ModelWithPrior};
+use crate::setup::recording_file::RecordedRobot;
 use crate::setup::robot::Robot;
 use nalgebra::DVector;
 
@@ -168,9 +169,11 @@ fn of_robot(
     let separated = asked.separated();
     let ModelWithPrior { model, prior } = separated.build()?;
     let preparing = Preparing {
-        recordings,
-        robot,
-        model: &model,
+        recorded: RecordedRobot {
+            table: recordings,
+            robot,
+            model: &model,
+        },
         prior: &prior,
         control,
     };
@@ -423,9 +426,11 @@ impl Search<'_> {
         }
         let model = found.started();
         let preparing = Preparing {
-            recordings: self.recordings,
-            robot: self.robot,
-            model: &model,
+            recorded: RecordedRobot {
+                table: self.recordings,
+                robot: self.robot,
+                model: &model,
+            },
             prior: &found.prior,
             control,
         };

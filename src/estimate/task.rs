@@ -28,6 +28,7 @@ use crate::problem_file::{FitTable, ProblemFile, RecordingsTable, choices};
 use crate::setup;
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::model_spec::{Addition, ModelSpec, ModelWithPrior};
+use crate::setup::recording_file::RecordedRobot;
 use crate::setup::robot::Robot;
 use nalgebra::DVector;
 use thiserror::Error;
@@ -129,9 +130,11 @@ impl FitTask<'_> {
         let ModelWithPrior { mut model, prior } = self.declared.build()?;
         on_step(Step::Reading);
         let preparing = Preparing {
-            recordings: self.recordings,
-            robot: self.robot,
-            model: &model,
+            recorded: RecordedRobot {
+                table: self.recordings,
+                robot: self.robot,
+                model: &model,
+            },
             prior: &prior,
             control,
         };
@@ -142,7 +145,14 @@ impl FitTask<'_> {
             model.limit_transitions(limits);
             search_range::start_within_motion(&mut model, &data);
             let found = or_before_defect(control, |control| {
-                self.fitted(&model, &data, &prior, control)
+                let task = ModelTask {
+                    settings: self.settings,
+                    model: &model,
+                    data: &data,
+                    prior: &prior,
+                    control,
+                };
+                task.fitted()
             });
             found.map(|(fitted, defect)| Attempt { fitted, defect })
         })?;
@@ -207,18 +217,24 @@ impl FitTask<'_> {
             defect,
         })
     }
+}
 
+/// A model that is fitted to recordings.
+#[derive(Clone, Copy)]
+struct ModelTask<'a> {
+    settings: &'a FitTable,
+    model: &'a Model,
+    data: &'a Dataset,
+    prior: &'a Prior,
+    control: &'a Control<'a>,
+}
+
+impl ModelTask<'_> {
     /// Fits by the estimator, a load as the settings have it.
-    fn fitted(
-        &self,
-        model: &Model,
-        data: &Dataset,
-        prior: &Prior,
-        control: &Control<'_>,
-    ) -> Result<Fitted, FitError> {
+    fn fitted(&self) -> Result<Fitted, FitError> {
         let fitted = match self.settings.load.value {
-            LoadFrom::Together => self.estimate(model, data, prior, control)?,
-            LoadFrom::Difference => self.by_difference(model, data, prior, control)?,
+            LoadFrom::Together => self.estimate()?,
+            LoadFrom::Difference => self.by_difference()?,
         };
         fitted.map_err(|error| self.failed(error))
     }
@@ -232,13 +248,14 @@ impl FitTask<'_> {
     }
 
     /// Fits by the estimator.
-    fn estimate(
-        &self,
-        model: &Model,
-        data: &Dataset,
-        prior: &Prior,
-        control: &Control<'_>,
-    ) -> Result<Result<Fitted, EstimateError>, SetupError> {
+    fn estimate(&self) -> Result<Result<Fitted, EstimateError>, SetupError> {
+        let ModelTask {
+            model,
+            data,
+            prior,
+            control,
+            ..
+        } = *self;
         let plain = |estimator| Ok(fit(model, data, estimator, prior, control));
         let form = match self.settings.estimator.value {
             choices::Estimator::OrdinaryLeastSquares => return plain(Estimator::Ordinary),
@@ -279,14 +296,8 @@ impl FitTask<'_> {
     }
 
     /// Fits the recordings without the load, then the load on top.
-    fn by_difference(
-        &self,
-        model: &Model,
-        data: &Dataset,
-        prior: &Prior,
-        control: &Control<'_>,
-    ) -> Result<Result<Fitted, EstimateError>, SetupError> {
-        let unloaded = match load_by_difference::without_load(model, data) {
+    fn by_difference(&self) -> Result<Result<Fitted, EstimateError>, SetupError> {
+        let unloaded = match load_by_difference::without_load(self.model, self.data) {
             Ok(unloaded) => unloaded,
             Err(error) => return Ok(Err(error)),
         };
@@ -298,8 +309,14 @@ impl FitTask<'_> {
             choices::Estimator::IterativelyReweightedLeastSquares => Estimator::Robust,
             _ => Estimator::MaximumLikelihood,
         };
-        let first = self.estimate(model, &unloaded, prior, control)?;
-        Ok(first.and_then(|first| load_by_difference::second(first, data, estimator, control)))
+        let unloaded = ModelTask {
+            data: &unloaded,
+            ..*self
+        };
+        let first = unloaded.estimate()?;
+        Ok(first.and_then(|first| {
+            load_by_difference::second(first, self.data, estimator, self.control)
+        }))
     }
 }
 
@@ -374,9 +391,14 @@ impl OtherModels<'_> {
             } = built;
             other.limit_transitions(self.limits);
             search_range::start_within_motion(&mut other, data);
-            let result = task
-                .estimate(&other, data, &prior, self.control)?
-                .map_err(|error| task.failed(error))?;
+            let task = ModelTask {
+                settings: task.settings,
+                model: &other,
+                data,
+                prior: &prior,
+                control: self.control,
+            };
+            let result = task.estimate()?.map_err(|error| task.failed(error))?;
             fitted.fit.comparison.push(Comparison {
                 name: compared.name.value.clone(),
                 effects: effects.iter().map(|e| e.value.clone()).collect(),
@@ -413,7 +435,14 @@ impl OtherModels<'_> {
             limits: self.limits,
         };
         question.answers(fitted, &|model, prior| {
-            self.task.fitted(model, self.data, prior, self.control)
+            let task = ModelTask {
+                settings: self.task.settings,
+                model,
+                data: self.data,
+                prior,
+                control: self.control,
+            };
+            task.fitted()
         })
     }
 }

@@ -39,6 +39,7 @@ pub use crate::rollout::window::{Window, WindowJoint, table};
 use crate::setup;
 use crate::setup::error::SetupError;
 use crate::setup::model_spec::ModelSpec;
+use crate::setup::recording_file::RecordedRobot;
 
 /// Rolls the models of a result out; `on_step` hears of every step.
 ///
@@ -56,9 +57,11 @@ pub fn run(
     on_step("reading and differentiating the recordings");
     let declared = ModelSpec::of(problem, &robot)?.build()?;
     let preparing = Preparing {
-        recordings: problem.recordings().map_err(SetupError::from)?,
-        robot: &robot,
-        model: &declared.model,
+        recorded: RecordedRobot {
+            table: problem.recordings().map_err(SetupError::from)?,
+            robot: &robot,
+            model: &declared.model,
+        },
         prior: &declared.prior,
         control,
     };

@@ -13,6 +13,7 @@ use crate::problem_file::ProblemFile;
 use crate::recording::split::Split;
 use crate::setup;
 use crate::setup::model_spec::{ModelSpec, ModelWithPrior};
+use crate::setup::recording_file::RecordedRobot;
 use crate::stats::deviation::rms;
 use crate::trials::concealed_effect::Concealed;
 use crate::trials::error::TrialError;
@@ -108,9 +109,11 @@ impl DeclaredModel {
         let declared = ModelSpec::of(&problem, &robot)?;
         let ModelWithPrior { model, prior } = declared.build()?;
         let preparing = Preparing {
-            recordings: problem.recordings()?,
-            robot: &robot,
-            model: &model,
+            recorded: RecordedRobot {
+                table: problem.recordings()?,
+                robot: &robot,
+                model: &model,
+            },
             prior: &prior,
             control,
         };

@@ -14,7 +14,6 @@
 //! chance (Wilks 1938).
 
 use crate::chain::dataset::{Dataset, Prepared};
-use crate::chain::model::Model;
 use crate::chain::prior::Prior;
 use crate::estimate::fit_problem::estimator::{Estimator, Training};
 use crate::estimate::fit_problem::unknowns::Unknowns;
@@ -23,14 +22,12 @@ use crate::estimate::minimisation::optimum::Optimum;
 use crate::estimate::residual::noise::{counting_rows, residuals};
 use crate::estimate::residual::standstill;
 use crate::problem::solution::Control;
-use crate::problem_file::RecordingsTable;
 use crate::recording::experiment::Chosen;
 use crate::recording::settings::{InCommon, Method, Width};
 use crate::recording::split::Split;
 use crate::setup::error::SetupError;
 use crate::setup::recording_file::{ReadRecording, RecordedRobot};
 use crate::setup::recordings::{prepare_all, read_all};
-use crate::setup::robot::Robot;
 use crate::stats::likelihood_ratio::is_beyond_chance;
 use crate::stats::robust::median;
 use nalgebra::DVector;
@@ -82,12 +79,8 @@ fn is_wider(recording: &Prepared) -> bool {
 /// What recordings are made ready for: a model of a robot that is to be fitted to them.
 #[derive(Clone, Copy)]
 pub struct Preparing<'a> {
-    /// Which recordings there are, and what is said of them.
-    pub recordings: &'a RecordingsTable,
-    /// The robot that they are of.
-    pub robot: &'a Robot,
-    /// The model.
-    pub model: &'a Model,
+    /// The recordings, and the model of the robot that they are of.
+    pub recorded: RecordedRobot<'a>,
     /// What is known of its parameters.
     pub prior: &'a Prior,
     /// Who may interrupt.
@@ -127,16 +120,16 @@ impl Preparing<'_> {
 
     fn chosen(&self, is_fitted: bool) -> Result<Dataset, SetupError> {
         let data = self.with_best_bandwidth(is_fitted)?;
-        let data = match self.model.changes_with_time() {
+        let data = match self.recorded.model.changes_with_time() {
             true => data.in_successive_periods(),
             false => data,
         };
-        Ok(standstill::left_out(self.model, data))
+        Ok(standstill::left_out(self.recorded.model, data))
     }
 
     /// The recordings with the bandwidth that the data choose.
     fn with_best_bandwidth(&self, is_fitted: bool) -> Result<Dataset, SetupError> {
-        let read = read_all(self.recordings, self.robot)?;
+        let read = read_all(self.recorded.table, self.recorded.robot)?;
         let first = self.prepare(read.clone(), InCommon::default())?;
         match in_common(&first) {
             None => Ok(first),
@@ -145,7 +138,7 @@ impl Preparing<'_> {
                 is_fitted,
                 read,
                 begin_hz,
-                judged: standstill::left_out(self.model, first),
+                judged: standstill::left_out(self.recorded.model, first),
             }
             .run(),
         }
@@ -156,12 +149,7 @@ impl Preparing<'_> {
         read: Vec<ReadRecording<'_>>,
         in_common: InCommon,
     ) -> Result<Dataset, SetupError> {
-        let recorded = RecordedRobot {
-            table: self.recordings,
-            robot: self.robot,
-            model: self.model,
-        };
-        prepare_all(recorded, read, in_common)
+        prepare_all(self.recorded, read, in_common)
     }
 }
 
@@ -244,10 +232,9 @@ impl Search<'_> {
     /// itself will say.
     fn left(&self, data: &Dataset, neighbour: Option<&Left>) -> Option<Left> {
         let &Preparing {
-            model,
+            recorded: RecordedRobot { model, .. },
             prior,
             control,
-            ..
         } = self.preparing;
         let all: Vec<&Prepared> = data.of(Split::Train).collect();
         let every = counting_rows(&all).div_ceil(ROWS).max(1);

@@ -184,4 +184,10 @@ fn derivatives_are_kept_for_the_model_that_they_are_of() {
     assert!(!Arc::ptr_eq(&first, &of(&named)));
     // Two others have come since.
     assert!(!Arc::ptr_eq(&first, &of(&declared)));
+    // One that was asked for in between stays.
+    let again = of(&declared);
+    of(&other);
+    assert!(Arc::ptr_eq(&again, &of(&declared)));
+    of(&named);
+    assert!(Arc::ptr_eq(&again, &of(&declared)));
 }
