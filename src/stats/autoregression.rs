@@ -27,6 +27,9 @@ const LEAST_SHARE: f64 = 1e-28;
 /// Most coefficients of a residual: `10 log₁₀ N` of usual recordings (Schwert 1989 names orders of this size).
 pub const MOST_COEFFICIENTS: usize = 32;
 
+/// Samples after which nothing is remembered: ten seconds at usual rates.
+const LONGEST_MEMORY: usize = 2000;
+
 /// Samples per coefficient at least.
 const SAMPLES_PER_COEFFICIENT: usize = 20;
 
@@ -212,6 +215,22 @@ impl Autoregression {
             series.push(innovation + predicted);
         }
         series
+    }
+
+    /// Samples beyond which one tells less than a share of the variance of another: `ρ_k² < share` for all lags k from there on.
+    pub fn memory(&self, share: f64) -> usize {
+        let response = self.impulse_response(LONGEST_MEMORY);
+        let square: f64 = response.iter().map(|h| h * h).sum();
+        let correlation = |lag: usize| {
+            let later = response[lag..].iter();
+            later.zip(&response).map(|(a, b)| a * b).sum::<f64>() / square
+        };
+        let remembers = (1..LONGEST_MEMORY).rev();
+        let mut remembers = remembers.filter(|&lag| correlation(lag).powi(2) >= share);
+        match self.coefficients.is_empty() {
+            true => 0,
+            false => remembers.next().unwrap_or(0),
+        }
     }
 
     /// Response to a unit innovation, the first `length` samples.

@@ -27,8 +27,10 @@ pub fn forecast(
         left.get(joint).map_or(f64::NAN, |left| rms(left) / noise)
     };
     let full = nameless.full.on(&context);
-    let corrections = nameless.corrections.iter().filter(|c| c.channel == joint);
-    let corrections: Vec<AdditiveModel> = corrections.map(|c| c.on(&context, &full)).collect();
+    let corrections = nameless.corrections.iter();
+    let corrections: Vec<AdditiveModel> = corrections
+        .map(|correction| correction.on(&context, &full, &[]))
+        .collect();
     let formula = nameless.formulas.iter().find(|f| f.channel == joint);
     Ok(Forecast {
         nothing: left(&full, &[]),

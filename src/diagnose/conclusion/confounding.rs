@@ -71,12 +71,12 @@ impl Named<'_> {
     /// with such corrections beside it.
     fn is_superfluous(&self, beside: &[&AdditiveModel], without: &ModelFit) -> bool {
         let (context, full) = (self.context, self.full);
-        let both = additive_model::left_everywhere(context, full, beside);
+        let both = additive_model::left(full, beside);
         let smooth = additive_model::in_place(context, without, beside);
         let is_of_others = smooth.len() == beside.len() && smooth.iter().any(|c| !c.is_own);
         if is_of_others {
             let smooth: Vec<&AdditiveModel> = smooth.iter().collect();
-            let instead = additive_model::left_everywhere(context, without, &smooth);
+            let instead = additive_model::left(without, &smooth);
             if is_hardly_more(&instead, &both) {
                 return true;
             }

@@ -1,12 +1,14 @@
 //! Formulas of what has no name: of findings that no effect of the vocabulary explains, of names that something without one is
 //! more probable than, and of what is left without a finding and is not known to be noise.
 
+use crate::chain::dataset::Dataset;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::findings::corrections::Corrections;
 use crate::diagnose::findings::{probability, sentences};
 use crate::diagnose::fit::contexts::Contexts;
+use crate::diagnose::fit::fitting::fit_model;
 use crate::diagnose::fit::model_fit::ModelFit;
-use crate::diagnose::formula::proposal::{Proposal, Proposing};
+use crate::diagnose::formula::proposal::{Proposal, Proposing, Rival, RivalKind};
 use crate::diagnose::formula::seeking::Seeking;
 use crate::diagnose::residuals::additive_model;
 use crate::diagnose::residuals::noise_level::{self, NoiseLevel};
@@ -39,12 +41,6 @@ struct Open {
     findings: Vec<usize>,
 }
 
-/// What else takes the misfit of a channel, and the residuals that it leaves.
-struct Rival {
-    name: String,
-    left: Vec<Vec<f64>>,
-}
-
 /// The model that has the formula of a channel.
 #[derive(Debug, Clone)]
 pub struct FormulaModel {
@@ -69,10 +65,12 @@ impl Formulas<'_> {
             let named: Vec<usize> = named.filter(|&k| !findings[k].has_no_name()).collect();
             let model = self.without(&named)?;
             let correction = self.corrections.of_channel(place.channel);
+            let rows = self.rows(&model, place.channel);
+            let context = &self.contexts.over(&rows);
+            let model = fit_model(context, &model.hypotheses, &model.warm_start())?;
             let proposing = Proposing {
-                contexts: self.contexts,
                 seeking: Seeking {
-                    context: &self.contexts.selection,
+                    context,
                     model: &model,
                     variables: correction.map_or(&[], |c| c.made_of.as_slice()),
                 },
@@ -81,8 +79,7 @@ impl Formulas<'_> {
                 channels: open.len(),
             };
             let rival = self.rival(place.channel, &named, findings);
-            let left = rival.as_ref().map(|rival| rival.left.as_slice());
-            let proposal = proposing.propose(place.channel, left)?;
+            let proposal = proposing.propose(place.channel, rival.as_ref())?;
             // Nothing but what the formula leaves says that the rest was not noise.
             let is_earned = |proposal: &Proposal| {
                 let left = &proposal.test.fit.validation[place.channel];
@@ -104,6 +101,18 @@ impl Formulas<'_> {
             }
         }
         Ok(models)
+    }
+
+    /// Rows that fit formulas and rows that test them: as with smooth corrections, all but those which no choice has seen are fitted.
+    /// Parameters that belong to one held-out recording are not fitted with the others.
+    fn rows(&self, model: &ModelFit, channel: usize) -> Dataset {
+        match model.own.is_empty() {
+            true => {
+                let memory = self.corrections.memory(self.contexts, channel);
+                self.contexts.with_selection_fitted(memory)
+            }
+            false => self.contexts.test.data.clone(),
+        }
     }
 
     /// The finding of a channel that had none before a formula took what is left of it.
@@ -162,15 +171,19 @@ impl Formulas<'_> {
     /// What else takes the misfit of a channel on rows that no choice has seen.
     fn rival(&self, channel: usize, named: &[usize], findings: &[Finding]) -> Option<Rival> {
         let names: Vec<&str> = named.iter().map(|&k| findings[k].effect.as_str()).collect();
-        let smooth: Vec<_> = self.corrections.of_channel(channel).into_iter().collect();
-        let name = match (names.is_empty(), smooth.is_empty()) {
+        let smooth = match self.corrections.of_channel(channel) {
+            Some(_) => self.corrections.all(),
+            None => Vec::new(),
+        };
+        let (name, kind) = match (names.is_empty(), smooth.is_empty()) {
             (true, true) => return None,
-            (true, false) => SMOOTH.to_string(),
-            (false, _) => names.join(" and "),
+            (true, false) => (SMOOTH.to_string(), RivalKind::Smooth),
+            (false, _) => (names.join(" and "), RivalKind::Named),
         };
         let full = self.full.on(&self.contexts.test);
         Some(Rival {
             name,
+            kind,
             left: additive_model::left(&full, &smooth),
         })
     }

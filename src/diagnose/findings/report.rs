@@ -94,7 +94,7 @@ impl Reporting<'_> {
         let predicted = PredictionError::of(context, full, covariance.as_ref());
         let mut after = outcome_with(&of_full, &full.solution, covariance, context.data);
         let confirmed = Corrections::of(self.contexts, &explanation.full, self.rules);
-        let smooth: Vec<AdditiveModel> = confirmed.on(context, full);
+        let smooth: Vec<AdditiveModel> = confirmed.over_all_rows(self.contexts, full);
         let corrections: Vec<&AdditiveModel> = smooth.iter().collect();
         let noise_level = noise_level::of_rows(context, full, &corrections);
         let parameters = after.estimate.parameters.clone();

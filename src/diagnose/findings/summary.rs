@@ -27,15 +27,18 @@ pub fn correct(
         false => predictions_by_recording(&fit.model, &values, context.data),
     };
     for correction in corrections {
-        let (mut train, mut held_out) = (correction.train.iter(), correction.validation.iter());
-        for (recording, of_channels) in context.data.recordings.iter().zip(&mut predictions) {
-            let series = match recording.split {
-                Split::Train => &mut train,
-                Split::Validation => &mut held_out,
-            };
-            let counting = recording.counting_for(correction.channel);
-            for (row, by) in counting.zip(series) {
-                of_channels[correction.channel][row] -= by;
+        for (c, (train, held_out)) in
+            (correction.train.iter().zip(&correction.validation)).enumerate()
+        {
+            let (mut train, mut held_out) = (train.iter(), held_out.iter());
+            for (recording, of_channels) in context.data.recordings.iter().zip(&mut predictions) {
+                let series = match recording.split {
+                    Split::Train => &mut train,
+                    Split::Validation => &mut held_out,
+                };
+                for (row, by) in recording.counting_for(c).zip(series) {
+                    of_channels[c][row] -= by;
+                }
             }
         }
     }

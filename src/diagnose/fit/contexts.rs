@@ -4,9 +4,10 @@ use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::effect::Lasts;
 use crate::chain::transition_limits::TransitionLimits;
 use crate::diagnose::fit::context::Context;
-use crate::diagnose::fit::held_out::{Purpose, half};
+use crate::diagnose::fit::held_out::{Purpose, apart, half};
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::problem::solution::Control;
+use crate::recording::split::Split;
 use crate::setup::model_spec::ModelSpec;
 
 /// Recordings whose held-out rows are in two halves.
@@ -66,6 +67,32 @@ impl<'a> Contexts<'a> {
         match hypothesis.effect.needs.lasts {
             Lasts::OneRecording => &self.whole,
             _ => &self.test,
+        }
+    }
+
+    /// The rows that were fitted and those by which models were chosen as rows to be fitted, but for those from which noise is remembered
+    /// in rows that test; and these.
+    pub fn with_selection_fitted(&self, memory: usize) -> Dataset {
+        let chose = apart(self.selection.data, self.test.data, memory);
+        let as_training = chose.into_iter().map(|mut recording| {
+            recording.split = Split::Train;
+            recording
+        });
+        let of = |split: Split| self.test.data.of(split).cloned();
+        let recordings = of(Split::Train)
+            .chain(as_training)
+            .chain(of(Split::Validation));
+        Dataset {
+            recordings: recordings.collect(),
+        }
+    }
+
+    /// What is known of these contexts over other rows.
+    pub fn over<'b>(&'b self, data: &'b Dataset) -> Context<'b> {
+        Context {
+            noise: self.test.noise.clone(),
+            limits: self.test.limits.clone(),
+            ..Context::new(self.test.declared, data, self.test.control)
         }
     }
 

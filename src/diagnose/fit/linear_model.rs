@@ -24,6 +24,8 @@ pub struct LinearModel {
     pub loads: Vec<Vec<f64>>,
     /// `ŝ − s`, `[channel][row]`, without what a step of its parameters takes of it.
     pub residual: Vec<Vec<f64>>,
+    /// That step of its unknowns.
+    pub step: DVector<f64>,
     /// `[channel][unknown][row]`; `None` where a channel does not depend on an unknown.
     pub columns: Vec<Vec<Option<Vec<f64>>>>,
     /// Rows of what is known beforehand.
@@ -68,22 +70,35 @@ impl LinearModel {
             scale,
             ..Self::of_columns(columns, residual, known)
         };
-        linear.step(&(fit.prior.residual(&fit.values) * weight));
+        linear.take_step(&(fit.prior.residual(&fit.values) * weight));
         linear
     }
 
     /// Takes from the residual what a Gauss-Newton step of the parameters takes beside what is known of them: a fit is where all rows
     /// want none, and some of them, or others, do.
-    fn step(&mut self, of_known: &DVector<f64>) {
+    fn take_step(&mut self, of_known: &DVector<f64>) {
         let own = (0..self.residual.len()).map(|c| self.against_columns(c, &self.residual[c]));
         let gradient = own.fold(self.known.tr_mul(of_known), |sum, own| sum + own);
-        let step = -self.step_of(&self.project_one(&gradient));
+        self.step = -self.step_of(&self.project_one(&gradient));
+        let step = self.step.clone();
+        self.add_step(&step);
+    }
+
+    /// Adds what a step of its unknowns does to its residual.
+    fn add_step(&mut self, step: &DVector<f64>) {
         for (residual, columns) in self.residual.iter_mut().zip(&self.columns) {
             for (column, step) in columns.iter().zip(step.iter()) {
                 let rows = column.iter().flatten().zip(residual.iter_mut());
                 rows.for_each(|(j, r)| *r += step * j);
             }
         }
+    }
+
+    /// Takes a series of one channel, in the unit of the signal, and what a step of its unknowns adds in all channels, from its residual.
+    pub fn take(&mut self, channel: usize, series: &[f64], step: &DVector<f64>) {
+        self.add_step(step);
+        let rows = self.residual[channel].iter_mut().zip(series);
+        rows.for_each(|(r, x)| *r -= x / self.scale[channel]);
     }
 
     /// Of derivatives and a residual in units of deviations, with rows of what is known beforehand; predicts nothing.
@@ -97,6 +112,7 @@ impl LinearModel {
             predicted: Vec::new(),
             loads: Vec::new(),
             inverse: inverse_factor(&columns, &known),
+            step: DVector::zeros(known.ncols()),
             residual,
             columns,
             known,
@@ -241,7 +257,7 @@ mod tests {
             [0, 1].map(|c| of_channel(&residual, c)).to_vec(),
             known.clone(),
         );
-        linear.step(&of_known);
+        linear.take_step(&of_known);
         let mut system = DMatrix::zeros(2 * ROWS + 1, 2);
         for (k, column) in columns.iter().enumerate() {
             system

@@ -1,11 +1,11 @@
 //! The formula that is proposed for the unexplained residual of a channel, if one is significant.
 //!
-//! Formulas are chosen by the rows that choose models and tested by rows that no choice has seen: one has to forecast what the
-//! model leaves there, at the stated significance for as many tests as there are channels without a name, and to leave less,
-//! significantly and by what matters, than what else takes the misfit: a smooth correction, or a name that resembles it.
+//! Formulas are fitted to the fitted rows and those that choose models, and tested by rows that no choice has seen: one has to forecast what the
+//! model leaves there, at the stated significance for as many tests as there are channels without a name. Beside a smooth correction,
+//! which has dozens of parameters and forecasts no other motions than the recorded ones, it has to leave hardly more; beside a name
+//! that resembles it, less, significantly and by what matters.
 
 use crate::diagnose::error::DiagnoseError;
-use crate::diagnose::fit::contexts::Contexts;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::formula::law::Formula;
 use crate::diagnose::formula::seeking::{Fitted, FittedFormula, Seeking};
@@ -21,13 +21,31 @@ use crate::stats::encompassing::{Encompassing, Known, ResidualPair};
 
 /// What formulas are sought for.
 pub struct Proposing<'a> {
-    pub contexts: &'a Contexts<'a>,
-    /// By the rows that choose.
+    /// In a context whose held-out rows no choice has seen.
     pub seeking: Seeking<'a>,
     pub noise_level: &'a NoiseLevel,
     pub significance: f64,
     /// Channels without a name.
     pub channels: usize,
+}
+
+/// What else takes the misfit.
+pub struct Rival {
+    /// In words.
+    pub name: String,
+    /// What it is.
+    pub kind: RivalKind,
+    /// Residuals that it leaves of rows that no choice has seen, `[channel][row]`.
+    pub left: Vec<Vec<f64>>,
+}
+
+/// Kinds of rivals of a formula.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RivalKind {
+    /// A smooth correction.
+    Smooth,
+    /// Names of the vocabulary, with smooth corrections beside them.
+    Named,
 }
 
 /// A formula that has earned it.
@@ -58,45 +76,49 @@ pub struct Other {
 }
 
 impl Proposing<'_> {
-    /// The formula of a channel; `rival` are residuals of what else takes the misfit, over rows that no choice has seen.
+    /// The formula of a channel that has earned it beside what else takes the misfit.
     pub fn propose(
         &self,
         channel: usize,
-        rival: Option<&[Vec<f64>]>,
+        rival: Option<&Rival>,
     ) -> Result<Option<Proposal>, DiagnoseError> {
         let Some(Fitted { all, tried }) = self.seeking.fitted(channel) else {
             return Ok(None);
         };
-        let Some(chosen) = self.seeking.chosen(channel, &all) else {
+        let Some(chosen) = self.seeking.foremost(channel, &all) else {
             return Ok(None);
         };
-        let rows = &self.contexts.test;
-        let before = self.seeking.model.on(rows);
-        let after = |k: usize| all[k].fit.on(rows);
-        let hypothesis = all[chosen].hypothesis.clone();
-        let test = HypothesisTest::of(rows, &before, after(chosen), hypothesis);
+        let (rows, before) = (self.seeking.context, self.seeking.model);
+        let FittedFormula {
+            hypothesis, fit, ..
+        } = &all[chosen];
+        let test = HypothesisTest::of(rows, before, fit.clone(), hypothesis.clone());
         let test = test.corrected_for(self.channels);
         if !test.is_needed(self.significance) {
             return Ok(None);
         }
         let formula = &test.fit.validation;
-        let against = rival.map(|left| {
+        let against = rival.map(|rival| {
             let pair = ResidualPair {
-                poorer: left,
+                poorer: &rival.left,
                 richer: formula,
             };
             pair.encompassing(Known::default(), rows.residual_rows())
         });
-        let leaves_less =
-            |left: &[Vec<f64>]| rms(&formula[channel]) < (1.0 - MATTERS) * rms(&left[channel]);
-        let is_significant = |test: Encompassing| test.p_value < self.significance;
-        if !(rival.is_none_or(leaves_less) && against.is_none_or(is_significant)) {
-            return Ok(None);
+        if let (Some(rival), Some(against)) = (rival, &against) {
+            let ratio = rms(&formula[channel]) / rms(&rival.left[channel]);
+            let has_earned_it = match rival.kind {
+                RivalKind::Smooth => ratio <= 1.0 + MATTERS,
+                RivalKind::Named => ratio < 1.0 - MATTERS && against.p_value < self.significance,
+            };
+            if !has_earned_it {
+                return Ok(None);
+            }
         }
-        let explains = |fit: &ModelFit| self.explained(&before, fit, channel);
+        let explains = |fit: &ModelFit| self.explained(before, fit, channel);
         let others = (0..all.len()).filter(|k| *k != chosen).map(|k| Other {
             formula: all[k].formula(),
-            explains: explains(&after(k)),
+            explains: explains(&all[k].fit),
         });
         let others = others.filter(|other| other.explains >= MATTERS);
         Ok(Some(Proposal {
@@ -128,7 +150,7 @@ impl Proposing<'_> {
 
     /// The parameters of a formula with their intervals.
     fn parameters(&self, fitted: &FittedFormula) -> Vec<Parameter> {
-        let context = &self.contexts.whole;
+        let context = self.seeking.context;
         let recordings = context.recordings(Split::Train);
         let problem = fitted.fit.problem(&recordings);
         let covariance = of_unknowns(&problem, &fitted.fit.solution.x);

@@ -148,6 +148,26 @@ impl Seeking<'_> {
         })
     }
 
+    /// The formula of the least charged error of the fitted rows (Schwarz 1978), or one that errs hardly more there: one that drives no
+    /// joint, and of these one with fewer parameters. None where no formula is better than none.
+    pub fn foremost(&self, channel: usize, all: &[FittedFormula]) -> Option<usize> {
+        let rows = self.model.train[channel].len().max(1) as f64;
+        let parameters = |k: usize| all[k].formula.parameters().count();
+        let charged = |k: usize| all[k].fit.fitted_score() + parameters(k) as f64 * rows.ln();
+        let better = |k: &usize| charged(*k) < self.model.fitted_score();
+        let better: Vec<usize> = (0..all.len()).filter(better).collect();
+        let error = |k: usize| rms(&all[k].fit.train[channel]);
+        let best = *better
+            .iter()
+            .min_by(|&&a, &&b| charged(a).total_cmp(&charged(b)))?;
+        let errs_hardly_more = |k: &usize| error(*k) <= (1.0 + MATTERS) * error(best);
+        let as_good = better.iter().copied().filter(errs_hardly_more);
+        as_good.min_by(|&a, &b| {
+            let of = |k: usize| (all[k].drives, parameters(k));
+            of(a).cmp(&of(b)).then(charged(a).total_cmp(&charged(b)))
+        })
+    }
+
     /// Of the formulas that the rows which choose want, the one of the least charged error, or one that is not significantly
     /// worse, or not by what matters: one that drives no joint, and of these one with fewer parameters.
     pub fn chosen(&self, channel: usize, all: &[FittedFormula]) -> Option<usize> {

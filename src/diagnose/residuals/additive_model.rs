@@ -18,21 +18,26 @@ use crate::diagnose::residuals::effect_size::{MATTERS, OF_NOISE};
 use crate::diagnose::residuals::folds::FoldedModel;
 use crate::diagnose::residuals::hats::Arguments;
 use crate::diagnose::residuals::quantity::Quantity;
-use crate::diagnose::residuals::smooth_fit::{FoldedChannel, Smoothed};
+use crate::diagnose::residuals::smooth_fit::{Chosen, FoldedChannel, Smoothed};
 use crate::estimate::noise::ResidualSeries;
 use crate::recording::split::Split;
+use crate::stats::autoregression::{Autoregression, OrderCriterion, largest_order};
 use crate::stats::deviation::{of_steps, rms};
 use crate::stats::encompassing::{Encompassing, Known, ResidualPair};
+use nalgebra::DVector;
 use rayon::prelude::*;
 use std::sync::Arc;
 
 /// A residual of less than so many times the variance of the noise is taken for noise.
 const MUCH: f64 = 1.5;
 
+/// Noise of which a row tells less than this share is forgotten there.
+const FORGOTTEN: f64 = 0.01;
+
 /// Rows along which functions are chosen: a function of two variables has some dozens of factors.
 const ENOUGH: usize = 4000;
 
-/// A smooth model of one channel.
+/// A smooth model of one channel, with what the model's unknowns change beside it in all channels.
 #[derive(Debug, Clone)]
 pub struct AdditiveModel {
     /// Its place among the channels.
@@ -47,19 +52,19 @@ pub struct AdditiveModel {
     pub tried: usize,
     /// Whether it forecasts the residual on held-out rows.
     pub evidence: Encompassing,
-    /// Share by which the held-out RMS error falls.
+    /// Share by which the held-out RMS error of its channel falls.
     pub error_reduction: f64,
-    /// RMS of what it takes from the held-out rows over that of what it leaves.
+    /// RMS of what it takes from the held-out rows of its channel over that of what it leaves.
     pub taken: f64,
-    /// To be subtracted from the residual, over the fitted and over the held-out rows.
-    pub train: Vec<f64>,
+    /// To be subtracted from the residual over the fitted rows, `[channel][row]`.
+    pub train: Vec<Vec<f64>>,
     /// The same over the held-out rows.
-    pub validation: Vec<f64>,
+    pub validation: Vec<Vec<f64>>,
     curves: Arc<Smoothed>,
 }
 
 impl AdditiveModel {
-    /// Whether it says something that is significant and matters, on the rows that chose it among so many channels' models.
+    /// Whether it says something that is significant and matters, as one of so many channels' models.
     pub fn is_needed(&self, significance: f64, channels: usize) -> bool {
         let tried = (channels * self.tried) as f64;
         self.evidence.p_value * tried < significance
@@ -67,13 +72,8 @@ impl AdditiveModel {
             && self.taken >= OF_NOISE
     }
 
-    /// Whether rows that have not chosen it confirm it, as one of so many tests.
-    pub fn is_confirmed(&self, significance: f64, tests: usize) -> bool {
-        self.evidence.p_value * (tests as f64) < significance && self.error_reduction > 0.0
-    }
-
-    /// The same correction over other rows than those by which it was chosen, with the evidence of these.
-    pub fn on(&self, context: &Context<'_>, fit: &ModelFit) -> Self {
+    /// The same correction over other rows, with the evidence of these beside other corrections.
+    pub fn on(&self, context: &Context<'_>, fit: &ModelFit, beside: &[&Self]) -> Self {
         let rows = Rows::both(context, fit);
         let place = Place {
             fit,
@@ -82,28 +82,64 @@ impl AdditiveModel {
         };
         let curves = Arc::clone(&self.curves);
         let model = place.model(curves, self.tried);
-        model.map_or_else(|| self.clone(), |model| model.judged(context, fit))
+        model.map_or_else(|| self.clone(), |model| model.judged(context, fit, beside))
     }
 
-    /// With the evidence of the held-out rows.
-    fn judged(mut self, context: &Context<'_>, fit: &ModelFit) -> Self {
-        self.evidence = self.forecasts(context, fit);
+    /// The same with what another one takes of some held-out rows, or with nothing there; `is_other` says of which,
+    /// `[channel][row]`.
+    pub fn with_rows_of(mut self, other: Option<&Self>, is_other: &[Vec<bool>]) -> Self {
+        for (c, (taken, is_other)) in self.validation.iter_mut().zip(is_other).enumerate() {
+            for (row, taken) in taken
+                .iter_mut()
+                .enumerate()
+                .filter(|(row, _)| is_other[*row])
+            {
+                *taken = other.map_or(0.0, |other| other.validation[c][row]);
+            }
+        }
         self
     }
 
-    /// Whether it forecasts what the model leaves of the held-out rows.
-    fn forecasts(&self, context: &Context<'_>, fit: &ModelFit) -> Encompassing {
-        let richer = left(fit, &[self]);
+    /// With the evidence of the held-out rows, beside other corrections.
+    fn judged(mut self, context: &Context<'_>, fit: &ModelFit, beside: &[&Self]) -> Self {
+        let poorer = left(fit, beside);
+        let richer = left(fit, &[beside, &[&self]].concat());
+        let (before, after) = (&poorer[self.channel], &richer[self.channel]);
+        self.error_reduction = 1.0 - rms(after) / rms(before);
+        self.taken = taken(before, after);
+        self.evidence = self.forecasts(
+            context,
+            fit,
+            beside,
+            ResidualPair {
+                poorer: &poorer,
+                richer: &richer,
+            },
+        );
+        self
+    }
+
+    /// Whether it forecasts what the model leaves of the held-out rows of its channel.
+    fn forecasts(
+        &self,
+        context: &Context<'_>,
+        fit: &ModelFit,
+        beside: &[&Self],
+        held_out: ResidualPair<'_>,
+    ) -> Encompassing {
+        // What it changes in other channels is none of its evidence.
+        let mut richer = held_out.poorer.to_vec();
+        richer[self.channel].clone_from(&held_out.richer[self.channel]);
         let residuals = ResidualPair {
-            poorer: &fit.validation,
             richer: &richer,
+            ..held_out
         };
         let rows = context.residual_rows();
         let kept = vec![None; richer.len()];
         FittedInNoise {
             context,
             poorer: fit,
-            noise: &|| self.left_of_fitted(context, fit),
+            noise: &|| left_of_fitted(context, fit, &[beside, &[self]].concat()),
             kept: &kept,
         }
         .test(&|estimates| {
@@ -111,20 +147,28 @@ impl AdditiveModel {
             residuals.encompassing(Known { noise, estimates }, rows)
         })
     }
+}
 
-    /// What it leaves of the fitted rows, `[recording][channel][row]`.
-    fn left_of_fitted(&self, context: &Context<'_>, fit: &ModelFit) -> ResidualSeries {
-        let recordings = context.recordings(Split::Train);
-        let problem = fit.problem(&recordings);
-        let mut left = problem.counted_residuals(&fit.solution.x);
-        let mut taken = self.train.iter();
-        for (recording, residuals) in recordings.iter().zip(&mut left) {
-            for (row, by) in recording.counting_for(self.channel).zip(taken.by_ref()) {
-                residuals[self.channel][row] -= by;
+/// What a model with smooth corrections leaves of the fitted rows, `[recording][channel][row]`.
+fn left_of_fitted(
+    context: &Context<'_>,
+    fit: &ModelFit,
+    corrections: &[&AdditiveModel],
+) -> ResidualSeries {
+    let recordings = context.recordings(Split::Train);
+    let problem = fit.problem(&recordings);
+    let mut left = problem.counted_residuals(&fit.solution.x);
+    for correction in corrections {
+        for (c, taken) in correction.train.iter().enumerate() {
+            let mut taken = taken.iter();
+            for (recording, residuals) in recordings.iter().zip(&mut left) {
+                for (row, by) in recording.counting_for(c).zip(taken.by_ref()) {
+                    residuals[c][row] -= by;
+                }
             }
         }
-        left
     }
+    left
 }
 
 /// A model along rows, with its derivatives.
@@ -149,6 +193,22 @@ impl<'a> Rows<'a> {
     fn covariates(&self, fit: &ModelFit, channel: usize) -> Option<Covariates> {
         Covariates::of(&fit.model, channel, &self.series.loads, &self.recordings)
     }
+
+    /// What smooth functions of one channel take of the residual of each.
+    fn taken(&self, curves: &Smoothed, covariates: &Covariates, channel: usize) -> Vec<Vec<f64>> {
+        let columns = self.series.columns.iter().zip(&self.series.predicted);
+        let of = |(c, (columns, rows)): (usize, (&Vec<Option<Vec<f64>>>, &Vec<f64>))| match c
+            == channel
+        {
+            true => curves.at(covariates, columns),
+            false => curves
+                .shift(columns, rows.len())
+                .iter()
+                .map(|x| -x)
+                .collect(),
+        };
+        columns.enumerate().map(of).collect()
+    }
 }
 
 /// A channel of a model.
@@ -167,10 +227,7 @@ impl Place<'_> {
             fitted.covariates(self.fit, channel)?,
             held_out.covariates(self.fit, channel)?,
         ];
-        let of = |k: usize| curves.at(&covariates[k], &self.rows[k].series.columns[channel]);
-        let (train, validation) = (of(0), of(1));
-        let before = &self.fit.validation[channel];
-        let after: Vec<f64> = before.iter().zip(&validation).map(|(e, f)| e - f).collect();
+        let of = |k: usize| self.rows[k].taken(&curves, &covariates[k], channel);
         let functions = || curves.functions.iter();
         Some(AdditiveModel {
             channel,
@@ -183,10 +240,10 @@ impl Place<'_> {
                 .is_some_and(|hats| hats.is_own(&covariates[0])),
             tried,
             evidence: Encompassing::of_nothing(),
-            error_reduction: 1.0 - rms(&after) / rms(before),
-            taken: taken(before, &after),
-            train,
-            validation,
+            error_reduction: 0.0,
+            taken: 0.0,
+            train: of(0),
+            validation: of(1),
             curves,
         })
     }
@@ -196,31 +253,41 @@ impl Place<'_> {
 pub fn left(fit: &ModelFit, corrections: &[&AdditiveModel]) -> Vec<Vec<f64>> {
     let mut left = fit.validation.clone();
     for correction in corrections {
-        let pairs = left[correction.channel]
-            .iter_mut()
-            .zip(&correction.validation);
-        pairs.for_each(|(e, f)| *e -= f);
+        for (left, taken) in left.iter_mut().zip(&correction.validation) {
+            left.iter_mut().zip(taken).for_each(|(e, f)| *e -= f);
+        }
     }
     left
 }
 
-/// The same, with what the changed unknowns add in the other channels.
-pub fn left_everywhere(
+/// Rows after which noise is forgotten in some channels: as the scatter of periods tells it, or what a model with corrections leaves of
+/// the fitted rows.
+pub fn memory(
     context: &Context<'_>,
     fit: &ModelFit,
     corrections: &[&AdditiveModel],
-) -> Vec<Vec<f64>> {
-    let rows = Rows::of(context, fit, Split::Validation);
-    let mut left = left(fit, corrections);
-    for correction in corrections {
-        let others = left.iter_mut().enumerate();
-        for (c, residual) in others.filter(|(c, _)| *c != correction.channel) {
-            let curves = &correction.curves;
-            let shift = curves.shift(&rows.series.columns[c], residual.len());
-            residual.iter_mut().zip(shift).for_each(|(e, by)| *e += by);
-        }
-    }
-    left
+    channels: impl Iterator<Item = usize>,
+) -> usize {
+    let recordings = context.recordings(Split::Train);
+    let left = left_of_fitted(context, fit, corrections);
+    let of_recording = |c: usize, recording: &Prepared, left: &[f64]| {
+        let known = recording.experiment.noise.as_ref();
+        let known = known.and_then(|noise| noise.autocovariance.get(c));
+        let model = match known {
+            Some(known) => Autoregression::of_autocovariance(known, recording.rows()),
+            None => {
+                let most = largest_order(left.len());
+                Autoregression::fit(&[left], most, OrderCriterion::Bic)
+            }
+        };
+        model.map_or(0, |model| model.memory(FORGOTTEN))
+    };
+    let of_channel = |c: usize| {
+        let each = recordings.iter().zip(&left);
+        each.map(|(recording, left)| of_recording(c, recording, &left[c]))
+            .max()
+    };
+    channels.filter_map(of_channel).max().unwrap_or(0)
 }
 
 /// RMS of what a correction takes over that of what it leaves.
@@ -229,17 +296,11 @@ fn taken(before: &[f64], after: &[f64]) -> f64 {
     squares.max(0.0).sqrt() / rms(after)
 }
 
-/// Smooth models of what a fit leaves where that is much, at most one per channel of a joint.
-pub fn of_all(context: &Context<'_>, fit: &ModelFit) -> Vec<AdditiveModel> {
-    let all: Vec<usize> = (0..fit.model.channels().len()).collect();
-    of_some(context, fit, &all)
-}
-
-/// The same of some channels.
+/// Smooth models of what a fit leaves of some channels where that is much, chosen among few by the held-out rows.
 pub fn of_some(context: &Context<'_>, fit: &ModelFit, channels: &[usize]) -> Vec<AdditiveModel> {
     let is_active = |c: &usize| fit.model.channels()[*c].active;
     let active = channels.iter().copied().filter(is_active);
-    let much = active.filter(|&c| leaves_much(context, fit, c));
+    let much = active.filter(|&c| leaves_much(context, &fit.validation, c));
     let any = much.map(|channel| Sought {
         channel,
         like: None,
@@ -268,51 +329,197 @@ struct Sought<'a> {
 }
 
 fn sought(context: &Context<'_>, fit: &ModelFit, channels: &[Sought<'_>]) -> Vec<AdditiveModel> {
-    let model = &fit.model;
-    let is_of_joint = |of: &&Sought<'_>| model.channels()[of.channel].joint.is_some();
-    let open: Vec<&Sought<'_>> = channels.iter().filter(is_of_joint).collect();
-    if open.is_empty() {
+    if channels.is_empty() {
         return Vec::new();
     }
-    let train = context.recordings(Split::Train);
-    let rows: usize = train.iter().map(|r| r.counting().count()).sum();
-    let every = (rows / ENOUGH).max(1);
-    let thinned = train.iter().map(|r| r.thinned(every));
-    let thinned: Vec<Prepared> = thinned.collect();
-    let thinned: Vec<&Prepared> = thinned.iter().collect();
-    let linear = LinearModel::of(fit, every, &thinned);
-    let Some(folded) = FoldedModel::of(&linear) else {
-        return Vec::new();
-    };
-    let all_rows = Rows::both(context, fit);
-    let of_channel = |of: &&Sought<'_>| {
-        let covariates = Covariates::of(model, of.channel, &linear.loads, &thinned)?;
-        let folded = FoldedChannel {
-            channel: of.channel,
-            covariates: &covariates,
-            model: &folded,
-        };
+    let linearised = Linearised::of(fit, context.recordings(Split::Train));
+    let rows = Rows::both(context, fit);
+    let of_channel = |of: &Sought<'_>| {
+        let candidates = |covariates: &Covariates| candidates(covariates);
+        let folded = FoldedModel::of(&linearised.linear)?;
+        let mut all = linearised.smoothed(fit, &folded, of.channel, &candidates)?;
+        if let Some(like) = of.like {
+            let again = |_: &Covariates| like.curves.arguments();
+            all.extend(linearised.smoothed(fit, &folded, of.channel, &again)?);
+        }
         let place = Place {
             fit,
             channel: of.channel,
-            rows: &all_rows,
+            rows: &rows,
         };
-        let mut all = folded.smoothed(&candidates(&covariates));
-        if let Some(like) = of.like {
-            all.extend(folded.smoothed(&like.curves.arguments()));
-        }
-        let tried = all.len();
-        let all = all.into_iter();
+        let tried = 2 * all.len();
+        let all = all.into_iter().flat_map(|chosen| chosen.both);
         let all = all.filter_map(|curves| place.model(Arc::new(curves), tried));
-        let best = all.max_by(|a, b| a.error_reduction.total_cmp(&b.error_reduction))?;
-        Some(best.judged(context, fit))
+        let error = |model: &AdditiveModel| rms(&left(fit, &[model])[of.channel]);
+        let best = all.min_by(|a, b| error(a).total_cmp(&error(b)))?;
+        Some(best.judged(context, fit, &[]))
     };
-    open.par_iter().filter_map(of_channel).collect()
+    channels.par_iter().filter_map(of_channel).collect()
+}
+
+/// Smooth models that were fitted to the rows of a model and to held-out rows, one channel after the other, each beside those before
+/// it: these rows say nothing for or against them.
+pub struct Pooled {
+    /// What the parameters of the model change where it is fitted to these rows: a correction without functions.
+    pub refit: Option<AdditiveModel>,
+    /// Beside it.
+    pub corrections: Vec<AdditiveModel>,
+}
+
+impl Pooled {
+    /// Of channels of which a fit leaves much, the one in which most is forecast first.
+    pub fn of_much(context: &Context<'_>, fit: &ModelFit, held_out: &[Prepared]) -> Self {
+        let channels = fit.model.channels().iter().enumerate();
+        let active = channels.filter(|(_, channel)| channel.active);
+        let mut rows = PooledRows::of(context, fit, held_out);
+        let mut open: Vec<usize> = active.map(|(c, _)| c).collect();
+        let mut pooled = rows.refitted();
+        loop {
+            let left = left(fit, &pooled.all());
+            open.retain(|&c| leaves_much(context, &left, c));
+            let Some(next) = rows.foremost(&open) else {
+                return pooled;
+            };
+            open.retain(|c| *c != next.channel);
+            pooled.corrections.push(next);
+        }
+    }
+
+    /// Of channels in their order.
+    pub fn of_channels(
+        context: &Context<'_>,
+        fit: &ModelFit,
+        held_out: &[Prepared],
+        channels: &[usize],
+    ) -> Self {
+        let mut rows = PooledRows::of(context, fit, held_out);
+        let refitted = rows.refitted();
+        let each = channels.iter().filter_map(|c| rows.foremost(&[*c]));
+        Self {
+            corrections: each.collect(),
+            ..refitted
+        }
+    }
+
+    /// The refit and the corrections.
+    pub fn all(&self) -> Vec<&AdditiveModel> {
+        self.refit.iter().chain(&self.corrections).collect()
+    }
+}
+
+/// Fitted and held-out rows, less what corrections have taken of them.
+struct PooledRows<'a> {
+    fit: &'a ModelFit,
+    linearised: Linearised,
+    rows: [Rows<'a>; 2],
+}
+
+impl<'a> PooledRows<'a> {
+    fn of(context: &'a Context<'_>, fit: &'a ModelFit, held_out: &[Prepared]) -> Self {
+        let mut recordings = context.recordings(Split::Train);
+        // Values of the parameters of a held-out recording are not those that derivatives are taken at.
+        if fit.own.is_empty() {
+            recordings.extend(held_out);
+        }
+        Self {
+            linearised: Linearised::of(fit, recordings),
+            rows: Rows::both(context, fit),
+            fit,
+        }
+    }
+
+    /// Without corrections yet.
+    fn refitted(&self) -> Pooled {
+        let curves = Smoothed {
+            functions: Vec::new(),
+            factors: DVector::zeros(0),
+            step: self.linearised.linear.step.clone(),
+        };
+        let channels = self.fit.model.channels().iter();
+        let place = Place {
+            fit: self.fit,
+            // Without functions it is of no channel more than of another.
+            channel: channels.take_while(|c| c.joint.is_none()).count(),
+            rows: &self.rows,
+        };
+        Pooled {
+            refit: place.model(Arc::new(curves), 1),
+            corrections: Vec::new(),
+        }
+    }
+
+    /// The model of the channel in which one forecasts most, and takes what it takes.
+    fn foremost(&mut self, channels: &[usize]) -> Option<AdditiveModel> {
+        let (fit, linearised) = (self.fit, &self.linearised);
+        let folded = FoldedModel::of(&linearised.linear)?;
+        let of_channel = |&channel: &usize| {
+            let all = linearised.smoothed(fit, &folded, channel, &|of| candidates(of))?;
+            Some((channel, all.into_iter().last()?))
+        };
+        let each: Vec<(usize, Chosen)> = channels.par_iter().filter_map(of_channel).collect();
+        let foremost = each
+            .into_iter()
+            .max_by(|a, b| a.1.gain.total_cmp(&b.1.gain));
+        let (
+            channel,
+            Chosen {
+                both: [curves, _], ..
+            },
+        ) = foremost?;
+        let covariates = linearised.covariates(fit, channel)?;
+        self.linearised
+            .linear
+            .take(channel, &curves.at(&covariates, &[]), &curves.step);
+        let place = Place {
+            fit,
+            channel,
+            rows: &self.rows,
+        };
+        place.model(Arc::new(curves), 1)
+    }
+}
+
+/// A fitted model linearised along some rows of recordings.
+struct Linearised {
+    linear: LinearModel,
+    recordings: Vec<Prepared>,
+}
+
+impl Linearised {
+    fn of(fit: &ModelFit, recordings: Vec<&Prepared>) -> Self {
+        let rows: usize = recordings.iter().map(|r| r.counting().count()).sum();
+        let every = (rows / ENOUGH).max(1);
+        let recordings: Vec<Prepared> = recordings.iter().map(|r| r.thinned(every)).collect();
+        let linear = LinearModel::of(fit, every, &recordings.iter().collect::<Vec<_>>());
+        Self { linear, recordings }
+    }
+
+    fn covariates(&self, fit: &ModelFit, channel: usize) -> Option<Covariates> {
+        let recordings: Vec<&Prepared> = self.recordings.iter().collect();
+        Covariates::of(&fit.model, channel, &self.linear.loads, &recordings)
+    }
+
+    /// Smooth functions that forecast what is left of a channel, one more each time; `None` where the channel is that of no joint.
+    fn smoothed(
+        &self,
+        fit: &ModelFit,
+        model: &FoldedModel<'_>,
+        channel: usize,
+        candidates: &dyn Fn(&Covariates) -> Vec<Arguments>,
+    ) -> Option<Vec<Chosen>> {
+        let covariates = self.covariates(fit, channel)?;
+        let folded = FoldedChannel {
+            channel,
+            covariates: &covariates,
+            model,
+        };
+        Some(folded.smoothed(&candidates(&covariates)))
+    }
 }
 
 /// Whether a model leaves more than noise of a channel: what repeats tells it, or what successive rows differ by.
-fn leaves_much(context: &Context<'_>, fit: &ModelFit, channel: usize) -> bool {
-    let residual = &fit.validation[channel];
+fn leaves_much(context: &Context<'_>, left: &[Vec<f64>], channel: usize) -> bool {
+    let residual = &left[channel];
     let noise = match &context.noise {
         Some(noise) => noise[channel].powi(2),
         None => of_steps(residual, 1),

@@ -49,12 +49,20 @@ struct Function {
 }
 
 /// Functions, each with its stiffness.
-struct Chosen<'f> {
+struct Stiffened<'f> {
     functions: Vec<&'f Function>,
     products: Vec<HatProducts>,
     penalty: DMatrix<f64>,
     /// Mean square of what is left of folds that the others forecast, in units of the deviation of the channel.
     error: f64,
+}
+
+/// Functions that forecast better than fewer.
+pub struct Chosen {
+    /// At their best beside all parameters of the model, and beside the model as it is.
+    pub both: [Smoothed; 2],
+    /// Twice the logarithm of how many times likelier they make the folds that others forecast.
+    pub gain: f64,
 }
 
 /// Functions of which the last may be of any stiffness.
@@ -116,10 +124,11 @@ impl Smoothed {
 
 impl FoldedChannel<'_> {
     /// Functions of some covariates that forecast what the model leaves, one more each time for as long as that lowers the error by
-    /// what matters; beside all parameters of the model, and beside the model as it is.
-    pub fn smoothed(&self, candidates: &[Arguments]) -> Vec<Smoothed> {
+    /// what matters: the last ones forecast best. Beside all parameters of the model, and beside the model as it is.
+    pub fn smoothed(&self, candidates: &[Arguments]) -> Vec<Chosen> {
         let functions: Vec<Function> = candidates.iter().map(|of| self.function(*of)).collect();
         let mut chosen = self.nothing();
+        let nothing = chosen.error;
         let mut all = Vec::new();
         for _ in 0..MOST {
             let next = self.grown(&chosen, &functions);
@@ -128,7 +137,10 @@ impl FoldedChannel<'_> {
                 Some(next) => chosen = next,
                 None => break,
             }
-            all.extend(self.both(&chosen));
+            all.push(Chosen {
+                gain: self.rows() * (nothing / chosen.error).ln(),
+                both: self.both(&chosen),
+            });
         }
         all
     }
@@ -147,9 +159,9 @@ impl FoldedChannel<'_> {
     }
 
     /// The model as it is.
-    fn nothing<'f>(&self) -> Chosen<'f> {
+    fn nothing<'f>(&self) -> Stiffened<'f> {
         let folds = self.model.of_channel(self.channel).iter();
-        Chosen {
+        Stiffened {
             functions: Vec::new(),
             products: self.model.nothing(),
             penalty: DMatrix::zeros(0, 0),
@@ -158,7 +170,7 @@ impl FoldedChannel<'_> {
     }
 
     /// With the function more that forecasts best.
-    fn grown<'f>(&self, known: &Chosen<'f>, functions: &'f [Function]) -> Option<Chosen<'f>> {
+    fn grown<'f>(&self, known: &Stiffened<'f>, functions: &'f [Function]) -> Option<Stiffened<'f>> {
         let is_new = |f: &&Function| known.functions.iter().all(|k| k.hats.of != f.hats.of);
         let new: Vec<&Function> = functions.iter().filter(is_new).collect();
         // Products of all candidates at once would be hundreds of megabytes.
@@ -176,7 +188,7 @@ impl FoldedChannel<'_> {
                 Some((error, stiffness))
             });
             let (error, stiffness) = errors.min_by(|a, b| a.0.total_cmp(&b.0))?;
-            Some(Chosen {
+            Some(Stiffened {
                 penalty: open.penalty(stiffness),
                 functions: open.functions,
                 products: open.products,
@@ -187,7 +199,7 @@ impl FoldedChannel<'_> {
     }
 
     /// Known functions and one more.
-    fn with<'f>(&self, known: &Chosen<'f>, function: &'f Function) -> Open<'f> {
+    fn with<'f>(&self, known: &Stiffened<'f>, function: &'f Function) -> Open<'f> {
         let before: Vec<&HatRows> = known.functions.iter().map(|f| &f.rows).collect();
         let products = self
             .model
@@ -224,7 +236,7 @@ impl FoldedChannel<'_> {
     }
 
     /// Functions at their best, where the unknowns change by so much for each hat.
-    fn at_best(&self, chosen: &Chosen<'_>, steps: &DMatrix<f64>) -> Smoothed {
+    fn at_best(&self, chosen: &Stiffened<'_>, steps: &DMatrix<f64>) -> Smoothed {
         let whole = Apart::sum(&self.model.apart(&chosen.products, steps));
         let factor = (&whole.square + &chosen.penalty).cholesky();
         let factors = factor.map_or_else(
@@ -240,7 +252,7 @@ impl FoldedChannel<'_> {
 
     /// Beside all parameters of the model, and beside the model as it is: what one motion does not tell of the parameters is wrong in
     /// others.
-    fn both(&self, chosen: &Chosen<'_>) -> [Smoothed; 2] {
+    fn both(&self, chosen: &Stiffened<'_>) -> [Smoothed; 2] {
         let steps = self.model.steps(&chosen.products);
         let none = DMatrix::zeros(steps.nrows(), steps.ncols());
         [steps, none].map(|steps| self.at_best(chosen, &steps))
@@ -316,7 +328,7 @@ mod tests {
     }
 
     /// Functions of all variables and all pairs of them, in the first channel.
-    fn smoothed(linear: &LinearModel, covariates: &Covariates) -> Vec<Smoothed> {
+    fn smoothed(linear: &LinearModel, covariates: &Covariates) -> Vec<Chosen> {
         let ones = (0..4).map(Arguments::One);
         let twos = (0..4).flat_map(|a| (a + 1..4).map(move |b| Arguments::Two([a, b])));
         let candidates: Vec<Arguments> = ones.chain(twos).collect();
@@ -346,14 +358,14 @@ mod tests {
         let left = [with_noise.collect(), drawn(32, NOISE * 3.0_f64.sqrt())];
         let linear = fitted(left, &covariates);
         let all = smoothed(&linear, &covariates);
-        let first = &all[0];
+        let [first, as_it_is] = &all[0].both;
         assert_eq!(first.functions[0].of, Arguments::Two([1, 2]));
         let taken = first.at(&covariates, &linear.columns[0]);
         let before = &linear.residual[0];
         let after: Vec<f64> = before.iter().zip(&taken).map(|(e, by)| e - by).collect();
         assert!(rms(before) > 8.0 * NOISE && rms(&after) < 1.2 * NOISE);
         // Beside the model as it is what the law has biased stays.
-        let taken = all[1].at(&covariates, &linear.columns[0]);
+        let taken = as_it_is.at(&covariates, &linear.columns[0]);
         let after: Vec<f64> = before.iter().zip(&taken).map(|(e, by)| e - by).collect();
         assert!(rms(&after) > 2.0 * NOISE);
     }
@@ -388,7 +400,7 @@ mod tests {
         };
         let function = channel.function(Arguments::One(3));
         let open = channel.with(&channel.nothing(), &function);
-        let chosen = Chosen {
+        let chosen = Stiffened {
             penalty: open.penalty(0.1),
             functions: open.functions,
             products: open.products,
