@@ -379,6 +379,18 @@ mod tests {
         assert!((1e9 * found.innovation_variance - 1.0).abs() <= 1e-14);
     }
 
+    /// AR(1): `ρ_k² = a^{2k}` falls below a share at `k = ln(share)/(2 ln a)`; white noise is forgotten at once.
+    #[test]
+    fn matches_closed_form_of_memory() {
+        let covariance: Vec<f64> = (0..2).map(|k| 0.8_f64.powi(k)).collect();
+        let first_order = Autoregression::from_autocovariance(&covariance).unwrap();
+        for share in [0.5_f64, 0.1, 0.01, 1e-4] {
+            let lag = share.ln() / (2.0 * 0.8_f64.ln());
+            assert_eq!(first_order.memory(share), lag.floor() as usize);
+        }
+        assert_eq!(Autoregression::white(2.0).memory(0.01), 0);
+    }
+
     #[test]
     fn invariant_whitening_is_the_inverse_root_of_the_covariance() {
         // The whitening matrix W of n samples satisfies W C Wᵀ = I for the covariance C of the model.

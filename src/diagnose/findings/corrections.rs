@@ -53,17 +53,15 @@ impl Corrections {
         if selection.control.is_interrupted() {
             return corrections;
         }
-        let beside = |memory: usize| {
-            let chose = apart(selection.data, test.data, memory);
-            Pooled::of_much(selection, full, &chose)
-        };
-        let mut sought = beside(0);
+        let chose = |memory: usize| apart(selection.data, test.data, memory);
+        let mut sought = Pooled::of_much(selection, full, &chose(0));
+        let channels: Vec<usize> = sought.corrections.iter().map(|c| c.channel).collect();
         // What they leave tells noise from misfit better than what was left without them.
-        let channels = sought.corrections.iter().map(|c| c.channel);
-        corrections.memory = additive_model::memory(selection, full, &sought.all(), channels);
-        if corrections.memory > 0 {
-            sought = beside(corrections.memory);
+        let memory = additive_model::memory(selection, full, &sought.all(), &channels);
+        if memory > 0 {
+            sought = Pooled::of_channels(selection, full, &chose(memory), &channels);
         }
+        corrections.memory = memory;
         corrections.tested = sought.corrections.len();
         let tested = |sought: &AdditiveModel, beside: &[&AdditiveModel]| {
             sought.on(test, &corrections.full, beside)
@@ -115,8 +113,7 @@ impl Corrections {
 
     /// Rows after which noise is forgotten in a channel, whether it has a correction or not.
     pub fn memory(&self, contexts: &Contexts<'_>, channel: usize) -> usize {
-        let channels = std::iter::once(channel);
-        let own = additive_model::memory(&contexts.test, &self.full, &self.all(), channels);
+        let own = additive_model::memory(&contexts.test, &self.full, &self.all(), &[channel]);
         own.max(self.memory)
     }
 

@@ -2,8 +2,8 @@
 //!
 //! Formulas are fitted to the fitted rows and those that choose models, and tested by rows that no choice has seen: one has to forecast what the
 //! model leaves there, at the stated significance for as many tests as there are channels without a name. Beside a smooth correction,
-//! which has dozens of parameters and forecasts no other motions than the recorded ones, it has to leave hardly more; beside a name
-//! that resembles it, less, significantly and by what matters.
+//! which has dozens of parameters and forecasts no other motions than the recorded ones, it may leave more by what does not matter of
+//! the error without either; beside a name that resembles it, it has to leave less, significantly and by what matters.
 
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
@@ -37,6 +37,25 @@ pub struct Rival {
     pub kind: RivalKind,
     /// Residuals that it leaves of rows that no choice has seen, `[channel][row]`.
     pub left: Vec<Vec<f64>>,
+}
+
+impl Rival {
+    /// Whether a formula that leaves so much of a channel, of an error of the model alone, takes its place.
+    fn gives_way_to(&self, left: RmsErrors, evidence: &Encompassing, significance: f64) -> bool {
+        match self.kind {
+            RivalKind::Smooth => left.formula - left.rival <= MATTERS * left.model,
+            RivalKind::Named => {
+                left.formula < (1.0 - MATTERS) * left.rival && evidence.p_value < significance
+            }
+        }
+    }
+}
+
+/// RMS errors of a channel: of the model alone, with a rival, and with a formula.
+struct RmsErrors {
+    model: f64,
+    rival: f64,
+    formula: f64,
 }
 
 /// Kinds of rivals of a formula.
@@ -106,12 +125,12 @@ impl Proposing<'_> {
             pair.encompassing(Known::default(), rows.residual_rows())
         });
         if let (Some(rival), Some(against)) = (rival, &against) {
-            let ratio = rms(&formula[channel]) / rms(&rival.left[channel]);
-            let has_earned_it = match rival.kind {
-                RivalKind::Smooth => ratio <= 1.0 + MATTERS,
-                RivalKind::Named => ratio < 1.0 - MATTERS && against.p_value < self.significance,
+            let left = RmsErrors {
+                model: rms(&before.validation[channel]),
+                rival: rms(&rival.left[channel]),
+                formula: rms(&formula[channel]),
             };
-            if !has_earned_it {
+            if !rival.gives_way_to(left, against, self.significance) {
                 return Ok(None);
             }
         }
@@ -161,5 +180,39 @@ impl Proposing<'_> {
         all.into_iter()
             .filter(|parameter| parameter.name.starts_with(&prefix))
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether the formula takes the place of a rival that leaves 0.2 where the model alone leaves 1.
+    fn takes_its_place(kind: RivalKind, formula: f64, p_value: f64) -> bool {
+        let rival = Rival {
+            name: String::new(),
+            kind,
+            left: Vec::new(),
+        };
+        let left = RmsErrors {
+            model: 1.0,
+            rival: 0.2,
+            formula,
+        };
+        let evidence = Encompassing {
+            p_value,
+            ..Encompassing::of_nothing()
+        };
+        rival.gives_way_to(left, &evidence, 0.001)
+    }
+
+    /// Two hundredths of the rival's error are less than what matters of the model's.
+    #[test]
+    fn a_formula_may_leave_a_little_more_than_a_smooth_correction_and_less_than_a_name() {
+        let of_smooth = |formula| takes_its_place(RivalKind::Smooth, formula, 1.0);
+        assert!(of_smooth(0.2 + 0.99 * MATTERS) && !of_smooth(0.2 + 1.01 * MATTERS));
+        let of_named = |formula, p_value| takes_its_place(RivalKind::Named, formula, p_value);
+        let (just, hardly) = (0.2 * (1.0 - 1.01 * MATTERS), 0.2 * (1.0 - 0.99 * MATTERS));
+        assert!(of_named(just, 0.0009) && !of_named(just, 0.0011) && !of_named(hardly, 0.0009));
     }
 }

@@ -1,12 +1,14 @@
 //! The foremost formulas of the residual of a channel, fitted with all parameters of the model, and the one that the rows which choose
 //! prefer.
 
+use crate::chain::dataset::Prepared;
 use crate::chain::effect::user_law;
 use crate::diagnose::candidates::score_test::Linearised;
 use crate::diagnose::fit::candidate::Candidate;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::fitting::fit_model;
 use crate::diagnose::fit::hypothesis::Hypothesis;
+use crate::diagnose::fit::linear_model::LinearModel;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::fit::start::Start;
 use crate::diagnose::formula::dissipation;
@@ -16,6 +18,7 @@ use crate::diagnose::formula::rows::{FittedRows, Place};
 use crate::diagnose::formula::search;
 use crate::diagnose::formula::solved::Misfit;
 use crate::diagnose::residuals::effect_size::MATTERS;
+use crate::diagnose::residuals::folds::FoldedModel;
 use crate::diagnose::residuals::quantity::Quantity;
 use crate::diagnose::selection::exact_fit::ExactFit;
 use crate::diagnose::selection::forecast::forecast;
@@ -27,6 +30,9 @@ use rayon::prelude::*;
 
 /// Rows along which formulas are sought: what takes 2 % of the squares of so many is told from chance among thousands of terms.
 const ENOUGH: usize = 1200;
+
+/// Rows along which fitted formulas are compared.
+const JUDGING: usize = 4000;
 
 /// Of so many variables every shape and every product of two is tried.
 const FEW: usize = 4;
@@ -148,24 +154,35 @@ impl Seeking<'_> {
         })
     }
 
-    /// The formula of the least charged error of the fitted rows (Schwarz 1978), or one that errs hardly more there: one that drives no
+    /// The formula that forecasts parts of the fitted rows best from the others, or one that errs hardly more: one that drives no
     /// joint, and of these one with fewer parameters. None where no formula is better than none.
     pub fn foremost(&self, channel: usize, all: &[FittedFormula]) -> Option<usize> {
-        let rows = self.model.train[channel].len().max(1) as f64;
-        let parameters = |k: usize| all[k].formula.parameters().count();
-        let charged = |k: usize| all[k].fit.fitted_score() + parameters(k) as f64 * rows.ln();
-        let better = |k: &usize| charged(*k) < self.model.fitted_score();
-        let better: Vec<usize> = (0..all.len()).filter(better).collect();
-        let error = |k: usize| rms(&all[k].fit.train[channel]);
-        let best = *better
-            .iter()
-            .min_by(|&&a, &&b| charged(a).total_cmp(&charged(b)))?;
-        let errs_hardly_more = |k: &usize| error(*k) <= (1.0 + MATTERS) * error(best);
+        let errors = all
+            .par_iter()
+            .map(|of| self.forecast_error(&of.fit, channel));
+        let errors: Vec<f64> = errors.collect();
+        let nothing = self.forecast_error(self.model, channel);
+        let better = (0..all.len()).filter(|&k| errors[k] < nothing);
+        let better: Vec<usize> = better.collect();
+        let least = better.iter().map(|&k| errors[k]).fold(nothing, f64::min);
+        let errs_hardly_more = |k: &usize| errors[*k] <= (1.0 + MATTERS) * least;
         let as_good = better.iter().copied().filter(errs_hardly_more);
         as_good.min_by(|&a, &b| {
-            let of = |k: usize| (all[k].drives, parameters(k));
-            of(a).cmp(&of(b)).then(charged(a).total_cmp(&charged(b)))
+            let of = |k: usize| (all[k].drives, all[k].formula.parameters().count());
+            of(a).cmp(&of(b)).then(errors[a].total_cmp(&errors[b]))
         })
+    }
+
+    /// RMS error of a channel by cross-validation of the fitted rows; infinite where parts of these do not determine the parameters.
+    fn forecast_error(&self, fit: &ModelFit, channel: usize) -> f64 {
+        let train = self.context.recordings(Split::Train);
+        let count: usize = train.iter().map(|r| r.counting().count()).sum();
+        let every = (count / JUDGING).max(1);
+        let few: Vec<Prepared> = train.iter().map(|r| r.thinned(every)).collect();
+        let linear = LinearModel::of(fit, every, &few.iter().collect::<Vec<_>>());
+        let folded = FoldedModel::of(&linear);
+        let error = folded.and_then(|folded| folded.forecast_error(channel));
+        error.map_or(f64::INFINITY, f64::sqrt) * linear.scale[channel]
     }
 
     /// Of the formulas that the rows which choose want, the one of the least charged error, or one that is not significantly

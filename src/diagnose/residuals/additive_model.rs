@@ -266,7 +266,7 @@ pub fn memory(
     context: &Context<'_>,
     fit: &ModelFit,
     corrections: &[&AdditiveModel],
-    channels: impl Iterator<Item = usize>,
+    channels: &[usize],
 ) -> usize {
     let recordings = context.recordings(Split::Train);
     let left = left_of_fitted(context, fit, corrections);
@@ -282,12 +282,12 @@ pub fn memory(
         };
         model.map_or(0, |model| model.memory(FORGOTTEN))
     };
-    let of_channel = |c: usize| {
+    let of_channel = |&c: &usize| {
         let each = recordings.iter().zip(&left);
         each.map(|(recording, left)| of_recording(c, recording, &left[c]))
             .max()
     };
-    channels.filter_map(of_channel).max().unwrap_or(0)
+    channels.iter().filter_map(of_channel).max().unwrap_or(0)
 }
 
 /// RMS of what a correction takes over that of what it leaves.
@@ -412,6 +412,8 @@ struct PooledRows<'a> {
     fit: &'a ModelFit,
     linearised: Linearised,
     rows: [Rows<'a>; 2],
+    /// Of each channel, when it was last looked at; infinite before.
+    gains: Vec<f64>,
 }
 
 impl<'a> PooledRows<'a> {
@@ -424,6 +426,7 @@ impl<'a> PooledRows<'a> {
         Self {
             linearised: Linearised::of(fit, recordings),
             rows: Rows::both(context, fit),
+            gains: vec![f64::INFINITY; fit.validation.len()],
             fit,
         }
     }
@@ -450,24 +453,11 @@ impl<'a> PooledRows<'a> {
 
     /// The model of the channel in which one forecasts most, and takes what it takes.
     fn foremost(&mut self, channels: &[usize]) -> Option<AdditiveModel> {
-        let (fit, linearised) = (self.fit, &self.linearised);
-        let folded = FoldedModel::of(&linearised.linear)?;
-        let of_channel = |&channel: &usize| {
-            let all = linearised.smoothed(fit, &folded, channel, &|of| candidates(of))?;
-            Some((channel, all.into_iter().last()?))
-        };
-        let each: Vec<(usize, Chosen)> = channels.par_iter().filter_map(of_channel).collect();
-        let foremost = each
-            .into_iter()
-            .max_by(|a, b| a.1.gain.total_cmp(&b.1.gain));
-        let (
-            channel,
-            Chosen {
-                both: [curves, _], ..
-            },
-        ) = foremost?;
+        let (channel, Chosen { both, .. }) = self.most_gain(channels)?;
+        let [curves, _] = both;
+        let (fit, linearised) = (self.fit, &mut self.linearised);
         let covariates = linearised.covariates(fit, channel)?;
-        self.linearised
+        linearised
             .linear
             .take(channel, &curves.at(&covariates, &[]), &curves.step);
         let place = Place {
@@ -476,6 +466,37 @@ impl<'a> PooledRows<'a> {
             rows: &self.rows,
         };
         place.model(Arc::new(curves), 1)
+    }
+
+    /// Functions of the channel in which they forecast most. What others have taken lowers a gain: a channel is looked at anew if
+    /// it was the foremost before.
+    fn most_gain(&mut self, channels: &[usize]) -> Option<(usize, Chosen)> {
+        let (fit, linearised) = (self.fit, &self.linearised);
+        let folded = FoldedModel::of(&linearised.linear)?;
+        let mut at_present: Vec<(usize, Chosen)> = Vec::new();
+        loop {
+            let gain = |c: &usize| self.gains[*c];
+            let greatest = channels.iter().map(gain).fold(f64::NEG_INFINITY, f64::max);
+            let is_greatest = |c: &usize| gain(c) == greatest;
+            let foremost: Vec<usize> = channels.iter().copied().filter(is_greatest).collect();
+            let is_at_present = |of: &(usize, Chosen)| foremost.contains(&of.0);
+            if let Some(k) = at_present.iter().position(is_at_present) {
+                return Some(at_present.swap_remove(k));
+            }
+            if greatest == f64::NEG_INFINITY {
+                return None;
+            }
+            let of_channel = |&channel: &usize| {
+                let all = linearised.smoothed(fit, &folded, channel, &|of| candidates(of));
+                (channel, all.and_then(|all| all.into_iter().last()))
+            };
+            let each: Vec<(usize, Option<Chosen>)> = foremost.par_iter().map(of_channel).collect();
+            for (channel, chosen) in each {
+                let gain = chosen.as_ref().map(|chosen| chosen.gain);
+                self.gains[channel] = gain.unwrap_or(f64::NEG_INFINITY);
+                at_present.extend(chosen.map(|chosen| (channel, chosen)));
+            }
+        }
     }
 }
 

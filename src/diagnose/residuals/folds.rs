@@ -90,6 +90,21 @@ impl<'a> FoldedModel<'a> {
         &self.channels[channel]
     }
 
+    /// Mean square of what is left of each fold of a channel, by values of the unknowns that are fitted to the other folds of all
+    /// channels (cross-validation: Stone 1974); `None` where these do not determine them.
+    pub fn forecast_error(&self, channel: usize) -> Option<f64> {
+        let whole = self.whole.l() * self.whole.l().transpose();
+        let right: DVector<f64> = self.all.iter().map(|fold| &fold.right).sum();
+        let mut left = 0.0;
+        for (all, own) in self.all.iter().zip(&self.channels[channel]) {
+            let others = (&whole - &all.square).cholesky()?;
+            let step = others.solve(&(&right - &all.right));
+            left += own.residual - 2.0 * step.dot(&own.right) + step.dot(&(&own.square * &step));
+        }
+        let rows = self.folds[channel].last().map_or(0, |fold| fold.end);
+        Some(left / rows.max(1) as f64)
+    }
+
     /// Of no hats.
     pub fn nothing(&self) -> Vec<HatProducts> {
         let unknowns = self.whole.l_dirty().nrows();
@@ -193,12 +208,16 @@ impl HatProducts {
         }
     }
 
-    /// Of C⊥ = C − J B, with the products of J.
+    /// Of C⊥ = C − J B, with the products of J:
+    ///
+    /// ```text
+    /// C⊥ᵀC⊥ = CᵀC − H B − (H B)ᵀ,   H = CᵀJ − ½ Bᵀ JᵀJ
+    /// ```
     pub fn apart(&self, steps: &DMatrix<f64>, own: &OwnProducts) -> Apart {
-        let across = &self.by_model * steps;
+        let of_model = (&own.square * steps).transpose() * 0.5;
+        let across = (&self.by_model - of_model) * steps;
         Apart {
-            square: &self.square - &across - across.transpose()
-                + steps.tr_mul(&(&own.square * steps)),
+            square: &self.square - &across - across.transpose(),
             right: &self.right - steps.tr_mul(&own.right),
         }
     }

@@ -118,6 +118,45 @@ fn invariant_no_row_judges_what_it_was_fitted_to() {
     );
 }
 
+/// Rows that choose are fitted beside rows that test but for those which noise connects with these, also over the ends of a period;
+/// recordings of which all rows are such are left out.
+#[test]
+fn invariant_no_row_is_fitted_that_noise_connects_with_a_row_that_tests() {
+    let bench = Bench::new(&["torque_offset"]);
+    let halves = HeldOutHalves::of(bench.opened.data.clone(), Vec::new());
+    let contexts = halves.contexts(&bench.opened.declared, &bench.control);
+    let counting = |data: &Dataset| -> Vec<Vec<usize>> {
+        let held_out = data.of(Split::Validation);
+        held_out.map(|r| r.counting().collect()).collect()
+    };
+    let (choose, test) = (
+        counting(contexts.selection.data),
+        counting(contexts.test.data),
+    );
+    let recordings = bench.opened.data.of(Split::Validation);
+    let rows: Vec<usize> = recordings.map(Prepared::rows).collect();
+    let memory = 7;
+    let data = contexts.with_selection_fitted(memory);
+    let trained = bench.opened.data.of(Split::Train).count();
+    let fitted: Vec<Vec<usize>> = data
+        .of(Split::Train)
+        .skip(trained)
+        .map(|r| r.counting().collect())
+        .collect();
+    assert_eq!(fitted.len(), choose.len());
+    assert_eq!(counting(&data), test);
+    for (((fitted, choose), test), &rows) in fitted.iter().zip(&choose).zip(&test).zip(&rows) {
+        let distance = |a: usize, b: usize| a.abs_diff(b).min(rows - a.abs_diff(b));
+        let is_far = |row: &usize| test.iter().all(|t| distance(*row, *t) > memory);
+        let far: Vec<usize> = choose.iter().copied().filter(is_far).collect();
+        assert!(far.len() < choose.len() && !far.is_empty());
+        assert_eq!(*fitted, far);
+    }
+    let longest = rows.into_iter().max().unwrap();
+    let data = contexts.with_selection_fitted(longest);
+    assert_eq!(data.of(Split::Train).count(), trained);
+}
+
 /// Bonferroni: as many times the p-value of one test as there are hypotheses, in the search and in the test of its choice.
 #[test]
 fn p_values_are_corrected_for_the_number_of_hypotheses() {

@@ -4,8 +4,11 @@ use crate::chain::dataset::Dataset;
 use crate::diagnose::conclusion::confounding;
 use crate::diagnose::conclusion::explanation::Explanation;
 use crate::diagnose::findings::compared::Compared;
+use crate::diagnose::findings::corrections::Corrections;
 use crate::diagnose::findings::unexplained::SearchState;
 use crate::diagnose::fit::context::Context;
+use crate::diagnose::fit::contexts::HeldOutHalves;
+use crate::diagnose::fit::held_out::Purpose;
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::additive_model::{self, AdditiveModel};
@@ -26,6 +29,7 @@ use crate::trials::tests::bench::{Bench, SIGNIFICANCE, effect_of, offset};
 use nalgebra::DMatrix;
 use rand::RngExt;
 use rand_distr::StandardNormal;
+use std::sync::Arc;
 
 const BOTH: [Split; 2] = [Split::Train, Split::Validation];
 
@@ -96,6 +100,74 @@ fn a_correction_has_the_variables_of_the_misfit() {
     let left = additive_model::left(&declared, &[correction]);
     let share = rms(&left[0]) / rms(&declared.validation[0]);
     assert!((share - (1.0 - correction.error_reduction)).abs() < 1e-12);
+}
+
+/// Corrections of what a declared model leaves, and which of the held-out rows of the first channel chose models.
+fn corrections(bench: &Bench, data: Dataset) -> (Vec<AdditiveModel>, Vec<bool>) {
+    let halves = HeldOutHalves::of(data, Vec::new());
+    let contexts = halves.contexts(&bench.opened.declared, &bench.control);
+    let full = bench.declared(contexts.whole.data);
+    let rules = Rules {
+        sought: None,
+        significance: SIGNIFICANCE,
+    };
+    let found = Corrections::of(&contexts, &full, rules);
+    let pairs = contexts.whole.data.recordings.iter();
+    let pairs = pairs.zip(&contexts.selection.data.recordings);
+    let held_out = pairs.filter(|(whole, _)| whole.split == Split::Validation);
+    let chose = held_out.flat_map(|(whole, chose)| {
+        let rows = whole.counting_for(0);
+        rows.map(|row| chose.counts_for(0, row))
+    });
+    let chose = chose.collect();
+    (found.over_all_rows(&contexts, &full), chose)
+}
+
+/// What corrections take of the held-out rows of the first channel.
+fn taken(all: &[AdditiveModel]) -> Vec<f64> {
+    let rows = all[0].validation[0].len();
+    (0..rows)
+        .map(|k| all.iter().map(|c| c.validation[0][k]).sum())
+        .collect()
+}
+
+/// Where a half of the held-out rows changes what is taken of the other half does, and what is taken of itself does not.
+#[test]
+fn invariant_no_held_out_row_is_forecast_by_a_correction_that_was_fitted_to_it() {
+    let bench = Bench::control();
+    let data = with_law(&bench);
+    let (before, chose) = corrections(&bench, data.clone());
+    let before = taken(&before);
+    assert!(rms(&before) > 0.0 && chose.iter().any(|c| *c) && !chose.iter().all(|c| *c));
+    for half in [Purpose::Selection, Purpose::Test] {
+        let halves = HeldOutHalves::of(data.clone(), Vec::new());
+        let contexts = halves.contexts(&bench.opened.declared, &bench.control);
+        let changed = match half {
+            Purpose::Selection => contexts.selection.data,
+            Purpose::Test => contexts.test.data,
+        };
+        let mut other = data.clone();
+        for (recording, part) in other.recordings.iter_mut().zip(&changed.recordings) {
+            if recording.split == Split::Validation {
+                let experiment = Arc::make_mut(&mut recording.experiment);
+                let scale = 0.02 * rms(&experiment.signal[0]);
+                for row in part.counting() {
+                    let q = experiment.motion.position[2][row];
+                    experiment.signal[0][row] += scale * (3.0 * q).sin();
+                }
+            }
+        }
+        let (after, _) = corrections(&bench, other);
+        let after = taken(&after);
+        let change = |of_chosen: bool| {
+            let rows = (0..chose.len()).filter(|k| chose[*k] == of_chosen);
+            let by: Vec<f64> = rows.map(|k| after[k] - before[k]).collect();
+            rms(&by) / rms(&before)
+        };
+        let of_itself = half == Purpose::Selection;
+        assert!(change(of_itself) < 1e-9, "{half:?} {}", change(of_itself));
+        assert!(change(!of_itself) > 1e-3, "{half:?} {}", change(!of_itself));
+    }
 }
 
 /// Where the residual is noise no correction is sought.
