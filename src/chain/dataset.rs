@@ -175,17 +175,23 @@ impl Prepared {
 
     /// The same positions and accelerations with all speeds the other way; what bodies do is not known of it.
     pub fn with_speeds_turned(&self) -> Self {
-        let turn = |speeds: &mut Vec<Vec<f64>>| {
-            speeds.iter_mut().flatten().for_each(|v| *v = -*v);
-        };
-        let mut turned = self.clone();
-        turn(&mut Arc::make_mut(&mut turned.experiment).motion.velocity);
-        turned.bodies = None;
-        if let Some(rows) = &mut turned.rows {
-            turn(&mut rows.motion[1]);
+        self.with_speeds(|speeds| speeds.iter_mut().flatten().for_each(|v| *v = -*v))
+    }
+
+    /// The same with a joint's speed that is off by so much, rad/s (m/s); what bodies do is not known of it.
+    pub fn with_speed_off_by(&self, joint: usize, by: f64) -> Self {
+        self.with_speeds(|speeds| speeds[joint].iter_mut().for_each(|v| *v += by))
+    }
+
+    fn with_speeds(&self, change: impl Fn(&mut [Vec<f64>])) -> Self {
+        let mut changed = self.clone();
+        change(&mut Arc::make_mut(&mut changed.experiment).motion.velocity);
+        changed.bodies = None;
+        if let Some(rows) = &mut changed.rows {
+            change(&mut rows.motion[1]);
             rows.bodies = None;
         }
-        turned
+        changed
     }
 
     /// The same signal beside the motion as it was `delay` before, s; what bodies do is not known of it.

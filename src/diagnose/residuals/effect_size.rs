@@ -1,7 +1,8 @@
 //! Effect size: the share of the held-out residual that a finding explains.
 
 use crate::chain::dataset::Prepared;
-use crate::chain::effect::Law;
+use crate::chain::effect::{Law, Memory};
+use crate::diagnose::fit::channel_series::ChannelSeries;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
@@ -26,14 +27,15 @@ pub const OF_NOISE: f64 = 0.5;
 /// A delay of less than this share of the interval between samples is none: stamps of samples are not better.
 const OF_INTERVAL: f64 = 0.05;
 
-/// A delay that is so many times what the error of the motion moves a reversal by shows there too: one deviation is what noise
-/// does, and what the motion of a controller that answers friction does beyond the model of the smoother is some more.
+/// Deviations by which the speed around a reversal may be off: one is what noise does, and what the motion of a controller that
+/// answers friction does beyond the model of the smoother is some more.
 const CLEAR_OF_REVERSALS: f64 = 10.0;
 
 /// Largest share by which the held-out RMS error of a joint falls where the effect is worth the name: what it
 /// takes away has to be [`OF_TORQUE`] of the signal itself and [`OF_NOISE`] of the noise. Where it filters the motion
 /// only what it takes from frequencies at which that stands clear of its noise counts, and where it shifts the motion
-/// in time, by no more than a reversal may be off, only what it takes while the joint is under way.
+/// in time, by no more than a reversal may be off, only what it takes while the joint is under way. Friction that remembers shows
+/// around reversals alone, and has to take more than a speed that is off there leaves.
 pub fn error_reduction(context: &Context<'_>, hypothesis: &Hypothesis, pair: FitPair<'_>) -> f64 {
     let FitPair {
         poorer: before,
@@ -47,6 +49,8 @@ pub fn error_reduction(context: &Context<'_>, hypothesis: &Hypothesis, pair: Fit
     if shifts && delay < OF_INTERVAL * shortest_interval(&held_out) {
         return 0.0;
     }
+    let is_friction = matches!(hypothesis.effect.law, Law::Motor(_) | Law::Joint(_));
+    let remembers = is_friction && hypothesis.effect.needs.memory == Memory::WholeMotion;
     let is_hidden = |joint: &usize| delay < CLEAR_OF_REVERSALS * reversal_error(&held_out, *joint);
     let of = |c: usize| {
         let joint = after.model.channels()[c].joint.filter(|_| shifts);
@@ -63,7 +67,12 @@ pub fn error_reduction(context: &Context<'_>, hypothesis: &Hypothesis, pair: Fit
         let signal = rms(&signals.collect::<Vec<f64>>());
         // Where nothing tells the noise, it is at most what is left.
         let noise = context.noise.as_ref().map_or(new, |noise| noise[c]);
-        (taken >= (OF_TORQUE * signal).max(OF_NOISE * noise)).then_some(1.0 - new / old)
+        let joint = after.model.channels()[c].joint;
+        let joint = joint.filter(|joint| remembers && hypothesis.joints.contains(joint));
+        let of_reversals =
+            joint.map_or(0.0, |joint| left_by_reversals(before, &held_out, c, joint));
+        let least = (OF_TORQUE * signal).max(OF_NOISE * noise).max(of_reversals);
+        (taken >= least).then_some(1.0 - new / old)
     };
     let named = hypothesis.named_joints();
     let own = |joint: Option<usize>| joint.is_none_or(|joint| named.contains(&joint));
@@ -88,6 +97,31 @@ fn longest_delay(fit: &ModelFit, hypothesis: &Hypothesis) -> f64 {
     let joints = hypothesis.joints.iter();
     let delays = joints.filter_map(|&j| fit.model.joints()[j].delay);
     delays.map(|k| fit.values[k].abs()).fold(0.0, f64::max)
+}
+
+/// RMS of what a model predicts otherwise of a channel where a joint's speed is off by as much as it may be around reversals.
+fn left_by_reversals(
+    fit: &ModelFit,
+    recordings: &[&Prepared],
+    channel: usize,
+    joint: usize,
+) -> f64 {
+    let off = |recording: &&Prepared| {
+        let error = recording.experiment.motion_error.as_ref();
+        let deviation = error.map_or(0.0, |error| error.velocity[joint]);
+        recording.with_speed_off_by(joint, CLEAR_OF_REVERSALS * deviation)
+    };
+    let off: Vec<Prepared> = recordings.iter().map(off).collect();
+    let predicted = |of: &[&Prepared]| {
+        let mut series = ChannelSeries::of(&fit.model, &fit.values, &[], of).predicted;
+        std::mem::take(&mut series[channel])
+    };
+    let (there, off) = (
+        predicted(recordings),
+        predicted(&off.iter().collect::<Vec<_>>()),
+    );
+    let differences = there.iter().zip(&off).map(|(a, b)| a - b);
+    rms(&differences.collect::<Vec<f64>>())
 }
 
 /// s by which the error of a joint's speed moves its reversals, σ_q̇ over the RMS acceleration; infinite where nothing tells it.

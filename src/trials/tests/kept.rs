@@ -13,7 +13,9 @@ use crate::diagnose::selection::law_range;
 use crate::diagnose::selection::rival_models::separation;
 use crate::diagnose::selection::search_bounds;
 use crate::diagnose::selection::time_window::is_shorter;
+use crate::recording::experiment::MotionError;
 use crate::recording::split::Split;
+use crate::stats::deviation::rms;
 use crate::stats::encompassing::Encompassing;
 use crate::trials::tests::bench::{Bench, SIGNIFICANCE, effect_of, leaving, offset};
 
@@ -135,6 +137,38 @@ fn a_delay_shorter_than_stamps_are_good_is_none() {
     assert_eq!(reduction(0.049 * interval), 0.0);
     assert!((reduction(0.051 * interval) - 0.5).abs() < 1e-12);
     assert!((reduction(-0.051 * interval) - 0.5).abs() < 1e-12);
+}
+
+/// Friction that remembers takes more than what speeds that are off around reversals leave; what does not remember may take less.
+#[test]
+fn bristles_that_errors_of_speed_imitate_are_none() {
+    let bench = Bench::control();
+    let reduction = |id: &str, deviation: f64| {
+        let data = bench.changed(&[Split::Validation], |experiment| {
+            let speeds = &experiment.motion.velocity;
+            let velocity = speeds.iter().map(|v| deviation * rms(v));
+            experiment.motion_error = Some(MotionError {
+                position: vec![0.0; speeds.len()],
+                velocity: velocity.collect(),
+                acceleration: vec![0.0; speeds.len()],
+            });
+        });
+        let mut context = bench.context(&data);
+        context.noise = Some(vec![1e-9; 3]);
+        let hypothesis = effect_of(id, 0);
+        let fit = bench.fit(context.data, std::slice::from_ref(&hypothesis));
+        let signal = context.signal_rms(Split::Validation)[0];
+        let [poorer, richer] = [0.02, 0.01].map(|share| leaving(&fit, &[share * signal, 1.0, 1.0]));
+        let pair = FitPair {
+            poorer: &poorer,
+            richer: &richer,
+        };
+        error_reduction(&context, &hypothesis, pair)
+    };
+    let is_half = |reduction: f64| (reduction - 0.5).abs() < 1e-12;
+    assert!(is_half(reduction("presliding_hysteresis", 0.0)));
+    assert_eq!(reduction("presliding_hysteresis", 0.1), 0.0);
+    assert!(is_half(reduction("stribeck_friction", 0.1)));
 }
 
 /// What is there for more than 95 % of the rows at which a joint moves is an offset of all of them.
