@@ -127,6 +127,7 @@ impl Named<'_> {
             context: self.context,
             model,
             variables,
+            all_variables: false,
         }
     }
 }

@@ -73,6 +73,7 @@ impl Formulas<'_> {
                     context,
                     model: &model,
                     variables: correction.map_or(&[], |c| c.made_of.as_slice()),
+                    all_variables: !named.is_empty() || self.is_left(place.channel),
                 },
                 noise_level: self.noise_level,
                 significance: self.significance,
@@ -166,6 +167,13 @@ impl Formulas<'_> {
             model = fit_without(&self.contexts.selection, &model, k)?;
         }
         Ok(model)
+    }
+
+    /// Whether corrections leave more than noise of a channel: then it is not a function of their variables alone.
+    fn is_left(&self, channel: usize) -> bool {
+        let context = &self.contexts.test;
+        let left = additive_model::left(&self.full.on(context), &self.corrections.all());
+        additive_model::leaves_much(context, &left, channel)
     }
 
     /// What else takes the misfit of a channel on rows that no choice has seen.

@@ -46,6 +46,8 @@ pub struct Seeking<'a> {
     pub model: &'a ModelFit,
     /// Of each function of a smooth correction, the foremost first, what it says that the misfit is a function of.
     pub variables: &'a [Vec<Quantity>],
+    /// Whether formulas of all variables are sought beside those of these.
+    pub all_variables: bool,
 }
 
 /// A formula with the fit of the model that has it.
@@ -97,7 +99,7 @@ impl Seeking<'_> {
         let rows = FittedRows::of(context, self.model, &place)?;
         let is_known = |quantity: &Quantity| !rows.series(*quantity).is_empty();
         let mut sets: Vec<Option<Vec<Quantity>>> = few_of(self.variables, &is_known);
-        if sets.is_empty() {
+        if sets.is_empty() || self.all_variables {
             sets.push(None);
         }
         let mut tried = 0;

@@ -539,7 +539,7 @@ impl Linearised {
 }
 
 /// Whether a model leaves more than noise of a channel: what repeats tells it, or what successive rows differ by.
-fn leaves_much(context: &Context<'_>, left: &[Vec<f64>], channel: usize) -> bool {
+pub fn leaves_much(context: &Context<'_>, left: &[Vec<f64>], channel: usize) -> bool {
     let residual = &left[channel];
     let noise = match &context.noise {
         Some(noise) => noise[channel].powi(2),
