@@ -80,7 +80,7 @@ impl Formulas<'_> {
                 channels: open.len(),
             };
             let rival = self.rival(place.channel, &named, findings);
-            let proposal = proposing.propose(place.channel, rival.as_ref())?;
+            let proposal = proposing.propose(place.channel, rival.as_ref());
             // Nothing but what the formula leaves says that the rest was not noise.
             let is_earned = |proposal: &Proposal| {
                 let left = &proposal.test.fit.validation[place.channel];

@@ -1,11 +1,11 @@
 //! The formula that is proposed for the unexplained residual of a channel, if one is significant.
 //!
-//! Formulas are fitted to the fitted rows and those that choose models, and tested by rows that no choice has seen: one has to forecast what the
-//! model leaves there, at the stated significance for as many tests as there are channels without a name. Beside a smooth correction,
-//! which has dozens of parameters and forecasts no other motions than the recorded ones, it may leave more by what does not matter of
-//! the error without either; beside a name that resembles it, it has to leave less, significantly and by what matters.
+//! Formulas are fitted to the fitted rows and those that choose models, and tested by rows that no choice has seen: one has to
+//! forecast what the model leaves there, at the stated significance for as many tests as there are channels without a name and
+//! formulas before it. Beside a smooth correction, which has dozens of parameters and forecasts no other motions than the recorded
+//! ones, it may leave more by what does not matter of the error without either; beside a name that resembles it, it has to leave
+//! less, significantly and by what matters.
 
-use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::formula::law::Formula;
 use crate::diagnose::formula::seeking::{Fitted, FittedFormula, Seeking};
@@ -94,53 +94,31 @@ pub struct Other {
     pub explains: f64,
 }
 
+/// A formula that has earned it, with its evidence.
+struct Judged {
+    test: HypothesisTest,
+    /// Against what else takes the misfit.
+    against: Option<Encompassing>,
+}
+
 impl Proposing<'_> {
-    /// The formula of a channel that has earned it beside what else takes the misfit.
-    pub fn propose(
-        &self,
-        channel: usize,
-        rival: Option<&Rival>,
-    ) -> Result<Option<Proposal>, DiagnoseError> {
-        let Some(Fitted { all, tried }) = self.seeking.fitted(channel) else {
-            return Ok(None);
-        };
-        let Some(chosen) = self.seeking.foremost(channel, &all) else {
-            return Ok(None);
-        };
-        let (rows, before) = (self.seeking.context, self.seeking.model);
-        let FittedFormula {
-            hypothesis, fit, ..
-        } = &all[chosen];
-        let test = HypothesisTest::of(rows, before, fit.clone(), hypothesis.clone());
-        let test = test.corrected_for(self.channels);
-        if !test.is_needed(self.significance) {
-            return Ok(None);
-        }
-        let formula = &test.fit.validation;
-        let against = rival.map(|rival| {
-            let pair = ResidualPair {
-                poorer: &rival.left,
-                richer: formula,
-            };
-            pair.encompassing(Known::default(), rows.residual_rows())
+    /// The foremost formula of a channel that has earned it beside what else takes the misfit.
+    pub fn propose(&self, channel: usize, rival: Option<&Rival>) -> Option<Proposal> {
+        let Fitted { all, tried } = self.seeking.fitted(channel)?;
+        let order = self.seeking.in_order(channel, &all);
+        let mut judged = order.into_iter().enumerate().map(|(before, k)| {
+            let judged = self.judged(channel, &all[k], before + 1, rival);
+            judged.map(|judged| (k, judged))
         });
-        if let (Some(rival), Some(against)) = (rival, &against) {
-            let left = RmsErrors {
-                model: rms(&before.validation[channel]),
-                rival: rms(&rival.left[channel]),
-                formula: rms(&formula[channel]),
-            };
-            if !rival.gives_way_to(left, against, self.significance) {
-                return Ok(None);
-            }
-        }
+        let (chosen, Judged { test, against }) = judged.find_map(|judged| judged)?;
+        let before = self.seeking.model;
         let explains = |fit: &ModelFit| self.explained(before, fit, channel);
         let others = (0..all.len()).filter(|k| *k != chosen).map(|k| Other {
             formula: all[k].formula(),
             explains: explains(&all[k].fit),
         });
         let others = others.filter(|other| other.explains >= MATTERS);
-        Ok(Some(Proposal {
+        Some(Proposal {
             others: others.collect(),
             formula: all[chosen].formula(),
             parameters: self.parameters(&all[chosen]),
@@ -150,7 +128,43 @@ impl Proposing<'_> {
             test,
             drives: all[chosen].drives,
             tried,
-        }))
+        })
+    }
+
+    /// The test of a formula, one of so many of each channel, if it has earned it.
+    fn judged(
+        &self,
+        channel: usize,
+        formula: &FittedFormula,
+        tests: usize,
+        rival: Option<&Rival>,
+    ) -> Option<Judged> {
+        let (rows, before) = (self.seeking.context, self.seeking.model);
+        let FittedFormula {
+            hypothesis, fit, ..
+        } = formula;
+        let test = HypothesisTest::of(rows, before, fit.clone(), hypothesis.clone());
+        let test = test.corrected_for(tests * self.channels);
+        if !test.is_needed(self.significance) {
+            return None;
+        }
+        let left = &test.fit.validation;
+        let against = rival.map(|rival| {
+            let pair = ResidualPair {
+                poorer: &rival.left,
+                richer: left,
+            };
+            pair.encompassing(Known::default(), rows.residual_rows())
+        });
+        let gives_way = rival.zip(against.as_ref()).is_none_or(|(rival, against)| {
+            let left = RmsErrors {
+                model: rms(&before.validation[channel]),
+                rival: rms(&rival.left[channel]),
+                formula: rms(&left[channel]),
+            };
+            rival.gives_way_to(left, against, self.significance / tests as f64)
+        });
+        gives_way.then_some(Judged { test, against })
     }
 
     /// Share of the excess over the noise that a model with a formula does not have; of all of the error where the noise is not known

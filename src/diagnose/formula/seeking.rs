@@ -156,23 +156,30 @@ impl Seeking<'_> {
         })
     }
 
-    /// The formula that forecasts parts of the fitted rows best from the others, or one that errs hardly more: one that drives no
-    /// joint, and of these one with fewer parameters. None where no formula is better than none.
-    pub fn foremost(&self, channel: usize, all: &[FittedFormula]) -> Option<usize> {
+    /// Formulas that forecast parts of the fitted rows from the others better than none does, the best first; of those that err hardly
+    /// more than the best of the rest one that drives no joint, and of these one with fewer parameters.
+    pub fn in_order(&self, channel: usize, all: &[FittedFormula]) -> Vec<usize> {
         let errors = all
             .par_iter()
             .map(|of| self.forecast_error(&of.fit, channel));
         let errors: Vec<f64> = errors.collect();
         let nothing = self.forecast_error(self.model, channel);
-        let better = (0..all.len()).filter(|&k| errors[k] < nothing);
-        let better: Vec<usize> = better.collect();
-        let least = better.iter().map(|&k| errors[k]).fold(nothing, f64::min);
-        let errs_hardly_more = |k: &usize| errors[*k] <= (1.0 + MATTERS) * least;
-        let as_good = better.iter().copied().filter(errs_hardly_more);
-        as_good.min_by(|&a, &b| {
-            let of = |k: usize| (all[k].drives, all[k].formula.parameters().count());
-            of(a).cmp(&of(b)).then(errors[a].total_cmp(&errors[b]))
-        })
+        let mut open: Vec<usize> = (0..all.len()).filter(|&k| errors[k] < nothing).collect();
+        let mut order = Vec::with_capacity(open.len());
+        let foremost = |open: &[usize]| {
+            let least = open.iter().map(|&k| errors[k]).fold(nothing, f64::min);
+            let errs_hardly_more = |k: &usize| errors[*k] <= (1.0 + MATTERS) * least;
+            let as_good = open.iter().copied().filter(errs_hardly_more);
+            as_good.min_by(|&a, &b| {
+                let of = |k: usize| (all[k].drives, all[k].formula.parameters().count());
+                of(a).cmp(&of(b)).then(errors[a].total_cmp(&errors[b]))
+            })
+        };
+        while let Some(next) = foremost(&open) {
+            open.retain(|k| *k != next);
+            order.push(next);
+        }
+        order
     }
 
     /// RMS error of a channel by cross-validation of the fitted rows; infinite where parts of these do not determine the parameters.
