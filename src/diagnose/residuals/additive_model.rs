@@ -196,18 +196,15 @@ impl<'a> Rows<'a> {
 
     /// What smooth functions of one channel take of the residual of each.
     fn taken(&self, curves: &Smoothed, covariates: &Covariates, channel: usize) -> Vec<Vec<f64>> {
-        let columns = self.series.columns.iter().zip(&self.series.predicted);
-        let of = |(c, (columns, rows)): (usize, (&Vec<Option<Vec<f64>>>, &Vec<f64>))| match c
-            == channel
-        {
-            true => curves.at(covariates, columns),
-            false => curves
-                .shift(columns, rows.len())
-                .iter()
-                .map(|x| -x)
-                .collect(),
+        let of = |c: usize| {
+            let columns = &self.series.columns[c];
+            if c == channel {
+                return curves.at(covariates, columns);
+            }
+            let shift = curves.shift(columns, self.series.predicted[c].len());
+            shift.iter().map(|x| -x).collect()
         };
-        columns.enumerate().map(of).collect()
+        (0..self.series.columns.len()).map(of).collect()
     }
 }
 
