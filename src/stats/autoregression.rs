@@ -225,12 +225,8 @@ impl Autoregression {
             let later = response[lag..].iter();
             later.zip(&response).map(|(a, b)| a * b).sum::<f64>() / square
         };
-        let remembers = (1..LONGEST_MEMORY).rev();
-        let mut remembers = remembers.filter(|&lag| correlation(lag).powi(2) >= share);
-        match self.coefficients.is_empty() {
-            true => 0,
-            false => remembers.next().unwrap_or(0),
-        }
+        let remembered = (1..LONGEST_MEMORY).rfind(|&lag| correlation(lag).powi(2) >= share);
+        remembered.unwrap_or(0)
     }
 
     /// Response to a unit innovation, the first `length` samples.

@@ -25,6 +25,7 @@ use crate::diagnose::fit::linear_model::{ChannelColumn, LinearModel, dot, inner}
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::fit::start::Start;
 use crate::diagnose::fit::start_grid::Grid;
+use crate::estimate::noise::counting_rows;
 use crate::estimate::search_range::MotionRange;
 use crate::linalg::normal_equations::{INDEPENDENT, NormalSolution};
 use crate::recording::split::Split;
@@ -360,8 +361,7 @@ pub fn screen(
         |candidates: &mut Vec<Candidate>| candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let is_going_on = || !context.control.is_interrupted();
     let train = context.recordings(Split::Train);
-    let rows: usize = train.iter().map(|r| r.counting().count()).sum();
-    let every = (rows / ENOUGH).max(1);
+    let every = (counting_rows(&train) / ENOUGH).max(1);
     let rough = Linearised::of_every(every, context, fit);
     let earlier = Reusable::of(context, fit);
     let examined = open.par_iter().filter(|_| is_going_on());

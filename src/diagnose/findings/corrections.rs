@@ -7,12 +7,12 @@
 
 use crate::diagnose::findings::unexplained::SearchState;
 use crate::diagnose::findings::{probability, sentences};
-use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::contexts::Contexts;
 use crate::diagnose::fit::held_out::apart;
 use crate::diagnose::fit::model_fit::ModelFit;
-use crate::diagnose::residuals::additive_model::{self, AdditiveModel, Pooled};
+use crate::diagnose::residuals::additive_model::{self, AdditiveModel};
 use crate::diagnose::residuals::noise_level::NoiseLevel;
+use crate::diagnose::residuals::pooled::Pooled;
 use crate::diagnose::selection::stepwise::Rules;
 use crate::outcome::finding::{Finding, UNNAMED};
 use crate::recording::split::Split;
@@ -36,7 +36,7 @@ pub struct Corrections {
     /// Rows after which noise is forgotten.
     memory: usize,
     /// The final model over the rows that test.
-    full: ModelFit,
+    pub full: ModelFit,
 }
 
 impl Corrections {
@@ -123,6 +123,11 @@ impl Corrections {
         all.map(|correction| &correction.tested).collect()
     }
 
+    /// What they leave of the rows that confirm them.
+    pub fn left(&self) -> Vec<Vec<f64>> {
+        additive_model::left(&self.full, &self.all())
+    }
+
     /// The one of a channel, over the rows that confirm it.
     pub fn of_channel(&self, channel: usize) -> Option<&AdditiveModel> {
         let mut all = self.confirmed.iter().map(|correction| &correction.tested);
@@ -183,15 +188,12 @@ impl Corrections {
 
 /// Of the held-out rows that count for a channel those by which models were chosen.
 fn rows_that_chose(contexts: &Contexts<'_>, channel: usize) -> Vec<bool> {
-    let of = |context: &Context<'_>| -> Vec<Vec<usize>> {
-        let recordings = context.recordings(Split::Validation);
-        let rows = recordings.iter().map(|r| r.counting_for(channel).collect());
-        rows.collect()
-    };
-    let pairs = of(&contexts.whole).into_iter().zip(of(&contexts.selection));
+    let [all, chose] =
+        [&contexts.whole, &contexts.selection].map(|c| c.recordings(Split::Validation));
+    let pairs = all.into_iter().zip(chose);
     let chose = pairs.flat_map(|(all, chose)| {
-        let is_one = move |row: usize| chose.binary_search(&row).is_ok();
-        all.into_iter().map(is_one)
+        let rows = all.counting_for(channel);
+        rows.map(|row| chose.counts_for(channel, row))
     });
     chose.collect()
 }

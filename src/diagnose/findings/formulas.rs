@@ -171,29 +171,23 @@ impl Formulas<'_> {
 
     /// Whether corrections leave more than noise of a channel: then it is not a function of their variables alone.
     fn is_left(&self, channel: usize) -> bool {
-        let context = &self.contexts.test;
-        let left = additive_model::left(&self.full.on(context), &self.corrections.all());
-        additive_model::leaves_much(context, &left, channel)
+        additive_model::leaves_much(&self.contexts.test, &self.corrections.left(), channel)
     }
 
     /// What else takes the misfit of a channel on rows that no choice has seen.
     fn rival(&self, channel: usize, named: &[usize], findings: &[Finding]) -> Option<Rival> {
         let names: Vec<&str> = named.iter().map(|&k| findings[k].effect.as_str()).collect();
-        let smooth = match self.corrections.of_channel(channel) {
-            Some(_) => self.corrections.all(),
-            None => Vec::new(),
-        };
-        let (name, kind) = match (names.is_empty(), smooth.is_empty()) {
-            (true, true) => return None,
-            (true, false) => (SMOOTH.to_string(), RivalKind::Smooth),
+        let smooth = self.corrections.of_channel(channel).is_some();
+        let (name, kind) = match (names.is_empty(), smooth) {
+            (true, false) => return None,
+            (true, true) => (SMOOTH.to_string(), RivalKind::Smooth),
             (false, _) => (names.join(" and "), RivalKind::Named),
         };
-        let full = self.full.on(&self.contexts.test);
-        Some(Rival {
-            name,
-            kind,
-            left: additive_model::left(&full, &smooth),
-        })
+        let left = match smooth {
+            true => self.corrections.left(),
+            false => self.corrections.full.validation.clone(),
+        };
+        Some(Rival { name, kind, left })
     }
 }
 

@@ -62,6 +62,17 @@ impl ChannelSeries {
         whole
     }
 
+    /// What a model predicts of one channel.
+    pub fn predicted_of(
+        channel: usize,
+        model: &Model,
+        values: &DVector<f64>,
+        recordings: &[&Prepared],
+    ) -> Vec<f64> {
+        let mut series = Self::of(model, values, &[], recordings).predicted;
+        std::mem::take(&mut series[channel])
+    }
+
     fn empty(channels: usize, columns: usize) -> Self {
         Self {
             predicted: vec![Vec::new(); channels],

@@ -44,36 +44,26 @@ pub fn apart(data: &Dataset, from: &Dataset, memory: usize) -> Vec<Prepared> {
     let pairs = data.of(Split::Validation).zip(from.of(Split::Validation));
     let parts = pairs.map(|(recording, other)| {
         let near = near(other, memory);
-        let counts: Vec<bool> = counted(recording);
-        recording.part(Split::Validation, |row| counts[row] && !near[row])
+        recording.part(Split::Validation, |row| !near[row])
     });
     parts
         .filter(|part| part.counting().next().is_some())
         .collect()
 }
 
-fn counted(recording: &Prepared) -> Vec<bool> {
-    let mut counted = vec![false; recording.rows()];
-    recording.counting().for_each(|row| counted[row] = true);
-    counted
-}
-
 /// Rows that are at most so many from one that counts; averages over periods end where they begin.
 fn near(recording: &Prepared, memory: usize) -> Vec<bool> {
-    let rows = recording.rows();
+    let mut near = vec![false; recording.rows()];
+    let (rows, reach) = (near.len() as isize, memory.min(near.len()) as isize);
     let ends_meet = recording.experiment.periods.is_some();
-    let mut near = vec![false; rows];
     for row in recording.counting() {
-        for step in 0..=memory.min(rows) {
-            let (before, after) = match ends_meet {
-                true => (Some((row + rows - step) % rows), (row + step) % rows),
-                false => (row.checked_sub(step), row + step),
+        for at in row as isize - reach..=row as isize + reach {
+            let at = match ends_meet {
+                true => at.rem_euclid(rows),
+                false => at,
             };
-            if let Some(before) = before {
-                near[before] = true;
-            }
-            if after < rows {
-                near[after] = true;
+            if (0..rows).contains(&at) {
+                near[at as usize] = true;
             }
         }
     }

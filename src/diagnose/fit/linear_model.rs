@@ -10,6 +10,7 @@
 use crate::chain::dataset::Prepared;
 use crate::diagnose::fit::channel_series::ChannelSeries;
 use crate::diagnose::fit::model_fit::ModelFit;
+use crate::estimate::noise::counting_rows;
 use crate::linalg::triangular::Triangular;
 use nalgebra::{DMatrix, DVector, DVectorView};
 use std::ops::Range;
@@ -72,6 +73,18 @@ impl LinearModel {
         };
         linear.take_step(&(fit.prior.residual(&fit.values) * weight));
         linear
+    }
+
+    /// Along few of the rows that count, with the recordings that have these.
+    pub fn along_few(
+        fit: &ModelFit,
+        recordings: &[&Prepared],
+        enough: usize,
+    ) -> (Self, Vec<Prepared>) {
+        let every = (counting_rows(recordings) / enough).max(1);
+        let few: Vec<Prepared> = recordings.iter().map(|r| r.thinned(every)).collect();
+        let linear = Self::of(fit, every, &few.iter().collect::<Vec<_>>());
+        (linear, few)
     }
 
     /// Takes from the residual what a Gauss-Newton step of the parameters takes beside what is known of them: a fit is where all rows

@@ -32,11 +32,8 @@ pub fn brakes(context: &Context<'_>, fit: &ModelFit, channel: usize) -> bool {
     let recordings = context.recordings(Split::Train);
     let turned: Vec<Prepared> = recordings.iter().map(|r| r.with_speeds_turned()).collect();
     let turned: Vec<&Prepared> = turned.iter().collect();
-    let predicted = |of: &[&Prepared]| {
-        let mut series = ChannelSeries::of(model, &fit.values, &[], of).predicted;
-        std::mem::take(&mut series[channel])
-    };
-    let (there, back) = (predicted(&recordings), predicted(&turned));
+    let [there, back] = [&recordings, &turned]
+        .map(|of| ChannelSeries::predicted_of(channel, model, &fit.values, of));
     let speeds = recordings.iter().flat_map(|r| {
         let speed = &r.segment().motors.dq[joint];
         r.counting_for(channel).map(move |row| speed[row])

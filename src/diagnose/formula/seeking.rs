@@ -1,7 +1,6 @@
-//! The foremost formulas of the residual of a channel, fitted with all parameters of the model, and the one that the rows which choose
-//! prefer.
+//! The foremost formulas of the residual of a channel, fitted with all parameters of the model: in the order of how well they forecast
+//! fitted rows, and the one that the rows which choose prefer.
 
-use crate::chain::dataset::Prepared;
 use crate::chain::effect::user_law;
 use crate::diagnose::candidates::score_test::Linearised;
 use crate::diagnose::fit::candidate::Candidate;
@@ -24,6 +23,7 @@ use crate::diagnose::selection::exact_fit::ExactFit;
 use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::hypothesis_test::{CONFIDENCE, HypothesisTest};
 use crate::diagnose::selection::stepwise::CHOICE;
+use crate::estimate::noise::counting_rows;
 use crate::recording::split::Split;
 use crate::stats::deviation::rms;
 use rayon::prelude::*;
@@ -89,8 +89,8 @@ impl Seeking<'_> {
     pub fn fitted(&self, channel: usize) -> Option<Fitted> {
         let context = self.context;
         let train = context.recordings(Split::Train);
-        let count: usize = train.iter().map(|r| r.counting().count()).sum();
-        let linearised = Linearised::of_every((count / ENOUGH).max(1), context, self.model);
+        let linearised =
+            Linearised::of_every((counting_rows(&train) / ENOUGH).max(1), context, self.model);
         let place = Place {
             channel,
             recordings: linearised.recordings(),
@@ -170,10 +170,7 @@ impl Seeking<'_> {
             let least = open.iter().map(|&k| errors[k]).fold(nothing, f64::min);
             let errs_hardly_more = |k: &usize| errors[*k] <= (1.0 + MATTERS) * least;
             let as_good = open.iter().copied().filter(errs_hardly_more);
-            as_good.min_by(|&a, &b| {
-                let of = |k: usize| (all[k].drives, all[k].formula.parameters().count());
-                of(a).cmp(&of(b)).then(errors[a].total_cmp(&errors[b]))
-            })
+            simplest(all, as_good, &|k| errors[k])
         };
         while let Some(next) = foremost(&open) {
             open.retain(|k| *k != next);
@@ -185,10 +182,7 @@ impl Seeking<'_> {
     /// RMS error of a channel by cross-validation of the fitted rows; infinite where parts of these do not determine the parameters.
     fn forecast_error(&self, fit: &ModelFit, channel: usize) -> f64 {
         let train = self.context.recordings(Split::Train);
-        let count: usize = train.iter().map(|r| r.counting().count()).sum();
-        let every = (count / JUDGING).max(1);
-        let few: Vec<Prepared> = train.iter().map(|r| r.thinned(every)).collect();
-        let linear = LinearModel::of(fit, every, &few.iter().collect::<Vec<_>>());
+        let (linear, _) = LinearModel::along_few(fit, &train, JUDGING);
         let folded = FoldedModel::of(&linear);
         let error = folded.and_then(|folded| folded.forecast_error(channel));
         error.map_or(f64::INFINITY, f64::sqrt) * linear.scale[channel]
@@ -225,11 +219,20 @@ impl Seeking<'_> {
             *k == best || excess <= MATTERS || forecast(context, pair).p_value > 1.0 - CONFIDENCE
         };
         let as_good = wanted.iter().copied().filter(is_as_good);
-        as_good.min_by(|&a, &b| {
-            let of = |k: usize| (all[k].drives, parameters(k));
-            of(a).cmp(&of(b)).then(charged(a).total_cmp(&charged(b)))
-        })
+        simplest(all, as_good, &charged)
     }
+}
+
+/// Of some formulas one that drives no joint, of these one with fewer parameters, and of these the one of the least error.
+fn simplest(
+    all: &[FittedFormula],
+    some: impl Iterator<Item = usize>,
+    error: &dyn Fn(usize) -> f64,
+) -> Option<usize> {
+    some.min_by(|&a, &b| {
+        let of = |k: usize| (all[k].drives, all[k].formula.parameters().count());
+        of(a).cmp(&of(b)).then(error(a).total_cmp(&error(b)))
+    })
 }
 
 /// Variables of the first function of a smooth correction, of the first two, and so on, for as long as they are few.

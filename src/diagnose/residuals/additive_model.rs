@@ -24,7 +24,6 @@ use crate::recording::split::Split;
 use crate::stats::autoregression::{Autoregression, OrderCriterion, largest_order};
 use crate::stats::deviation::{of_steps, rms};
 use crate::stats::encompassing::{Encompassing, Known, ResidualPair};
-use nalgebra::DVector;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -172,14 +171,14 @@ fn left_of_fitted(
 }
 
 /// A model along rows, with its derivatives.
-struct Rows<'a> {
+pub(super) struct Rows<'a> {
     recordings: Vec<&'a Prepared>,
     series: ChannelSeries,
 }
 
 impl<'a> Rows<'a> {
     /// Those that were fitted, and those that are held out.
-    fn both(context: &'a Context<'_>, fit: &ModelFit) -> [Self; 2] {
+    pub(super) fn both(context: &'a Context<'_>, fit: &ModelFit) -> [Self; 2] {
         [Split::Train, Split::Validation].map(|split| Self::of(context, fit, split))
     }
 
@@ -209,15 +208,15 @@ impl<'a> Rows<'a> {
 }
 
 /// A channel of a model.
-struct Place<'a> {
-    fit: &'a ModelFit,
-    channel: usize,
-    rows: &'a [Rows<'a>; 2],
+pub(super) struct Place<'a> {
+    pub(super) fit: &'a ModelFit,
+    pub(super) channel: usize,
+    pub(super) rows: &'a [Rows<'a>; 2],
 }
 
 impl Place<'_> {
     /// Smooth functions along the rows, not judged yet; `None` where the channel is that of no joint.
-    fn model(&self, curves: Arc<Smoothed>, tried: usize) -> Option<AdditiveModel> {
+    pub(super) fn model(&self, curves: Arc<Smoothed>, tried: usize) -> Option<AdditiveModel> {
         let channel = self.channel;
         let [fitted, held_out] = self.rows;
         let covariates = [
@@ -329,11 +328,12 @@ fn sought(context: &Context<'_>, fit: &ModelFit, channels: &[Sought<'_>]) -> Vec
     if channels.is_empty() {
         return Vec::new();
     }
-    let linearised = Linearised::of(fit, context.recordings(Split::Train));
+    let linearised = Linearised::of(fit, &context.recordings(Split::Train));
+    let Some(folded) = FoldedModel::of(&linearised.linear) else {
+        return Vec::new();
+    };
     let rows = Rows::both(context, fit);
     let of_channel = |of: &Sought<'_>| {
-        let candidates = |covariates: &Covariates| candidates(covariates);
-        let folded = FoldedModel::of(&linearised.linear)?;
         let mut all = linearised.smoothed(fit, &folded, of.channel, &candidates)?;
         if let Some(like) = of.like {
             let again = |_: &Covariates| like.curves.arguments();
@@ -354,171 +354,25 @@ fn sought(context: &Context<'_>, fit: &ModelFit, channels: &[Sought<'_>]) -> Vec
     channels.par_iter().filter_map(of_channel).collect()
 }
 
-/// Smooth models that were fitted to the rows of a model and to held-out rows, one channel after the other, each beside those before
-/// it: these rows say nothing for or against them.
-pub struct Pooled {
-    /// What the parameters of the model change where it is fitted to these rows: a correction without functions.
-    pub refit: Option<AdditiveModel>,
-    /// Beside it.
-    pub corrections: Vec<AdditiveModel>,
-}
-
-impl Pooled {
-    /// Of channels of which a fit leaves much, the one in which most is forecast first.
-    pub fn of_much(context: &Context<'_>, fit: &ModelFit, held_out: &[Prepared]) -> Self {
-        let channels = fit.model.channels().iter().enumerate();
-        let active = channels.filter(|(_, channel)| channel.active);
-        let mut rows = PooledRows::of(context, fit, held_out);
-        let mut open: Vec<usize> = active.map(|(c, _)| c).collect();
-        let mut pooled = rows.refitted();
-        loop {
-            let left = left(fit, &pooled.all());
-            open.retain(|&c| leaves_much(context, &left, c));
-            let Some(next) = rows.foremost(&open) else {
-                return pooled;
-            };
-            open.retain(|c| *c != next.channel);
-            pooled.corrections.push(next);
-        }
-    }
-
-    /// Of channels in their order.
-    pub fn of_channels(
-        context: &Context<'_>,
-        fit: &ModelFit,
-        held_out: &[Prepared],
-        channels: &[usize],
-    ) -> Self {
-        let mut rows = PooledRows::of(context, fit, held_out);
-        let refitted = rows.refitted();
-        let each = channels.iter().filter_map(|c| rows.foremost(&[*c]));
-        Self {
-            corrections: each.collect(),
-            ..refitted
-        }
-    }
-
-    /// The refit and the corrections.
-    pub fn all(&self) -> Vec<&AdditiveModel> {
-        self.refit.iter().chain(&self.corrections).collect()
-    }
-}
-
-/// Fitted and held-out rows, less what corrections have taken of them.
-struct PooledRows<'a> {
-    fit: &'a ModelFit,
-    linearised: Linearised,
-    rows: [Rows<'a>; 2],
-    /// Of each channel, when it was last looked at; infinite before.
-    gains: Vec<f64>,
-}
-
-impl<'a> PooledRows<'a> {
-    fn of(context: &'a Context<'_>, fit: &'a ModelFit, held_out: &[Prepared]) -> Self {
-        let mut recordings = context.recordings(Split::Train);
-        // Values of the parameters of a held-out recording are not those that derivatives are taken at.
-        if fit.own.is_empty() {
-            recordings.extend(held_out);
-        }
-        Self {
-            linearised: Linearised::of(fit, recordings),
-            rows: Rows::both(context, fit),
-            gains: vec![f64::INFINITY; fit.validation.len()],
-            fit,
-        }
-    }
-
-    /// Without corrections yet.
-    fn refitted(&self) -> Pooled {
-        let curves = Smoothed {
-            functions: Vec::new(),
-            factors: DVector::zeros(0),
-            step: self.linearised.linear.step.clone(),
-        };
-        let channels = self.fit.model.channels().iter();
-        let place = Place {
-            fit: self.fit,
-            // Without functions it is of no channel more than of another.
-            channel: channels.take_while(|c| c.joint.is_none()).count(),
-            rows: &self.rows,
-        };
-        Pooled {
-            refit: place.model(Arc::new(curves), 1),
-            corrections: Vec::new(),
-        }
-    }
-
-    /// The model of the channel in which one forecasts most, and takes what it takes.
-    fn foremost(&mut self, channels: &[usize]) -> Option<AdditiveModel> {
-        let (channel, Chosen { both, .. }) = self.most_gain(channels)?;
-        let [curves, _] = both;
-        let (fit, linearised) = (self.fit, &mut self.linearised);
-        let covariates = linearised.covariates(fit, channel)?;
-        linearised
-            .linear
-            .take(channel, &curves.at(&covariates, &[]), &curves.step);
-        let place = Place {
-            fit,
-            channel,
-            rows: &self.rows,
-        };
-        place.model(Arc::new(curves), 1)
-    }
-
-    /// Functions of the channel in which they forecast most. What others have taken lowers a gain: a channel is looked at anew if
-    /// it was the foremost before.
-    fn most_gain(&mut self, channels: &[usize]) -> Option<(usize, Chosen)> {
-        let (fit, linearised) = (self.fit, &self.linearised);
-        let folded = FoldedModel::of(&linearised.linear)?;
-        let mut at_present: Vec<(usize, Chosen)> = Vec::new();
-        loop {
-            let gain = |c: &usize| self.gains[*c];
-            let greatest = channels.iter().map(gain).fold(f64::NEG_INFINITY, f64::max);
-            let is_greatest = |c: &usize| gain(c) == greatest;
-            let foremost: Vec<usize> = channels.iter().copied().filter(is_greatest).collect();
-            let is_at_present = |of: &(usize, Chosen)| foremost.contains(&of.0);
-            if let Some(k) = at_present.iter().position(is_at_present) {
-                return Some(at_present.swap_remove(k));
-            }
-            if greatest == f64::NEG_INFINITY {
-                return None;
-            }
-            let of_channel = |&channel: &usize| {
-                let all = linearised.smoothed(fit, &folded, channel, &|of| candidates(of));
-                (channel, all.and_then(|all| all.into_iter().last()))
-            };
-            let each: Vec<(usize, Option<Chosen>)> = foremost.par_iter().map(of_channel).collect();
-            for (channel, chosen) in each {
-                let gain = chosen.as_ref().map(|chosen| chosen.gain);
-                self.gains[channel] = gain.unwrap_or(f64::NEG_INFINITY);
-                at_present.extend(chosen.map(|chosen| (channel, chosen)));
-            }
-        }
-    }
-}
-
 /// A fitted model linearised along some rows of recordings.
-struct Linearised {
-    linear: LinearModel,
+pub(super) struct Linearised {
+    pub(super) linear: LinearModel,
     recordings: Vec<Prepared>,
 }
 
 impl Linearised {
-    fn of(fit: &ModelFit, recordings: Vec<&Prepared>) -> Self {
-        let rows: usize = recordings.iter().map(|r| r.counting().count()).sum();
-        let every = (rows / ENOUGH).max(1);
-        let recordings: Vec<Prepared> = recordings.iter().map(|r| r.thinned(every)).collect();
-        let linear = LinearModel::of(fit, every, &recordings.iter().collect::<Vec<_>>());
+    pub(super) fn of(fit: &ModelFit, recordings: &[&Prepared]) -> Self {
+        let (linear, recordings) = LinearModel::along_few(fit, recordings, ENOUGH);
         Self { linear, recordings }
     }
 
-    fn covariates(&self, fit: &ModelFit, channel: usize) -> Option<Covariates> {
+    pub(super) fn covariates(&self, fit: &ModelFit, channel: usize) -> Option<Covariates> {
         let recordings: Vec<&Prepared> = self.recordings.iter().collect();
         Covariates::of(&fit.model, channel, &self.linear.loads, &recordings)
     }
 
     /// Smooth functions that forecast what is left of a channel, one more each time; `None` where the channel is that of no joint.
-    fn smoothed(
+    pub(super) fn smoothed(
         &self,
         fit: &ModelFit,
         model: &FoldedModel<'_>,
@@ -546,7 +400,7 @@ pub fn leaves_much(context: &Context<'_>, left: &[Vec<f64>], channel: usize) -> 
 }
 
 /// Functions of one variable, and of two states of which one is the joint's own or both are of one other.
-fn candidates(covariates: &Covariates) -> Vec<Arguments> {
+pub(super) fn candidates(covariates: &Covariates) -> Vec<Arguments> {
     let variables = &covariates.variables;
     let ones = (0..variables.len()).map(Arguments::One);
     let states: Vec<usize> = (0..variables.len())

@@ -69,10 +69,9 @@ pub fn error_reduction(context: &Context<'_>, hypothesis: &Hypothesis, pair: Fit
         let noise = context.noise.as_ref().map_or(new, |noise| noise[c]);
         let joint = after.model.channels()[c].joint;
         let joint = joint.filter(|joint| remembers && hypothesis.joints.contains(joint));
-        let of_reversals =
-            joint.map_or(0.0, |joint| left_by_reversals(before, &held_out, c, joint));
-        let least = (OF_TORQUE * signal).max(OF_NOISE * noise).max(of_reversals);
-        (taken >= least).then_some(1.0 - new / old)
+        let is_clear = |joint| taken >= left_by_reversals(before, &held_out, c, joint);
+        let counts = taken >= (OF_TORQUE * signal).max(OF_NOISE * noise);
+        (counts && joint.is_none_or(is_clear)).then_some(1.0 - new / old)
     };
     let named = hypothesis.named_joints();
     let own = |joint: Option<usize>| joint.is_none_or(|joint| named.contains(&joint));
@@ -112,14 +111,9 @@ fn left_by_reversals(
         recording.with_speed_off_by(joint, CLEAR_OF_REVERSALS * deviation)
     };
     let off: Vec<Prepared> = recordings.iter().map(off).collect();
-    let predicted = |of: &[&Prepared]| {
-        let mut series = ChannelSeries::of(&fit.model, &fit.values, &[], of).predicted;
-        std::mem::take(&mut series[channel])
-    };
-    let (there, off) = (
-        predicted(recordings),
-        predicted(&off.iter().collect::<Vec<_>>()),
-    );
+    let off: Vec<&Prepared> = off.iter().collect();
+    let [there, off] = [recordings, &off]
+        .map(|of| ChannelSeries::predicted_of(channel, &fit.model, &fit.values, of));
     let differences = there.iter().zip(&off).map(|(a, b)| a - b);
     rms(&differences.collect::<Vec<f64>>())
 }

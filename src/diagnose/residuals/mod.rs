@@ -10,6 +10,7 @@ pub mod hats;
 pub mod location;
 pub mod noise_level;
 pub mod period_changes;
+pub mod pooled;
 pub mod prediction_error;
 pub mod quantity;
 pub mod reversal_mask;
