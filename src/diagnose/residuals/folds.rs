@@ -222,3 +222,56 @@ impl HatProducts {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::random::{generator, symmetric};
+
+    const ROWS: [usize; 2] = [43, 30];
+
+    fn drawn(seed: u64, rows: usize) -> Vec<f64> {
+        let mut rng = generator(seed);
+        (0..rows).map(|_| symmetric(&mut rng, 1.0)).collect()
+    }
+
+    /// Each fold by unknowns that are fitted anew to the other folds of both channels.
+    #[test]
+    fn matches_independent_implementation_of_cross_validation() {
+        let series = |seed: u64| ROWS.map(|rows| drawn(seed + rows as u64, rows));
+        let columns: Vec<[Vec<f64>; 2]> = (1..4).map(|k| series(100 * k)).collect();
+        let residual = series(1000);
+        let of_channel = |c: usize| columns.iter().map(move |column| Some(column[c].clone()));
+        let linear = LinearModel::of_columns(
+            [0, 1].map(|c| of_channel(c).collect()).to_vec(),
+            residual.to_vec(),
+            DMatrix::zeros(0, 3),
+        );
+        let folded = FoldedModel::of(&linear).unwrap();
+        for (channel, rows) in ROWS.into_iter().enumerate() {
+            let mut squares = 0.0;
+            for k in 0..FOLDS {
+                let is_own = |c: usize, row: usize| {
+                    (k * ROWS[c] / FOLDS..(k + 1) * ROWS[c] / FOLDS).contains(&row)
+                };
+                let all = (0..2).flat_map(|c| (0..ROWS[c]).map(move |row| (c, row)));
+                let others: Vec<(usize, usize)> = all.filter(|&(c, row)| !is_own(c, row)).collect();
+                let jacobian =
+                    DMatrix::from_fn(others.len(), 3, |i, j| columns[j][others[i].0][others[i].1]);
+                let left =
+                    DVector::from_fn(others.len(), |i, _| residual[others[i].0][others[i].1]);
+                let step = jacobian.svd(true, true).solve(&left, 1e-12).unwrap();
+                for row in (0..rows).filter(|&row| is_own(channel, row)) {
+                    let taken: f64 = (0..3).map(|j| columns[j][channel][row] * step[j]).sum();
+                    squares += (residual[channel][row] - taken).powi(2);
+                }
+            }
+            let expected = squares / rows as f64;
+            let found = folded.forecast_error(channel).unwrap();
+            assert!(
+                (found - expected).abs() < 1e-9 * expected,
+                "{found} {expected}"
+            );
+        }
+    }
+}

@@ -11,6 +11,7 @@ use crate::diagnose::fit::contexts::HeldOutHalves;
 use crate::diagnose::fit::held_out::Purpose;
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
+use crate::diagnose::formula::seeking::Seeking;
 use crate::diagnose::residuals::additive_model::{self, AdditiveModel};
 use crate::diagnose::residuals::effect_size::{MATTERS, OF_NOISE, OF_TORQUE};
 use crate::diagnose::residuals::noise_level::{self, NoiseLevel, chance};
@@ -168,6 +169,28 @@ fn invariant_no_held_out_row_is_forecast_by_a_correction_that_was_fitted_to_it()
         assert!(change(of_itself) < 1e-9, "{half:?} {}", change(of_itself));
         assert!(change(!of_itself) > 1e-3, "{half:?} {}", change(!of_itself));
     }
+}
+
+/// The first formula leaves hardly more of rows that were not fitted than any, and those that only resemble the law come later.
+#[test]
+fn formulas_that_forecast_well_come_first() {
+    let bench = Bench::control();
+    let data = with_law(&bench);
+    let context = bench.context(&data);
+    let declared = bench.declared(context.data);
+    let seeking = Seeking {
+        context: &context,
+        model: &declared,
+        variables: &[vec![Quantity::Velocity, Quantity::OtherPosition(1)]],
+        all_variables: false,
+    };
+    let all = seeking.fitted(0).unwrap().all;
+    let left = |k: usize| rms(&all[k].fit.validation[0]);
+    let order = seeking.in_order(0, &all);
+    assert!(order.len() > 1);
+    let least = (0..all.len()).map(left).fold(f64::INFINITY, f64::min);
+    assert!(left(order[0]) < 1.1 * least);
+    assert!(left(order[order.len() - 1]) > 1.5 * least);
 }
 
 /// Where the residual is noise no correction is sought.
