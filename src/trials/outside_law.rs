@@ -1,5 +1,5 @@
 //! Laws outside the vocabulary, drawn from a grammar of their own, written apart from that of the formulas that a diagnosis seeks:
-//! saturations, exponentials, sines and slopes that meet are in both, powers that are no integers and rational functions in this alone.
+//! powers that are no integers are in this alone, the other functions of one variable in both.
 //!
 //! ```text
 //! τ = s (f(x) g(y) + c h(z) k(w)),   x, y, z, w of q, v, tau of the joint, q and v of another

@@ -20,6 +20,10 @@ pub enum Shape {
     Saturation,
     /// exp(−((x − x₀)/s)²)
     Bump,
+    /// 1/(1 + ((x − x₀)/s)²), a resonance.
+    Resonance,
+    /// (x − x₀)/s/(1 + ((x − x₀)/s)²), what eddy currents brake with (Kloss's formula).
+    Breakdown,
     /// exp(n x)
     Exponential,
     /// x − x₀, beside other factors: alone it is x and an offset.
@@ -28,6 +32,10 @@ pub enum Shape {
     Above(u8),
     /// min(x − x₀, 0), or its square.
     Below(u8),
+    /// max(x − x₀, 0) + r min(x − x₀, 0)
+    Slopes,
+    /// x less ±s outside of s, and nothing within.
+    DeadZone,
     /// sin(n x + φ)
     Wave,
     /// sin(n x)
@@ -61,11 +69,35 @@ impl Shape {
         matches!(self, Self::Wave | Self::Sine | Self::Cosine)
     }
 
+    /// Whether it is a transition or a peak of some width.
+    pub fn has_width(self) -> bool {
+        Self::OF_WIDTHS.contains(&self)
+    }
+
+    /// Those that are.
+    pub const OF_WIDTHS: [Self; 4] = [
+        Self::Saturation,
+        Self::Bump,
+        Self::Resonance,
+        Self::Breakdown,
+    ];
+
+    /// Whether it is a sum of two functions of which the shares are to be found.
+    pub fn is_sum(self) -> bool {
+        matches!(self, Self::Wave | Self::Slopes)
+    }
+
     /// Whether it changes its sign with its variable; what is neither odd nor even does not.
     pub fn is_odd(self) -> bool {
         matches!(
             self,
-            Self::Power(1 | 3) | Self::SignedSquare | Self::Direction | Self::Saturation
+            Self::Power(1 | 3)
+                | Self::SignedSquare
+                | Self::Direction
+                | Self::Saturation
+                | Self::Breakdown
+                | Self::DeadZone
+                | Self::Sine
         )
     }
 
@@ -73,7 +105,7 @@ impl Shape {
     pub fn power(self) -> i8 {
         match self {
             Self::Power(n) | Self::Above(n) | Self::Below(n) => n as i8,
-            Self::Magnitude | Self::Shifted => 1,
+            Self::Magnitude | Self::Shifted | Self::Slopes | Self::DeadZone => 1,
             Self::SignedSquare => 2,
             Self::Direction
             | Self::Decay
@@ -82,6 +114,8 @@ impl Shape {
             | Self::Cosine
             | Self::Saturation
             | Self::Bump
+            | Self::Resonance
+            | Self::Breakdown
             | Self::Exponential => 0,
         }
     }
@@ -108,7 +142,7 @@ impl Factor {
 
     /// Whether x₀ is its own parameter: speeds and loads have their zero.
     pub fn has_centre(&self) -> bool {
-        self.quantity.is_position() && matches!(self.shape, Shape::Saturation | Shape::Bump)
+        self.quantity.is_position() && (self.shape.has_width() || self.shape == Shape::DeadZone)
     }
 
     /// The same function of the same variable, whatever its parameter.
@@ -116,18 +150,20 @@ impl Factor {
         self.quantity == other.quantity && self.shape == other.shape
     }
 
-    /// Multiplies series by it: one, or of a wave the sine and the cosine.
+    /// Multiplies series by it: one, or of a sum either function.
     pub fn multiply(&self, rows: &FittedRows, columns: &mut Vec<Vec<f64>>) {
-        if self.shape == Shape::Wave {
-            let mut second = columns[0].clone();
-            self.times(rows, Shape::Sine, &mut columns[0]);
-            self.times(rows, Shape::Cosine, &mut second);
-            columns.push(second);
-            return;
-        }
-        for column in columns {
-            self.times(rows, self.shape, column);
-        }
+        let [first, second] = match self.shape {
+            Shape::Wave => [Shape::Sine, Shape::Cosine],
+            Shape::Slopes => [Shape::Above(1), Shape::Below(1)],
+            shape => {
+                columns.iter_mut().for_each(|c| self.times(rows, shape, c));
+                return;
+            }
+        };
+        let mut other = columns[0].clone();
+        self.times(rows, first, &mut columns[0]);
+        self.times(rows, second, &mut other);
+        columns.push(other);
     }
 
     fn times(&self, rows: &FittedRows, shape: Shape, column: &mut [f64]) {
@@ -149,10 +185,14 @@ impl Factor {
             Shape::Decay => (-x.abs() / a).exp(),
             Shape::Saturation => ((x - centre) / a).tanh(),
             Shape::Bump => (-((x - centre) / a).powi(2)).exp(),
+            Shape::Resonance => 1.0 / (1.0 + ((x - centre) / a).powi(2)),
+            Shape::Breakdown => (x - centre) / a / (1.0 + ((x - centre) / a).powi(2)),
             Shape::Exponential => (a * x).exp(),
             Shape::Shifted => x - a,
             Shape::Above(n) => (x - a).max(0.0).powi(i32::from(n)),
             Shape::Below(n) => (x - a).min(0.0).powi(i32::from(n)),
+            Shape::Slopes => x - a,
+            Shape::DeadZone => (x - centre - a).max(0.0) + (x - centre + a).min(0.0),
             Shape::Wave | Shape::Sine => (a * x).sin(),
             Shape::Cosine => (a * x).cos(),
         }

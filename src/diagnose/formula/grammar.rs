@@ -30,6 +30,13 @@ const FASTEST: f64 = 8.0;
 const MIDDLES: [f64; 3] = [0.3, 0.5, 0.7];
 const WIDTHS: [f64; 3] = [0.05, 0.15, 0.4];
 
+/// Orders of waves of other variables at most: further ones are more than what smooth functions tell of where they are.
+const ORDERS_OF_SPEEDS: usize = 16;
+
+/// Shares of the range of a variable about its middle, or about none, in which nothing is.
+const ZONES: [f64; 3] = [0.06, 0.12, 0.25];
+const WIDEST_ZONE: f64 = 0.45;
+
 /// Share of a limit within which a parameter is at it: golden section comes as near as some thousandths.
 const NEAR: f64 = 1e-2;
 
@@ -100,9 +107,12 @@ impl Grammar {
         let range = self.extent(factor.quantity).range();
         let a = factor.inner;
         let [low, high] = match factor.shape {
-            Shape::Decay | Shape::Saturation | Shape::Bump => [0.5 * a, 2.0 * a],
+            Shape::Decay | Shape::DeadZone => [0.5 * a, 2.0 * a],
+            shape if shape.has_width() => [0.5 * a, 2.0 * a],
             Shape::Exponential => [a - 1.0 / range, a + 1.0 / range],
-            Shape::Above(_) | Shape::Below(_) => [a - 0.15 * range, a + 0.15 * range],
+            Shape::Above(_) | Shape::Below(_) | Shape::Slopes => {
+                [a - 0.15 * range, a + 0.15 * range]
+            }
             Shape::Shifted => [a - 0.5 * range, a + 0.5 * range],
             _ => {
                 let step = 0.5 * CYCLES * TAU / range;
@@ -120,9 +130,10 @@ impl Grammar {
         let range = extent.range();
         match factor.shape {
             Shape::Decay => [1e-3 * extent.largest(), extent.largest()],
-            Shape::Saturation | Shape::Bump => [0.02 * range, 2.0 * range],
+            shape if shape.has_width() => [0.02 * range, 2.0 * range],
             Shape::Exponential => [-FASTEST / range, FASTEST / range],
-            Shape::Above(_) | Shape::Below(_) => self.inside(factor.quantity),
+            Shape::Above(_) | Shape::Below(_) | Shape::Slopes => self.inside(factor.quantity),
+            Shape::DeadZone => [0.02 * range, WIDEST_ZONE * range],
             Shape::Shifted => [extent.least - range, extent.greatest + range],
             _ => [f64::NEG_INFINITY, f64::INFINITY],
         }
@@ -315,7 +326,10 @@ fn terms_of(few: &[Quantity], rows: &FittedRows) -> Vec<Term> {
         let waves = match few[k] {
             Quantity::Position => waves(few[k], rows, OWN_ORDERS),
             Quantity::OtherPosition(_) => waves(few[k], rows, OTHER_ORDERS),
-            _ => Vec::new(),
+            Quantity::Acceleration => Vec::new(),
+            Quantity::Velocity | Quantity::Load | Quantity::OtherVelocity(_) => {
+                waves(few[k], rows, ORDERS_OF_SPEEDS)
+            }
         };
         let waves = each(&waves);
         all.extend(own.iter().chain(&waves).cloned());
@@ -354,19 +368,31 @@ fn shapes(quantity: Quantity, rows: &FittedRows) -> Vec<Factor> {
     };
     for centre in centres {
         for width in WIDTHS {
-            let of = |shape: Shape| {
-                plain(shape)
-                    .with_inner(width * extent.range())
-                    .about(centre)
-            };
+            let width = width * extent.range();
+            let of = |shape: Shape| plain(shape).with_inner(width).about(centre);
             all.extend([Shape::Saturation, Shape::Bump].map(of));
         }
     }
+    let middle = match quantity.is_position() {
+        true => 0.5 * (extent.least + extent.greatest),
+        false => 0.0,
+    };
     if quantity.is_position() {
-        let middle = 0.5 * (extent.least + extent.greatest);
         all.push(plain(Shape::Shifted).with_inner(middle));
     }
     all.extend(touches(quantity, rows));
+    for width in WIDTHS {
+        let width = width * extent.range();
+        let of = |shape: Shape| plain(shape).with_inner(width).about(middle);
+        all.extend([Shape::Resonance, Shape::Breakdown].map(of));
+    }
+    all.extend(ZONES.map(|share| {
+        let zone = plain(Shape::DeadZone).with_inner(share * extent.range());
+        zone.about(middle)
+    }));
+    all.extend(
+        MIDDLES.map(|share| plain(Shape::Slopes).with_inner(extent.least + share * extent.range())),
+    );
     if quantity == Quantity::Velocity {
         all.push(plain(Shape::Direction));
         let fastest = extent.largest();

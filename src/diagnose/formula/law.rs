@@ -67,7 +67,7 @@ impl Formula {
         for term in &mut changed.terms {
             let own = term.inner.iter_mut().chain(&mut term.centre).flatten();
             let own = std::iter::once(&mut term.size).chain(own);
-            for parameter in own.chain(&mut term.phase) {
+            for parameter in own.chain(&mut term.second) {
                 parameter.value = value(&parameter.name).unwrap_or(parameter.value);
             }
         }
@@ -193,10 +193,14 @@ fn named(
     let inner = |(f, factor): (usize, &Factor)| {
         let (name, meaning) = match factor.shape {
             Shape::Wave | Shape::Sine | Shape::Cosine => ("n", "periods over 2π"),
-            Shape::Above(_) | Shape::Below(_) => ("touch", "position at which it begins"),
+            Shape::Above(_) | Shape::Below(_) => ("touch", "value at which it begins"),
+            Shape::Slopes => ("knee", "value at which its slope changes"),
+            Shape::DeadZone => ("zone", "distance up to which it is none"),
             Shape::Shifted => ("zero", "position at which it is none"),
             Shape::Decay => ("scale", "speed over which it decays"),
-            Shape::Saturation | Shape::Bump => ("width", "range over which it changes"),
+            Shape::Saturation | Shape::Bump | Shape::Resonance | Shape::Breakdown => {
+                ("width", "range over which it changes")
+            }
             Shape::Exponential => ("rate", "growth"),
             Shape::Power(_) | Shape::Magnitude | Shape::SignedSquare | Shape::Direction => {
                 return None;
@@ -216,15 +220,21 @@ fn named(
             name: of_factor("middle", f),
             value: factor.centre,
             unit: units.of_centre(factor),
-            meaning: "position about which it is one",
+            meaning: "position about which it is",
             bounds: grammar.inside(factor.quantity),
             is_shape: true,
         })
     };
     let factors = || term.factors.iter().enumerate();
-    let (size, phase) = match sizes {
-        [sine, cosine] => (sine.hypot(*cosine), Some(cosine.atan2(*sine))),
+    let sum = term.sum().map(|factor| factor.shape);
+    let (size, second) = match (sizes, sum) {
+        ([above, below], Some(Shape::Slopes)) => (*above, Some(("ratio", below / above))),
+        ([sine, cosine], _) => (sine.hypot(*cosine), Some(("phi", cosine.atan2(*sine)))),
         _ => (sizes.first().copied().unwrap_or(0.0), None),
+    };
+    let meaning = match sum {
+        Some(Shape::Slopes) => ("1", "slope below over that above"),
+        _ => ("rad", "phase"),
     };
     NamedTerm {
         is_negative: size < 0.0,
@@ -238,11 +248,11 @@ fn named(
         },
         inner: factors().map(inner).collect(),
         centre: factors().map(centre).collect(),
-        phase: phase.map(|value| Named {
-            name: format!("phi{again}"),
+        second: second.map(|(name, value)| Named {
+            name: format!("{name}{again}"),
             value,
-            unit: "rad".to_string(),
-            meaning: "phase",
+            unit: meaning.0.to_string(),
+            meaning: meaning.1,
             bounds: FREE,
             is_shape: false,
         }),
@@ -335,6 +345,10 @@ mod tests {
             Shape::Exponential,
             Shape::Shifted,
             Shape::Wave,
+            Shape::Slopes,
+            Shape::DeadZone,
+            Shape::Resonance,
+            Shape::Breakdown,
         ] {
             assert!(shapes.contains(&shape), "{shape:?}");
         }

@@ -2,12 +2,13 @@
 //!
 //! ```text
 //! τ_f = Σ_k c_k Π_j g_kj(x_kj),   x of q, v, acc, tau of the joint, q and v of others
-//! g of x, x², x³, |x|, x|x|, sign(v), exp(−|v|/s), max(x − x₀, 0), min(x − x₀, 0) and their squares, sin(n x + φ),
-//!      tanh((x − x₀)/s), exp(−((x − x₀)/s)²), exp(n x), and x − x₀ of positions beside another factor
+//! g of x, x², x³, |x|, x|x|, sign(v), exp(−|v|/s), max(q − q₀, 0), min(q − q₀, 0) and their squares, sin(n q + φ)
+//!   and tanh(u), exp(−u²), 1/(1 + u²), u/(1 + u²) with u = (x − x₀)/s, exp(n x), sin(n x + φ), x beyond x₀ ± s,
+//!   max(x − x₀, 0) + r min(x − x₀, 0), and x − x₀ of positions beside another factor
 //! ```
 //!
 //! Where a smooth correction says of which few variables the misfit is a function, terms are all products of two shapes of these;
-//! otherwise, and where it leaves more than noise, those that physics has, of all variables, without the last four shapes.
+//! otherwise, and where it leaves more than noise, those that physics has, of all variables, of the shapes of the first line.
 //!
 //! Terms are chosen one after the other by what they take from the fitted rows beyond what every parameter of the model can
 //! take (orthogonal matching pursuit: Pati, Rezaiifar and Krishnaprasad 1993), several formulas at a time; their orders, touches and

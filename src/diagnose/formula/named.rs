@@ -13,7 +13,8 @@ pub struct NamedTerm {
     pub inner: Vec<Option<Named>>,
     /// Of each factor, the place about which it is one.
     pub centre: Vec<Option<Named>>,
-    pub phase: Option<Named>,
+    /// Phase of a wave, or what slopes of two sides have to each other.
+    pub second: Option<Named>,
 }
 
 /// A parameter.
@@ -30,6 +31,6 @@ pub struct Named {
 impl NamedTerm {
     pub fn parameters(&self) -> impl Iterator<Item = &Named> {
         let own = self.inner.iter().chain(&self.centre).flatten();
-        std::iter::once(&self.size).chain(own).chain(&self.phase)
+        std::iter::once(&self.size).chain(own).chain(&self.second)
     }
 }

@@ -333,6 +333,10 @@ fn changed(misfit: &Misfit<'_>, term: &Term) -> Vec<Term> {
                 .filter(|other| other.quantity == factor.quantity);
             same.filter(|other| **other != factor)
                 .for_each(|other| with(**other));
+            // As wide, and at the same place.
+            let of_widths = Shape::OF_WIDTHS.iter().filter(|_| factor.shape.has_width());
+            let others = of_widths.filter(|shape| **shape != factor.shape);
+            others.for_each(|&shape| with(Factor { shape, ..*factor }));
         }
         let mut fewer = term.factors.clone();
         fewer.remove(f);
@@ -350,7 +354,11 @@ fn changed(misfit: &Misfit<'_>, term: &Term) -> Vec<Term> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::fit::linear_model::LinearModel;
+    use crate::diagnose::formula::grammar::Grammar;
+    use crate::diagnose::formula::rows::FittedRows;
     use crate::diagnose::residuals::quantity::Quantity;
+    use crate::robot::random::{generator, symmetric};
     use nalgebra::{DMatrix, DVector};
 
     /// What two columns take of a residual beside a column that is there, and beside what the model takes of either, against
@@ -399,6 +407,42 @@ mod tests {
         );
         let twice = candidate(&[2, 2]);
         assert_eq!(gain(&twice, residual.as_slice(), &basis, &shares), 0.0);
+    }
+
+    /// A law of two variables with little noise, of which one has a shape with a parameter: shape and parameter are found.
+    #[test]
+    fn shapes_of_speeds_are_found_with_their_parameters() {
+        const ROWS: usize = 600;
+        let rows = FittedRows::drawn(ROWS);
+        let few = [Quantity::Position, Quantity::OtherVelocity(1)];
+        let [q, v] = few.map(|quantity| rows.series(quantity));
+        let grammar = Grammar::of(&rows, Some(&few));
+        let mut rng = generator(19);
+        let noise: Vec<f64> = (0..ROWS).map(|_| symmetric(&mut rng, 0.02)).collect();
+        let found = |law: &dyn Fn(f64) -> f64| {
+            let series = (0..ROWS).map(|k| q[k] * law(v[k]) + noise[k]);
+            let linear = LinearModel::of_columns(
+                vec![Vec::new()],
+                vec![series.collect()],
+                DMatrix::zeros(0, 0),
+            );
+            let misfit = Misfit::of(&linear, 0, &rows, &grammar);
+            let best = formulas(&misfit, &|| false).swap_remove(0);
+            assert_eq!(best.terms.len(), 1, "{best:?}");
+            let factors = best.terms[0].factors.iter();
+            let of_speed = factors.filter(|factor| factor.quantity == few[1]);
+            let factors: Vec<(Shape, f64)> = of_speed.map(|f| (f.shape, f.inner)).collect();
+            factors[0]
+        };
+        let is = |found: (Shape, f64), shape: Shape, inner: f64| {
+            assert_eq!(found.0, shape);
+            assert!((found.1 / inner - 1.0).abs() < 0.05, "{found:?} {inner}");
+        };
+        let zone = |v: f64| (v - 0.2).max(0.0) + (v + 0.2).min(0.0);
+        is(found(&zone), Shape::DeadZone, 0.2);
+        let slopes = |v: f64| (v - 0.15).max(0.0) - 0.4 * (v - 0.15).min(0.0);
+        is(found(&slopes), Shape::Slopes, 0.15);
+        is(found(&|v| (13.0 * v + 0.7).sin()), Shape::Wave, 13.0);
     }
 
     #[test]

@@ -122,6 +122,9 @@ impl Seeking<'_> {
     /// A formula of a channel beside what the model has already; `None` where it cannot be fitted or is not possible.
     pub fn fit(&self, channel: usize, formula: Formula) -> Option<FittedFormula> {
         let context = self.context;
+        if formula.parameters().any(|p| !p.value.is_finite()) {
+            return None;
+        }
         let hypothesis = Hypothesis {
             effect: user_law::effect(&formula.text()).ok()?,
             joints: vec![formula.joint],

@@ -21,7 +21,7 @@ impl Term {
     }
 
     /// Its series over the fitted rows, in what the signal shows of a torque: one for each size that is to be found, two where
-    /// a wave has an unknown phase.
+    /// a factor is a sum.
     pub fn columns(&self, rows: &FittedRows) -> Vec<Vec<f64>> {
         let mut columns = vec![rows.by_torque.clone()];
         for factor in &self.factors {
@@ -30,15 +30,16 @@ impl Term {
         columns
     }
 
-    pub fn has_wave(&self) -> bool {
-        self.factors.iter().any(|f| f.shape == Shape::Wave)
+    /// The factor that is a sum, if there is one.
+    pub fn sum(&self) -> Option<&Factor> {
+        self.factors.iter().find(|factor| factor.shape.is_sum())
     }
 
     /// Sizes, phases and parameters of factors.
     pub fn parameters(&self) -> usize {
         let own = |f: &Factor| usize::from(f.shape.has_inner()) + usize::from(f.has_centre());
         let inner: usize = self.factors.iter().map(own).sum();
-        1 + usize::from(self.has_wave()) + inner
+        1 + usize::from(self.sum().is_some()) + inner
     }
 
     /// The same factors, whatever their parameters.
@@ -55,10 +56,10 @@ impl Term {
         odd % 2 == 1 && !self.factors.iter().any(knows_others)
     }
 
-    /// Whether it has no two factors of which a product is another factor, at most one that repeats, and none alone that is an
+    /// Whether it has no two factors of which a product is another factor, at most one that repeats and one that is a sum, and none alone that is an
     /// offset and another.
     pub fn is_sound(&self) -> bool {
-        let repeating = self.factors.iter().filter(|f| f.shape.is_periodic());
+        let number = |of: fn(Shape) -> bool| self.factors.iter().filter(|f| of(f.shape)).count();
         let alike = |k: usize| {
             let of_same = |other: &Factor| self.factors[k].quantity == other.quantity;
             let both = |other: &&Factor| of_same(other) && !is_decay(other);
@@ -69,7 +70,8 @@ impl Term {
         let is_shifted_alone = count == 1 && self.factors[0].shape == Shape::Shifted;
         (1..=MOST_FACTORS).contains(&count)
             && !is_shifted_alone
-            && repeating.count() <= 1
+            && number(Shape::is_periodic) <= 1
+            && number(Shape::is_sum) <= 1
             && decays <= 1
             && !(0..count).any(alike)
     }
@@ -98,6 +100,7 @@ mod tests {
         assert!(term(&[direction, (Position, Shape::Magnitude)]).is_friction());
         assert!(!term(&[direction, (Velocity, Shape::Power(1))]).is_friction());
         assert!(!term(&[(Position, Shape::Power(1))]).is_friction());
+        assert!(term(&[(Velocity, Shape::DeadZone)]).is_friction());
         let other = (OtherVelocity(1), Shape::Direction);
         assert!(!term(&[other]).is_friction() && !term(&[direction, other]).is_friction());
     }
@@ -118,6 +121,8 @@ mod tests {
         ];
         assert!(term(&four[..3]).is_sound() && !term(&four).is_sound());
         assert!(!term(&[]).is_sound());
+        let sums = [(Position, Shape::Wave), (OtherVelocity(1), Shape::Slopes)];
+        assert!(term(&sums[1..]).is_sound() && !term(&sums).is_sound());
         let shifted = (Position, Shape::Shifted);
         assert!(term(&[shifted, direction]).is_sound() && !term(&[shifted]).is_sound());
     }

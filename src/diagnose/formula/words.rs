@@ -52,13 +52,13 @@ fn sum(parts: impl Iterator<Item = Part>, times: &str) -> String {
 
 /// Size and factors; `of` is what stands for a parameter.
 fn product(term: &NamedTerm, of: &dyn Fn(&Named) -> String, joints: &[String]) -> Vec<String> {
-    let phase = term.phase.as_ref().map(of).unwrap_or_default();
+    let second = term.second.as_ref().map(of).unwrap_or_default();
     let factors = term.term.factors.iter().enumerate();
     let factors = factors.map(|(f, factor)| {
         let own = Own {
             inner: term.inner[f].as_ref().map(of).unwrap_or_default(),
             centre: term.centre[f].as_ref().map(of),
-            phase: &phase,
+            second: &second,
         };
         written(factor, &own, joints)
     });
@@ -81,14 +81,14 @@ pub fn variable(quantity: Quantity, joints: &[String]) -> String {
 struct Own<'a> {
     inner: String,
     centre: Option<String>,
-    phase: &'a str,
+    second: &'a str,
 }
 
 fn written(factor: &Factor, own: &Own<'_>, joints: &[String]) -> String {
     let Own {
         inner,
         centre,
-        phase,
+        second,
     } = own;
     let x = variable(factor.quantity, joints);
     let from_centre = match centre {
@@ -108,10 +108,23 @@ fn written(factor: &Factor, own: &Own<'_>, joints: &[String]) -> String {
         Shape::Shifted => format!("({})", less(&x, inner)),
         Shape::Above(power) => raised(format!("max({}, 0)", less(&x, inner)), power),
         Shape::Below(power) => raised(format!("min({}, 0)", less(&x, inner)), power),
+        Shape::Slopes => {
+            let from_knee = less(&x, inner);
+            format!(
+                "(max({from_knee}, 0){})",
+                more(&format!("{second}*min({from_knee}, 0)"))
+            )
+        }
+        Shape::DeadZone => {
+            let (above, below) = (less(&from_centre, inner), more(inner));
+            format!("(max({above}, 0) + min({from_centre}{below}, 0))")
+        }
         Shape::Saturation => format!("tanh({from_centre}/{inner})"),
         Shape::Bump => format!("exp(-({from_centre}/{inner})^2)"),
+        Shape::Resonance => format!("1/(1 + ({from_centre}/{inner})^2)"),
+        Shape::Breakdown => format!("{from_centre}/{inner}/(1 + ({from_centre}/{inner})^2)"),
         Shape::Exponential => format!("exp({inner}*{x})"),
-        Shape::Wave => format!("sin({inner}*{x}{})", more(phase)),
+        Shape::Wave => format!("sin({inner}*{x}{})", more(second)),
         Shape::Sine => format!("sin({inner}*{x})"),
         Shape::Cosine => format!("cos({inner}*{x})"),
     }
