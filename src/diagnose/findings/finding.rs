@@ -11,7 +11,7 @@ use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::noise_level::{NoiseLevel, chance};
 use crate::diagnose::residuals::reversal_mask;
 use crate::diagnose::selection::hypothesis_test::HypothesisTest;
-use crate::diagnose::selection::rival_models::RivalComparison;
+use crate::diagnose::selection::rival_models::TestedRivals;
 use crate::diagnose::selection::stepwise::SelectionStep;
 use crate::outcome::diagnose::Evidence;
 use crate::outcome::finding::{Finding, Rival};
@@ -31,7 +31,7 @@ pub struct ConfirmedStep<'a> {
     /// Whether the richer forecasts what the poorer leaves.
     pub test: &'a HypothesisTest,
     /// What could stand in its place.
-    pub comparison: &'a RivalComparison,
+    pub comparison: &'a TestedRivals,
     /// Of the finding and of each alternative of the comparison.
     pub probabilities: Probabilities,
 }
@@ -41,7 +41,7 @@ impl<'a> ConfirmedStep<'a> {
     pub fn all(
         explanation: &'a Explanation,
         contexts: &Contexts<'_>,
-        comparisons: &'a [RivalComparison],
+        comparisons: &'a [TestedRivals],
         noise_level: &NoiseLevel,
     ) -> Vec<Self> {
         let step = |k: usize| {
@@ -64,11 +64,11 @@ impl<'a> ConfirmedStep<'a> {
 fn probabilities(
     rows: &Context<'_>,
     test: &HypothesisTest,
-    comparison: &RivalComparison,
+    comparison: &TestedRivals,
     noise_level: &NoiseLevel,
 ) -> Probabilities {
     let found = &test.fit.validation;
-    let rivals = comparison.alternatives.iter();
+    let rivals = comparison.rivals.iter();
     let channels = channels_of(&test.fit.model, &test.hypothesis.named_joints());
     // At reversals every model leaves more than noise.
     let kept = |c: usize| reversal_mask::residual(rows, &test.fit, c, &found[c]);
@@ -163,7 +163,7 @@ fn rivals(step: &ConfirmedStep<'_>, noise_level: &NoiseLevel, channels: &[usize]
         noise_level.share(pair.held_out(), channels)
     };
     let mut rivals: Vec<Rival> = comparison
-        .alternatives
+        .rivals
         .iter()
         .zip(&step.probabilities.rivals)
         .map(|(alternative, &probability)| {

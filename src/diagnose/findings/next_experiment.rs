@@ -6,7 +6,7 @@ use crate::chain::model::Model;
 use crate::chain::parameter::Role;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::model_fit::ModelFit;
-use crate::diagnose::selection::rival_models::RivalComparison;
+use crate::diagnose::selection::rival_models::TestedRivals;
 use crate::outcome::diagnose::NextExperiment;
 use crate::problem_file::ProblemFile;
 use crate::problem_file::located::FilePath;
@@ -32,13 +32,11 @@ impl Discrimination {
     pub fn of(
         context: &Context<'_>,
         full: &ModelFit,
-        comparisons: &[RivalComparison],
+        comparisons: &[TestedRivals],
     ) -> Option<Self> {
         let (k, open) = comparisons.iter().enumerate().find_map(|(k, comparison)| {
-            let open = comparison
-                .alternatives
-                .iter()
-                .filter(|a| !a.separation.separable);
+            let rivals = comparison.rivals.iter();
+            let open = rivals.filter(|a| !a.separation.separable);
             let fits: Vec<&ModelFit> = open.map(|a| &a.test.fit).collect();
             (!fits.is_empty()).then_some((k, fits))
         })?;

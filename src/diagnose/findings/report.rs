@@ -20,7 +20,7 @@ use crate::diagnose::residuals::additive_model::AdditiveModel;
 use crate::diagnose::residuals::location;
 use crate::diagnose::residuals::noise_level::{self, NoiseLevel};
 use crate::diagnose::residuals::prediction_error::PredictionError;
-use crate::diagnose::selection::rival_models::{Ambiguity, RivalComparison, ambiguities};
+use crate::diagnose::selection::rival_models::{Ambiguity, TestedRivals, ambiguities};
 use crate::diagnose::selection::stepwise::Rules;
 use crate::estimate::covariance::of_unknowns;
 use crate::estimate::fit::{Fitted, in_full, outcome, outcome_with};
@@ -187,7 +187,7 @@ impl Reporting<'_> {
     }
 
     /// Rivals of the findings as the rows show them that test these.
-    fn comparisons(&self, compared: &Compared<'_>) -> Vec<RivalComparison> {
+    fn comparisons(&self, compared: &Compared<'_>) -> Vec<TestedRivals> {
         let (full, noise_level) = (compared.full, compared.noise_level);
         let comparisons = self.explanation.comparisons.iter();
         let seen = comparisons.zip(&full.hypotheses);
@@ -199,7 +199,7 @@ impl Reporting<'_> {
     fn findings(
         &self,
         compared: &Compared<'_>,
-        comparisons: &[RivalComparison],
+        comparisons: &[TestedRivals],
         corrections: &Corrections,
         parameters: &[Parameter],
     ) -> Vec<Finding> {

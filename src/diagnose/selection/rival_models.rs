@@ -9,10 +9,10 @@ use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::fit::start::Start;
 use crate::diagnose::residuals::effect_size::{MATTERS, error_excess};
 use crate::diagnose::residuals::noise_level::NoiseLevel;
-use crate::diagnose::selection::exact_fit::fit_without;
+use crate::diagnose::selection::exact_fit::{fit_without, taken};
 use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::hypothesis_test::{CONFIDENCE, HypothesisTest, fits_better};
-use crate::diagnose::selection::stepwise::Stepwise;
+use crate::diagnose::selection::stepwise::{AlreadyTried, Stepwise};
 use crate::stats::distribution::Distribution;
 use crate::stats::encompassing::{Encompassing, ResidualPair};
 use rayon::prelude::*;
@@ -28,11 +28,29 @@ const TOLD_APART: f64 = 0.95;
 pub struct Alternative {
     /// The model that has the alternative, against the one with neither.
     pub test: HypothesisTest,
-    /// Whether held-out rows tell it from the finding.
-    pub separation: Separation,
+    /// The difference of it and the finding is not small beside what neither explains.
+    pub is_clear: bool,
     /// The alternative forecasts what the finding leaves, and where it has more parameters that matters and it fits
     /// better too; where it has fewer, it loses no more of what was fitted than it gains.
     pub better: bool,
+}
+
+/// An alternative as rows show it that test the finding.
+#[derive(Debug, Clone)]
+pub struct TestedRival {
+    /// The model that has it, over these rows.
+    pub test: HypothesisTest,
+    /// Whether these rows tell it from the finding.
+    pub separation: Separation,
+}
+
+/// The rivals of a finding as rows show them that test it.
+#[derive(Debug, Clone)]
+pub struct TestedRivals {
+    /// The model without the finding.
+    pub without: ModelFit,
+    /// The other hypotheses, each in its place.
+    pub rivals: Vec<TestedRival>,
 }
 
 /// How far recordings tell a rival from a finding.
@@ -46,7 +64,7 @@ pub struct Separation {
     /// clear.
     pub separable: bool,
     /// Recordings of fewer than so many times the length tell the two apart in one case of twenty at most, by
-    /// chance: the ratio of the test grows with the root of the length. `None` where the two are the same torque.
+    /// chance: the ratio of the test grows with the root of the length. `None` where these do, or the two are the same torque.
     pub times_longer: Option<f64>,
 }
 
@@ -79,7 +97,7 @@ impl RivalComparison {
         noise_level: &NoiseLevel,
         full: &ModelFit,
         finding: &Hypothesis,
-    ) -> Self {
+    ) -> TestedRivals {
         let (rows, joints) = (contexts.testing(finding), finding.named_joints());
         let tested = full.on(rows);
         let seen = |alternative: &Alternative| {
@@ -93,21 +111,37 @@ impl RivalComparison {
                 poorer: &seen,
                 richer: &tested,
             };
-            let mut separation = separation(whole, noise_level, pair, &joints);
-            separation.evidence = forecast(rows, unchosen);
-            separation.separable &= separation.evidence.p_value < 1.0 - TOLD_APART;
-            Alternative {
+            let evidence = forecast(rows, unchosen);
+            let is_confirmed = evidence.p_value < 1.0 - TOLD_APART;
+            let is_far =
+                is_clear(noise_level, pair, &joints) && error_excess(pair, &joints) > MATTERS;
+            let separation = match is_far && is_confirmed {
+                true => Separation {
+                    evidence,
+                    is_clear: true,
+                    separable: true,
+                    times_longer: None,
+                },
+                false => {
+                    let of_all = separation(whole, noise_level, pair, &joints);
+                    Separation {
+                        evidence,
+                        separable: of_all.separable && is_confirmed,
+                        ..of_all
+                    }
+                }
+            };
+            TestedRival {
                 separation,
-                better: alternative.better,
                 test: HypothesisTest {
                     fit: seen,
                     ..test.clone()
                 },
             }
         };
-        Self {
+        TestedRivals {
             without: self.without.on(rows),
-            alternatives: self.alternatives.par_iter().map(seen).collect(),
+            rivals: self.alternatives.par_iter().map(seen).collect(),
         }
     }
 
@@ -130,7 +164,7 @@ impl RivalComparison {
                 richer: full,
             };
             let is_simpler = rival.freedom() < full.freedom();
-            alternative.separation.is_clear && !(is_simpler && is_likelier(pair))
+            alternative.is_clear && !(is_simpler && is_likelier(pair))
         };
         let all = self
             .alternatives
@@ -173,12 +207,10 @@ impl StatedModel {
 }
 
 /// The findings of a model that have rivals which cannot be set aside.
-pub fn ambiguities(full: &ModelFit, comparisons: &[RivalComparison]) -> Vec<Ambiguity> {
-    let of = |(finding, comparison): (usize, &RivalComparison)| {
-        let open = comparison
-            .alternatives
-            .iter()
-            .filter(|a| !a.separation.separable);
+pub fn ambiguities(full: &ModelFit, comparisons: &[TestedRivals]) -> Vec<Ambiguity> {
+    let of = |(finding, comparison): (usize, &TestedRivals)| {
+        let rivals = comparison.rivals.iter();
+        let open = rivals.filter(|a| !a.separation.separable);
         let rivals: Vec<StatedModel> = open.map(|a| StatedModel::of(&a.test.fit)).collect();
         (!rivals.is_empty()).then(|| Ambiguity {
             finding,
@@ -201,7 +233,14 @@ impl Stepwise<'_> {
         let own = &full.hypotheses[k];
         let mut open = self.rules.open(self.context, &without);
         open.retain(|h| h != own && !h.overlaps(own));
-        let tests = self.tests(&without, &open, &[])?;
+        let already = AlreadyTried {
+            by_finding: taken(FitPair {
+                poorer: &without,
+                richer: full,
+            }),
+            ..AlreadyTried::default()
+        };
+        let tests = self.tests(&without, &open, already)?;
         let alternative = |test: HypothesisTest| {
             let to_finding = FitPair {
                 poorer: full,
@@ -211,17 +250,16 @@ impl Stepwise<'_> {
                 poorer: &test.fit,
                 richer: full,
             };
-            let forecasts = forecast(self.context, to_finding);
             let its_joints = test.hypothesis.named_joints();
             let is_no_richer = test.fit.freedom() <= full.freedom();
-            let joints = own.named_joints();
+            let forecasts = || forecast(self.context, to_finding).p_value * (open.len() as f64);
             Alternative {
-                separation: separation(self.context, noise_level, from_finding, &joints),
-                better: forecasts.p_value * (open.len() as f64) < self.rules.significance
-                    && test.fit.held_out_score() < full.held_out_score()
+                is_clear: is_clear(noise_level, from_finding, &own.named_joints()),
+                better: test.fit.held_out_score() < full.held_out_score()
                     && (is_no_richer && !is_likelier(from_finding)
                         || error_excess(to_finding, &its_joints) > MATTERS
-                            && fits_better(to_finding)),
+                            && fits_better(to_finding))
+                    && forecasts() < self.rules.significance,
                 test,
             }
         };
@@ -270,21 +308,25 @@ pub fn separation(
     pair: FitPair<'_>,
     joints: &[usize],
 ) -> Separation {
-    let held_out = pair.held_out();
     let evidence = forecast(context, pair);
     let differs = evidence.p_value < 1.0 - CONFIDENCE || error_excess(pair, joints) > MATTERS;
     let missed =
         Distribution::Normal.quantile(CONFIDENCE) - Distribution::Normal.quantile(TOLD_APART);
     let times = (missed / evidence.distance).powi(2);
-    let channels = channels_of(&pair.richer.model, joints);
-    // Taken as it is where the noise is not measured.
-    let is_clear = !noise_level.measured || leaves_more(noise_level, held_out, &channels);
+    let is_clear = is_clear(noise_level, pair, joints);
     Separation {
         evidence,
         is_clear,
         separable: differs && is_clear,
         times_longer: times.is_finite().then_some(times),
     }
+}
+
+/// Whether the difference of two models in the channels of some joints is not small beside what neither explains; taken as it is
+/// where the noise is not measured.
+fn is_clear(noise_level: &NoiseLevel, pair: FitPair<'_>, joints: &[usize]) -> bool {
+    let channels = channels_of(&pair.richer.model, joints);
+    !noise_level.measured || leaves_more(noise_level, pair.held_out(), &channels)
 }
 
 /// Whether a poorer model leaves more above the noise than a richer one in one of some channels, by half of that at least:

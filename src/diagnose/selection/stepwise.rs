@@ -91,6 +91,15 @@ const SEARCHES_AGAIN: usize = 3;
 /// test it afterwards: half of the rows and one test then find what all rows and hundreds of tests would.
 pub const CHOICE: f64 = 0.05;
 
+/// What is known where candidates are tried beside a model.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct AlreadyTried<'a> {
+    /// Hypotheses that were fitted beside a poorer model.
+    pub earlier: &'a [HypothesisTest],
+    /// Sum of squares that a finding takes for which rivals are sought, as [`taken`] counts it.
+    pub by_finding: f64,
+}
+
 /// Stepwise selection over the rows of a context.
 pub struct Stepwise<'a> {
     /// The rows that choose.
@@ -121,8 +130,11 @@ impl Stepwise<'_> {
             if selection.steps.is_empty() {
                 selection.examined = open.len();
             }
-            let earlier = selection.steps.last().map_or(&[][..], |step| &step.tests);
-            let mut tests = self.tests(&selection.fit, &open, earlier)?;
+            let already = AlreadyTried {
+                earlier: selection.steps.last().map_or(&[][..], |step| &step.tests),
+                by_finding: 0.0,
+            };
+            let mut tests = self.tests(&selection.fit, &open, already)?;
             let best = self.choose(&tests);
             if let Some(best) = best {
                 let richer = &tests[best].fit;
@@ -153,12 +165,13 @@ impl Stepwise<'_> {
     }
 
     /// Fits the foremost candidates among some open hypotheses exactly beside what a model has; those that did not
-    /// matter beside a poorer one do not where the residuals of their joints have stayed, and are not fitted again.
+    /// matter beside a poorer one do not where the residuals of their joints have stayed, and are not fitted again. Those that cannot
+    /// take as much as others have are not searched from every start.
     pub fn tests(
         &self,
         fit: &ModelFit,
         open: &[Hypothesis],
-        earlier: &[HypothesisTest],
+        already: AlreadyTried<'_>,
     ) -> Result<Vec<HypothesisTest>, DiagnoseError> {
         let context = self.context;
         let least = least_gain(fit);
@@ -177,7 +190,8 @@ impl Stepwise<'_> {
                     .split_last()
                     .is_some_and(|(_, others)| stands(others))
         };
-        let refuted: Vec<&HypothesisTest> = earlier.iter().filter(|t| is_refuted(t)).collect();
+        let refuted: Vec<&HypothesisTest> =
+            already.earlier.iter().filter(|t| is_refuted(t)).collect();
         let beside = Beside {
             context,
             fit,
@@ -201,7 +215,7 @@ impl Stepwise<'_> {
             }),
             _ => 0.0,
         };
-        let most = first.iter().map(taken).fold(0.0, f64::max);
+        let most = first.iter().map(taken).fold(already.by_finding, f64::max);
         let tests = first.into_par_iter().filter_map(|tried| match tried {
             Tried::Settled(test) => Some(test),
             Tried::Open(exact, _) if exact.competes(most) => {

@@ -17,8 +17,8 @@ use crate::diagnose::residuals::noise_level::NoiseLevel;
 use crate::diagnose::residuals::reversal_mask;
 use crate::diagnose::selection::forecast::under_way;
 use crate::diagnose::selection::hypothesis_test::HypothesisTest;
-use crate::diagnose::selection::rival_models::{Alternative, RivalComparison, Separation};
-use crate::diagnose::selection::stepwise::{Rules, Stepwise};
+use crate::diagnose::selection::rival_models::{Alternative, RivalComparison};
+use crate::diagnose::selection::stepwise::{AlreadyTried, Rules, Stepwise};
 use crate::problem::solution::Control;
 use crate::recording::split::Split;
 use crate::stats::encompassing::Encompassing;
@@ -53,12 +53,7 @@ fn a_finding_is_called_by_the_name_that_rows_find_more_probable() {
         let hypothesis = rival.hypotheses[0].clone();
         let alternative = Alternative {
             test: HypothesisTest::of(&context, &without, rival.clone(), hypothesis),
-            separation: Separation {
-                evidence: Encompassing::of_nothing(),
-                is_clear,
-                separable: false,
-                times_longer: None,
-            },
+            is_clear,
             better: false,
         };
         let comparison = RivalComparison {
@@ -180,7 +175,9 @@ fn p_values_are_corrected_for_the_number_of_hypotheses() {
     let is_corrected = |test: &HypothesisTest, count: f64| {
         test.p_value == (count * test.evidence.p_value).min(1.0)
     };
-    let tests = stepwise.tests(&declared, &open, &[]).unwrap();
+    let tests = stepwise
+        .tests(&declared, &open, AlreadyTried::default())
+        .unwrap();
     assert!(
         tests
             .iter()

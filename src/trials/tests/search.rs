@@ -9,7 +9,7 @@ use crate::diagnose::fit::candidate::{Candidate, Screening};
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::selection::exact_fit::{ExactFit, taken};
-use crate::diagnose::selection::stepwise::{Rules, Stepwise};
+use crate::diagnose::selection::stepwise::{AlreadyTried, Rules, Stepwise};
 use crate::recording::split::Split;
 use crate::stats::deviation::deviation;
 use crate::trials::tests::bench::{Bench, SIGNIFICANCE, effect_of, offset};
@@ -158,7 +158,9 @@ fn a_search_leaves_further_starts_of_what_cannot_win() {
             progress: &|_| (),
         };
         let open = [offset(0), offset(1)];
-        let tests = stepwise.tests(&declared, &open, &[]).unwrap();
+        let tests = stepwise
+            .tests(&declared, &open, AlreadyTried::default())
+            .unwrap();
         assert!(tests[0].is_needed(SIGNIFICANCE) && !tests[1].is_needed(SIGNIFICANCE));
         context.cache.is_fitted(&[offset(1)])
     };
