@@ -34,7 +34,7 @@ pub enum Shape {
     Below(u8),
     /// max(x − x₀, 0) + r min(x − x₀, 0)
     Slopes,
-    /// x less ±s outside of s, and nothing within.
+    /// x − x₀ less ±s where it is more than s, and nothing within.
     DeadZone,
     /// sin(n x + φ)
     Wave,
@@ -82,9 +82,18 @@ impl Shape {
         Self::Breakdown,
     ];
 
-    /// Whether it is a sum of two functions of which the shares are to be found.
+    /// The two functions of a sum of which the shares are to be found.
+    fn summands(self) -> Option<[Self; 2]> {
+        match self {
+            Self::Wave => Some([Self::Sine, Self::Cosine]),
+            Self::Slopes => Some([Self::Above(1), Self::Below(1)]),
+            _ => None,
+        }
+    }
+
+    /// Whether it is such a sum.
     pub fn is_sum(self) -> bool {
-        matches!(self, Self::Wave | Self::Slopes)
+        self.summands().is_some()
     }
 
     /// Whether it changes its sign with its variable; what is neither odd nor even does not.
@@ -152,13 +161,11 @@ impl Factor {
 
     /// Multiplies series by it: one, or of a sum either function.
     pub fn multiply(&self, rows: &FittedRows, columns: &mut Vec<Vec<f64>>) {
-        let [first, second] = match self.shape {
-            Shape::Wave => [Shape::Sine, Shape::Cosine],
-            Shape::Slopes => [Shape::Above(1), Shape::Below(1)],
-            shape => {
-                columns.iter_mut().for_each(|c| self.times(rows, shape, c));
-                return;
-            }
+        let Some([first, second]) = self.shape.summands() else {
+            columns
+                .iter_mut()
+                .for_each(|column| self.times(rows, self.shape, column));
+            return;
         };
         let mut other = columns[0].clone();
         self.times(rows, first, &mut columns[0]);

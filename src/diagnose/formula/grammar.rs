@@ -30,8 +30,8 @@ const FASTEST: f64 = 8.0;
 const MIDDLES: [f64; 3] = [0.3, 0.5, 0.7];
 const WIDTHS: [f64; 3] = [0.05, 0.15, 0.4];
 
-/// Orders of waves of other variables at most: further ones are more than what smooth functions tell of where they are.
-const ORDERS_OF_SPEEDS: usize = 16;
+/// Orders of the waves of speeds and of loads at most: eight cycles over the range.
+const SPEED_ORDERS: usize = 16;
 
 /// Shares of the range of a variable about its middle, or about none, in which nothing is.
 const ZONES: [f64; 3] = [0.06, 0.12, 0.25];
@@ -328,7 +328,7 @@ fn terms_of(few: &[Quantity], rows: &FittedRows) -> Vec<Term> {
             Quantity::OtherPosition(_) => waves(few[k], rows, OTHER_ORDERS),
             Quantity::Acceleration => Vec::new(),
             Quantity::Velocity | Quantity::Load | Quantity::OtherVelocity(_) => {
-                waves(few[k], rows, ORDERS_OF_SPEEDS)
+                waves(few[k], rows, SPEED_ORDERS)
             }
         };
         let waves = each(&waves);
@@ -366,12 +366,14 @@ fn shapes(quantity: Quantity, rows: &FittedRows) -> Vec<Factor> {
             .to_vec(),
         false => vec![0.0],
     };
-    for centre in centres {
-        for width in WIDTHS {
+    let of_widths = |shapes: [Shape; 2], centre: f64| {
+        WIDTHS.into_iter().flat_map(move |width| {
             let width = width * extent.range();
-            let of = |shape: Shape| plain(shape).with_inner(width).about(centre);
-            all.extend([Shape::Saturation, Shape::Bump].map(of));
-        }
+            shapes.map(|shape| plain(shape).with_inner(width).about(centre))
+        })
+    };
+    for centre in centres {
+        all.extend(of_widths([Shape::Saturation, Shape::Bump], centre));
     }
     let middle = match quantity.is_position() {
         true => 0.5 * (extent.least + extent.greatest),
@@ -381,11 +383,7 @@ fn shapes(quantity: Quantity, rows: &FittedRows) -> Vec<Factor> {
         all.push(plain(Shape::Shifted).with_inner(middle));
     }
     all.extend(touches(quantity, rows));
-    for width in WIDTHS {
-        let width = width * extent.range();
-        let of = |shape: Shape| plain(shape).with_inner(width).about(middle);
-        all.extend([Shape::Resonance, Shape::Breakdown].map(of));
-    }
+    all.extend(of_widths([Shape::Resonance, Shape::Breakdown], middle));
     all.extend(ZONES.map(|share| {
         let zone = plain(Shape::DeadZone).with_inner(share * extent.range());
         zone.about(middle)

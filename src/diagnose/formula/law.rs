@@ -220,21 +220,30 @@ fn named(
             name: of_factor("middle", f),
             value: factor.centre,
             unit: units.of_centre(factor),
-            meaning: "position about which it is",
+            meaning: "position of its middle",
             bounds: grammar.inside(factor.quantity),
             is_shape: true,
         })
     };
     let factors = || term.factors.iter().enumerate();
-    let sum = term.sum().map(|factor| factor.shape);
-    let (size, second) = match (sizes, sum) {
-        ([above, below], Some(Shape::Slopes)) => (*above, Some(("ratio", below / above))),
-        ([sine, cosine], _) => (sine.hypot(*cosine), Some(("phi", cosine.atan2(*sine)))),
-        _ => (sizes.first().copied().unwrap_or(0.0), None),
+    let free = |name: &str, value: f64, unit: &str, meaning: &'static str| Named {
+        name: format!("{name}{again}"),
+        value,
+        unit: unit.to_string(),
+        meaning,
+        bounds: FREE,
+        is_shape: false,
     };
-    let meaning = match sum {
-        Some(Shape::Slopes) => ("1", "slope below over that above"),
-        _ => ("rad", "phase"),
+    let (size, second) = match (sizes, term.sum().map(|factor| factor.shape)) {
+        ([above, below], Some(Shape::Slopes)) => {
+            let ratio = free("ratio", below / above, "1", "slope below over that above");
+            (*above, Some(ratio))
+        }
+        ([sine, cosine], _) => {
+            let phase = free("phi", cosine.atan2(*sine), "rad", "phase");
+            (sine.hypot(*cosine), Some(phase))
+        }
+        _ => (sizes.first().copied().unwrap_or(0.0), None),
     };
     NamedTerm {
         is_negative: size < 0.0,
@@ -248,14 +257,7 @@ fn named(
         },
         inner: factors().map(inner).collect(),
         centre: factors().map(centre).collect(),
-        second: second.map(|(name, value)| Named {
-            name: format!("{name}{again}"),
-            value,
-            unit: meaning.0.to_string(),
-            meaning: meaning.1,
-            bounds: FREE,
-            is_shape: false,
-        }),
+        second,
         term: term.clone(),
     }
 }

@@ -443,6 +443,28 @@ mod tests {
         let slopes = |v: f64| (v - 0.15).max(0.0) - 0.4 * (v - 0.15).min(0.0);
         is(found(&slopes), Shape::Slopes, 0.15);
         is(found(&|v| (13.0 * v + 0.7).sin()), Shape::Wave, 13.0);
+        let resonance = |v: f64| 1.0 / (1.0 + (v / 0.15).powi(2));
+        is(found(&resonance), Shape::Resonance, 0.15);
+        is(found(&|v| v / 0.15 * resonance(v)), Shape::Breakdown, 0.15);
+    }
+
+    /// A peak takes the shape of another at the place and of the width that were found.
+    #[test]
+    fn shapes_of_one_width_are_exchanged_where_they_are() {
+        let rows = FittedRows::drawn(400);
+        let grammar = Grammar::of(&rows, Some(&[Quantity::Position]));
+        let linear = LinearModel::of_columns(
+            vec![Vec::new()],
+            vec![rows.series(Quantity::Velocity).to_vec()],
+            DMatrix::zeros(0, 0),
+        );
+        let misfit = Misfit::of(&linear, 0, &rows, &grammar);
+        let plain = |shape: Shape| Factor::plain(Quantity::Position, shape).with_inner(0.123);
+        let bump = Term::of(vec![plain(Shape::Bump).about(0.789)]);
+        let others = changed(&misfit, &bump);
+        for shape in [Shape::Saturation, Shape::Resonance, Shape::Breakdown] {
+            assert!(others.contains(&Term::of(vec![plain(shape).about(0.789)])));
+        }
     }
 
     #[test]

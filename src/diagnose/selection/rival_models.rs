@@ -64,7 +64,8 @@ pub struct Separation {
     /// clear.
     pub separable: bool,
     /// Recordings of fewer than so many times the length tell the two apart in one case of twenty at most, by
-    /// chance: the ratio of the test grows with the root of the length. `None` where these do, or the two are the same torque.
+    /// chance: the ratio of the test grows with the root of the length. `None` where the recordings
+    /// do, or the two are the same torque.
     pub times_longer: Option<f64>,
 }
 
@@ -208,7 +209,8 @@ impl StatedModel {
 
 /// The findings of a model that have rivals which cannot be set aside.
 pub fn ambiguities(full: &ModelFit, comparisons: &[TestedRivals]) -> Vec<Ambiguity> {
-    let of = |(finding, comparison): (usize, &TestedRivals)| {
+    let each = comparisons.iter().enumerate();
+    let found = each.filter_map(|(finding, comparison)| {
         let rivals = comparison.rivals.iter();
         let open = rivals.filter(|a| !a.separation.separable);
         let rivals: Vec<StatedModel> = open.map(|a| StatedModel::of(&a.test.fit)).collect();
@@ -217,8 +219,8 @@ pub fn ambiguities(full: &ModelFit, comparisons: &[TestedRivals]) -> Vec<Ambigui
             found: StatedModel::of(full),
             rivals,
         })
-    };
-    comparisons.iter().enumerate().filter_map(of).collect()
+    });
+    found.collect()
 }
 
 impl Stepwise<'_> {
