@@ -8,6 +8,7 @@ use crate::diagnose::candidates::signal_path::SignalPath;
 use crate::diagnose::fit::candidate::{Candidate, Screening};
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
+use crate::diagnose::residuals::noise_level;
 use crate::diagnose::selection::exact_fit::{ExactFit, taken};
 use crate::diagnose::selection::stepwise::{AlreadyTried, Rules, Stepwise};
 use crate::recording::split::Split;
@@ -119,7 +120,7 @@ fn what_cannot_win_is_not_searched_to_the_end() {
 }
 
 /// Beside an offset that takes much, an offset that promises what it does not take is searched to the end where that would be as
-/// much as half of it.
+/// much as half of it; and so is one in the place of the offset.
 #[test]
 fn a_search_leaves_further_starts_of_what_cannot_win() {
     let bench = Bench::control();
@@ -133,7 +134,7 @@ fn a_search_leaves_further_starts_of_what_cannot_win() {
         poorer: &declared,
         richer: &richer,
     });
-    let is_searched = |share: f64| {
+    let is_searched = |share: f64, search: &dyn Fn(&Stepwise<'_>)| {
         let context = bench.context(&data);
         let looked = screen(&context, &declared, vec![offset(0)]).unwrap();
         let winner = looked.candidates[0].clone();
@@ -148,6 +149,8 @@ fn a_search_leaves_further_starts_of_what_cannot_win() {
             ..looked
         };
         context.cache.screening(&[], || Ok(known)).unwrap();
+        let fit = || Ok(declared.clone());
+        context.cache.fit_model(&[], fit).unwrap();
         let rules = Rules {
             sought: None,
             significance: SIGNIFICANCE,
@@ -157,15 +160,24 @@ fn a_search_leaves_further_starts_of_what_cannot_win() {
             rules,
             progress: &|_| (),
         };
+        search(&stepwise);
+        context.cache.is_fitted(&[offset(1)])
+    };
+    let beside = |stepwise: &Stepwise<'_>| {
         let open = [offset(0), offset(1)];
         let tests = stepwise
             .tests(&declared, &open, AlreadyTried::default())
             .unwrap();
         assert!(tests[0].is_needed(SIGNIFICANCE) && !tests[1].is_needed(SIGNIFICANCE));
-        context.cache.is_fitted(&[offset(1)])
     };
-    assert!(!is_searched(0.45));
-    assert!(is_searched(0.55));
+    let in_place = |stepwise: &Stepwise<'_>| {
+        let noise_level = noise_level::of_rows(stepwise.context, &richer, &[]);
+        stepwise.rivals(&richer, 0, &noise_level).unwrap();
+    };
+    for search in [&beside as &dyn Fn(&Stepwise<'_>), &in_place] {
+        assert!(!is_searched(0.45, search));
+        assert!(is_searched(0.55, search));
+    }
 }
 
 /// Derivatives are kept for the models that others are compared with, and are those of one model.
