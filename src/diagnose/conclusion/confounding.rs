@@ -14,7 +14,12 @@
 //! the physics, and is withdrawn; so it is where no correction takes what is left and a formula does, if it leaves hardly more than
 //! the name with that formula beside it. A correction by the joint's own motion and load is another wording of the name, and says
 //! nothing against it.
+//!
+//! A name for what lasts for one recording is fitted to each, the held-out ones too: whatever comes and goes with the motion looks like
+//! a push where the motion stands still for some time. Chance does not follow the motion, so such a name is withdrawn if smooth functions
+//! of the motion, which are not fitted to the held-out rows, forecast the larger part of what it takes there.
 
+use crate::chain::effect::Lasts;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::channels_of;
 use crate::diagnose::fit::model_fit::ModelFit;
@@ -46,6 +51,10 @@ pub fn first(
     let named = Named { context, full };
     (0..comparisons.len()).find(|&k| {
         let (channels, without) = (channels_of(k), &comparisons[k].without);
+        let is_of_one_recording = full.hypotheses[k].effect.needs.lasts == Lasts::OneRecording;
+        if is_of_one_recording && named.follows_the_motion(&channels, without, significance) {
+            return true;
+        }
         let beside = corrections.iter();
         let beside: Vec<&AdditiveModel> =
             beside.filter(|c| channels.contains(&c.channel)).collect();
@@ -67,6 +76,27 @@ struct Named<'a> {
 type Left = Vec<Vec<f64>>;
 
 impl Named<'_> {
+    /// Whether smooth functions of the motion forecast the larger part of the squares that a finding takes of held-out rows.
+    fn follows_the_motion(
+        &self,
+        channels: &[usize],
+        without: &ModelFit,
+        significance: f64,
+    ) -> bool {
+        let smooth = additive_model::of_some(self.context, without, channels);
+        let needed = smooth
+            .iter()
+            .filter(|correction| correction.is_needed(significance, smooth.len()));
+        let instead = additive_model::left(without, &needed.collect::<Vec<_>>());
+        let squares = |left: &Left| -> f64 {
+            let of_channel = |&c: &usize| left[c].iter().map(|e| e * e).sum::<f64>();
+            channels.iter().map(of_channel).sum()
+        };
+        let [nothing, with, instead] =
+            [&without.validation, &self.full.validation, &instead].map(squares);
+        nothing - instead > 0.5 * (nothing - with)
+    }
+
     /// Whether the model without a finding and with smooth corrections or a formula in its place leaves hardly more than the finding
     /// with such corrections beside it.
     fn is_superfluous(&self, beside: &[&AdditiveModel], without: &ModelFit) -> bool {
@@ -127,7 +157,6 @@ impl Named<'_> {
             context: self.context,
             model,
             variables,
-            all_variables: false,
         }
     }
 }

@@ -10,7 +10,6 @@ use crate::diagnose::fit::fitting::fit_model;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::formula::proposal::{Proposal, Proposing, Rival, RivalKind};
 use crate::diagnose::formula::seeking::Seeking;
-use crate::diagnose::residuals::additive_model;
 use crate::diagnose::residuals::noise_level::{self, NoiseLevel};
 use crate::diagnose::selection::exact_fit::fit_without;
 use crate::outcome::diagnose::Unattested;
@@ -73,7 +72,6 @@ impl Formulas<'_> {
                     context,
                     model: &model,
                     variables: correction.map_or(&[], |c| c.made_of.as_slice()),
-                    all_variables: !named.is_empty() || self.is_left(place.channel),
                 },
                 noise_level: self.noise_level,
                 significance: self.significance,
@@ -167,11 +165,6 @@ impl Formulas<'_> {
             model = fit_without(&self.contexts.selection, &model, k)?;
         }
         Ok(model)
-    }
-
-    /// Whether corrections leave more than noise of a channel: then it is not a function of their variables alone.
-    fn is_left(&self, channel: usize) -> bool {
-        additive_model::leaves_much(&self.contexts.test, &self.corrections.left(), channel)
     }
 
     /// What else takes the misfit of a channel on rows that no choice has seen.

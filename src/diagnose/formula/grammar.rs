@@ -46,10 +46,13 @@ enum Kind {
     Position,
     Wave,
     Speed,
+    SpeedWave,
     Acceleration,
     Load,
+    LoadWave,
     Other,
     OtherWave,
+    OtherSpeedWave,
 }
 
 /// The kinds of the factors of a term, in order.
@@ -186,10 +189,13 @@ fn kind(factor: &Factor) -> Kind {
     match (factor.quantity, factor.shape.is_periodic()) {
         (Quantity::Position, true) => Kind::Wave,
         (Quantity::Position, false) => Kind::Position,
-        (Quantity::Velocity, _) => Kind::Speed,
+        (Quantity::Velocity, true) => Kind::SpeedWave,
+        (Quantity::Velocity, false) => Kind::Speed,
         (Quantity::Acceleration, _) => Kind::Acceleration,
-        (Quantity::Load, _) => Kind::Load,
+        (Quantity::Load, true) => Kind::LoadWave,
+        (Quantity::Load, false) => Kind::Load,
         (Quantity::OtherPosition(_), true) => Kind::OtherWave,
+        (Quantity::OtherVelocity(_), true) => Kind::OtherSpeedWave,
         (Quantity::OtherPosition(_) | Quantity::OtherVelocity(_), _) => Kind::Other,
     }
 }
@@ -206,6 +212,10 @@ struct Blocks {
     acceleration: Factor,
     others: Vec<Factor>,
     other_waves: Vec<Factor>,
+    /// Of the speed, and of the load.
+    speed_waves: Vec<Factor>,
+    load_waves: Vec<Factor>,
+    other_speed_waves: Vec<Factor>,
 }
 
 impl Blocks {
@@ -244,6 +254,9 @@ impl Blocks {
         let other_waves = rows
             .others()
             .flat_map(|k| waves(OtherPosition(k), rows, OTHER_ORDERS));
+        let other_speed_waves = rows
+            .others()
+            .flat_map(|k| waves(OtherVelocity(k), rows, SPEED_ORDERS));
         let of_load = [
             Shape::Power(1),
             Shape::Magnitude,
@@ -259,6 +272,9 @@ impl Blocks {
             acceleration: plain(Acceleration, Shape::Power(1)),
             others: others.collect(),
             other_waves: other_waves.collect(),
+            speed_waves: waves(Velocity, rows, SPEED_ORDERS),
+            load_waves: waves(Load, rows, SPEED_ORDERS),
+            other_speed_waves: other_speed_waves.collect(),
         }
     }
 
@@ -271,14 +287,27 @@ impl Blocks {
         );
         let (others, waves) = (each(&self.others), each(&self.waves));
         let other_waves = each(&self.other_waves);
+        let [speed_waves, load_waves, other_speed_waves] =
+            [&self.speed_waves, &self.load_waves, &self.other_speed_waves].map(|waves| each(waves));
+        let mut plain_others = others.clone();
+        plain_others.retain(|factors| factors.iter().all(|f| !f.shape.has_inner()));
         let acceleration = vec![vec![self.acceleration]];
         // Direction, speed and its size go with waves and with what others do.
         let simple = self.speed[..3].to_vec();
-        let mut all: Vec<Vec<Factor>> = [&position, &self.speed, &others, &waves, &other_waves]
-            .into_iter()
-            .flatten()
-            .cloned()
-            .collect();
+        let mut all: Vec<Vec<Factor>> = [
+            &position,
+            &self.speed,
+            &others,
+            &waves,
+            &other_waves,
+            &speed_waves,
+            &load_waves,
+            &other_speed_waves,
+        ]
+        .into_iter()
+        .flatten()
+        .cloned()
+        .collect();
         all.extend(each(&self.load));
         all.extend(acceleration.clone());
         for (left, right) in [
@@ -294,6 +323,15 @@ impl Blocks {
             (&others, &acceleration),
             (&other_waves, &simple[..2].to_vec()),
             (&other_waves, &load[..1].to_vec()),
+            (&speed_waves, &powers),
+            (&speed_waves, &load),
+            (&speed_waves, &plain_others),
+            (&load_waves, &powers),
+            (&load_waves, &simple),
+            (&load_waves, &plain_others),
+            (&other_speed_waves, &powers),
+            (&other_speed_waves, &simple),
+            (&other_speed_waves, &load),
         ] {
             all.extend(products(left, right));
         }
@@ -415,9 +453,13 @@ fn touches(quantity: Quantity, rows: &FittedRows) -> Vec<Factor> {
     TOUCHES.into_iter().flat_map(of).collect()
 }
 
-/// Orders from one cycle over the range of a position to what the rows resolve.
+/// Orders from one cycle over the range of a variable to what the rows resolve; none of what is constant.
 fn waves(quantity: Quantity, rows: &FittedRows, most: usize) -> Vec<Factor> {
-    let step = TAU * CYCLES / rows.extent(quantity).range();
+    let range = rows.extent(quantity).range();
+    if range <= 0.0 {
+        return Vec::new();
+    }
+    let step = TAU * CYCLES / range;
     let resolved = match quantity {
         Quantity::Position => ((PI / rows.longest_step) / step) as usize,
         _ => most,

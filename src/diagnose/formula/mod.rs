@@ -7,8 +7,9 @@
 //!   max(x − x₀, 0) + r min(x − x₀, 0), and x − x₀ of positions beside another factor
 //! ```
 //!
-//! Where a smooth correction says of which few variables the misfit is a function, terms are all products of two shapes of these;
-//! otherwise, and where it leaves more than noise, those that physics has, of all variables, of the shapes of the first line.
+//! Where a smooth correction says of which few variables the misfit is a function, terms are all products of two shapes of these. Those
+//! that physics has, of all variables, of the shapes of the first line and with waves of speeds and loads, are tried too, and then all
+//! products of the variables of the best formula of these that has few.
 //!
 //! Terms are chosen one after the other by what they take from the fitted rows beyond what every parameter of the model can
 //! take (orthogonal matching pursuit: Pati, Rezaiifar and Krishnaprasad 1993), several formulas at a time; their orders, touches and
@@ -16,8 +17,9 @@
 //! looked at in all channels, as a law bends parameters that several of them have. Each parameter is charged as by Schwarz (1978),
 //! and each term with the number of those that it was chosen from (Chen and Chen 2008).
 //! The foremost formulas are built as laws of one's own and fitted with all parameters of the model, to the fitted rows and those
-//! that choose models. How well parts of these are forecast from the others puts them in order (cross-validation: Stone 1974), and the
-//! first that rows confirm which no choice has seen, against nothing and against a smooth correction, is proposed.
+//! that choose models. How well parts of these are forecast from the others puts them in order (cross-validation: Stone 1974), fewer
+//! variables before more where these take hardly more, and the first that rows confirm which no choice has seen, against nothing and
+//! against a smooth correction, is proposed.
 
 pub mod dissipation;
 pub mod factor;

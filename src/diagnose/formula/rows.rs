@@ -183,7 +183,7 @@ fn probed(
 
 #[cfg(test)]
 impl FittedRows {
-    /// Random motion of a joint and of joint 1, without loads.
+    /// Random motion and load of a joint, and random motion of joint 1.
     pub fn drawn(count: usize) -> Self {
         use crate::robot::random::{generator, symmetric};
         let series = |seed: u64, size: f64| -> Vec<f64> {
@@ -198,6 +198,7 @@ impl FittedRows {
                 (Quantity::Position, series(1, 2.0)),
                 (Quantity::Velocity, speed),
                 (Quantity::Acceleration, series(3, 4.0)),
+                (Quantity::Load, series(6, 3.0)),
                 (Quantity::OtherPosition(1), series(4, 1.0)),
                 (Quantity::OtherVelocity(1), series(5, 0.7)),
             ],

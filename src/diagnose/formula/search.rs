@@ -342,7 +342,7 @@ fn changed(misfit: &Misfit<'_>, term: &Term) -> Vec<Term> {
         fewer.remove(f);
         all.push(Term::of(fewer));
     }
-    for factor in single.into_iter().filter(|f| !f.shape.has_inner()) {
+    for factor in single {
         let mut factors = term.factors.clone();
         factors.push(*factor);
         all.push(Term::of(factors));
@@ -446,6 +446,38 @@ mod tests {
         let resonance = |v: f64| 1.0 / (1.0 + (v / 0.15).powi(2));
         is(found(&resonance), Shape::Resonance, 0.15);
         is(found(&|v| v / 0.15 * resonance(v)), Shape::Breakdown, 0.15);
+    }
+
+    /// Waves of speeds and loads, with another variable, are found among terms of all variables.
+    #[test]
+    fn waves_of_speeds_are_found_among_all_variables() {
+        const ROWS: usize = 600;
+        let rows = FittedRows::drawn(ROWS);
+        let grammar = Grammar::of(&rows, None);
+        let mut rng = generator(23);
+        let noise: Vec<f64> = (0..ROWS).map(|_| symmetric(&mut rng, 0.02)).collect();
+        let waves = [
+            Quantity::Velocity,
+            Quantity::Load,
+            Quantity::OtherVelocity(1),
+        ];
+        for of in waves {
+            let (q, x) = (rows.series(Quantity::Position), rows.series(of));
+            let order = 10.0 * std::f64::consts::PI / rows.extent(of).range();
+            let series = (0..ROWS).map(|k| q[k] * (order * x[k] + 0.7).sin() + noise[k]);
+            let linear = LinearModel::of_columns(
+                vec![Vec::new()],
+                vec![series.collect()],
+                DMatrix::zeros(0, 0),
+            );
+            let misfit = Misfit::of(&linear, 0, &rows, &grammar);
+            let best = formulas(&misfit, &|| false).swap_remove(0);
+            assert_eq!(best.variables().len(), 2, "{best:?}");
+            let factors = best.terms.iter().flat_map(|term| &term.factors);
+            let mut waves = factors.filter(|factor| factor.quantity == of);
+            let wave = waves.next().unwrap();
+            assert!(wave.shape.is_periodic() && (wave.inner / order - 1.0).abs() < 0.02);
+        }
     }
 
     /// A peak takes the shape of another at the place and of the width that were found.

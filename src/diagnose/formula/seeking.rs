@@ -15,7 +15,7 @@ use crate::diagnose::formula::grammar::Grammar;
 use crate::diagnose::formula::law::Formula;
 use crate::diagnose::formula::rows::{FittedRows, Place};
 use crate::diagnose::formula::search;
-use crate::diagnose::formula::solved::Misfit;
+use crate::diagnose::formula::solved::{Misfit, Solved};
 use crate::diagnose::residuals::effect_size::MATTERS;
 use crate::diagnose::residuals::folds::FoldedModel;
 use crate::diagnose::residuals::quantity::Quantity;
@@ -46,8 +46,6 @@ pub struct Seeking<'a> {
     pub model: &'a ModelFit,
     /// Of each function of a smooth correction, the foremost first, what it says that the misfit is a function of.
     pub variables: &'a [Vec<Quantity>],
-    /// Whether formulas of all variables are sought beside those of these.
-    pub all_variables: bool,
 }
 
 /// A formula with the fit of the model that has it.
@@ -98,14 +96,13 @@ impl Seeking<'_> {
         };
         let rows = FittedRows::of(context, self.model, &place)?;
         let is_known = |quantity: &Quantity| !rows.series(*quantity).is_empty();
-        let mut sets: Vec<Option<Vec<Quantity>>> = few_of(self.variables, &is_known);
-        if sets.is_empty() || self.all_variables {
-            sets.push(None);
-        }
+        let mut sets = few_of(self.variables, &is_known);
+        sets.push(Variables::All);
         let mut tried = 0;
         let mut all = Vec::new();
-        for few in sets {
-            let grammar = Grammar::of(&rows, few.as_deref());
+        let mut next = 0;
+        while let Some(variables) = sets.get(next) {
+            let grammar = Grammar::of(&rows, variables.few());
             let misfit = Misfit::of(linearised.linear(), channel, &rows, &grammar);
             let found = search::formulas(&misfit, &|| context.control.is_interrupted());
             let model = &self.model.model;
@@ -115,6 +112,15 @@ impl Seeking<'_> {
             });
             all.extend(formulas.collect::<Vec<FittedFormula>>());
             tried += grammar.terms.len();
+            // Of the variables of the best formula that has few, more shapes are tried than of all.
+            let mut of_found = found.iter().map(Solved::variables);
+            let of_best = of_found.find(|of| of.len() <= FEW);
+            let narrowed = of_best.map(Variables::Few);
+            let is_new = |narrowed: &Variables| !sets.iter().any(|set| set.has_all_of(narrowed));
+            if matches!(variables, Variables::All) {
+                sets.extend(narrowed.filter(is_new));
+            }
+            next += 1;
         }
         Some(Fitted { all, tried })
     }
@@ -159,8 +165,9 @@ impl Seeking<'_> {
         })
     }
 
-    /// Formulas that forecast parts of the fitted rows from the others better than none does, the best first; of those that err hardly
-    /// more than the best of the rest one that drives no joint, and of these one with fewer parameters.
+    /// Formulas that forecast parts of the fitted rows from the others better than none does, the best first: of those that take hardly
+    /// less of the squares than the best of the rest the ones of fewest variables, and of these one that errs hardly more than the
+    /// best of them, that drives no joint, and that has few parameters.
     pub fn in_order(&self, channel: usize, all: &[FittedFormula]) -> Vec<usize> {
         let errors = all
             .par_iter()
@@ -169,11 +176,17 @@ impl Seeking<'_> {
         let nothing = self.forecast_error(self.model, channel);
         let mut open: Vec<usize> = (0..all.len()).filter(|&k| errors[k] < nothing).collect();
         let mut order = Vec::with_capacity(open.len());
+        let takes = |k: usize| nothing.powi(2) - errors[k].powi(2);
+        let variables = |k: usize| all[k].formula.variables().len();
         let foremost = |open: &[usize]| {
-            let least = open.iter().map(|&k| errors[k]).fold(nothing, f64::min);
-            let errs_hardly_more = |k: &usize| errors[*k] <= (1.0 + MATTERS) * least;
-            let as_good = open.iter().copied().filter(errs_hardly_more);
-            simplest(all, as_good, &|k| errors[k])
+            let most = open.iter().map(|&k| takes(k)).fold(0.0, f64::max);
+            let takes_hardly_less = |k: &usize| takes(*k) >= (1.0 - MATTERS) * most;
+            let mut as_good: Vec<usize> = open.iter().copied().filter(takes_hardly_less).collect();
+            let fewest = as_good.iter().map(|&k| variables(k)).min()?;
+            as_good.retain(|&k| variables(k) == fewest);
+            let least = as_good.iter().map(|&k| errors[k]).fold(nothing, f64::min);
+            as_good.retain(|&k| errors[k] <= (1.0 + MATTERS) * least);
+            simplest(all, as_good.into_iter(), &|k| errors[k])
         };
         while let Some(next) = foremost(&open) {
             open.retain(|k| *k != next);
@@ -238,11 +251,31 @@ fn simplest(
     })
 }
 
+/// The variables that formulas are sought of.
+#[derive(Debug, Clone, PartialEq)]
+enum Variables {
+    All,
+    /// Every shape and every product of two is tried.
+    Few(Vec<Quantity>),
+}
+
+impl Variables {
+    fn few(&self) -> Option<&[Quantity]> {
+        match self {
+            Self::All => None,
+            Self::Few(few) => Some(few),
+        }
+    }
+
+    /// Whether both are few, and those of the other are among them.
+    fn has_all_of(&self, other: &Self) -> bool {
+        let both = self.few().zip(other.few());
+        both.is_some_and(|(own, other)| other.iter().all(|quantity| own.contains(quantity)))
+    }
+}
+
 /// Variables of the first function of a smooth correction, of the first two, and so on, for as long as they are few.
-fn few_of(
-    functions: &[Vec<Quantity>],
-    is_known: &dyn Fn(&Quantity) -> bool,
-) -> Vec<Option<Vec<Quantity>>> {
+fn few_of(functions: &[Vec<Quantity>], is_known: &dyn Fn(&Quantity) -> bool) -> Vec<Variables> {
     let mut sets = Vec::new();
     let mut known: Vec<Quantity> = Vec::new();
     for of_function in functions {
@@ -256,7 +289,7 @@ fn few_of(
             break;
         }
         if known.len() > before {
-            sets.push(Some(known.clone()));
+            sets.push(Variables::Few(known.clone()));
         }
     }
     sets
@@ -280,7 +313,7 @@ mod tests {
         let first = vec![Position, OtherVelocity(2)];
         let second = [&first[..], &[Velocity, Load]].concat();
         let found = few_of(&functions, &is_known);
-        assert_eq!(found, [Some(first), Some(second)]);
+        assert_eq!(found, [first, second].map(Variables::Few));
         assert!(few_of(&[], &is_known).is_empty());
         assert!(few_of(&[vec![OtherVelocity(7)]], &is_known).is_empty());
     }

@@ -13,6 +13,7 @@ use crate::diagnose::fit::linear_model::{LinearModel, OwnProducts, dot};
 use crate::diagnose::formula::grammar::Grammar;
 use crate::diagnose::formula::rows::FittedRows;
 use crate::diagnose::formula::term::Term;
+use crate::diagnose::residuals::quantity::Quantity;
 use crate::linalg::normal_equations::{INDEPENDENT, NormalSolution};
 use nalgebra::{DMatrix, DVector};
 
@@ -64,6 +65,18 @@ pub struct Solved {
 }
 
 impl Solved {
+    /// What its terms are functions of, each once.
+    pub fn variables(&self) -> Vec<Quantity> {
+        let factors = self.terms.iter().flat_map(|term| &term.factors);
+        let mut variables = Vec::new();
+        for factor in factors {
+            if !variables.contains(&factor.quantity) {
+                variables.push(factor.quantity);
+            }
+        }
+        variables
+    }
+
     /// The same terms, whatever their parameters.
     pub fn is_like(&self, other: &Self) -> bool {
         let has = |term: &Term| other.terms.iter().any(|t| t.is_like(term));

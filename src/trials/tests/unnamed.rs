@@ -22,7 +22,7 @@ use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::diagnose::selection::stepwise::{Rules, Stepwise};
 use crate::outcome::finding::Finding;
-use crate::recording::experiment::Motion;
+use crate::recording::experiment::{Experiment, Motion};
 use crate::recording::split::Split;
 use crate::robot::random::generator;
 use crate::stats::deviation::rms;
@@ -182,7 +182,6 @@ fn formulas_that_forecast_well_come_first() {
         context: &context,
         model: &declared,
         variables: &[vec![Quantity::Velocity, Quantity::OtherPosition(1)]],
-        all_variables: false,
     };
     let all = seeking.fitted(0).unwrap().all;
     let left = |k: usize| rms(&all[k].fit.validation[0]);
@@ -191,6 +190,60 @@ fn formulas_that_forecast_well_come_first() {
     let least = (0..all.len()).map(left).fold(f64::INFINITY, f64::min);
     assert!(left(order[0]) < 1.1 * least);
     assert!(left(order[order.len() - 1]) > 1.5 * least);
+}
+
+/// A formula of one variable more, which takes hardly more of the squares, comes after the best without it.
+#[test]
+fn formulas_of_few_variables_come_first_where_more_take_hardly_more() {
+    let bench = Bench::control();
+    let signal = rms(&bench.opened.data.recordings[0].experiment.signal[0]);
+    let data = bench.changed(&BOTH, |experiment| {
+        for row in 0..experiment.rows() {
+            let [q, other] = [1, 2].map(|joint| experiment.motion.position[joint][row]);
+            experiment.signal[0][row] += signal * (0.5 * (2.0 * q).cos() + 0.03 * other);
+        }
+    });
+    let context = bench.context(&data);
+    let declared = bench.declared(context.data);
+    let seeking = Seeking {
+        context: &context,
+        model: &declared,
+        variables: &[vec![Quantity::OtherPosition(1), Quantity::OtherPosition(2)]],
+    };
+    let all = seeking.fitted(0).unwrap().all;
+    let order = seeking.in_order(0, &all);
+    let left = |k: usize| rms(&all[k].fit.validation[0]);
+    let least = (0..all.len()).min_by(|&a, &b| left(a).total_cmp(&left(b)));
+    let least = least.unwrap();
+    let variables = |k: usize| all[k].formula().variables().len();
+    let [first, least] = [order[0], least].map(|k| (variables(k), left(k)));
+    assert!(
+        least.0 > 1 && first.1 > (1.0 + 2.0 * MATTERS) * least.1,
+        "{first:?} {least:?}"
+    );
+    assert_eq!(first.0, 1);
+}
+
+/// Formulas of all variables lead to those of the variables of the best, which have more shapes.
+#[test]
+fn formulas_of_all_variables_are_narrowed_to_those_of_the_best() {
+    let bench = Bench::control();
+    let data = with_law(&bench);
+    let context = bench.context(&data);
+    let declared = bench.declared(context.data);
+    let least = |variables: &[Vec<Quantity>]| {
+        let seeking = Seeking {
+            context: &context,
+            model: &declared,
+            variables,
+        };
+        let all = seeking.fitted(0).unwrap().all;
+        let left = all.iter().map(|of| rms(&of.fit.validation[0]));
+        left.fold(f64::INFINITY, f64::min)
+    };
+    let known = least(&[vec![Quantity::Velocity, Quantity::OtherPosition(1)]]);
+    let unknown = least(&[]);
+    assert!(unknown < 1.01 * known, "{unknown} {known}");
 }
 
 /// Where the residual is noise no correction is sought.
@@ -405,6 +458,46 @@ fn a_name_for_a_part_of_a_law_is_withdrawn() {
         size * (motion.velocity[0][k] / speed).exp() / (1.0 + motion.position[0][k].powi(2))
     };
     assert!(!is_confounded(&of_own));
+}
+
+/// A push takes of each recording what is there for some time; what a function of the motion forecasts on other recordings is none.
+#[test]
+fn what_follows_the_motion_is_no_push() {
+    let bench = Bench::control();
+    let recorded = &bench.opened.data.recordings[0].experiment;
+    let size = 0.2 * rms(&recorded.signal[0]);
+    let withdrawn = |of: &dyn Fn(&Experiment, usize) -> f64| {
+        let data = bench.changed(&BOTH, |experiment| {
+            let added: Vec<f64> = (0..experiment.rows()).map(|k| of(experiment, k)).collect();
+            let pairs = experiment.signal[0].iter_mut().zip(added);
+            pairs.for_each(|(s, by)| *s += by);
+        });
+        let context = bench.context(&data);
+        let comparison = RivalComparison {
+            without: bench.declared(&data),
+            alternatives: Vec::new(),
+        };
+        // A push that is there whenever something is leaves noise.
+        let full = ModelFit {
+            hypotheses: vec![effect_of("external_contact", 0)],
+            validation: bench.declared(&bench.opened.data).validation,
+            ..comparison.without.clone()
+        };
+        confounding::first(&context, &full, &[comparison], SIGNIFICANCE).is_some()
+    };
+    let far = |motion: &Motion, k: usize| (motion.position[1][k] - 0.2).max(0.0);
+    assert!(withdrawn(&|experiment, k| size * far(&experiment.motion, k)));
+    let for_some_time = |experiment: &Experiment, k: usize| {
+        let share = k as f64 / experiment.rows() as f64;
+        // At another time of each recording.
+        let from = 0.2 + 0.5 * (experiment.motion.position[0][0].abs() % 1.0);
+        if (from..from + 0.1).contains(&share) {
+            size
+        } else {
+            0.0
+        }
+    };
+    assert!(!withdrawn(&for_some_time));
 }
 
 /// A name whose shape no smooth correction has stays, whatever is left beside it.
