@@ -3,6 +3,7 @@
 
 use serde_json::Value;
 use sha2::{Digest, Sha256};
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -158,6 +159,37 @@ fn licences_of_all_dependencies_are_allowed() {
         );
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Versions and features of what is compiled for a build, by `cargo tree` with some arguments.
+fn compiled(arguments: &[&str]) -> BTreeSet<String> {
+    let tree = Command::new(env!("CARGO"))
+        .current_dir(root())
+        .args([
+            "tree", "--locked", "--prefix", "none", "--format", "{p} {f}",
+        ])
+        .args(arguments)
+        .output()
+        .unwrap();
+    let error = String::from_utf8_lossy(&tree.stderr);
+    assert!(tree.status.success(), "{error}");
+    let lines = String::from_utf8(tree.stdout).unwrap();
+    let lines = lines.lines().map(|line| line.replace(" (*)", ""));
+    lines.filter(|line| !line.is_empty()).collect()
+}
+
+/// The program, its tests and the Python package ask for the same features of what they share: otherwise the library, and most of what it
+/// is made of, is compiled anew for each of them.
+#[test]
+fn what_is_shared_is_compiled_once() {
+    let program = compiled(&["--package", "exid", "--edges", "no-dev"]);
+    assert!(program.len() > 100, "{} packages", program.len());
+    let package = ["--package", "exid-python", "--edges", "no-dev"];
+    for arguments in [&["--package", "exid"][..], &package] {
+        let other = compiled(arguments);
+        let of_its_own: Vec<&String> = program.difference(&other).collect();
+        assert!(of_its_own.is_empty(), "{arguments:?}: {of_its_own:#?}");
+    }
 }
 
 /// Files that may hold `unsafe`. In the library one module: vector instructions that are run where the processor has them,
