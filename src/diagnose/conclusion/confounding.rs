@@ -84,17 +84,21 @@ impl Named<'_> {
         significance: f64,
     ) -> bool {
         let smooth = additive_model::of_some(self.context, without, channels);
-        let needed = smooth
-            .iter()
-            .filter(|correction| correction.is_needed(significance, smooth.len()));
-        let instead = additive_model::left(without, &needed.collect::<Vec<_>>());
+        // Functions of time are other wordings of what lasts for some time.
+        let is_of_motion =
+            |correction: &&AdditiveModel| correction.made_of.iter().all(|of| !of.is_empty());
+        let of_motion = smooth.iter().filter(is_of_motion);
+        let needed: Vec<&AdditiveModel> = of_motion
+            .filter(|correction| correction.is_needed(significance, smooth.len()))
+            .collect();
+        let instead = additive_model::left(without, &needed);
         let squares = |left: &Left| -> f64 {
             let of_channel = |&c: &usize| left[c].iter().map(|e| e * e).sum::<f64>();
             channels.iter().map(of_channel).sum()
         };
         let [nothing, with, instead] =
             [&without.validation, &self.full.validation, &instead].map(squares);
-        nothing - instead > 0.5 * (nothing - with)
+        !needed.is_empty() && nothing - instead > 0.5 * (nothing - with)
     }
 
     /// Whether the model without a finding and with smooth corrections or a formula in its place leaves hardly more than the finding
