@@ -85,9 +85,7 @@ impl Named<'_> {
     ) -> bool {
         let smooth = additive_model::of_some(self.context, without, channels);
         // Functions of time are other wordings of what lasts for some time.
-        let is_of_motion =
-            |correction: &&AdditiveModel| correction.made_of.iter().all(|of| !of.is_empty());
-        let of_motion = smooth.iter().filter(is_of_motion);
+        let of_motion = smooth.iter().filter(|correction| correction.is_of_motion());
         let needed: Vec<&AdditiveModel> = of_motion
             .filter(|correction| correction.is_needed(significance, smooth.len()))
             .collect();

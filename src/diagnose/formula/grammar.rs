@@ -212,7 +212,6 @@ struct Blocks {
     acceleration: Factor,
     others: Vec<Factor>,
     other_waves: Vec<Factor>,
-    /// Of the speed, and of the load.
     speed_waves: Vec<Factor>,
     load_waves: Vec<Factor>,
     other_speed_waves: Vec<Factor>,
@@ -251,12 +250,8 @@ impl Blocks {
                 .chain(touches(OtherPosition(k), rows))
                 .chain(of_speed.map(|shape| plain(OtherVelocity(k), shape)))
         });
-        let other_waves = rows
-            .others()
-            .flat_map(|k| waves(OtherPosition(k), rows, OTHER_ORDERS));
-        let other_speed_waves = rows
-            .others()
-            .flat_map(|k| waves(OtherVelocity(k), rows, SPEED_ORDERS));
+        let other_waves = rows.others().flat_map(|k| waves(OtherPosition(k), rows));
+        let other_speed_waves = rows.others().flat_map(|k| waves(OtherVelocity(k), rows));
         let of_load = [
             Shape::Power(1),
             Shape::Magnitude,
@@ -266,14 +261,14 @@ impl Blocks {
         Self {
             powers: powers(Position, 3).collect(),
             position: powers(Position, 3).chain(touches(Position, rows)).collect(),
-            waves: waves(Position, rows, OWN_ORDERS),
+            waves: waves(Position, rows),
             speed,
             load: of_load.map(|shape| plain(Load, shape)).to_vec(),
             acceleration: plain(Acceleration, Shape::Power(1)),
             others: others.collect(),
             other_waves: other_waves.collect(),
-            speed_waves: waves(Velocity, rows, SPEED_ORDERS),
-            load_waves: waves(Load, rows, SPEED_ORDERS),
+            speed_waves: waves(Velocity, rows),
+            load_waves: waves(Load, rows),
             other_speed_waves: other_speed_waves.collect(),
         }
     }
@@ -289,8 +284,7 @@ impl Blocks {
         let other_waves = each(&self.other_waves);
         let [speed_waves, load_waves, other_speed_waves] =
             [&self.speed_waves, &self.load_waves, &self.other_speed_waves].map(|waves| each(waves));
-        let mut plain_others = others.clone();
-        plain_others.retain(|factors| factors.iter().all(|f| !f.shape.has_inner()));
+        let plain_others = without_parameters(&others);
         let acceleration = vec![vec![self.acceleration]];
         // Direction, speed and its size go with waves and with what others do.
         let simple = self.speed[..3].to_vec();
@@ -348,6 +342,12 @@ fn each(factors: &[Factor]) -> Vec<Vec<Factor>> {
     factors.iter().map(|factor| vec![*factor]).collect()
 }
 
+/// Products of factors without a parameter of their own.
+fn without_parameters(all: &[Vec<Factor>]) -> Vec<Vec<Factor>> {
+    let is_plain = |product: &&Vec<Factor>| product.iter().all(|f| !f.shape.has_inner());
+    all.iter().filter(is_plain).cloned().collect()
+}
+
 fn products(left: &[Vec<Factor>], right: &[Vec<Factor>]) -> Vec<Vec<Factor>> {
     let of = |a: &Vec<Factor>| {
         let a = a.clone();
@@ -361,24 +361,14 @@ fn terms_of(few: &[Quantity], rows: &FittedRows) -> Vec<Term> {
     let shapes: Vec<Vec<Vec<Factor>>> = few.iter().map(|&q| each(&shapes(q, rows))).collect();
     let mut all: Vec<Vec<Factor>> = Vec::new();
     for (k, own) in shapes.iter().enumerate() {
-        let waves = match few[k] {
-            Quantity::Position => waves(few[k], rows, OWN_ORDERS),
-            Quantity::OtherPosition(_) => waves(few[k], rows, OTHER_ORDERS),
-            Quantity::Acceleration => Vec::new(),
-            Quantity::Velocity | Quantity::Load | Quantity::OtherVelocity(_) => {
-                waves(few[k], rows, SPEED_ORDERS)
-            }
-        };
-        let waves = each(&waves);
+        let waves = each(&waves(few[k], rows));
         all.extend(own.iter().chain(&waves).cloned());
         for other in &shapes[k + 1..] {
             all.extend(products(own, other));
         }
         for (l, other) in shapes.iter().enumerate() {
-            let mut simple = other.clone();
-            simple.retain(|factors| factors.iter().all(|f| !f.shape.has_inner()));
             if l != k {
-                all.extend(products(&waves, &simple));
+                all.extend(products(&waves, &without_parameters(other)));
             }
         }
     }
@@ -454,7 +444,13 @@ fn touches(quantity: Quantity, rows: &FittedRows) -> Vec<Factor> {
 }
 
 /// Orders from one cycle over the range of a variable to what the rows resolve; none of what is constant.
-fn waves(quantity: Quantity, rows: &FittedRows, most: usize) -> Vec<Factor> {
+fn waves(quantity: Quantity, rows: &FittedRows) -> Vec<Factor> {
+    let most = match quantity {
+        Quantity::Position => OWN_ORDERS,
+        Quantity::OtherPosition(_) => OTHER_ORDERS,
+        Quantity::Acceleration => 0,
+        Quantity::Velocity | Quantity::Load | Quantity::OtherVelocity(_) => SPEED_ORDERS,
+    };
     let range = rows.extent(quantity).range();
     if range <= 0.0 {
         return Vec::new();

@@ -409,6 +409,13 @@ mod tests {
         assert_eq!(gain(&twice, residual.as_slice(), &basis, &shares), 0.0);
     }
 
+    /// The best formula of a series that nothing else takes a part of.
+    fn best_of(series: Vec<f64>, rows: &FittedRows, grammar: &Grammar) -> Solved {
+        let linear = LinearModel::of_columns(vec![Vec::new()], vec![series], DMatrix::zeros(0, 0));
+        let misfit = Misfit::of(&linear, 0, rows, grammar);
+        formulas(&misfit, &|| false).swap_remove(0)
+    }
+
     /// A law of two variables with little noise, of which one has a shape with a parameter: shape and parameter are found.
     #[test]
     fn shapes_of_speeds_are_found_with_their_parameters() {
@@ -421,13 +428,7 @@ mod tests {
         let noise: Vec<f64> = (0..ROWS).map(|_| symmetric(&mut rng, 0.02)).collect();
         let found = |law: &dyn Fn(f64) -> f64| {
             let series = (0..ROWS).map(|k| q[k] * law(v[k]) + noise[k]);
-            let linear = LinearModel::of_columns(
-                vec![Vec::new()],
-                vec![series.collect()],
-                DMatrix::zeros(0, 0),
-            );
-            let misfit = Misfit::of(&linear, 0, &rows, &grammar);
-            let best = formulas(&misfit, &|| false).swap_remove(0);
+            let best = best_of(series.collect(), &rows, &grammar);
             assert_eq!(best.terms.len(), 1, "{best:?}");
             let factors = best.terms[0].factors.iter();
             let of_speed = factors.filter(|factor| factor.quantity == few[1]);
@@ -465,13 +466,7 @@ mod tests {
             let (q, x) = (rows.series(Quantity::Position), rows.series(of));
             let order = 10.0 * std::f64::consts::PI / rows.extent(of).range();
             let series = (0..ROWS).map(|k| q[k] * (order * x[k] + 0.7).sin() + noise[k]);
-            let linear = LinearModel::of_columns(
-                vec![Vec::new()],
-                vec![series.collect()],
-                DMatrix::zeros(0, 0),
-            );
-            let misfit = Misfit::of(&linear, 0, &rows, &grammar);
-            let best = formulas(&misfit, &|| false).swap_remove(0);
+            let best = best_of(series.collect(), &rows, &grammar);
             assert_eq!(best.variables().len(), 2, "{best:?}");
             let factors = best.terms.iter().flat_map(|term| &term.factors);
             let mut waves = factors.filter(|factor| factor.quantity == of);

@@ -82,6 +82,14 @@ pub struct Fitted {
     pub tried: usize,
 }
 
+/// What one search has found.
+struct Searched {
+    /// Variables of the best formula that has few.
+    few: Option<Vec<Quantity>>,
+    fitted: Vec<FittedFormula>,
+    tried: usize,
+}
+
 impl Seeking<'_> {
     /// The foremost formulas of a channel, each fitted with all parameters of the model; those that are possible.
     pub fn fitted(&self, channel: usize) -> Option<Fitted> {
@@ -96,33 +104,43 @@ impl Seeking<'_> {
         };
         let rows = FittedRows::of(context, self.model, &place)?;
         let is_known = |quantity: &Quantity| !rows.series(*quantity).is_empty();
-        let mut sets = few_of(self.variables, &is_known);
-        sets.push(Variables::All);
-        let mut tried = 0;
-        let mut all = Vec::new();
-        let mut next = 0;
-        while let Some(variables) = sets.get(next) {
-            let grammar = Grammar::of(&rows, variables.few());
-            let misfit = Misfit::of(linearised.linear(), channel, &rows, &grammar);
-            let found = search::formulas(&misfit, &|| context.control.is_interrupted());
-            let model = &self.model.model;
-            let formulas = found.par_iter().filter_map(|solved| {
-                let formula = Formula::of(solved, &grammar, model, rows.joint);
-                self.fit(channel, formula)
-            });
-            all.extend(formulas.collect::<Vec<FittedFormula>>());
-            tried += grammar.terms.len();
-            // Of the variables of the best formula that has few, more shapes are tried than of all.
-            let mut of_found = found.iter().map(Solved::variables);
-            let of_best = of_found.find(|of| of.len() <= FEW);
-            let narrowed = of_best.map(Variables::Few);
-            let is_new = |narrowed: &Variables| !sets.iter().any(|set| set.has_all_of(narrowed));
-            if matches!(variables, Variables::All) {
-                sets.extend(narrowed.filter(is_new));
-            }
-            next += 1;
+        let few = few_of(self.variables, &is_known);
+        let search = |few: Option<&[Quantity]>| self.searched(&linearised, channel, &rows, few);
+        let mut searched: Vec<Searched> = few.iter().map(|few| search(Some(few))).collect();
+        let of_all = search(None);
+        // Of the variables of the best formula that has few, more shapes are tried than of all.
+        let narrowed = of_all.few.as_deref();
+        let is_new = |of: &&[Quantity]| !few.iter().any(|few| of.iter().all(|q| few.contains(q)));
+        let narrowed = narrowed.filter(is_new).map(|few| search(Some(few)));
+        searched.push(of_all);
+        searched.extend(narrowed);
+        Some(Fitted {
+            tried: searched.iter().map(|one| one.tried).sum(),
+            all: searched.into_iter().flat_map(|one| one.fitted).collect(),
+        })
+    }
+
+    /// The foremost formulas of some variables, or of all, fitted.
+    fn searched(
+        &self,
+        linearised: &Linearised<'_>,
+        channel: usize,
+        rows: &FittedRows,
+        few: Option<&[Quantity]>,
+    ) -> Searched {
+        let grammar = Grammar::of(rows, few);
+        let misfit = Misfit::of(linearised.linear(), channel, rows, &grammar);
+        let found = search::formulas(&misfit, &|| self.context.control.is_interrupted());
+        let fitted = found.par_iter().filter_map(|solved| {
+            let formula = Formula::of(solved, &grammar, &self.model.model, rows.joint);
+            self.fit(channel, formula)
+        });
+        let mut variables = found.iter().map(Solved::variables);
+        Searched {
+            few: variables.find(|of| of.len() <= FEW),
+            fitted: fitted.collect(),
+            tried: grammar.terms.len(),
         }
-        Some(Fitted { all, tried })
     }
 
     /// A formula of a channel beside what the model has already; `None` where it cannot be fitted or is not possible.
@@ -251,31 +269,8 @@ fn simplest(
     })
 }
 
-/// The variables that formulas are sought of.
-#[derive(Debug, Clone, PartialEq)]
-enum Variables {
-    All,
-    /// Every shape and every product of two is tried.
-    Few(Vec<Quantity>),
-}
-
-impl Variables {
-    fn few(&self) -> Option<&[Quantity]> {
-        match self {
-            Self::All => None,
-            Self::Few(few) => Some(few),
-        }
-    }
-
-    /// Whether both are few, and those of the other are among them.
-    fn has_all_of(&self, other: &Self) -> bool {
-        let both = self.few().zip(other.few());
-        both.is_some_and(|(own, other)| other.iter().all(|quantity| own.contains(quantity)))
-    }
-}
-
 /// Variables of the first function of a smooth correction, of the first two, and so on, for as long as they are few.
-fn few_of(functions: &[Vec<Quantity>], is_known: &dyn Fn(&Quantity) -> bool) -> Vec<Variables> {
+fn few_of(functions: &[Vec<Quantity>], is_known: &dyn Fn(&Quantity) -> bool) -> Vec<Vec<Quantity>> {
     let mut sets = Vec::new();
     let mut known: Vec<Quantity> = Vec::new();
     for of_function in functions {
@@ -289,7 +284,7 @@ fn few_of(functions: &[Vec<Quantity>], is_known: &dyn Fn(&Quantity) -> bool) -> 
             break;
         }
         if known.len() > before {
-            sets.push(Variables::Few(known.clone()));
+            sets.push(known.clone());
         }
     }
     sets
@@ -313,7 +308,7 @@ mod tests {
         let first = vec![Position, OtherVelocity(2)];
         let second = [&first[..], &[Velocity, Load]].concat();
         let found = few_of(&functions, &is_known);
-        assert_eq!(found, [first, second].map(Variables::Few));
+        assert_eq!(found, [first, second]);
         assert!(few_of(&[], &is_known).is_empty());
         assert!(few_of(&[vec![OtherVelocity(7)]], &is_known).is_empty());
     }

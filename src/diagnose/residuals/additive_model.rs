@@ -63,6 +63,11 @@ pub struct AdditiveModel {
 }
 
 impl AdditiveModel {
+    /// Whether each of its functions is of the motion, and none of time.
+    pub fn is_of_motion(&self) -> bool {
+        self.made_of.iter().all(|of| !of.is_empty())
+    }
+
     /// Whether it says something that is significant and matters, as one of so many channels' models.
     pub fn is_needed(&self, significance: f64, channels: usize) -> bool {
         let tried = (channels * self.tried) as f64;

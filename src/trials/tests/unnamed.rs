@@ -66,14 +66,21 @@ fn a_correction_is_needed_where_it_is_significant_and_matters() {
 fn with_law(bench: &Bench) -> Dataset {
     let signal = rms(&bench.opened.data.recordings[0].experiment.signal[0]);
     let speed = rms(&bench.opened.data.recordings[0].experiment.motion.velocity[0]);
+    with_added(bench, &|experiment, row| {
+        let (v, q) = (
+            experiment.motion.velocity[0][row],
+            experiment.motion.position[1][row],
+        );
+        0.1 * signal * (v / speed).tanh() * (2.0 * q).cos()
+    })
+}
+
+/// Recordings with something more in the signal of the first channel.
+fn with_added(bench: &Bench, of: &dyn Fn(&Experiment, usize) -> f64) -> Dataset {
     bench.changed(&BOTH, |experiment| {
-        for row in 0..experiment.rows() {
-            let (v, q) = (
-                experiment.motion.velocity[0][row],
-                experiment.motion.position[1][row],
-            );
-            experiment.signal[0][row] += 0.1 * signal * (v / speed).tanh() * (2.0 * q).cos();
-        }
+        let added: Vec<f64> = (0..experiment.rows()).map(|k| of(experiment, k)).collect();
+        let pairs = experiment.signal[0].iter_mut().zip(added);
+        pairs.for_each(|(s, by)| *s += by);
     })
 }
 
@@ -197,11 +204,9 @@ fn formulas_that_forecast_well_come_first() {
 fn formulas_of_few_variables_come_first_where_more_take_hardly_more() {
     let bench = Bench::control();
     let signal = rms(&bench.opened.data.recordings[0].experiment.signal[0]);
-    let data = bench.changed(&BOTH, |experiment| {
-        for row in 0..experiment.rows() {
-            let [q, other] = [1, 2].map(|joint| experiment.motion.position[joint][row]);
-            experiment.signal[0][row] += signal * (0.5 * (2.0 * q).cos() + 0.03 * other);
-        }
+    let data = with_added(&bench, &|experiment, row| {
+        let [q, other] = [1, 2].map(|joint| experiment.motion.position[joint][row]);
+        signal * (0.5 * (2.0 * q).cos() + 0.03 * other)
     });
     let context = bench.context(&data);
     let declared = bench.declared(context.data);
@@ -424,11 +429,7 @@ fn rivals_are_corrected_for_their_number() {
 
 /// Whether a name that was found in the first channel is withdrawn where that has something beside what the model says.
 fn is_confounded(bench: &Bench, found: Hypothesis, of: impl Fn(&Motion, usize) -> f64) -> bool {
-    let data = bench.changed(&BOTH, |experiment| {
-        let added = (0..experiment.rows()).map(|k| of(&experiment.motion, k));
-        let pairs = experiment.signal[0].iter_mut().zip(added);
-        pairs.for_each(|(s, by)| *s += by);
-    });
+    let data = with_added(bench, &|experiment, k| of(&experiment.motion, k));
     let context = bench.context(&data);
     let full = bench.fit(&data, &[found]);
     let comparison = RivalComparison {
@@ -468,11 +469,7 @@ fn what_follows_the_motion_is_no_push() {
     let recorded = &bench.opened.data.recordings[0].experiment;
     let size = 0.2 * rms(&recorded.signal[0]);
     let withdrawn = |of: &dyn Fn(&Experiment, usize) -> f64| {
-        let data = bench.changed(&BOTH, |experiment| {
-            let added: Vec<f64> = (0..experiment.rows()).map(|k| of(experiment, k)).collect();
-            let pairs = experiment.signal[0].iter_mut().zip(added);
-            pairs.for_each(|(s, by)| *s += by);
-        });
+        let data = with_added(&bench, of);
         let context = bench.context(&data);
         let comparison = RivalComparison {
             without: bench.declared(&data),
