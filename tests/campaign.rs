@@ -1,6 +1,7 @@
 //! `exid trials` from outside: what it writes, that it goes on where it was, and what it refuses.
 
 use exid::problem::solution::Control;
+use exid::trials::motion::Motion;
 use exid::trials::plan::Scope;
 use exid::trials::run;
 use serde_json::Value;
@@ -253,4 +254,19 @@ fn what_comes_of_another_joint_has_no_name() {
         assert_eq!(found, ["unnamed"], "{number}");
         assert_eq!(trial.found[0].joints, trial.concealed[0].joints, "{number}");
     }
+}
+
+/// An offset of 44 times the noise, in noise that keeps 0.97 of itself from row to row and that nothing attests: an exponential of
+/// another joint's speed that hardly varies had stood in its place.
+#[test]
+fn an_offset_keeps_its_name_where_the_noise_is_not_known() {
+    let scope = Scope {
+        motions: vec![Motion::Sweeps],
+        ..Scope::all(582_931)
+    };
+    let trial = run::run(&scope, 156, &Control::default());
+    assert_eq!(trial.concealed[0].effect, "torque_offset");
+    let found: Vec<&str> = trial.found.iter().map(|f| f.effect.as_str()).collect();
+    assert_eq!(found, ["torque_offset"]);
+    assert_eq!(trial.found[0].joints, trial.concealed[0].joints);
 }

@@ -8,7 +8,7 @@ use exid::chain::base_parameters::BaseParameters;
 use exid::chain::effect;
 use exid::chain::parameter::Role;
 use exid::problem_file::ProblemFile;
-use exid::robot::batch::{RegressorBatch, Trajectory, torques_into};
+use exid::robot::batch::{RegressorBatch, Trajectory, torques as inverse_dynamics};
 use exid::robot::derivative_batch::DerivativeBatch;
 use exid::robot::forward_dynamics::{ForwardDynamics, SingularMass};
 use exid::robot::inertia::{PER_LINK, QUANTITIES};
@@ -193,9 +193,7 @@ impl Robot {
                 torques.view_mut(),
                 || (),
                 |(), trajectory, mut out| {
-                    let mut torque = vec![vec![0.0; trajectory.len()]; n];
-                    let whole = 0..trajectory.len();
-                    torques_into(&self.tree, &parameters, trajectory, whole, &mut torque);
+                    let torque = inverse_dynamics(&self.tree, &parameters, trajectory);
                     for (joint, series) in torque.iter().enumerate() {
                         for (sample, &value) in series.iter().enumerate() {
                             out[(sample, joint)] = value;

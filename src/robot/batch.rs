@@ -33,6 +33,15 @@ impl Trajectory<'_> {
     }
 }
 
+/// Which entries of a regressor are asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted<'a> {
+    /// Links whose columns are.
+    pub links: &'a [bool],
+    /// Joints whose torques are; the rows of the base reaction always are.
+    pub joints: &'a [bool],
+}
+
 /// Regressor rows of a block of samples; reused from block to block.
 #[derive(Clone, Debug)]
 pub struct RegressorBatch {
@@ -69,16 +78,21 @@ impl RegressorBatch {
 
     /// Evaluates the samples of `range` (at most the capacity).
     pub fn evaluate(&mut self, tree: &Tree, trajectory: Trajectory<'_>, range: Range<usize>) {
-        self.evaluate_links(tree, trajectory, range, &vec![true; tree.len()]);
+        let all = vec![true; tree.len()];
+        let wanted = Wanted {
+            links: &all,
+            joints: &all,
+        };
+        self.evaluate_wanted(tree, trajectory, range, wanted);
     }
 
-    /// The same for the columns of some links; those of the others stay what they were.
-    pub fn evaluate_links(
+    /// The same for some entries; the others stay what they were.
+    pub fn evaluate_wanted(
         &mut self,
         tree: &Tree,
         trajectory: Trajectory<'_>,
         range: Range<usize>,
-        wanted: &[bool],
+        wanted: Wanted<'_>,
     ) {
         let set = self.set;
         let kernel = RegressorKernel {
@@ -103,7 +117,7 @@ struct RegressorKernel<'a> {
     tree: &'a Tree,
     trajectory: Trajectory<'a>,
     range: Range<usize>,
-    wanted: &'a [bool],
+    wanted: Wanted<'a>,
 }
 
 impl Kernel for RegressorKernel<'_> {
@@ -139,14 +153,19 @@ struct BatchSink<'a> {
     columns: usize,
     capacity: usize,
     at: usize,
-    wanted: &'a [bool],
+    wanted: Wanted<'a>,
     values: &'a mut [f64],
 }
 
 impl<L: Lanes> BlockSink<L> for BatchSink<'_> {
     #[inline(always)]
     fn wants(&self, link: usize) -> bool {
-        self.wanted[link]
+        self.wanted.links[link]
+    }
+
+    #[inline(always)]
+    fn wants_torque(&self, joint: usize) -> bool {
+        self.wanted.joints[joint]
     }
 
     #[inline(always)]
@@ -194,33 +213,42 @@ impl<L: Lanes> LaneState<L> {
 pub fn torques(tree: &Tree, parameters: &[f64], trajectory: Trajectory<'_>) -> Vec<Vec<f64>> {
     let samples = trajectory.len();
     let mut torque = vec![vec![0.0; samples]; tree.len()];
-    torques_into(tree, parameters, trajectory, 0..samples, &mut torque);
-    torque
-}
-
-/// The same for the samples of `range`, into the first places of `torque`.
-pub fn torques_into(
-    tree: &Tree,
-    parameters: &[f64],
-    trajectory: Trajectory<'_>,
-    range: Range<usize>,
-    torque: &mut [Vec<f64>],
-) {
-    let kernel = TorqueKernel {
+    let dynamics = InverseDynamics {
         tree,
         parameters,
         trajectory,
-        range,
-        torque,
+        samples,
+        wanted: &vec![true; tree.len()],
     };
-    instructions::run(kernel, InstructionSet::detect());
+    dynamics.put_into(&mut torque);
+    torque
+}
+
+/// Inverse dynamics of the first samples of a trajectory.
+#[derive(Clone, Copy, Debug)]
+pub struct InverseDynamics<'a> {
+    /// The robot.
+    pub tree: &'a Tree,
+    /// Its 10 n inertial parameters.
+    pub parameters: &'a [f64],
+    /// How it moves.
+    pub trajectory: Trajectory<'a>,
+    /// So many of its samples.
+    pub samples: usize,
+    /// Joints whose torques are asked for.
+    pub wanted: &'a [bool],
+}
+
+impl InverseDynamics<'_> {
+    /// Puts the torques that are asked for into the first places of `[joint][sample]`; the others stay what they were.
+    pub fn put_into(self, torque: &mut [Vec<f64>]) {
+        let kernel = TorqueKernel { of: self, torque };
+        instructions::run(kernel, InstructionSet::detect());
+    }
 }
 
 struct TorqueKernel<'a> {
-    tree: &'a Tree,
-    parameters: &'a [f64],
-    trajectory: Trajectory<'a>,
-    range: Range<usize>,
+    of: InverseDynamics<'a>,
     torque: &'a mut [Vec<f64>],
 }
 
@@ -229,16 +257,23 @@ impl Kernel for TorqueKernel<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let n = self.tree.len();
-        let mut recursion = NewtonEuler::<L>::new(self.tree);
-        let mut state = LaneState::<L>::new(n);
-        let mut lanes: Vec<L> = (0..n).map(|_| L::constant(0.0)).collect();
-        for (group, start) in self.range.clone().step_by(LANES).enumerate() {
-            state.load(self.trajectory, start..self.range.end);
-            recursion.torque(self.tree, self.parameters, state.slices(), &mut lanes);
-            let (at, count) = (group * LANES, LANES.min(self.range.end - start));
-            for (series, value) in self.torque.iter_mut().zip(&lanes) {
-                series[at..at + count].copy_from_slice(&value.to_array()[..count]);
+        let InverseDynamics {
+            tree,
+            parameters,
+            trajectory,
+            samples,
+            wanted,
+        } = self.of;
+        let mut recursion = NewtonEuler::<L>::of_joints(tree, wanted);
+        let mut state = LaneState::<L>::new(tree.len());
+        let mut lanes: Vec<L> = (0..tree.len()).map(|_| L::constant(0.0)).collect();
+        for start in (0..samples).step_by(LANES) {
+            state.load(trajectory, start..samples);
+            recursion.torque(tree, parameters, state.slices(), &mut lanes);
+            let count = LANES.min(samples - start);
+            let series = self.torque.iter_mut().zip(&lanes).zip(wanted);
+            for ((series, value), _) in series.filter(|(_, wanted)| **wanted) {
+                series[start..start + count].copy_from_slice(&value.to_array()[..count]);
             }
         }
     }

@@ -55,18 +55,27 @@ impl<T: Scalar> Load<T> {
 pub struct NewtonEuler<T> {
     motions: Vec<LinkMotion<T>>,
     loads: Vec<Load<T>>,
+    /// Whether a joint whose torque is asked for bears the load of each link.
+    is_borne: Vec<bool>,
 }
 
 impl<T: Scalar> NewtonEuler<T> {
     /// Memory for the recursion over a tree; computes nothing yet.
     pub fn new(tree: &Tree) -> Self {
+        Self::of_joints(tree, &vec![true; tree.len()])
+    }
+
+    /// The same where the torques of some joints alone are asked for.
+    pub fn of_joints(tree: &Tree, wanted: &[bool]) -> Self {
+        let is_borne = |link: &Link| link.ancestors.iter().any(|&joint| wanted[joint]);
         Self {
             motions: vec![LinkMotion::rest(); tree.len()],
             loads: vec![Load::zero(); tree.len()],
+            is_borne: tree.links().iter().map(is_borne).collect(),
         }
     }
 
-    /// Joint torques (N·m; N for sliding joints), n values. `parameters` are the 10 n inertial
+    /// Joint torques (N·m; N for sliding joints), n values; those of joints that are not asked for mean nothing. `parameters` are the 10 n inertial
     /// parameters; `q`, `dq`, `ddq` have n values each.
     #[inline(always)]
     pub fn torque(
@@ -81,6 +90,9 @@ impl<T: Scalar> NewtonEuler<T> {
             let state = JointState::of(link, q[j], dq[j], ddq[j]);
             let parent = link.parent.map(|p| &self.motions[p]);
             self.motions[j] = advance(link, parent, base, state);
+            if !self.is_borne[j] {
+                continue;
+            }
             let body = &parameters[10 * j..10 * j + 10];
             self.loads[j] = body_load(
                 &self.motions[j],
@@ -90,7 +102,7 @@ impl<T: Scalar> NewtonEuler<T> {
         for (j, link) in tree.links().iter().enumerate().rev() {
             let load = self.loads[j];
             torque[j] = load.along(link);
-            if let Some(parent) = link.parent {
+            if let Some(parent) = link.parent.filter(|&parent| self.is_borne[parent]) {
                 let carried = load.carried(&self.motions[j]);
                 self.loads[parent].force += carried.force;
                 self.loads[parent].moment += carried.moment;

@@ -188,6 +188,12 @@ pub trait BlockSink<T> {
         true
     }
 
+    /// Whether the row of the torque of `joint` is wanted.
+    #[inline(always)]
+    fn wants_torque(&self, _joint: usize) -> bool {
+        true
+    }
+
     /// The ten columns of `link` in `row`.
     fn put(&mut self, row: usize, link: usize, columns: &[T; 10]);
 }
@@ -229,7 +235,8 @@ impl<T: Scalar> Regressor<T> {
                 let first = link.own + 1 - link.ancestors.len();
                 if let Some(p) = link.parent {
                     let inherited = tree.links()[p].own + 1 - (link.ancestors.len() - 1);
-                    for k in 0..link.ancestors.len() - 1 {
+                    let passed_on = 0..link.ancestors.len() - 1;
+                    for k in passed_on.filter(|&k| sink.wants_torque(link.ancestors[k])) {
                         self.joints[first + k] =
                             self.joints[inherited + k].carried(&motion.turn, motion.offset);
                     }
@@ -237,7 +244,9 @@ impl<T: Scalar> Regressor<T> {
                 self.joints[link.own] = Functional::of_joint(link.revolute, link.axis);
                 if let Some(columns) = &columns {
                     for (k, &row) in link.ancestors.iter().enumerate() {
-                        sink.put(row, j, &columns.row(&self.joints[first + k]));
+                        if sink.wants_torque(row) {
+                            sink.put(row, j, &columns.row(&self.joints[first + k]));
+                        }
                     }
                 }
             }

@@ -3,7 +3,7 @@
 mod broken;
 
 use crate::linalg::lanes::instructions::InstructionSet;
-use crate::robot::batch::{RegressorBatch, Trajectory, torques};
+use crate::robot::batch::{InverseDynamics, RegressorBatch, Trajectory, Wanted, torques};
 use crate::robot::derivative_batch::DerivativeBatch;
 use crate::robot::derivatives::Derivatives;
 use crate::robot::forward_dynamics::ForwardDynamics;
@@ -295,18 +295,23 @@ fn matches_differences_of_weighted_regressor() {
     }
 }
 
+/// Positions, velocities and accelerations of some states, one after the other: `[joint][sample]` each.
+fn in_turn(states: &[State]) -> [Vec<Vec<f64>>; 3] {
+    let picks: [fn(&State) -> &Vec<f64>; 3] = [|s| &s.q, |s| &s.dq, |s| &s.ddq];
+    let joints = 0..states[0].q.len();
+    picks.map(|pick| {
+        let of = |j: usize| states.iter().map(|s| pick(s)[j]).collect();
+        joints.clone().map(of).collect()
+    })
+}
+
 #[test]
 fn invariant_lanes_match_single_samples_in_every_instruction_set() {
     for (tree, mut rng) in robots() {
         let n = tree.len();
         let samples = 21;
         let states: Vec<State> = (0..samples).map(|_| State::random(&mut rng, n)).collect();
-        let series = |pick: fn(&State) -> &Vec<f64>| -> Vec<Vec<f64>> {
-            (0..n)
-                .map(|j| states.iter().map(|s| pick(s)[j]).collect())
-                .collect()
-        };
-        let (q, dq, ddq) = (series(|s| &s.q), series(|s| &s.dq), series(|s| &s.ddq));
+        let [q, dq, ddq] = in_turn(&states);
         let trajectory = Trajectory {
             q: &q,
             dq: &dq,
@@ -346,6 +351,57 @@ fn invariant_lanes_match_single_samples_in_every_instruction_set() {
                     for column in 0..10 * n {
                         let error = (batch.column(row, column)[k] - y[(row, column)]).abs();
                         assert!(error <= 1e-13 * scale, "{set:?} {row} {column}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What is asked for is what it is beside everything else, and the rest stays what it was.
+#[test]
+fn invariant_joints_that_are_asked_for_alone_have_the_torques_and_rows_that_they_have_among_all() {
+    const UNTOUCHED: f64 = 7.25;
+    for (tree, mut rng) in robots() {
+        let (n, samples) = (tree.len(), 11);
+        let states: Vec<State> = (0..samples).map(|_| State::random(&mut rng, n)).collect();
+        let [q, dq, ddq] = in_turn(&states);
+        let trajectory = Trajectory {
+            q: &q,
+            dq: &dq,
+            ddq: &ddq,
+        };
+        let parameters = tree.parameters();
+        let of_all = torques(&tree, &parameters, trajectory);
+        let mut every = RegressorBatch::new(&tree, Rows::Torque, samples);
+        every.evaluate(&tree, trajectory, 0..samples);
+        for joint in 0..n {
+            let mut joints = vec![false; n];
+            joints[joint] = true;
+            let mut own = vec![vec![UNTOUCHED; samples]; n];
+            let dynamics = InverseDynamics {
+                tree: &tree,
+                parameters: &parameters,
+                trajectory,
+                samples,
+                wanted: &joints,
+            };
+            dynamics.put_into(&mut own);
+            let mut some = RegressorBatch::new(&tree, Rows::Torque, samples);
+            let wanted = Wanted {
+                links: &vec![true; n],
+                joints: &joints,
+            };
+            some.evaluate_wanted(&tree, trajectory, 0..samples, wanted);
+            for row in 0..n {
+                match row == joint {
+                    true => assert_eq!(own[row], of_all[row]),
+                    false => assert_eq!(own[row], vec![UNTOUCHED; samples]),
+                }
+                for column in 0..10 * n {
+                    match row == joint {
+                        true => assert_eq!(some.column(row, column), every.column(row, column)),
+                        false => assert!(some.column(row, column).iter().all(|x| *x == 0.0)),
                     }
                 }
             }

@@ -24,6 +24,17 @@ pub struct Candidate {
     pub values: DVector<f64>,
 }
 
+impl Candidate {
+    /// Whether another is the same model with the same values: what a model has is known by its parameters.
+    pub fn is(&self, other: &Self) -> bool {
+        let names = |of: &Self| -> Vec<String> {
+            let parameters = of.model.parameters().iter();
+            parameters.map(|p| p.name.clone()).collect()
+        };
+        self.values == other.values && names(self) == names(other)
+    }
+}
+
 /// The models of a result.
 #[derive(Debug, Clone)]
 pub struct Candidates {

@@ -114,6 +114,8 @@ impl<'a> SimulatedWindows<'a> {
         let run = of(after, &experiment.signal)?;
         let rolled_after = roll(&run, &[])?;
         let rolled_before = match before {
+            // Where nothing was found.
+            Some(before) if before.is(after) => Some(rolled_after.clone()),
             Some(before) => Some(roll(&of(before, &experiment.signal)?, &[])?),
             None => None,
         };

@@ -85,8 +85,7 @@ impl Autoregression {
         let n = samples as f64;
         let score =
             |m: &Self| n * m.innovation_variance.ln() + m.coefficients.len() as f64 * n.ln();
-        let lengths = 1..=covariance.len();
-        let models = lengths.map_while(|length| Self::from_autocovariance(&covariance[..length]));
+        let models = Self::of_rising_order(covariance);
         models.min_by(|a, b| score(a).total_cmp(&score(b)))
     }
 
@@ -94,22 +93,29 @@ impl Autoregression {
     ///
     /// `None` if they are not those of a stationary series with r_0 > 0.
     pub fn from_autocovariance(covariance: &[f64]) -> Option<Self> {
-        let (first, rest) = covariance.split_first()?;
-        if *first <= 0.0 || !first.is_finite() {
-            return None;
-        }
-        let mut model = Self::white(*first);
-        for (m, next) in rest.iter().enumerate() {
-            let predicted: f64 = (0..m)
-                .map(|k| model.coefficients[k] * rest[m - 1 - k])
+        let highest = Self::of_rising_order(covariance).last()?;
+        (highest.coefficients.len() + 1 == covariance.len()).then_some(highest)
+    }
+
+    /// The models of order 0, 1, ... with these autocovariances r_0, r_1, ..., as long as they are those of a stationary series.
+    fn of_rising_order(covariance: &[f64]) -> impl Iterator<Item = Self> {
+        let first = covariance.first().copied();
+        let first = first.filter(|variance| *variance > 0.0 && variance.is_finite());
+        std::iter::successors(first.map(Self::white), |model| {
+            let order = model.coefficients.len();
+            let next = covariance.get(order + 1)?;
+            let past = covariance[1..=order].iter().rev();
+            let predicted: f64 = model
+                .coefficients
+                .iter()
+                .zip(past)
+                .map(|(a, r)| a * r)
                 .sum();
             let reflection = (next - predicted) / model.innovation_variance;
-            if reflection.abs() >= 1.0 || reflection.is_nan() {
-                return None;
-            }
-            model.step_up(reflection);
-        }
-        Some(model)
+            let mut higher = model.clone();
+            higher.step_up(reflection);
+            (reflection.abs() < 1.0).then_some(higher)
+        })
     }
 
     /// The model with one more coefficient, given its partial autocorrelation.

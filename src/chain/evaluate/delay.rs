@@ -27,34 +27,34 @@ impl Evaluator<'_> {
             let delay = self.model.joints()[joint].delay;
             delay.map_or((0.0, None), |at| (ahead * self.values[at], self.column[at]))
         };
-        let wanted: Vec<(f64, Option<usize>)> = channels
+        // By channel: its delay, and the column of that.
+        let late: Vec<(f64, Option<usize>)> = channels
             .iter()
             .map(|channel| match (channel.joint, channel.active) {
                 (Some(joint), true) => of_joint(joint),
                 _ => (0.0, None),
             })
             .collect();
-        let mut distinct: Vec<f64> = wanted.iter().map(|(delay, _)| *delay).collect();
+        let is_wanted = self.wanted.clone();
+        let mut distinct: Vec<f64> = (0..late.len())
+            .filter(|&c| is_wanted[c])
+            .map(|c| late[c].0)
+            .collect();
         distinct.sort_by(f64::total_cmp);
         distinct.dedup();
         let mut whole = self.block.like();
-        let all = self.wanted.clone();
+        whole.clear(segment.motors.len());
         for delay in distinct {
-            let members: Vec<usize> = (0..wanted.len())
-                .filter(|&c| wanted[c].0 == delay)
-                .collect();
-            self.wanted = all
-                .iter()
-                .zip(&wanted)
-                .map(|(w, of)| *w && of.0 == delay)
-                .collect();
+            let is_member = |c: usize| is_wanted[c] && late[c].0 == delay;
+            self.wanted = (0..late.len()).map(is_member).collect();
             self.shifted(segment, delay);
+            let members: Vec<usize> = (0..late.len()).filter(|&c| is_member(c)).collect();
             for &c in &members {
                 whole.exchange_channel(c, &mut self.block);
             }
             let columns: Vec<(usize, usize)> = members
                 .iter()
-                .filter_map(|&c| Some((c, wanted[c].1?)))
+                .filter_map(|&c| Some((c, late[c].1?)))
                 .collect();
             if columns.is_empty() {
                 continue;
@@ -69,7 +69,7 @@ impl Evaluator<'_> {
                 series.zip(slopes).for_each(|(to, slope)| *to += slope);
             }
         }
-        self.wanted = all;
+        self.wanted = is_wanted;
         self.block = whole;
     }
 

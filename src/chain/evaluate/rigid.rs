@@ -5,7 +5,7 @@ use crate::chain::effect::tilt::tilted_by_angles;
 use crate::chain::effect::{Contribution, Law, Samples, Surroundings};
 use crate::chain::evaluate::block::SeriesPart;
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
-use crate::robot::batch::{RegressorBatch, Trajectory, torques_into};
+use crate::robot::batch::{InverseDynamics, RegressorBatch, Trajectory, Wanted};
 use crate::robot::inertia::PER_LINK;
 use std::ops::Range;
 use std::rc::Rc;
@@ -79,7 +79,7 @@ impl Evaluator<'_> {
     /// Joint torques and base wrench of the bodies, and the columns of their parameters.
     ///
     /// Torques come from the recursion of Newton and Euler, which costs a tenth of the columns; the columns of
-    /// links of which nothing is unknown are left out.
+    /// links of which nothing is unknown are left out, and the joints that nothing asked for depends on.
     pub(super) fn rigid_body(&mut self, segment: Segment<'_>, range: Range<usize>) {
         let (loaded, samples) = (segment.loaded, range.len());
         if let Some(known) = segment.bodies {
@@ -90,31 +90,40 @@ impl Evaluator<'_> {
         }
         let sums = self.torque_rows() < self.rigid.values.len();
         let bodies = Rc::clone(&self.bodies[usize::from(loaded)]);
+        // A derivative by an entry of V asks for the torque of its joint.
+        let all = sums || !self.coupling_entries().is_empty();
+        let joints: Vec<bool> = (0..self.tree.len())
+            .map(|joint| all || self.reaches_signal(joint))
+            .collect();
         if !sums {
             let [q, dq, ddq] = &self.joint_motion;
-            let motion = Trajectory { q, dq, ddq };
-            torques_into(
-                &self.tree,
-                &bodies,
-                motion,
-                0..samples,
-                &mut self.rigid.values,
-            );
+            let dynamics = InverseDynamics {
+                tree: &self.tree,
+                parameters: &bodies,
+                trajectory: Trajectory { q, dq, ddq },
+                samples,
+                wanted: &joints,
+            };
+            dynamics.put_into(&mut self.rigid.values);
         }
-        let wanted: Vec<bool> = (0..self.tree.len())
+        let links: Vec<bool> = (0..self.tree.len())
             .map(|link| sums || self.has_columns(link, loaded))
             .collect();
-        if !wanted.contains(&true) {
+        if !links.contains(&true) {
             return;
         }
+        let wanted = Wanted {
+            links: &links,
+            joints: &joints,
+        };
         let mut regressor = self.lend_regressor();
         for start in (0..samples).step_by(BLOCK) {
             let range = start..samples.min(start + BLOCK);
-            regressor.evaluate_links(&self.tree, self.trajectory(), range.clone(), &wanted);
+            regressor.evaluate_wanted(&self.tree, self.trajectory(), range.clone(), wanted);
             if sums {
                 self.sum_bodies(&regressor, &bodies, range.clone());
             }
-            self.body_columns(&regressor, segment, &wanted, range);
+            self.body_columns(&regressor, segment, &links, range);
         }
         self.regressor = Some(regressor);
     }

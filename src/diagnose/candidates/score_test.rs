@@ -21,20 +21,21 @@ use crate::diagnose::fit::candidate::{Candidate, Naming, Point, Screening};
 use crate::diagnose::fit::channel_series::ChannelSeries;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
-use crate::diagnose::fit::linear_model::{ChannelColumn, LinearModel, dot, inner};
+use crate::diagnose::fit::linear_model::{ChannelColumn, LinearModel, inner};
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::fit::start::Start;
 use crate::diagnose::fit::start_grid::Grid;
 use crate::estimate::noise::counting_rows;
 use crate::estimate::search_range::MotionRange;
+use crate::linalg::lanes::inner_product::dot;
 use crate::linalg::normal_equations::{INDEPENDENT, NormalSolution};
 use crate::recording::split::Split;
 use crate::stats::deviation::rms;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// The model as it stands, linearised over the fitted recordings.
-pub struct Linearised<'a> {
+/// Score tests of hypotheses beside a fitted model, linearised along the fitted rows.
+pub struct ScoreTests<'a> {
     fit: &'a ModelFit,
     motions: Motions<'a>,
     path: SignalPath,
@@ -71,7 +72,7 @@ const ENOUGH: usize = 2500;
 /// Hypotheses that get a closer look, several times as many as are fitted.
 const CLOSER: usize = 40;
 
-impl<'a> Linearised<'a> {
+impl<'a> ScoreTests<'a> {
     /// Derivatives of the signal by every parameter over all rows that were fitted.
     pub fn new(context: &Context<'_>, fit: &'a ModelFit) -> Self {
         Self::of_every(1, context, fit)
@@ -362,7 +363,7 @@ pub fn screen(
     let is_going_on = || !context.control.is_interrupted();
     let train = context.recordings(Split::Train);
     let every = (counting_rows(&train) / ENOUGH).max(1);
-    let rough = Linearised::of_every(every, context, fit);
+    let rough = ScoreTests::of_every(every, context, fit);
     let earlier = Reusable::of(context, fit);
     let examined = open.par_iter().filter(|_| is_going_on());
     let examined = examined.filter_map(|hypothesis| match earlier.screening(hypothesis) {
@@ -373,7 +374,7 @@ pub fn screen(
     by_gain(&mut glance);
     let mut candidates = glance.clone();
     if every > 1 {
-        let look = Linearised::new(context, fit);
+        let look = ScoreTests::new(context, fit);
         candidates.truncate(CLOSER);
         let closer = candidates.into_par_iter().filter(|_| is_going_on());
         candidates = closer

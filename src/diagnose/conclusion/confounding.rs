@@ -10,10 +10,11 @@
 //! ‖e_k − c_k‖² ≤ (1 + IN_DOUBT) ‖e − c‖²    in every channel, e_k without the name and e with it
 //! ```
 //!
-//! If that leaves hardly more of recordings that were not fitted than the name and a correction beside it, the name is not that of
-//! the physics, and is withdrawn; so it is where no correction takes what is left and a formula does, if it leaves hardly more than
-//! the name with that formula beside it. A correction by the joint's own motion and load is another wording of the name, and says
-//! nothing against it.
+//! If that leaves hardly more of recordings that were not fitted than the name and a correction beside it, and less than the name
+//! alone by what matters, the name is not that of the physics, and is withdrawn; so it is where no correction takes what is left and a
+//! formula does, if it leaves hardly more than the name with that formula beside it, and forecasts more of what the name leaves than
+//! one of so many does by chance. What leaves as much as the name is another wording of it, and says nothing against it: a correction
+//! by the joint's own motion and load, or a function of another joint's that hardly varies, in the place of an offset.
 //!
 //! A name for what lasts for one recording is fitted to each, the held-out ones too: whatever comes and goes with the motion looks like
 //! a push where the motion stands still for some time. Chance does not follow the motion, so such a name is withdrawn if smooth functions
@@ -22,11 +23,13 @@
 use crate::chain::effect::Lasts;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::channels_of;
-use crate::diagnose::fit::model_fit::ModelFit;
+use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::formula::seeking::{Fitted, FittedFormula, Seeking};
 use crate::diagnose::residuals::additive_model::{self, AdditiveModel};
+use crate::diagnose::residuals::effect_size::MATTERS;
 use crate::diagnose::residuals::noise_level;
 use crate::diagnose::residuals::quantity::Quantity;
+use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::rival_models::{IN_DOUBT, RivalComparison};
 use crate::stats::deviation::rms;
 
@@ -48,11 +51,15 @@ pub fn first(
     let mut corrections = additive_model::of_some(context, full, &named);
     let tried = corrections.len();
     corrections.retain(|correction| correction.is_needed(significance, tried));
-    let named = Named { context, full };
+    let named = Named {
+        context,
+        full,
+        significance,
+    };
     (0..comparisons.len()).find(|&k| {
         let (channels, without) = (channels_of(k), &comparisons[k].without);
         let is_of_one_recording = full.hypotheses[k].effect.needs.lasts == Lasts::OneRecording;
-        if is_of_one_recording && named.follows_the_motion(&channels, without, significance) {
+        if is_of_one_recording && named.follows_the_motion(&channels, without) {
             return true;
         }
         let beside = corrections.iter();
@@ -70,6 +77,15 @@ pub fn first(
 struct Named<'a> {
     context: &'a Context<'a>,
     full: &'a ModelFit,
+    /// Probability with which chance may speak against one.
+    significance: f64,
+}
+
+/// A formula in the place of a finding.
+struct FormulaInPlace {
+    found: FittedFormula,
+    /// Number of the terms that it was made of.
+    tried: usize,
 }
 
 /// Held-out residuals of a model, `[channel][row]`.
@@ -77,17 +93,12 @@ type Left = Vec<Vec<f64>>;
 
 impl Named<'_> {
     /// Whether smooth functions of the motion forecast the larger part of the squares that a finding takes of held-out rows.
-    fn follows_the_motion(
-        &self,
-        channels: &[usize],
-        without: &ModelFit,
-        significance: f64,
-    ) -> bool {
+    fn follows_the_motion(&self, channels: &[usize], without: &ModelFit) -> bool {
         let smooth = additive_model::of_some(self.context, without, channels);
         // Functions of time are other wordings of what lasts for some time.
         let of_motion = smooth.iter().filter(|correction| correction.is_of_motion());
         let needed: Vec<&AdditiveModel> = of_motion
-            .filter(|correction| correction.is_needed(significance, smooth.len()))
+            .filter(|correction| correction.is_needed(self.significance, smooth.len()))
             .collect();
         let instead = additive_model::left(without, &needed);
         let squares = |left: &Left| -> f64 {
@@ -109,7 +120,7 @@ impl Named<'_> {
         if is_of_others {
             let smooth: Vec<&AdditiveModel> = smooth.iter().collect();
             let instead = additive_model::left(without, &smooth);
-            if is_hardly_more(&instead, &both) {
+            if self.is_instead(&instead, &both) {
                 return true;
             }
         }
@@ -122,7 +133,10 @@ impl Named<'_> {
         let after_first = variables.len().min(1);
         variables.splice(after_first..after_first, correction.made_of.iter().cloned());
         let formula = self.formula(correction.channel, without, &variables);
-        formula.is_some_and(|instead| is_hardly_more(&instead.fit.validation, &both))
+        formula.is_some_and(|instead| {
+            let left = &instead.found.fit.validation;
+            self.is_instead(left, &both) && self.forecasts_more(&instead)
+        })
     }
 
     /// Whether something is left beside a finding that no smooth correction takes, and a formula in the place of the finding leaves
@@ -137,8 +151,30 @@ impl Named<'_> {
             return false;
         };
         let beside = self.seeking(self.full, &[]);
-        let both = beside.fit(channel, instead.formula());
-        both.is_some_and(|both| is_hardly_more(&instead.fit.validation, &both.fit.validation))
+        let both = beside.fit(channel, instead.found.formula());
+        both.is_some_and(|both| {
+            let left = &instead.found.fit.validation;
+            self.is_instead(left, &both.fit.validation) && self.forecasts_more(&instead)
+        })
+    }
+
+    /// Whether a formula forecasts what the name leaves, which one of so many may do by chance.
+    fn forecasts_more(&self, instead: &FormulaInPlace) -> bool {
+        let pair = FitPair {
+            poorer: self.full,
+            richer: &instead.found.fit,
+        };
+        let p_value = forecast(self.context, pair).p_value;
+        p_value * (instead.tried as f64) < self.significance
+    }
+
+    /// Whether what stands in the place of a name leaves hardly more than the name with more beside it, in every channel, and
+    /// takes some of what the name alone leaves.
+    fn is_instead(&self, instead: &Left, both: &Left) -> bool {
+        let alone = &self.full.validation;
+        let mut pairs = instead.iter().zip(alone);
+        let takes = pairs.any(|(instead, alone)| rms(instead) <= (1.0 - MATTERS) * rms(alone));
+        takes && is_hardly_more(instead, both)
     }
 
     /// The formula in the place of a finding, if every term of it is of another joint's motion.
@@ -147,11 +183,12 @@ impl Named<'_> {
         channel: usize,
         without: &ModelFit,
         variables: &[Vec<Quantity>],
-    ) -> Option<FittedFormula> {
+    ) -> Option<FormulaInPlace> {
         let seeking = self.seeking(without, variables);
-        let Fitted { mut all, .. } = seeking.fitted(channel)?;
+        let Fitted { mut all, tried } = seeking.fitted(channel)?;
         let chosen = seeking.chosen(channel, &all)?;
-        all.swap_remove(chosen).of_others()
+        let found = all.swap_remove(chosen).of_others()?;
+        Some(FormulaInPlace { found, tried })
     }
 
     fn seeking<'s>(&'s self, model: &'s ModelFit, variables: &'s [Vec<Quantity>]) -> Seeking<'s> {

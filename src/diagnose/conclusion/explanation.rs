@@ -161,9 +161,10 @@ impl Explaining<'_> {
         full: ModelFit,
     ) -> Result<BesideRivals, DiagnoseError> {
         let noise_level = noise_level::of_rows(&self.contexts.selection, &full, &[]);
-        let comparisons = (0..full.hypotheses.len())
+        let mut comparisons = (0..full.hypotheses.len())
             .map(|k| stepwise.rivals(&full, k, &noise_level))
             .collect::<Result<Vec<_>, _>>()?;
+        stepwise.in_all_places(&full, &mut comparisons, &noise_level);
         Ok(BesideRivals {
             full,
             noise_level,

@@ -35,9 +35,7 @@ impl Discrimination {
         comparisons: &[TestedRivals],
     ) -> Option<Self> {
         let (k, open) = comparisons.iter().enumerate().find_map(|(k, comparison)| {
-            let rivals = comparison.rivals.iter();
-            let open = rivals.filter(|a| !a.separation.separable);
-            let fits: Vec<&ModelFit> = open.map(|a| &a.test.fit).collect();
+            let fits: Vec<&ModelFit> = comparison.open().map(|a| &a.test.fit).collect();
             (!fits.is_empty()).then_some((k, fits))
         })?;
         let finding = &full.hypotheses[k];

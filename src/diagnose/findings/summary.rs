@@ -27,19 +27,9 @@ pub fn correct(
         false => predictions_by_recording(&fit.model, &values, context.data),
     };
     for correction in corrections {
-        for (c, (train, held_out)) in
-            (correction.train.iter().zip(&correction.validation)).enumerate()
-        {
-            let (mut train, mut held_out) = (train.iter(), held_out.iter());
-            for (recording, of_channels) in context.data.recordings.iter().zip(&mut predictions) {
-                let series = match recording.split {
-                    Split::Train => &mut train,
-                    Split::Validation => &mut held_out,
-                };
-                for (row, by) in recording.counting_for(c).zip(series) {
-                    of_channels[c][row] -= by;
-                }
-            }
+        for split in [Split::Train, Split::Validation] {
+            let all = context.data.recordings.iter().zip(&mut predictions);
+            correction.take_off(split, all.filter(|(recording, _)| recording.split == split));
         }
     }
     if !corrections.is_empty() || !fit.own.is_empty() {

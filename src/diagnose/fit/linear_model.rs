@@ -11,8 +11,9 @@ use crate::chain::dataset::Prepared;
 use crate::diagnose::fit::channel_series::ChannelSeries;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::estimate::noise::counting_rows;
+use crate::linalg::lanes::inner_product::dot;
 use crate::linalg::triangular::Triangular;
-use nalgebra::{DMatrix, DVector, DVectorView};
+use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 /// Residual and derivatives of a model, in units of the deviation of each channel.
@@ -225,12 +226,6 @@ fn weighted_difference(a: &[Vec<f64>], b: &[Vec<f64>], scale: &[f64]) -> Vec<Vec
         a.iter().zip(b).map(|(a, b)| (a - b) / scale).collect()
     };
     a.iter().zip(b).zip(scale).map(of).collect()
-}
-
-/// Σ a b.
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let of = |x| DVectorView::from_slice(x, x.len());
-    of(a).dot(&of(b))
 }
 
 /// Product of two columns.

@@ -1,9 +1,9 @@
 //! Beam search for formulas: terms one after the other, several formulas at a time, then their parts exchanged.
 
-use crate::diagnose::fit::linear_model::dot;
 use crate::diagnose::formula::factor::{Factor, Shape};
 use crate::diagnose::formula::solved::{Column, Misfit, Solved};
 use crate::diagnose::formula::term::Term;
+use crate::linalg::lanes::inner_product::dot;
 use crate::linalg::normal_equations::INDEPENDENT;
 use rayon::prelude::*;
 

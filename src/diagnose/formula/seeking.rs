@@ -2,7 +2,7 @@
 //! fitted rows, and the one that the rows which choose prefer.
 
 use crate::chain::effect::user_law;
-use crate::diagnose::candidates::score_test::Linearised;
+use crate::diagnose::candidates::score_test::ScoreTests;
 use crate::diagnose::fit::candidate::Candidate;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::fitting::fit_model;
@@ -95,17 +95,17 @@ impl Seeking<'_> {
     pub fn fitted(&self, channel: usize) -> Option<Fitted> {
         let context = self.context;
         let train = context.recordings(Split::Train);
-        let linearised =
-            Linearised::of_every((counting_rows(&train) / ENOUGH).max(1), context, self.model);
+        let score_tests =
+            ScoreTests::of_every((counting_rows(&train) / ENOUGH).max(1), context, self.model);
         let place = Place {
             channel,
-            recordings: linearised.recordings(),
+            recordings: score_tests.recordings(),
             deviation: self.model.deviations()[channel],
         };
         let rows = FittedRows::of(context, self.model, &place)?;
         let is_known = |quantity: &Quantity| !rows.series(*quantity).is_empty();
         let few = few_of(self.variables, &is_known);
-        let search = |few: Option<&[Quantity]>| self.searched(&linearised, channel, &rows, few);
+        let search = |few: Option<&[Quantity]>| self.searched(&score_tests, channel, &rows, few);
         let mut searched: Vec<Searched> = few.iter().map(|few| search(Some(few))).collect();
         let of_all = search(None);
         // Of the variables of the best formula that has few, more shapes are tried than of all.
@@ -123,13 +123,13 @@ impl Seeking<'_> {
     /// The foremost formulas of some variables, or of all, fitted.
     fn searched(
         &self,
-        linearised: &Linearised<'_>,
+        score_tests: &ScoreTests<'_>,
         channel: usize,
         rows: &FittedRows,
         few: Option<&[Quantity]>,
     ) -> Searched {
         let grammar = Grammar::of(rows, few);
-        let misfit = Misfit::of(linearised.linear(), channel, rows, &grammar);
+        let misfit = Misfit::of(score_tests.linear(), channel, rows, &grammar);
         let found = search::formulas(&misfit, &|| self.context.control.is_interrupted());
         let fitted = found.par_iter().filter_map(|solved| {
             let formula = Formula::of(solved, &grammar, &self.model.model, rows.joint);

@@ -9,11 +9,12 @@
 //! own parameters can take, N_c rows, N of the formula's channel, p parameters, and the number M of terms that each was chosen from.
 //! What a law has bent of the parameters is wrong in every channel, and comes right with it.
 
-use crate::diagnose::fit::linear_model::{LinearModel, OwnProducts, dot};
+use crate::diagnose::fit::linear_model::{LinearModel, OwnProducts};
 use crate::diagnose::formula::grammar::Grammar;
 use crate::diagnose::formula::rows::FittedRows;
 use crate::diagnose::formula::term::Term;
 use crate::diagnose::residuals::quantity::Quantity;
+use crate::linalg::lanes::inner_product::dot;
 use crate::linalg::normal_equations::{INDEPENDENT, NormalSolution};
 use nalgebra::{DMatrix, DVector};
 

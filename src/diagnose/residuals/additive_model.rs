@@ -68,6 +68,26 @@ impl AdditiveModel {
         self.made_of.iter().all(|of| !of.is_empty())
     }
 
+    /// Takes it off the series of the recordings of a split, `[channel][row]` each, at the rows that count.
+    pub fn take_off<'s>(
+        &self,
+        split: Split,
+        series: impl Iterator<Item = (&'s Prepared, &'s mut Vec<Vec<f64>>)>,
+    ) {
+        let own = match split {
+            Split::Train => &self.train,
+            Split::Validation => &self.validation,
+        };
+        let mut own: Vec<_> = own.iter().map(|channel| channel.iter()).collect();
+        for (recording, channels) in series {
+            for (c, (channel, own)) in channels.iter_mut().zip(&mut own).enumerate() {
+                for (row, by) in recording.counting_for(c).zip(own) {
+                    channel[row] -= by;
+                }
+            }
+        }
+    }
+
     /// Whether it says something that is significant and matters, as one of so many channels' models.
     pub fn is_needed(&self, significance: f64, channels: usize) -> bool {
         let tried = (channels * self.tried) as f64;
@@ -163,14 +183,8 @@ fn left_of_fitted(
     let problem = fit.problem(&recordings);
     let mut left = problem.counted_residuals(&fit.solution.x);
     for correction in corrections {
-        for (c, taken) in correction.train.iter().enumerate() {
-            let mut taken = taken.iter();
-            for (recording, residuals) in recordings.iter().zip(&mut left) {
-                for (row, by) in recording.counting_for(c).zip(taken.by_ref()) {
-                    residuals[c][row] -= by;
-                }
-            }
-        }
+        let series = recordings.iter().copied().zip(&mut left);
+        correction.take_off(Split::Train, series);
     }
     left
 }
@@ -333,7 +347,7 @@ fn sought(context: &Context<'_>, fit: &ModelFit, channels: &[Sought<'_>]) -> Vec
     if channels.is_empty() {
         return Vec::new();
     }
-    let linearised = Linearised::of(fit, &context.recordings(Split::Train));
+    let linearised = LinearisedRows::of(fit, &context.recordings(Split::Train));
     let Some(folded) = FoldedModel::of(&linearised.linear) else {
         return Vec::new();
     };
@@ -360,12 +374,12 @@ fn sought(context: &Context<'_>, fit: &ModelFit, channels: &[Sought<'_>]) -> Vec
 }
 
 /// A fitted model linearised along some rows of recordings.
-pub(super) struct Linearised {
+pub(super) struct LinearisedRows {
     pub(super) linear: LinearModel,
     recordings: Vec<Prepared>,
 }
 
-impl Linearised {
+impl LinearisedRows {
     pub(super) fn of(fit: &ModelFit, recordings: &[&Prepared]) -> Self {
         let (linear, recordings) = LinearModel::along_few(fit, recordings, ENOUGH);
         Self { linear, recordings }

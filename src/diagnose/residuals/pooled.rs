@@ -4,7 +4,7 @@ use crate::chain::dataset::Prepared;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::residuals::additive_model::{
-    AdditiveModel, Linearised, Place, Rows, candidates, leaves_much, left,
+    AdditiveModel, LinearisedRows, Place, Rows, candidates, leaves_much, left,
 };
 use crate::diagnose::residuals::folds::FoldedModel;
 use crate::diagnose::residuals::smooth_fit::{Chosen, Smoothed};
@@ -66,7 +66,7 @@ impl Pooled {
 /// Fitted and held-out rows, less what corrections have taken of them.
 struct PooledRows<'a> {
     fit: &'a ModelFit,
-    linearised: Linearised,
+    linearised: LinearisedRows,
     rows: [Rows<'a>; 2],
     /// Of each channel, when it was last looked at; infinite before.
     gains: Vec<f64>,
@@ -80,7 +80,7 @@ impl<'a> PooledRows<'a> {
             recordings.extend(held_out);
         }
         Self {
-            linearised: Linearised::of(fit, &recordings),
+            linearised: LinearisedRows::of(fit, &recordings),
             rows: Rows::both(context, fit),
             gains: vec![f64::INFINITY; fit.validation.len()],
             fit,

@@ -6,6 +6,7 @@ pub mod forecast;
 pub mod hypothesis_test;
 pub mod law_range;
 pub mod rival_models;
+pub mod rivals_of_all;
 pub mod search_bounds;
 pub mod stepwise;
 pub mod time_window;

@@ -26,7 +26,7 @@ const TOLD_APART: f64 = 0.95;
 /// A hypothesis in the place of a finding.
 #[derive(Debug, Clone)]
 pub struct Alternative {
-    /// The model that has the alternative, against the one with neither.
+    /// The model that has the alternative, as the last of its hypotheses, against the one with neither.
     pub test: HypothesisTest,
     /// The difference of it and the finding is not small beside what neither explains.
     pub is_clear: bool,
@@ -51,6 +51,14 @@ pub struct TestedRivals {
     pub without: ModelFit,
     /// The other hypotheses, each in its place.
     pub rivals: Vec<TestedRival>,
+}
+
+impl TestedRivals {
+    /// The rivals that the recordings cannot set aside.
+    pub fn open(&self) -> impl Iterator<Item = &TestedRival> {
+        let rivals = self.rivals.iter();
+        rivals.filter(|rival| !rival.separation.separable)
+    }
 }
 
 /// How far recordings tell a rival from a finding.
@@ -86,6 +94,21 @@ pub struct RivalComparison {
     pub without: ModelFit,
     /// The other hypotheses, each in its place.
     pub alternatives: Vec<Alternative>,
+    /// Number of hypotheses of which they are the foremost.
+    pub tried: usize,
+}
+
+/// A finding with what its rivals are held against.
+#[derive(Clone, Copy)]
+pub struct Comparing<'a> {
+    /// The model with the finding.
+    pub full: &'a ModelFit,
+    /// What was found.
+    pub finding: &'a Hypothesis,
+    /// Of the rows that choose.
+    pub noise_level: &'a NoiseLevel,
+    /// Number of hypotheses that are tried in its place.
+    pub tests: usize,
 }
 
 impl RivalComparison {
@@ -211,8 +234,7 @@ impl StatedModel {
 pub fn ambiguities(full: &ModelFit, comparisons: &[TestedRivals]) -> Vec<Ambiguity> {
     let each = comparisons.iter().enumerate();
     let found = each.filter_map(|(finding, comparison)| {
-        let rivals = comparison.rivals.iter();
-        let open = rivals.filter(|a| !a.separation.separable);
+        let open = comparison.open();
         let rivals: Vec<StatedModel> = open.map(|a| StatedModel::of(&a.test.fit)).collect();
         (!rivals.is_empty()).then(|| Ambiguity {
             finding,
@@ -243,32 +265,49 @@ impl Stepwise<'_> {
             ..AlreadyTried::default()
         };
         let tests = self.tests(&without, &open, already)?;
-        let alternative = |test: HypothesisTest| {
-            let to_finding = FitPair {
-                poorer: full,
-                richer: &test.fit,
-            };
-            let from_finding = FitPair {
-                poorer: &test.fit,
-                richer: full,
-            };
-            let its_joints = test.hypothesis.named_joints();
-            let is_no_richer = test.fit.freedom() <= full.freedom();
-            let forecasts = || forecast(self.context, to_finding).p_value * (open.len() as f64);
-            Alternative {
-                is_clear: is_clear(noise_level, from_finding, &own.named_joints()),
-                better: test.fit.held_out_score() < full.held_out_score()
-                    && (is_no_richer && !is_likelier(from_finding)
-                        || error_excess(to_finding, &its_joints) > MATTERS
-                            && fits_better(to_finding))
-                    && forecasts() < self.rules.significance,
-                test,
-            }
+        let comparing = Comparing {
+            full,
+            finding: own,
+            noise_level,
+            tests: open.len(),
         };
+        let alternatives = tests.into_par_iter();
         Ok(RivalComparison {
-            alternatives: tests.into_par_iter().map(alternative).collect(),
+            alternatives: alternatives
+                .map(|test| self.alternative(&comparing, test))
+                .collect(),
             without,
+            tried: open.len(),
         })
+    }
+
+    /// What a model with a rival in the place of a finding is worth.
+    pub fn alternative(&self, comparing: &Comparing<'_>, test: HypothesisTest) -> Alternative {
+        let &Comparing {
+            full,
+            finding,
+            noise_level,
+            tests,
+        } = comparing;
+        let to_finding = FitPair {
+            poorer: full,
+            richer: &test.fit,
+        };
+        let from_finding = FitPair {
+            poorer: &test.fit,
+            richer: full,
+        };
+        let its_joints = test.hypothesis.named_joints();
+        let is_no_richer = test.fit.freedom() <= full.freedom();
+        let forecasts = || forecast(self.context, to_finding).p_value * (tests as f64);
+        Alternative {
+            is_clear: is_clear(noise_level, from_finding, &finding.named_joints()),
+            better: test.fit.held_out_score() < full.held_out_score()
+                && (is_no_richer && !is_likelier(from_finding)
+                    || error_excess(to_finding, &its_joints) > MATTERS && fits_better(to_finding))
+                && forecasts() < self.rules.significance,
+            test,
+        }
     }
 
     /// The model with the best alternative in the place of the k-th hypothesis, if one is better.

@@ -59,6 +59,7 @@ fn a_finding_is_called_by_the_name_that_rows_find_more_probable() {
         let comparison = RivalComparison {
             without: without.clone(),
             alternatives: vec![alternative],
+            tried: 1,
         };
         !comparison.more_probable(&context, found).is_empty()
     };
@@ -274,6 +275,7 @@ fn a_name_that_explains_less_than_it_leaves_is_withdrawn() {
         let comparison = RivalComparison {
             without: leaving(&declared, &vec![before.sqrt(); channels]),
             alternatives: Vec::new(),
+            tried: 0,
         };
         weak_findings::weakest(&noise, &full, &[comparison])
     };

@@ -2,7 +2,7 @@
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::diagnose::candidates::motions::Motions;
-use crate::diagnose::candidates::score_test::{Linearised, screen};
+use crate::diagnose::candidates::score_test::{ScoreTests, screen};
 use crate::diagnose::candidates::screening_reuse::Reusable;
 use crate::diagnose::candidates::signal_path::SignalPath;
 use crate::diagnose::fit::candidate::{Candidate, Screening};
@@ -71,7 +71,7 @@ fn a_look_beside_delays_promises_what_a_fit_takes() {
     let mut apart = before.clone();
     apart.values[before.model.joints()[0].delay.unwrap()] += data.recordings[0].segment().step();
     assert!(motions(&apart).all_late().is_none());
-    let promised = Linearised::new(&context, &before).examine(&context, &load);
+    let promised = ScoreTests::new(&context, &before).examine(&context, &load);
     let promised = promised.unwrap().gain;
     let taken = taken(FitPair {
         poorer: &before,

@@ -435,6 +435,7 @@ fn is_confounded(bench: &Bench, found: Hypothesis, of: impl Fn(&Motion, usize) -
     let comparison = RivalComparison {
         without: bench.declared(&data),
         alternatives: Vec::new(),
+        tried: 0,
     };
     let first = confounding::first(&context, &full, &[comparison], SIGNIFICANCE);
     first.is_some()
@@ -474,6 +475,7 @@ fn what_follows_the_motion_is_no_push() {
         let comparison = RivalComparison {
             without: bench.declared(&data),
             alternatives: Vec::new(),
+            tried: 0,
         };
         // A push that is there whenever something is leaves noise.
         let full = ModelFit {
