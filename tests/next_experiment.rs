@@ -1,6 +1,8 @@
 //! Names that recordings leave open: the experiment that a diagnosis asks for, designed, recorded and diagnosed, in which the rivals
 //! come apart; and those that no recording can tell.
 
+mod common;
+
 use exid::problem::solution::Control;
 use exid::trials::files::prepare;
 use exid::trials::plan::{Plan, Scope};
@@ -21,12 +23,16 @@ fn exid(folder: &Path, arguments: &[&str]) {
     assert!(output.status.success(), "{arguments:?}: {words}");
 }
 
-/// Effect of the first finding and its rivals that the recordings cannot set aside.
-fn first(folder: &Path) -> (String, Vec<String>) {
+/// The findings of a diagnosis.
+fn findings(folder: &Path) -> Vec<Value> {
     let text = fs::read_to_string(folder.join("result.json")).unwrap();
     let result: Value = serde_json::from_str(&text).unwrap();
+    result["findings"].as_array().unwrap().clone()
+}
+
+/// Effect of a finding and its rivals that the recordings cannot set aside.
+fn names(finding: &Value) -> (String, Vec<String>) {
     let name = |of: &Value| of["effect"].as_str().unwrap().to_string();
-    let finding = &result["findings"][0];
     let rivals = finding["rivals"].as_array().unwrap().iter();
     let open = rivals.filter(|rival| rival["separable"] == false);
     (name(finding), open.map(name).collect())
@@ -97,7 +103,7 @@ fn rivals_come_apart_in_the_recording_of_the_next_experiment() {
         exid(folder, &["diagnose", "problem.toml", "--out", "before"]);
         let rivals = case.rivals.iter().map(ToString::to_string).collect();
         assert_eq!(
-            first(&folder.join("before")),
+            names(&findings(&folder.join("before"))[0]),
             (case.named.to_string(), rivals)
         );
         let next = "before/next_experiment.toml";
@@ -114,7 +120,7 @@ fn rivals_come_apart_in_the_recording_of_the_next_experiment() {
         }
         exid(folder, &["diagnose", "problem.toml", "--out", "after"]);
         assert_eq!(
-            first(&folder.join("after")),
+            names(&findings(&folder.join("after"))[0]),
             (case.truth.to_string(), Vec::new())
         );
     }
@@ -130,23 +136,13 @@ fn lossy_arm(effects: &str, rest: &str) -> String {
     )
 }
 
-const ARM: &str = r#"<robot name="arm"><link name="base"/>
-<link name="upper"><inertial><origin xyz="0.3 0 -0.05"/><mass value="4"/>
-<inertia ixx="0.02" ixy="0" ixz="0" iyy="0.06" iyz="0" izz="0.06"/></inertial></link>
-<link name="lower"><inertial><origin xyz="0.1 0 -0.2"/><mass value="2"/>
-<inertia ixx="0.03" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"/></inertial></link>
-<joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/>
-<limit lower="-2" upper="2" velocity="3" effort="100"/></joint>
-<joint name="elbow" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0.6 0 0"/><axis xyz="0 1 0"/>
-<limit lower="-2" upper="2" velocity="3" effort="100"/></joint></robot>"#;
-
 /// A gear that loses a share of its load both ways is friction that grows with the load beneath links that are heavier: τ/R and τR
 /// are m τ ± c |τ|. One joint alone tells them, by links that the others have weighed; where every gear loses, none does.
 #[test]
 fn where_every_gear_loses_its_load_the_masses_leave_its_name_open() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
-    fs::write(at.join("arm.urdf"), ARM).unwrap();
+    fs::write(at.join("arm.urdf"), common::arm::URDF).unwrap();
     let truth = "train = [\"train.csv\"]\n[simulate]\ntrajectory = \"random\"\nperiods = 4\nnoise = 0.02\n[simulate.values]\n\
                  \"shoulder.Fc\" = 1.2\n\"elbow.Fc\" = 0.6\n\"shoulder.Fv\" = 1.1\n\"elbow.Fv\" = 0.5\n\
                  \"shoulder.transmission_efficiency.R\" = 0.8\n\"elbow.transmission_efficiency.R\" = 0.8\n";
@@ -159,20 +155,13 @@ fn where_every_gear_loses_its_load_the_masses_leave_its_name_open() {
     let files = "train = [\"1/train.csv\"]\nvalidation = [\"2/train.csv\"]\n";
     fs::write(at.join("declared.toml"), lossy_arm("", files)).unwrap();
     exid(at, &["diagnose", "declared.toml", "--out", "found"]);
-    let text = fs::read_to_string(at.join("found/result.json")).unwrap();
-    let result: Value = serde_json::from_str(&text).unwrap();
-    let findings = result["findings"].as_array().unwrap();
-    assert_eq!(findings.len(), 2, "{text}");
-    let losses = ["load_dependent_friction", "transmission_efficiency"];
-    for finding in findings {
-        let rivals = finding["rivals"].as_array().unwrap().iter();
-        let open = rivals.filter(|rival| rival["separable"] == false);
-        let mut names: Vec<&str> = open
-            .map(|rival| rival["effect"].as_str().unwrap())
-            .collect();
-        names.push(finding["effect"].as_str().unwrap());
-        names.sort_unstable();
-        assert_eq!(names, losses);
+    let findings = findings(&at.join("found"));
+    assert_eq!(findings.len(), 2, "{findings:?}");
+    for finding in &findings {
+        let (name, mut all) = names(finding);
+        all.push(name);
+        all.sort_unstable();
+        assert_eq!(all, ["load_dependent_friction", "transmission_efficiency"]);
         // Either is as probable as the other.
         let probability = finding["probability"].as_f64().unwrap();
         assert!((0.3..0.7).contains(&probability), "{probability}");

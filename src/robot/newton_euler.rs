@@ -75,8 +75,8 @@ impl<T: Scalar> NewtonEuler<T> {
         }
     }
 
-    /// Joint torques (N·m; N for sliding joints), n values; those of joints that are not asked for mean nothing. `parameters` are the 10 n inertial
-    /// parameters; `q`, `dq`, `ddq` have n values each.
+    /// Joint torques (N·m; N for sliding joints), n values; those of joints that are not asked for mean nothing.
+    /// `parameters` are the 10 n inertial parameters; `q`, `dq`, `ddq` have n values each.
     #[inline(always)]
     pub fn torque(
         &mut self,

@@ -27,11 +27,9 @@ pub struct Candidate {
 impl Candidate {
     /// Whether another is the same model with the same values: what a model has is known by its parameters.
     pub fn is(&self, other: &Self) -> bool {
-        let names = |of: &Self| -> Vec<String> {
-            let parameters = of.model.parameters().iter();
-            parameters.map(|p| p.name.clone()).collect()
-        };
-        self.values == other.values && names(self) == names(other)
+        let names = [self, other].map(|of| of.model.parameters().iter().map(|p| &p.name));
+        let [own, others] = names;
+        self.values == other.values && own.eq(others)
     }
 }
 

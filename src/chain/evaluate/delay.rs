@@ -30,10 +30,7 @@ impl Evaluator<'_> {
         // By channel: its delay, and the column of that.
         let late: Vec<(f64, Option<usize>)> = channels
             .iter()
-            .map(|channel| match (channel.joint, channel.active) {
-                (Some(joint), true) => of_joint(joint),
-                _ => (0.0, None),
-            })
+            .map(|channel| channel.joint.map_or((0.0, None), of_joint))
             .collect();
         let is_wanted = self.wanted.clone();
         let mut distinct: Vec<f64> = (0..late.len())

@@ -123,7 +123,7 @@ impl Evaluator<'_> {
             if sums {
                 self.sum_bodies(&regressor, &bodies, range.clone());
             }
-            self.body_columns(&regressor, segment, &links, range);
+            self.body_columns(&regressor, segment, wanted, range);
         }
         self.regressor = Some(regressor);
     }
@@ -164,15 +164,13 @@ impl Evaluator<'_> {
         &mut self,
         regressor: &RegressorBatch,
         segment: Segment<'_>,
-        wanted: &[bool],
+        wanted: Wanted<'_>,
         range: Range<usize>,
     ) {
         let torque_rows = self.torque_rows();
-        let rows: Vec<usize> = (0..self.rigid.values.len())
-            .filter(|&row| self.reaches_signal(row))
-            .collect();
-        for row in rows {
-            for link in (0..wanted.len()).filter(|&link| wanted[link]) {
+        let is_wanted = |row: &usize| *row >= torque_rows || wanted.joints[*row];
+        for row in (0..self.rigid.values.len()).filter(is_wanted) {
+            for link in (0..wanted.links.len()).filter(|&link| wanted.links[link]) {
                 if row < torque_rows && !self.tree.moves(row, link) {
                     continue;
                 }

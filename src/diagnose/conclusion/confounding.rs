@@ -120,7 +120,7 @@ impl Named<'_> {
         if is_of_others {
             let smooth: Vec<&AdditiveModel> = smooth.iter().collect();
             let instead = additive_model::left(without, &smooth);
-            if self.is_instead(&instead, &both) {
+            if takes_its_place(&instead, &both, &full.validation) {
                 return true;
             }
         }
@@ -133,10 +133,7 @@ impl Named<'_> {
         let after_first = variables.len().min(1);
         variables.splice(after_first..after_first, correction.made_of.iter().cloned());
         let formula = self.formula(correction.channel, without, &variables);
-        formula.is_some_and(|instead| {
-            let left = &instead.found.fit.validation;
-            self.is_instead(left, &both) && self.forecasts_more(&instead)
-        })
+        formula.is_some_and(|instead| self.yields_to(&instead, &both))
     }
 
     /// Whether something is left beside a finding that no smooth correction takes, and a formula in the place of the finding leaves
@@ -152,29 +149,20 @@ impl Named<'_> {
         };
         let beside = self.seeking(self.full, &[]);
         let both = beside.fit(channel, instead.found.formula());
-        both.is_some_and(|both| {
-            let left = &instead.found.fit.validation;
-            self.is_instead(left, &both.fit.validation) && self.forecasts_more(&instead)
-        })
+        both.is_some_and(|both| self.yields_to(&instead, &both.fit.validation))
     }
 
-    /// Whether a formula forecasts what the name leaves, which one of so many may do by chance.
-    fn forecasts_more(&self, instead: &FormulaInPlace) -> bool {
+    /// Whether a formula takes the place of a name, and forecasts more of what that leaves than one of so many does by chance.
+    fn yields_to(&self, instead: &FormulaInPlace, both: &Left) -> bool {
         let pair = FitPair {
             poorer: self.full,
             richer: &instead.found.fit,
         };
-        let p_value = forecast(self.context, pair).p_value;
-        p_value * (instead.tried as f64) < self.significance
-    }
-
-    /// Whether what stands in the place of a name leaves hardly more than the name with more beside it, in every channel, and
-    /// takes some of what the name alone leaves.
-    fn is_instead(&self, instead: &Left, both: &Left) -> bool {
-        let alone = &self.full.validation;
-        let mut pairs = instead.iter().zip(alone);
-        let takes = pairs.any(|(instead, alone)| rms(instead) <= (1.0 - MATTERS) * rms(alone));
-        takes && is_hardly_more(instead, both)
+        let forecasts = || {
+            let p_value = forecast(self.context, pair).p_value;
+            p_value * (instead.tried as f64) < self.significance
+        };
+        takes_its_place(&pair.richer.validation, both, &pair.poorer.validation) && forecasts()
     }
 
     /// The formula in the place of a finding, if every term of it is of another joint's motion.
@@ -200,9 +188,37 @@ impl Named<'_> {
     }
 }
 
+/// Whether what stands in the place of a name leaves hardly more than the name with more beside it, in every channel, and takes some of
+/// what the name alone leaves.
+fn takes_its_place(instead: &Left, both: &Left, alone: &Left) -> bool {
+    let mut pairs = instead.iter().zip(alone);
+    let takes = pairs.any(|(instead, alone)| rms(instead) <= (1.0 - MATTERS) * rms(alone));
+    takes && is_hardly_more(instead, both)
+}
+
 /// Whether what is left in the place of a name is hardly more than with the name, in every channel.
 fn is_hardly_more(instead: &Left, both: &Left) -> bool {
     let mean_square = |residual: &[f64]| rms(residual).powi(2);
     let mut pairs = instead.iter().zip(both);
     pairs.all(|(instead, both)| mean_square(instead) <= (1.0 + IN_DOUBT) * mean_square(both))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_leaves_as_much_as_a_name_is_another_wording_of_it() {
+        let left = |first: f64| vec![vec![first; 4], vec![1.0; 4]];
+        let takes_its_place = |instead| takes_its_place(&left(instead), &left(1.0), &left(1.1));
+        assert!(takes_its_place(1.0));
+        // An offset that is called an exponential without a slope.
+        assert!(!takes_its_place(1.1));
+        assert!(takes_its_place(1.1 * 0.989));
+        assert!(!takes_its_place(1.1 * 0.991));
+        // Of the squares half as much again as with the name, and not more.
+        let beside = |instead: f64| super::takes_its_place(&left(instead), &left(1.0), &left(2.0));
+        assert!(beside(1.5_f64.sqrt() - 1e-9));
+        assert!(!beside(1.5_f64.sqrt() + 1e-9));
+    }
 }

@@ -3,7 +3,6 @@
 
 use crate::chain::effect::user_law;
 use crate::diagnose::candidates::score_test::ScoreTests;
-use crate::diagnose::fit::candidate::Candidate;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::fitting::fit_model;
 use crate::diagnose::fit::hypothesis::Hypothesis;
@@ -19,7 +18,7 @@ use crate::diagnose::formula::solved::{Misfit, Solved};
 use crate::diagnose::residuals::effect_size::MATTERS;
 use crate::diagnose::residuals::folds::FoldedModel;
 use crate::diagnose::residuals::quantity::Quantity;
-use crate::diagnose::selection::exact_fit::ExactFit;
+use crate::diagnose::selection::exact_fit::is_possible;
 use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::hypothesis_test::{CONFIDENCE, HypothesisTest};
 use crate::diagnose::selection::stepwise::CHOICE;
@@ -163,19 +162,7 @@ impl Seeking<'_> {
         let from = self.model.warm_start().with(&start);
         // A formula that cannot be fitted is none.
         let fit = fit_model(context, &hypotheses, &from).ok()?;
-        let candidate = Candidate {
-            hypothesis: hypothesis.clone(),
-            gain: 0.0,
-            start,
-            others: Vec::new(),
-            anew: Vec::new(),
-        };
-        let exact = ExactFit {
-            context,
-            before: self.model,
-            candidate: &candidate,
-        };
-        exact.is_possible(&fit).then(|| FittedFormula {
+        is_possible(context, &fit, &hypothesis, &start).then(|| FittedFormula {
             drives: formula.has_friction() && !dissipation::brakes(context, &fit, channel),
             formula,
             hypothesis,

@@ -170,22 +170,12 @@ impl ExactFit<'_> {
         fit.held_out_score() > self.before.held_out_score()
     }
 
-    /// Whether the parameters of the hypothesis came out where its physics has them: friction that drives is no friction,
-    /// whatever it explains, a law of speed changes within the speeds of its joint, no shape lies at a limit of its search, and what begins and
-    /// ends does.
+    /// Whether a fit has the hypothesis where its physics does.
     pub fn is_possible(&self, fit: &ModelFit) -> bool {
-        let (model, hypothesis) = (&fit.model, &self.candidate.hypothesis);
-        let mut own = self.candidate.start.iter();
-        let within_limits = own.all(|(name, _)| {
-            model.position(name).is_some_and(|index| {
-                let parameter = &model.parameters()[index];
-                (parameter.lower..=parameter.upper).contains(&fit.values[index])
-            })
-        });
-        within_limits
-            && law_range::are_reached(self.context, fit, hypothesis)
-            && search_bounds::are_inside(fit, hypothesis)
-            && time_window::is_shorter(self.context, fit, hypothesis)
+        let Candidate {
+            hypothesis, start, ..
+        } = self.candidate;
+        is_possible(self.context, fit, hypothesis, start)
     }
 
     /// The one that fits better, or that alone is possible.
@@ -226,6 +216,28 @@ impl ExactFit<'_> {
         kept.values.retain(|(name, _)| !bent(name));
         (kept.values.len() < start.values.len()).then_some(kept)
     }
+}
+
+/// Whether the parameters of a hypothesis, those of `own`, came out where its physics has them: friction that drives is no friction,
+/// whatever it explains, a law of speed changes within the speeds of its joint, no shape lies at a limit of its search, and what
+/// begins and ends does.
+pub fn is_possible(
+    context: &Context<'_>,
+    fit: &ModelFit,
+    hypothesis: &Hypothesis,
+    own: &Start,
+) -> bool {
+    let model = &fit.model;
+    let within_limits = own.iter().all(|(name, _)| {
+        model.position(name).is_some_and(|index| {
+            let parameter = &model.parameters()[index];
+            (parameter.lower..=parameter.upper).contains(&fit.values[index])
+        })
+    });
+    within_limits
+        && law_range::are_reached(context, fit, hypothesis)
+        && search_bounds::are_inside(fit, hypothesis)
+        && time_window::is_shorter(context, fit, hypothesis)
 }
 
 /// Whether one of some parameters ended at a limit of what it may be.

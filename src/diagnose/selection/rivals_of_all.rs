@@ -14,7 +14,7 @@ use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::fit::start::Start;
 use crate::diagnose::residuals::noise_level::NoiseLevel;
-use crate::diagnose::selection::exact_fit::taken;
+use crate::diagnose::selection::exact_fit::{is_possible, taken};
 use crate::diagnose::selection::hypothesis_test::HypothesisTest;
 use crate::diagnose::selection::rival_models::{Alternative, Comparing, RivalComparison};
 use crate::diagnose::selection::stepwise::Stepwise;
@@ -111,6 +111,11 @@ impl Stepwise<'_> {
                 let Ok(fit) = self.context.cache.fit_model(&hypotheses, make) else {
                     continue;
                 };
+                let is_possible =
+                    |&k: &usize| is_possible(self.context, &fit, &hypotheses[k], &start);
+                if !group.members.iter().all(is_possible) {
+                    continue;
+                }
                 for (&k, &at) in group.members.iter().zip(&places) {
                     let comparison = &mut comparisons[k];
                     if fit.fitted_score() >= comparison.alternatives[at].test.fit.fitted_score() {
