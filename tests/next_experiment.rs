@@ -49,8 +49,8 @@ struct Case {
     truth: &'static str,
 }
 
-/// The truth is named, with a rival; it is not what is named but one of its rivals; and a channel hears another, which a coupling of
-/// the two would do nearly as well. Longer recordings of the same motion would tell them too, but none of these is longer.
+/// The truth is named, with a rival; it is not what is named but one of its rivals; and a channel hears another, which bristles of
+/// its joint would do nearly as well. Longer recordings of the same motion would tell them too, but none of these is longer.
 const CASES: [Case; 3] = [
     Case {
         seed: 4711,
@@ -77,10 +77,10 @@ const CASES: [Case; 3] = [
     },
     Case {
         seed: 14,
-        number: 562,
+        number: 42,
         of: &["channel_crosstalk"],
         named: "channel_crosstalk",
-        rivals: &["kinematic_coupling"],
+        rivals: &["presliding_hysteresis"],
         truth: "channel_crosstalk",
     },
 ];

@@ -20,6 +20,7 @@ mod bench;
 mod evidence;
 mod kept;
 mod outside;
+mod rivals;
 mod search;
 mod unnamed;
 

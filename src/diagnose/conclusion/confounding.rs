@@ -29,8 +29,8 @@ use crate::diagnose::residuals::additive_model::{self, AdditiveModel};
 use crate::diagnose::residuals::effect_size::MATTERS;
 use crate::diagnose::residuals::noise_level;
 use crate::diagnose::residuals::quantity::Quantity;
-use crate::diagnose::selection::forecast::forecast;
-use crate::diagnose::selection::rival_models::{IN_DOUBT, RivalComparison};
+use crate::diagnose::selection::forecast::{IN_DOUBT, forecast};
+use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::stats::deviation::rms;
 
 /// The first finding of a model in whose place a smooth correction or a formula leaves hardly more, if there is one; asked of channels

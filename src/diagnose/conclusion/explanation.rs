@@ -218,7 +218,7 @@ impl Explaining<'_> {
     }
 
     /// The model with a rival in the place of a finding that rows which chose nothing find less probable than it, if nothing
-    /// speaks against that model.
+    /// speaks against that model and it makes those rows likelier, without what is superfluous beside the rival.
     fn renamed(
         &self,
         stepwise: &Stepwise<'_>,
@@ -228,10 +228,13 @@ impl Explaining<'_> {
     ) -> Result<Option<Confirmed>, DiagnoseError> {
         for (k, comparison) in beside.comparisons.iter().enumerate() {
             let rows = self.contexts.testing(&beside.full.hypotheses[k]);
+            let score = |fit: &ModelFit| fit.on(rows).held_out_score();
             for rival in comparison.more_probable(rows, &beside.full) {
                 let fit = stepwise.prune(stepwise.in_place(rival, k)?, examined)?;
                 let as_renamed = self.beside_rivals(stepwise, fit)?;
-                if let Judged::Confirmed(confirmed) = self.judged(as_renamed, tested)? {
+                if let Judged::Confirmed(confirmed) = self.judged(as_renamed, tested)?
+                    && score(&confirmed.beside.full) < score(&beside.full)
+                {
                     return Ok(Some(confirmed));
                 }
             }

@@ -26,9 +26,9 @@ use crate::solve::{levenberg_marquardt, linear};
 use crate::stats::deviation::deviations;
 use nalgebra::DVector;
 
-/// Share of the cost that a search may leave: for 1e4 residuals a hundredth of a standard deviation of one
-/// parameter, far below what moves a held-out error by 1 %.
-const COST_TOLERANCE: f64 = 1e-7;
+/// Share of the cost that one more step may promise where a search ends: for 1e4 residuals a tenth of a standard deviation of one
+/// parameter, and a ten-thousandth of what moves a held-out error by 1 %.
+const COST_TOLERANCE: f64 = 1e-6;
 
 /// Iterations of one search.
 const ITERATION_LIMIT: usize = 40;

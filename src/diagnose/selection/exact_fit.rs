@@ -21,6 +21,10 @@ use std::cmp::Ordering;
 /// A search that reaches less than this share of what one step of all parameters promised is made from other starts too.
 const PROMISED: f64 = 0.5;
 
+/// Minus twice the logarithm of the likelihood that a parameter without meaning takes (Wilks 1938): searches that end closer have
+/// come to one optimum, as far as data tell.
+const BY_CHANCE: f64 = 1.0;
+
 /// Weighted sum of squares of one joint whose loss lowers its RMS error by half of what matters: what
 /// promises less on the fitted rows does not matter on others.
 pub fn least_gain(fit: &ModelFit) -> f64 {
@@ -56,6 +60,11 @@ pub fn taken(pair: FitPair<'_>) -> f64 {
         .sum()
 }
 
+/// Whether a candidate may take about as much as another hypothesis that was found to take so much.
+pub fn competes(candidate: &Candidate, taken: f64) -> bool {
+    candidate.gain >= PROMISED * taken
+}
+
 /// A candidate to be fitted beside what a model has.
 pub struct ExactFit<'a> {
     /// The problem with its recordings.
@@ -87,11 +96,6 @@ impl ExactFit<'_> {
         !self.is_wanting(first) && !self.is_lost(first) && !self.fits_worse(first)
     }
 
-    /// Whether the candidate may take about as much as another hypothesis that was found to take so much.
-    pub fn competes(&self, taken: f64) -> bool {
-        self.candidate.gain >= PROMISED * taken
-    }
-
     fn hypotheses(&self) -> Vec<Hypothesis> {
         let mut hypotheses = self.before.hypotheses.clone();
         hypotheses.push(self.candidate.hypothesis.clone());
@@ -114,7 +118,7 @@ impl ExactFit<'_> {
         let tried = tried.map(|start| fit_model_holding(self.context, hypotheses, start, &[]));
         let tried = tried.collect::<Result<Vec<ModelFit>, DiagnoseError>>()?;
         let foremost = tried.into_iter().reduce(|a, b| self.better(a, b));
-        if let Some(foremost) = foremost.filter(|one| self.is_better(one, &best)) {
+        if let Some(foremost) = foremost.filter(|one| self.leads_further(one, &best)) {
             best = self.better(best, from(&foremost.warm_start())?);
         }
         if self.is_lost(&best) {
@@ -184,6 +188,12 @@ impl ExactFit<'_> {
             true => b,
             false => a,
         }
+    }
+
+    /// Whether a fit is better than another by more than where searches of one optimum end, or alone possible.
+    fn leads_further(&self, fit: &ModelFit, other: &ModelFit) -> bool {
+        let is_new = fit.fitted_score() < other.fitted_score() - BY_CHANCE;
+        (is_new || !self.is_possible(other)) && self.is_better(fit, other)
     }
 
     /// Whether a fit is better than another, or alone possible.

@@ -4,21 +4,21 @@ use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::contexts::Contexts;
 use crate::diagnose::fit::fitting::fit_model;
-use crate::diagnose::fit::hypothesis::{Hypothesis, channels_of};
+use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::fit::start::Start;
 use crate::diagnose::residuals::effect_size::{MATTERS, error_excess};
 use crate::diagnose::residuals::noise_level::NoiseLevel;
 use crate::diagnose::selection::exact_fit::{fit_without, taken};
-use crate::diagnose::selection::forecast::forecast;
+use crate::diagnose::selection::forecast::{ComparedRows, forecast};
 use crate::diagnose::selection::hypothesis_test::{CONFIDENCE, HypothesisTest, fits_better};
 use crate::diagnose::selection::stepwise::{AlreadyTried, Stepwise};
 use crate::stats::distribution::Distribution;
-use crate::stats::encompassing::{Encompassing, ResidualPair};
+use crate::stats::encompassing::Encompassing;
 use rayon::prelude::*;
 
-/// A rival is told apart only if it leaves at least half as much again as the finding does, above the noise.
-pub const IN_DOUBT: f64 = 0.5;
+/// Share of what a finding takes: where a rival that takes so much is told from it, weaker ones are.
+const HALF: f64 = 0.5;
 
 /// Confidence with which two models are told apart.
 const TOLD_APART: f64 = 0.95;
@@ -28,8 +28,8 @@ const TOLD_APART: f64 = 0.95;
 pub struct Alternative {
     /// The model that has the alternative, as the last of its hypotheses, against the one with neither.
     pub test: HypothesisTest,
-    /// The difference of it and the finding is not small beside what neither explains.
-    pub is_clear: bool,
+    /// The rows on which the difference of it and the finding is not small beside what neither explains.
+    pub clear: Option<ComparedRows>,
     /// The alternative forecasts what the finding leaves, and where it has more parameters that matters and it fits
     /// better too; where it has fewer, it loses no more of what was fitted than it gains.
     pub better: bool,
@@ -135,10 +135,10 @@ impl RivalComparison {
                 poorer: &seen,
                 richer: &tested,
             };
-            let evidence = forecast(rows, unchosen);
+            let clear = ComparedRows::clear(whole, noise_level, pair, &joints);
+            let evidence = clear.unwrap_or(ComparedRows::All).forecast(rows, unchosen);
             let is_confirmed = evidence.p_value < 1.0 - TOLD_APART;
-            let is_far =
-                is_clear(noise_level, pair, &joints) && error_excess(pair, &joints) > MATTERS;
+            let is_far = clear.is_some() && error_excess(pair, &joints) > MATTERS;
             let separation = match is_far && is_confirmed {
                 true => Separation {
                     evidence,
@@ -173,28 +173,27 @@ impl RivalComparison {
     /// Simpler ones that lose more of what was fitted than they gain are not among them.
     pub fn more_probable(&self, rows: &Context<'_>, full: &ModelFit) -> Vec<&Alternative> {
         let found = full.on(rows);
-        let odds = |alternative: &Alternative| {
+        let odds = |alternative: &Alternative, compared: ComparedRows| {
             let rival = alternative.test.fit.on(rows);
             let pair = FitPair {
                 poorer: &rival,
                 richer: &found,
             };
-            -forecast(rows, pair).log_likelihood_ratio()
+            -compared.forecast(rows, pair).log_likelihood_ratio()
         };
-        let open = |alternative: &&Alternative| {
+        let is_open = |alternative: &Alternative| {
             let rival = &alternative.test.fit;
             let pair = FitPair {
                 poorer: rival,
                 richer: full,
             };
             let is_simpler = rival.freedom() < full.freedom();
-            alternative.is_clear && !(is_simpler && is_likelier(pair))
+            !(is_simpler && is_likelier(pair))
         };
-        let all = self
-            .alternatives
-            .par_iter()
-            .filter(open)
-            .map(|a| (a, odds(a)));
+        let all = self.alternatives.par_iter().filter_map(|a| {
+            let compared = a.clear.filter(|_| is_open(a))?;
+            Some((a, odds(a, compared)))
+        });
         let mut likelier: Vec<_> = all.filter(|(_, odds)| *odds > 0.0).collect();
         likelier.sort_by(|a, b| b.1.total_cmp(&a.1));
         likelier.into_iter().map(|(a, _)| a).collect()
@@ -257,11 +256,17 @@ impl Stepwise<'_> {
         let own = &full.hypotheses[k];
         let mut open = self.rules.open(self.context, &without);
         open.retain(|h| h != own && !h.overlaps(own));
+        let pair = FitPair {
+            poorer: &without,
+            richer: full,
+        };
+        let by_finding = taken(pair);
         let already = AlreadyTried {
-            by_finding: taken(FitPair {
-                poorer: &without,
-                richer: full,
-            }),
+            by_finding,
+            told_apart: match self.tells_half(noise_level, pair, own, open.len()) {
+                true => HALF * by_finding,
+                false => 0.0,
+            },
             ..AlreadyTried::default()
         };
         let tests = self.tests(&without, &open, already)?;
@@ -279,6 +284,23 @@ impl Stepwise<'_> {
             without,
             tried: open.len(),
         })
+    }
+
+    /// Whether one of some rivals that takes [`HALF`] of what a finding takes would be told from it by the rows that choose.
+    fn tells_half(
+        &self,
+        noise_level: &NoiseLevel,
+        pair: FitPair<'_>,
+        finding: &Hypothesis,
+        rivals: usize,
+    ) -> bool {
+        let weaker = taking(HALF, pair);
+        let pair = FitPair {
+            poorer: &weaker,
+            ..pair
+        };
+        let told = separation(self.context, noise_level, pair, &finding.named_joints());
+        told.is_clear && told.evidence.p_value * (rivals as f64) < 1.0 - TOLD_APART
     }
 
     /// What a model with a rival in the place of a finding is worth.
@@ -301,7 +323,12 @@ impl Stepwise<'_> {
         let is_no_richer = test.fit.freedom() <= full.freedom();
         let forecasts = || forecast(self.context, to_finding).p_value * (tests as f64);
         Alternative {
-            is_clear: is_clear(noise_level, from_finding, &finding.named_joints()),
+            clear: ComparedRows::clear(
+                self.context,
+                noise_level,
+                from_finding,
+                &finding.named_joints(),
+            ),
             better: test.fit.held_out_score() < full.held_out_score()
                 && (is_no_richer && !is_likelier(from_finding)
                     || error_excess(to_finding, &its_joints) > MATTERS && fits_better(to_finding))
@@ -335,6 +362,23 @@ impl Stepwise<'_> {
     }
 }
 
+/// The poorer model of two, were it to take so large a share of the squares that the richer one takes from the held-out rows, and the
+/// same rows.
+fn taking(share: f64, pair: FitPair<'_>) -> ModelFit {
+    let left = (1.0 - share).sqrt();
+    let between = |(poorer, richer): (&Vec<f64>, &Vec<f64>)| {
+        let rows = poorer.iter().zip(richer);
+        rows.map(|(poorer, richer)| richer + left * (poorer - richer))
+            .collect()
+    };
+    let FitPair { poorer, richer } = pair;
+    let channels = poorer.validation.iter().zip(&richer.validation);
+    ModelFit {
+        validation: channels.map(between).collect(),
+        ..poorer.clone()
+    }
+}
+
 /// Whether a richer model fits better than by chance and makes all rows, fitted and held out, likelier: held-out rows of small
 /// motions say little of what large ones show.
 fn is_likelier(pair: FitPair<'_>) -> bool {
@@ -349,36 +393,18 @@ pub fn separation(
     pair: FitPair<'_>,
     joints: &[usize],
 ) -> Separation {
-    let evidence = forecast(context, pair);
+    let clear = ComparedRows::clear(context, noise_level, pair, joints);
+    let evidence = clear.unwrap_or(ComparedRows::All).forecast(context, pair);
     let differs = evidence.p_value < 1.0 - CONFIDENCE || error_excess(pair, joints) > MATTERS;
     let missed =
         Distribution::Normal.quantile(CONFIDENCE) - Distribution::Normal.quantile(TOLD_APART);
     let times = (missed / evidence.distance).powi(2);
-    let is_clear = is_clear(noise_level, pair, joints);
     Separation {
         evidence,
-        is_clear,
-        separable: differs && is_clear,
+        is_clear: clear.is_some(),
+        separable: differs && clear.is_some(),
         times_longer: times.is_finite().then_some(times),
     }
-}
-
-/// Whether the difference of two models in the channels of some joints is not small beside what neither explains; taken as it is
-/// where the noise is not measured.
-fn is_clear(noise_level: &NoiseLevel, pair: FitPair<'_>, joints: &[usize]) -> bool {
-    let channels = channels_of(&pair.richer.model, joints);
-    !noise_level.measured || leaves_more(noise_level, pair.held_out(), &channels)
-}
-
-/// Whether a poorer model leaves more above the noise than a richer one in one of some channels, by half of that at least:
-/// what neither explains tilts the comparison of the two as much as their physics.
-pub fn leaves_more(noise_level: &NoiseLevel, pair: ResidualPair<'_>, channels: &[usize]) -> bool {
-    let of = |c: &usize| {
-        let lack = |residuals: &[Vec<f64>]| noise_level.lack_of_fit(residuals, &[*c]);
-        let least = lack(pair.richer);
-        lack(pair.poorer) - least > IN_DOUBT * (least - 1.0).max(0.0)
-    };
-    channels.iter().any(of)
 }
 
 #[cfg(test)]

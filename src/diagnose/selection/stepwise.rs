@@ -8,7 +8,7 @@ use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::{self, Hypothesis};
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::effect_size::{self, MATTERS, error_excess};
-use crate::diagnose::selection::exact_fit::{ExactFit, fit_without, least_gain, taken};
+use crate::diagnose::selection::exact_fit::{ExactFit, competes, fit_without, least_gain, taken};
 use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::hypothesis_test::{CONFIDENCE, HypothesisTest, fits_better};
 use crate::diagnose::selection::law_range;
@@ -98,6 +98,8 @@ pub struct AlreadyTried<'a> {
     pub earlier: &'a [HypothesisTest],
     /// Sum of squares that a finding takes for which rivals are sought, as [`taken`] counts it.
     pub by_finding: f64,
+    /// Sum of squares that a rival takes which is told from the finding: what takes no more need not be tried.
+    pub told_apart: f64,
 }
 
 /// Stepwise selection over the rows of a context.
@@ -132,7 +134,7 @@ impl Stepwise<'_> {
             }
             let already = AlreadyTried {
                 earlier: selection.steps.last().map_or(&[][..], |step| &step.tests),
-                by_finding: 0.0,
+                ..AlreadyTried::default()
             };
             let mut tests = self.tests(&selection.fit, &open, already)?;
             let best = self.choose(&tests);
@@ -166,7 +168,7 @@ impl Stepwise<'_> {
 
     /// Fits the foremost candidates among some open hypotheses exactly beside what a model has; those that did not
     /// matter beside a poorer one do not where the residuals of their joints have stayed, and are not fitted again. Those that cannot
-    /// take as much as others have are not searched from every start.
+    /// take as much as others have are not searched from every start, and those that cannot rival a finding are not fitted.
     pub fn tests(
         &self,
         fit: &ModelFit,
@@ -177,7 +179,9 @@ impl Stepwise<'_> {
         let least = least_gain(fit);
         let find = || screen(context, fit, self.rules.open(context, fit));
         let mut candidates = context.cache.screening(&fit.hypotheses, find)?.candidates;
-        candidates.retain(|one| one.gain >= least && open.contains(&one.hypothesis));
+        candidates.retain(|one| {
+            one.gain >= least && competes(one, already.told_apart) && open.contains(&one.hypothesis)
+        });
         let candidates = foremost(candidates);
         let reusable = Reusable::of(context, fit);
         let is_refuted = |test: &HypothesisTest| {
@@ -218,7 +222,7 @@ impl Stepwise<'_> {
         let most = first.iter().map(taken).fold(already.by_finding, f64::max);
         let tests = first.into_par_iter().filter_map(|tried| match tried {
             Tried::Settled(test) => Some(test),
-            Tried::Open(exact, _) if exact.competes(most) => {
+            Tried::Open(exact, _) if competes(exact.candidate, most) => {
                 beside.test(&exact, exact.best().ok()?)
             }
             Tried::Open(exact, first) => beside.test(&exact, first),

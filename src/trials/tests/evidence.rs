@@ -15,7 +15,7 @@ use crate::diagnose::fit::recording_parameters;
 use crate::diagnose::residuals::effect_size::{MATTERS, OF_NOISE, OF_TORQUE, error_reduction};
 use crate::diagnose::residuals::noise_level::NoiseLevel;
 use crate::diagnose::residuals::reversal_mask;
-use crate::diagnose::selection::forecast::under_way;
+use crate::diagnose::selection::forecast::{ComparedRows, under_way};
 use crate::diagnose::selection::hypothesis_test::HypothesisTest;
 use crate::diagnose::selection::rival_models::{Alternative, RivalComparison};
 use crate::diagnose::selection::stepwise::{AlreadyTried, Rules, Stepwise};
@@ -49,11 +49,11 @@ fn a_finding_is_called_by_the_name_that_rows_find_more_probable() {
     let fits = [offset(0), by_load].map(|h| bench.fit(&data, &[h]));
     let [with_offset, with_friction] = &fits;
     assert_eq!(with_offset.freedom(), with_friction.freedom());
-    let is_called_otherwise = |found: &ModelFit, rival: &ModelFit, is_clear: bool| {
+    let is_called_otherwise = |found: &ModelFit, rival: &ModelFit, clear: Option<ComparedRows>| {
         let hypothesis = rival.hypotheses[0].clone();
         let alternative = Alternative {
             test: HypothesisTest::of(&context, &without, rival.clone(), hypothesis),
-            is_clear,
+            clear,
             better: false,
         };
         let comparison = RivalComparison {
@@ -63,9 +63,17 @@ fn a_finding_is_called_by_the_name_that_rows_find_more_probable() {
         };
         !comparison.more_probable(&context, found).is_empty()
     };
-    assert!(is_called_otherwise(with_friction, with_offset, true));
-    assert!(!is_called_otherwise(with_offset, with_friction, true));
-    assert!(!is_called_otherwise(with_friction, with_offset, false));
+    assert!(is_called_otherwise(
+        with_friction,
+        with_offset,
+        Some(ComparedRows::All)
+    ));
+    assert!(!is_called_otherwise(
+        with_offset,
+        with_friction,
+        Some(ComparedRows::All)
+    ));
+    assert!(!is_called_otherwise(with_friction, with_offset, None));
 }
 
 #[test]

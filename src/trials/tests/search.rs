@@ -9,7 +9,7 @@ use crate::diagnose::fit::candidate::{Candidate, Screening};
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::noise_level;
-use crate::diagnose::selection::exact_fit::{ExactFit, taken};
+use crate::diagnose::selection::exact_fit::{ExactFit, competes, taken};
 use crate::diagnose::selection::stepwise::{AlreadyTried, Rules, Stepwise};
 use crate::recording::split::Split;
 use crate::stats::deviation::deviation;
@@ -95,8 +95,8 @@ fn what_cannot_win_is_not_searched_to_the_end() {
         before: &declared,
         candidate,
     };
-    assert!(exact.competes(1.9 * candidate.gain));
-    assert!(!exact.competes(2.1 * candidate.gain));
+    assert!(competes(candidate, 1.9 * candidate.gain));
+    assert!(!competes(candidate, 2.1 * candidate.gain));
     let first = exact.first().unwrap();
     assert!(exact.is_settled(&first));
     assert!(!context.cache.is_fitted(&first.hypotheses));
