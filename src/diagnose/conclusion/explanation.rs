@@ -231,10 +231,11 @@ impl Explaining<'_> {
             let score = |fit: &ModelFit| fit.on(rows).held_out_score();
             for rival in comparison.more_probable(rows, &beside.full) {
                 let fit = stepwise.prune(stepwise.in_place(rival, k)?, examined)?;
+                if score(&fit) >= score(&beside.full) {
+                    continue;
+                }
                 let as_renamed = self.beside_rivals(stepwise, fit)?;
-                if let Judged::Confirmed(confirmed) = self.judged(as_renamed, tested)?
-                    && score(&confirmed.beside.full) < score(&beside.full)
-                {
+                if let Judged::Confirmed(confirmed) = self.judged(as_renamed, tested)? {
                     return Ok(Some(confirmed));
                 }
             }

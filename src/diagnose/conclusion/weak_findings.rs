@@ -40,7 +40,7 @@ pub fn weakest(
 fn share(noise_level: &NoiseLevel, pair: FitPair<'_>, joints: &[usize]) -> Option<f64> {
     let channels = channels_of(&pair.richer.model, joints);
     let lacks = channels.iter().map(|&c| {
-        let of = |fit: &ModelFit| noise_level.lack_of_fit(&fit.validation, &[c]);
+        let of = |fit: &ModelFit| noise_level.lack_of_channel(&fit.validation[c], c);
         (of(pair.poorer), of(pair.richer))
     });
     let (before, after) = lacks.max_by(|a, b| (a.0 - a.1).total_cmp(&(b.0 - b.1)))?;

@@ -27,7 +27,7 @@ use crate::stats::deviation::deviations;
 use nalgebra::DVector;
 
 /// Share of the cost that one more step may promise where a search ends: for 1e4 residuals a tenth of a standard deviation of one
-/// parameter, and a ten-thousandth of what moves a held-out error by 1 %.
+/// parameter, and less than a ten-thousandth of what moves an error by 1 %.
 const COST_TOLERANCE: f64 = 1e-6;
 
 /// Iterations of one search.

@@ -33,10 +33,18 @@ impl NoiseLevel {
         let (mut sum, mut rows) = (0.0, 0.0);
         for &c in channels.iter().filter(|&&c| !residuals[c].is_empty()) {
             let count = residuals[c].len() as f64;
-            sum += count * (rms(&residuals[c]) / self.rms[c]).powi(2);
+            sum += count * self.lack_of_channel(&residuals[c], c);
             rows += count;
         }
         if rows > 0.0 { sum / rows } else { 1.0 }
+    }
+
+    /// Lack of fit of one channel: mean square of some rows of its residual over the squared noise; 1 of none.
+    pub fn lack_of_channel(&self, residual: &[f64], channel: usize) -> f64 {
+        match residual {
+            [] => 1.0,
+            rows => (rms(rows) / self.rms[channel]).powi(2),
+        }
     }
 
     /// Holds the held-out errors of active channels against this noise.

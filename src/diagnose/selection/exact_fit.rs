@@ -191,7 +191,7 @@ impl ExactFit<'_> {
     }
 
     /// Whether a fit is better than another by more than where searches of one optimum end, or alone possible.
-    fn leads_further(&self, fit: &ModelFit, other: &ModelFit) -> bool {
+    pub fn leads_further(&self, fit: &ModelFit, other: &ModelFit) -> bool {
         let is_new = fit.fitted_score() < other.fitted_score() - BY_CHANCE;
         (is_new || !self.is_possible(other)) && self.is_better(fit, other)
     }

@@ -8,11 +8,12 @@
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::estimation_error::FittedInNoise;
 use crate::diagnose::fit::hypothesis::channels_of;
-use crate::diagnose::fit::model_fit::FitPair;
+use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::noise_level::{self, NoiseLevel};
 use crate::diagnose::residuals::reversal_mask;
 use crate::recording::split::Split;
 use crate::stats::encompassing::{Encompassing, Known, ResidualPair};
+use std::borrow::Cow;
 
 /// Fewer degrees of freedom do not tell a variance: at 3 the upper bound of a standard deviation, at 95 %, is three times
 /// its estimate.
@@ -40,10 +41,11 @@ impl ComparedRows {
         pair: FitPair<'_>,
         joints: &[usize],
     ) -> Option<Self> {
+        if !noise_level.measured {
+            return Some(Self::All);
+        }
         let channels = channels_of(&pair.richer.model, joints);
-        let is_clear = |rows: &Self| {
-            !noise_level.measured || rows.of(context, pair).leaves_more(noise_level, &channels)
-        };
+        let is_clear = |rows: &Self| rows.of(context, pair).leaves_more(noise_level, &channels);
         [Self::All, Self::UnderWay].into_iter().find(is_clear)
     }
 
@@ -104,32 +106,33 @@ impl<'a> KeptRows<'a> {
         }
     }
 
-    fn of(&self, channel: usize, series: &[f64]) -> Vec<f64> {
+    fn of<'s>(&self, channel: usize, series: &'s [f64]) -> Cow<'s, [f64]> {
         match &self.kept[channel] {
-            Some(rows) => reversal_mask::kept(series, rows),
-            None => series.to_vec(),
+            Some(rows) => Cow::Owned(reversal_mask::kept(series, rows)),
+            None => Cow::Borrowed(series),
         }
-    }
-
-    fn of_all(&self, residuals: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let channels = residuals.iter().enumerate();
-        channels.map(|(c, series)| self.of(c, series)).collect()
     }
 
     /// Whether the poorer model leaves more above the noise than the richer one in one of some channels, by half of that at least.
     fn leaves_more(&self, noise_level: &NoiseLevel, channels: &[usize]) -> bool {
-        let poorer = self.of_all(&self.pair.poorer.validation);
-        let richer = self.of_all(&self.pair.richer.validation);
+        let FitPair { poorer, richer } = self.pair;
         channels.iter().any(|&c| {
-            let least = noise_level.lack_of_fit(&richer, &[c]);
-            noise_level.lack_of_fit(&poorer, &[c]) - least > IN_DOUBT * (least - 1.0).max(0.0)
+            let lack =
+                |fit: &ModelFit| noise_level.lack_of_channel(&self.of(c, &fit.validation[c]), c);
+            let least = lack(richer);
+            lack(poorer) - least > IN_DOUBT * (least - 1.0).max(0.0)
         })
     }
 
     fn encompassing(&self, noise: Option<&[f64]>) -> Encompassing {
+        let of = |residuals: &[Vec<f64>]| -> Vec<Vec<f64>> {
+            let channels = residuals.iter().enumerate();
+            let kept = channels.map(|(c, series)| self.of(c, series).into_owned());
+            kept.collect()
+        };
         let residuals = ResidualPair {
-            poorer: &self.of_all(&self.pair.poorer.validation),
-            richer: &self.of_all(&self.pair.richer.validation),
+            poorer: &of(&self.pair.poorer.validation),
+            richer: &of(&self.pair.richer.validation),
         };
         let FitPair { poorer, richer } = self.pair;
         let fitted = self.context.recordings(Split::Train);

@@ -147,7 +147,7 @@ impl RivalComparison {
                     times_longer: None,
                 },
                 false => {
-                    let of_all = separation(whole, noise_level, pair, &joints);
+                    let of_all = separation_on(whole, clear, pair, &joints);
                     Separation {
                         evidence,
                         separable: of_all.separable && is_confirmed,
@@ -366,17 +366,14 @@ impl Stepwise<'_> {
 /// same rows.
 fn taking(share: f64, pair: FitPair<'_>) -> ModelFit {
     let left = (1.0 - share).sqrt();
-    let between = |(poorer, richer): (&Vec<f64>, &Vec<f64>)| {
-        let rows = poorer.iter().zip(richer);
-        rows.map(|(poorer, richer)| richer + left * (poorer - richer))
-            .collect()
-    };
-    let FitPair { poorer, richer } = pair;
-    let channels = poorer.validation.iter().zip(&richer.validation);
-    ModelFit {
-        validation: channels.map(between).collect(),
-        ..poorer.clone()
+    let mut weaker = pair.poorer.clone();
+    let channels = weaker.validation.iter_mut().zip(&pair.richer.validation);
+    for (weaker, richer) in channels {
+        for (e, least) in weaker.iter_mut().zip(richer) {
+            *e = least + left * (*e - least);
+        }
     }
+    weaker
 }
 
 /// Whether a richer model fits better than by chance and makes all rows, fitted and held out, likelier: held-out rows of small
@@ -394,6 +391,16 @@ pub fn separation(
     joints: &[usize],
 ) -> Separation {
     let clear = ComparedRows::clear(context, noise_level, pair, joints);
+    separation_on(context, clear, pair, joints)
+}
+
+/// The same, where the rows are known on which the difference of the two is clear.
+fn separation_on(
+    context: &Context<'_>,
+    clear: Option<ComparedRows>,
+    pair: FitPair<'_>,
+    joints: &[usize],
+) -> Separation {
     let evidence = clear.unwrap_or(ComparedRows::All).forecast(context, pair);
     let differs = evidence.p_value < 1.0 - CONFIDENCE || error_excess(pair, joints) > MATTERS;
     let missed =

@@ -63,16 +63,9 @@ fn a_finding_is_called_by_the_name_that_rows_find_more_probable() {
         };
         !comparison.more_probable(&context, found).is_empty()
     };
-    assert!(is_called_otherwise(
-        with_friction,
-        with_offset,
-        Some(ComparedRows::All)
-    ));
-    assert!(!is_called_otherwise(
-        with_offset,
-        with_friction,
-        Some(ComparedRows::All)
-    ));
+    let all = Some(ComparedRows::All);
+    assert!(is_called_otherwise(with_friction, with_offset, all));
+    assert!(!is_called_otherwise(with_offset, with_friction, all));
     assert!(!is_called_otherwise(with_friction, with_offset, None));
 }
 

@@ -119,6 +119,33 @@ fn what_cannot_win_is_not_searched_to_the_end() {
     assert!(!exact.is_settled(&first));
 }
 
+/// A start is followed that leads further than a parameter without meaning does; closer ends are one optimum.
+#[test]
+fn starts_that_lead_to_one_optimum_are_not_followed_twice() {
+    let bench = Bench::new(&["torque_offset"]);
+    let context = bench.context(&bench.opened.data);
+    let declared = bench.declared(context.data);
+    let joint = bench.plan.concealed[0].hypothesis.joints[0];
+    let looked = screen(&context, &declared, vec![offset(joint)]).unwrap();
+    let exact = ExactFit {
+        context: &context,
+        before: &declared,
+        candidate: &looked.candidates[0],
+    };
+    let first = exact.first().unwrap();
+    let rows: usize = first.train.iter().map(Vec::len).sum();
+    // The logarithm of the likelihood of n residuals of deviation s is -n ln s.
+    let likelier = |by: f64| {
+        let mut fit = first.clone();
+        let smaller = (-0.5 * by / rows as f64).exp();
+        fit.train.iter_mut().flatten().for_each(|e| *e *= smaller);
+        assert!((first.fitted_score() - fit.fitted_score() - by).abs() < 1e-3);
+        fit
+    };
+    assert!(!exact.leads_further(&likelier(0.9), &first));
+    assert!(exact.leads_further(&likelier(1.1), &first));
+}
+
 /// Beside an offset that takes much, an offset that promises what it does not take is searched to the end where that would be as
 /// much as half of it; and so is one in the place of the offset.
 #[test]
