@@ -41,6 +41,7 @@ pub use crate::estimate::minimisation::bandwidth;
 pub use crate::estimate::residual::{compress, standstill, weights};
 pub use crate::estimate::uncertainty::{covariance, spectrum};
 
+pub(crate) use crate::estimate::initial::gap_search;
 pub(crate) use crate::estimate::residual::{noise, rows};
 pub(crate) use crate::estimate::solve::canonical_sines;
 

@@ -29,20 +29,18 @@ pub fn tests(
     (0..full.hypotheses.len()).map(test).collect()
 }
 
-/// The hypothesis to be struck out: of those that fail the test the one with the weakest evidence, or else one that
-/// raises the error of its own joints, in its place in the order in which they were found.
-pub fn failing(
-    contexts: &Contexts<'_>,
-    prefixes: &[ModelFit],
-    tests: &[HypothesisTest],
-    significance: f64,
-) -> Option<usize> {
+/// The hypothesis to be struck out: of those that fail the test the one with the weakest evidence.
+pub fn failing(tests: &[HypothesisTest], significance: f64) -> Option<usize> {
     let fails = |k: &usize| tests[*k].p_value >= significance;
     let ratio = |k: &usize| tests[*k].evidence.ratio;
-    let weakest = (0..tests.len())
+    (0..tests.len())
         .filter(fails)
-        .min_by(|a, b| ratio(a).total_cmp(&ratio(b)));
-    weakest.or_else(|| (0..tests.len()).find(|&k| raises_error(contexts, prefixes, k)))
+        .min_by(|a, b| ratio(a).total_cmp(&ratio(b)))
+}
+
+/// The first hypothesis that raises the error of its own joints in its place in the order, beside those before it alone.
+pub fn misplaced(contexts: &Contexts<'_>, prefixes: &[ModelFit]) -> Option<usize> {
+    (0..prefixes.len() - 1).find(|&k| raises_error(contexts, prefixes, k))
 }
 
 /// Whether the k-th finding raises the error of its joints on rows that no choice has seen.

@@ -9,6 +9,8 @@ use crate::diagnose::conclusion::zero_size;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::contexts::Contexts;
+use crate::diagnose::fit::fitting::fit_model;
+use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::residuals::noise_level::{self, NoiseLevel};
 use crate::diagnose::selection::exact_fit::fit_without;
@@ -103,7 +105,8 @@ impl Explaining<'_> {
 
     /// Prunes a selected model, compares each finding with its rivals, exchanges what is bettered, withdraws names that
     /// explain less than they leave, are superfluous beside a smooth correction, or have a size that may be none, strikes out what
-    /// fails on rows that chose nothing, and calls the rest by the names that those rows find more probable.
+    /// fails on rows that chose nothing, puts what only lowers the error beside others behind them, and calls the rest by the
+    /// names that those rows find more probable.
     pub fn conclude(&self, mut selection: Selection) -> Result<Explanation, DiagnoseError> {
         let context = &self.contexts.selection;
         let searching = |selection: &Selection| self.step(selection);
@@ -113,6 +116,7 @@ impl Explaining<'_> {
         let mut tried = selection.steps.clone();
         let mut round = 0;
         let mut withdrawn = Vec::new();
+        let mut moved: Vec<Hypothesis> = Vec::new();
         let mut tested = 0;
         loop {
             let full = stepwise.prune(selection.fit.clone(), examined)?;
@@ -133,6 +137,17 @@ impl Explaining<'_> {
             let confirmed = match self.judged(beside, tested)? {
                 Judged::Objectionable(full, k) => {
                     selection.fit = withdraw(context, &full, k, &mut withdrawn)?;
+                    round = EXCHANGES;
+                    continue;
+                }
+                Judged::Misplaced(full, k) => {
+                    let own = &full.hypotheses[k];
+                    selection.fit = if k + 1 < full.hypotheses.len() && !moved.contains(own) {
+                        moved.push(own.clone());
+                        moved_last(context, &full, k)?
+                    } else {
+                        withdraw(context, &full, k, &mut withdrawn)?
+                    };
                     round = EXCHANGES;
                     continue;
                 }
@@ -188,9 +203,11 @@ impl Explaining<'_> {
         }
         let prefixes = prefixes(context, full)?;
         let tests = confirmation::tests(self.contexts, full, tested)?;
-        let failing = confirmation::failing(self.contexts, &prefixes, &tests, significance);
-        Ok(match failing {
-            Some(k) => Judged::Objectionable(beside.full, k),
+        if let Some(k) = confirmation::failing(&tests, significance) {
+            return Ok(Judged::Objectionable(beside.full, k));
+        }
+        Ok(match confirmation::misplaced(self.contexts, &prefixes) {
+            Some(k) => Judged::Misplaced(beside.full, k),
             None => Judged::Confirmed(Confirmed {
                 beside,
                 prefixes,
@@ -255,6 +272,8 @@ struct BesideRivals {
 enum Judged {
     /// Something speaks against the k-th of the model.
     Objectionable(ModelFit, usize),
+    /// The k-th of the model raises the error of its joints beside those before it alone.
+    Misplaced(ModelFit, usize),
     /// Nothing speaks against any.
     Confirmed(Confirmed),
 }
@@ -277,6 +296,15 @@ fn withdraw(
 ) -> Result<ModelFit, DiagnoseError> {
     withdrawn.extend(full.hypotheses[k].named_joints());
     fit_without(context, full, k)
+}
+
+/// A model with its k-th finding after all others.
+fn moved_last(context: &Context<'_>, full: &ModelFit, k: usize) -> Result<ModelFit, DiagnoseError> {
+    let mut hypotheses = full.hypotheses.clone();
+    let own = hypotheses.remove(k);
+    hypotheses.push(own);
+    let make = || fit_model(context, &hypotheses, &full.warm_start());
+    context.cache.fit_model(&hypotheses, make)
 }
 
 /// Models with the first 0, 1, ... of the findings of a model.

@@ -13,6 +13,7 @@ use crate::diagnose::fit::start::{Start, WarmStart};
 use crate::estimate::canonical_sines;
 use crate::estimate::error::EstimateError;
 use crate::estimate::estimator::Training;
+use crate::estimate::gap_search;
 use crate::estimate::problem::FitProblem;
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::Weights;
@@ -74,7 +75,17 @@ pub fn fit_model(
     from: &WarmStart,
 ) -> Result<ModelFit, DiagnoseError> {
     let model = context.model(hypotheses)?;
-    fit(context, hypotheses, model, from, ROUNDS)
+    fit(context, hypotheses, model, from, ROUNDS, Gaps::FromStart)
+}
+
+/// The same with the gaps of gears searched for, everything else fitted beside each of their values.
+pub fn fit_model_searching_gaps(
+    context: &Context<'_>,
+    hypotheses: &[Hypothesis],
+    from: &WarmStart,
+) -> Result<ModelFit, DiagnoseError> {
+    let model = context.model(hypotheses)?;
+    fit(context, hypotheses, model, from, ROUNDS, Gaps::Searched)
 }
 
 /// With the weights with which it begins, and while nonlinear parameters of some names stay at values: the way to a start, or to
@@ -93,7 +104,16 @@ pub fn fit_model_holding(
             model.fix(index, *value).map_err(EstimateError::from)?;
         }
     }
-    fit(context, hypotheses, with_prior, from, 1)
+    fit(context, hypotheses, with_prior, from, 1, Gaps::FromStart)
+}
+
+/// Where the gaps of gears come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Gaps {
+    /// From the start, by steps of all parameters.
+    FromStart,
+    /// From their grids, everything else fitted beside each value.
+    Searched,
 }
 
 fn fit(
@@ -102,6 +122,7 @@ fn fit(
     ModelWithPrior { mut model, prior }: ModelWithPrior,
     from: &WarmStart,
     rounds: usize,
+    gaps: Gaps,
 ) -> Result<ModelFit, DiagnoseError> {
     apply(&mut model, &from.values);
     let unknowns = Unknowns::find(&model, context.data, &prior);
@@ -121,6 +142,9 @@ fn fit(
         );
         let from = match &done {
             Some((solution, ..)) => solution.x.clone(),
+            None if gaps == Gaps::Searched => {
+                gap_search::refined(&problem, problem.start(), context.control)
+            }
             None => problem.start(),
         };
         let solution =

@@ -6,7 +6,7 @@ use crate::chain::parameter::Role;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::fit::candidate::{Anew, Candidate};
 use crate::diagnose::fit::context::Context;
-use crate::diagnose::fit::fitting::{fit_model, fit_model_holding};
+use crate::diagnose::fit::fitting::{fit_model, fit_model_holding, fit_model_searching_gaps};
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::fit::start::{Start, WarmStart};
@@ -89,6 +89,18 @@ impl ExactFit<'_> {
         let hypotheses = self.hypotheses();
         let search = || self.search(&hypotheses);
         self.context.cache.fit_model(&hypotheses, search)
+    }
+
+    /// The model with the candidate, whose gap is searched for with everything else fitted beside each value; the best that is
+    /// known of it.
+    pub fn searching_gap(&self) -> Result<ModelFit, DiagnoseError> {
+        let hypotheses = self.hypotheses();
+        let start = self.before.warm_start().with(&self.candidate.start);
+        let search = || fit_model_searching_gaps(self.context, &hypotheses, &start);
+        let least = least_gain(self.before);
+        self.context
+            .cache
+            .fit_from(&hypotheses, &hypotheses, least, search)
     }
 
     /// Whether nothing hints at a better optimum than the first.

@@ -1,13 +1,15 @@
 //! Stepwise selection: the model grows by one hypothesis at a time, then each is dropped on trial.
 
+use crate::chain::effect::Law;
 use crate::diagnose::candidates::score_test::screen;
 use crate::diagnose::candidates::screening_reuse::Reusable;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::fit::candidate::Candidate;
 use crate::diagnose::fit::context::Context;
-use crate::diagnose::fit::hypothesis::{self, Hypothesis};
+use crate::diagnose::fit::hypothesis::{self, Hypothesis, channels_of};
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::effect_size::{self, MATTERS, error_excess};
+use crate::diagnose::residuals::noise_level::{self, UNEXPLAINED};
 use crate::diagnose::selection::exact_fit::{ExactFit, competes, fit_without, least_gain, taken};
 use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::hypothesis_test::{CONFIDENCE, HypothesisTest, fits_better};
@@ -137,7 +139,11 @@ impl Stepwise<'_> {
                 ..AlreadyTried::default()
             };
             let mut tests = self.tests(&selection.fit, &open, already)?;
-            let best = self.choose(&tests);
+            let mut best = self.choose(&tests);
+            if best.is_none() {
+                tests.extend(self.tests_of_gaps(&selection.fit, &open)?);
+                best = self.choose(&tests);
+            }
             if let Some(best) = best {
                 let richer = &tests[best].fit;
                 let poorer = fit_without(context, richer, richer.hypotheses.len() - 1)?;
@@ -226,6 +232,49 @@ impl Stepwise<'_> {
                 beside.test(&exact, exact.best().ok()?)
             }
             Tried::Open(exact, first) => beside.test(&exact, first),
+        });
+        Ok(tests.collect())
+    }
+
+    /// Tests of the play of gears in channels that a model does not explain, with the gap searched for: where other physics is missing
+    /// beside it, one step of all other parameters, as a screening takes it, shows little of what a gap explains.
+    fn tests_of_gaps(
+        &self,
+        fit: &ModelFit,
+        open: &[Hypothesis],
+    ) -> Result<Vec<HypothesisTest>, DiagnoseError> {
+        let context = self.context;
+        let noise_level = noise_level::of_rows(context, fit, &[]);
+        if !noise_level.measured {
+            return Ok(Vec::new());
+        }
+        let is_unexplained = |hypothesis: &Hypothesis| {
+            let channels = channels_of(&fit.model, &hypothesis.joints);
+            let mut lacks = channels
+                .into_iter()
+                .map(|c| noise_level.lack_of_channel(&fit.validation[c], c));
+            lacks.any(|lack| lack > UNEXPLAINED)
+        };
+        let find = || screen(context, fit, self.rules.open(context, fit));
+        let mut candidates = context.cache.screening(&fit.hypotheses, find)?.glance;
+        candidates.retain(|Candidate { hypothesis, .. }| {
+            let is_play = matches!(hypothesis.effect.law, Law::Play);
+            is_play && open.contains(hypothesis) && is_unexplained(hypothesis)
+        });
+        candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        candidates.truncate(OF_ONE_EFFECT);
+        let beside = Beside {
+            context,
+            fit,
+            open: open.len(),
+        };
+        let tests = candidates.par_iter().filter_map(|candidate| {
+            let exact = ExactFit {
+                context,
+                before: fit,
+                candidate,
+            };
+            beside.test(&exact, exact.searching_gap().ok()?)
         });
         Ok(tests.collect())
     }

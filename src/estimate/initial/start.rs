@@ -14,6 +14,7 @@ use crate::chain::parameter::Role;
 use crate::estimate::error::EstimateError;
 use crate::estimate::fit_problem::problem::FitProblem;
 use crate::estimate::fit_problem::unknowns::Unknowns;
+use crate::estimate::initial::gap_search;
 use crate::estimate::initial::search_range::{Bounded, MotionRange};
 use crate::estimate::initial::start_grid::{JointSearches, LocalOptimum, OtherUnknowns, Point};
 use crate::estimate::residual::noise::predict;
@@ -52,26 +53,50 @@ pub(in crate::estimate) fn find(
     if problem.form().structure == Structure::Affine {
         return Ok(problem.start());
     }
+    let declared = at(problem, &[gains(problem)], control)?;
+    let x = with_laws(problem, declared.clone(), control)?;
+    if !gap_search::is_needed(problem) {
+        return Ok(x);
+    }
+    // Either may hide the other: the gaps what friction does, and friction where a link strikes.
+    let gaps_last = gap_search::refined(problem, x, control);
+    let gaps_first = with_laws(
+        problem,
+        gap_search::refined(problem, declared, control),
+        control,
+    )?;
+    let tried = [gaps_last, gaps_first]
+        .into_par_iter()
+        .map(|x| solve(problem, &x, ITERATIONS_BETWEEN, control));
+    let tried = tried.collect::<Result<Vec<_>, _>>()?;
+    let best = tried.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+    Ok(best.map_or_else(|| problem.start(), |best| best.x))
+}
+
+/// The unknowns with the laws of every joint's motor at the best shapes that a search finds beside the others.
+fn with_laws(
+    problem: &FitProblem<'_>,
+    from: DVector<f64>,
+    control: &Control<'_>,
+) -> Result<DVector<f64>, EstimateError> {
     let joints = 0..problem.model.joints().len();
-    let gains = gains(problem);
-    let declared = at(problem, std::slice::from_ref(&gains), control)?;
     let nonlinear = &problem.unknowns.nonlinear;
     let is_searched = |joint: usize| {
         let mut all = nonlinear.iter();
         all.any(|&p| search(problem.model, joint, p).is_some())
     };
     if !joints.clone().any(is_searched) {
-        return Ok(declared);
+        return Ok(from);
     }
     let laws: Vec<Vec<usize>> = joints
         .clone()
         .map(|joint| of_motor(problem, joint))
         .collect();
-    let alone = JointSearches::new(problem, &declared, &laws, OtherUnknowns::Free);
+    let alone = JointSearches::new(problem, &from, &laws, OtherUnknowns::Free);
     let grids: Vec<Vec<Point>> = joints.map(|joint| grid(problem, &alone, joint)).collect();
     let ends = best_ends(&alone, &grids).into_iter();
     let mut best: Vec<Point> = ends.map(|end| end.point).collect();
-    best.push(gains);
+    best.push(beside_laws(problem, &from));
     let mut x = at(problem, &best, control)?;
     for _ in 0..REVISIONS {
         x = solve(problem, &x, ITERATIONS_BETWEEN, control)?.x;
@@ -81,7 +106,7 @@ pub(in crate::estimate) fn find(
         let Some(mut better) = revised(problem, &x, &laws, &grids) else {
             break;
         };
-        better.push(gains_at(problem, &x));
+        better.push(beside_laws(problem, &x));
         x = at(problem, &better, control)?;
     }
     Ok(x)
@@ -135,15 +160,13 @@ fn gains(problem: &FitProblem<'_>) -> Point {
     open.into_iter().filter_map(of).collect()
 }
 
-/// The same gains at x.
-fn gains_at(problem: &FitProblem<'_>, x: &DVector<f64>) -> Point {
-    let positions = problem.unknowns.positions();
-    let gains = unknown_gains(problem).into_iter();
-    let value = |ControllerGain { gain, .. }: ControllerGain| {
-        let k = positions.iter().position(|&p| p == gain)?;
-        Some((gain, x[k]))
-    };
-    gains.filter_map(value).collect()
+/// The nonlinear parameters at x that shape no law of a motor.
+fn beside_laws(problem: &FitProblem<'_>, x: &DVector<f64>) -> Point {
+    let first = x.len() - problem.unknowns.nonlinear.len();
+    let nonlinear = problem.unknowns.nonlinear.iter();
+    let values = nonlinear.copied().zip(x.iter().skip(first).copied());
+    let others = values.filter(|(p, _)| motor_law(problem.model, *p).is_none());
+    others.collect()
 }
 
 /// The shapes at x, of every joint with the best end of searches from its grid where that leaves less of what all

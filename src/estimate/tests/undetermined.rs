@@ -56,8 +56,8 @@ fn a_factor_of_the_whole_torque_is_no_unknown_unless_something_has_a_size() {
     }
 }
 
-/// The speed of an excess of friction that is none changes nothing, and is as uncertain as can be; all else is as certain
-/// as without it.
+/// The speed of an excess of friction that is none, or too small to be seen, changes nothing, and is as uncertain as can be; all
+/// else is as certain as without it.
 #[test]
 fn the_shape_of_a_law_without_a_size_has_no_interval() {
     let data = recorded();
@@ -105,6 +105,9 @@ fn the_shape_of_a_law_without_a_size_has_no_interval() {
     assert!(variance(&variances(&model, 0.5), speed).is_finite());
     let none = variances(&model, 0.0);
     assert_eq!(variance(&none, speed), f64::INFINITY);
+    // Nor does one that leaves no trace in a row.
+    let traceless = variances(&model, 1e-6);
+    assert_eq!(variance(&traceless, speed), f64::INFINITY);
     let mut known = model.clone();
     let value = model.parameters()[speed].value;
     known.fix(speed, value).unwrap();

@@ -20,6 +20,11 @@ use nalgebra::{DMatrix, DVector};
 /// Share of a column that is left where those before it are taken out, below which it is one of them.
 const DEPENDENT: f64 = 1e-11;
 
+/// Standard deviations of the residuals, of all rows together, that an unknown has to move them by when it changes by what matters
+/// of it: one that does not could be thousands of times as large without a trace, and its derivatives say nothing of what it
+/// then does, such as those of the force at which bristles break, where none ever bends that far.
+const LEAST_TRACE: f64 = 1e-3;
+
 /// Covariance of the unknowns at the optimum x; infinite variance of those that the derivatives do not determine
 /// there, such as the shape of a law whose size has gone to zero.
 pub fn of_unknowns(problem: &FitProblem<'_>, x: &DVector<f64>) -> Option<DMatrix<f64>> {
@@ -44,7 +49,7 @@ impl Sensitivity {
     /// Of a problem at its optimum; `None` where the derivatives are not finite.
     pub fn of(problem: &FitProblem<'_>, x: &DVector<f64>) -> Option<Self> {
         let triangular = triangular(problem, x);
-        let (open, kept) = open_and_kept(&triangular);
+        let (open, kept) = open_and_kept(problem, &triangular);
         Some(Self {
             values: problem.parameters(x),
             open,
@@ -146,10 +151,12 @@ fn triangular(problem: &FitProblem<'_>, x: &DVector<f64>) -> DMatrix<f64> {
 }
 
 /// Unknowns that the derivatives do not determine, and the others.
-fn open_and_kept(triangular: &DMatrix<f64>) -> (Vec<usize>, Vec<usize>) {
+fn open_and_kept(problem: &FitProblem<'_>, triangular: &DMatrix<f64>) -> (Vec<usize>, Vec<usize>) {
+    let positions = problem.unknowns.positions();
+    let scale = |j: usize| problem.model.parameters()[positions[j]].scale;
     let is_open = |j: usize| {
-        let own = triangular[(j, j)].abs();
-        own.is_nan() || own <= DEPENDENT * triangular.column(j).norm()
+        let (own, all) = (triangular[(j, j)].abs(), triangular.column(j).norm());
+        own.is_nan() || own <= DEPENDENT * all || all * scale(j) <= LEAST_TRACE
     };
     (0..triangular.ncols()).partition(|&j| is_open(j))
 }
@@ -160,7 +167,7 @@ pub(super) fn inverse_over_determined(
     x: &DVector<f64>,
 ) -> Option<DMatrix<f64>> {
     let triangular = triangular(problem, x);
-    let (_, kept) = open_and_kept(&triangular);
+    let (_, kept) = open_and_kept(problem, &triangular);
     inverse_over(&triangular, &kept)
 }
 

@@ -37,7 +37,12 @@ pub(super) struct Bench {
 impl Bench {
     /// One of the effects is concealed.
     pub fn new(effects: &[&'static str]) -> Self {
-        Self::of(Plan::draw(&scope(effects), 0, 0))
+        Self::numbered(effects, 0)
+    }
+
+    /// The same in another trial.
+    pub fn numbered(effects: &[&'static str], number: u64) -> Self {
+        Self::of(Plan::draw(&scope(effects), number, 0))
     }
 
     /// Nothing is concealed.

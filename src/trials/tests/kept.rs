@@ -77,7 +77,7 @@ fn a_richer_model_fits_better_by_more_than_chance() {
 }
 
 #[test]
-fn a_finding_that_fails_or_raises_the_error_is_struck_out() {
+fn a_finding_that_fails_is_told_from_one_that_raises_the_error() {
     let bench = Bench::new(&["torque_offset"]);
     let halves = HeldOutHalves::of(bench.opened.data.clone(), Vec::new());
     let contexts = halves.contexts(&bench.opened.declared, &bench.control);
@@ -99,11 +99,10 @@ fn a_finding_that_fails_or_raises_the_error_is_struck_out() {
         p_value,
         error_reduction: 0.1,
     };
-    let failing = |prefixes: &[ModelFit], p_value: f64| {
-        confirmation::failing(&contexts, prefixes, &[test(p_value)], SIGNIFICANCE)
-    };
-    assert_eq!(failing(&prefixes, 0.9 * SIGNIFICANCE), None);
-    assert_eq!(failing(&prefixes, 1.1 * SIGNIFICANCE), Some(0));
+    let failing = |p_value: f64| confirmation::failing(&[test(p_value)], SIGNIFICANCE);
+    assert_eq!(failing(0.9 * SIGNIFICANCE), None);
+    assert_eq!(failing(1.1 * SIGNIFICANCE), Some(0));
+    assert_eq!(confirmation::misplaced(&contexts, &prefixes), None);
     let mut wrong = prefixes.clone();
     let joint = &wrong[1].model.joints()[joint].name;
     let place = wrong[1]
@@ -111,7 +110,7 @@ fn a_finding_that_fails_or_raises_the_error_is_struck_out() {
         .find(&format!("{joint}.torque_offset.offset"));
     // Three times the offset that there is leaves twice of it.
     wrong[1].values[place.unwrap()] *= 3.0;
-    assert_eq!(failing(&wrong, 0.9 * SIGNIFICANCE), Some(0));
+    assert_eq!(confirmation::misplaced(&contexts, &wrong), Some(0));
 }
 
 /// Stamps of samples are no better than a twentieth of the interval between them.

@@ -6,8 +6,10 @@ use crate::diagnose::candidates::score_test::{ScoreTests, screen};
 use crate::diagnose::candidates::screening_reuse::Reusable;
 use crate::diagnose::candidates::signal_path::SignalPath;
 use crate::diagnose::fit::candidate::{Candidate, Screening};
+use crate::diagnose::fit::fitting::{fit_model, fit_model_searching_gaps};
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
+use crate::diagnose::fit::start::WarmStart;
 use crate::diagnose::residuals::noise_level;
 use crate::diagnose::selection::exact_fit::{ExactFit, competes, taken};
 use crate::diagnose::selection::stepwise::{AlreadyTried, Rules, Stepwise};
@@ -231,4 +233,26 @@ fn derivatives_are_kept_for_the_model_that_they_are_of() {
     assert!(Arc::ptr_eq(&again, &of(&declared)));
     of(&named);
     assert!(Arc::ptr_eq(&again, &of(&declared)));
+}
+
+/// Steps of all parameters from a usual gap end at another than the one that strikes where the recording does.
+#[test]
+fn a_gap_is_found_wherever_a_search_begins() {
+    let bench = Bench::numbered(&["backlash"], 5);
+    let context = bench.context(&bench.opened.data);
+    let hidden = &bench.plan.concealed[0];
+    let hypotheses = std::slice::from_ref(&hidden.hypothesis);
+    let gap = |fit: &ModelFit| {
+        let joint = hidden.hypothesis.joints[0];
+        fit.values[fit.model.joints()[joint].play.unwrap()]
+    };
+    let from = WarmStart {
+        values: Vec::new(),
+        deviations: context.signal_rms(Split::Train),
+    };
+    let stepwise = gap(&fit_model(&context, hypotheses, &from).unwrap());
+    let searched = gap(&fit_model_searching_gaps(&context, hypotheses, &from).unwrap());
+    let truth = hidden.values[0].1;
+    assert!((searched / truth - 1.0).abs() < 0.01, "{searched} {truth}");
+    assert!((stepwise / truth - 1.0).abs() > 0.5, "{stepwise} {truth}");
 }

@@ -1,0 +1,165 @@
+//! Search for the gaps of gears with play.
+//!
+//! ```text
+//! min over g of min over all other unknowns of ½ ‖ r ‖²
+//! ```
+//!
+//! A gap decides at which row a link strikes a flank. The sum of squares has an optimum about every gap that brings strikes
+//! to other rows, and steps by derivatives end at the nearest. So a gap is held at each value of its grid while some
+//! iterations fit all else, and the steps about the best value are halved until strikes move by about a row.
+
+use crate::chain::effect::Search;
+use crate::chain::parameter::Role;
+use crate::estimate::fit_problem::problem::FitProblem;
+use crate::estimate::fit_problem::unknowns::Unknowns;
+use crate::estimate::solve::least_squares::solve;
+use crate::problem::solution::Control;
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+/// Iterations that fit all else beside every value of the grid, and beside the foremost of them.
+const ITERATIONS: [usize; 2] = [8, 40];
+
+/// The foremost values.
+const FOREMOST: usize = 4;
+
+/// Times that the steps about the best value are halved.
+const HALVINGS: usize = 2;
+
+/// Whether a gap is among the unknowns.
+pub fn is_needed(problem: &FitProblem<'_>) -> bool {
+    (0..problem.unknowns.positions().len()).any(|unknown| grid(problem, unknown).is_some())
+}
+
+/// The unknowns with every gap at the best value of its grid and all else fitted beside it; as they are where no play is
+/// searched for.
+pub fn refined(problem: &FitProblem<'_>, x: DVector<f64>, control: &Control<'_>) -> DVector<f64> {
+    let quiet = Control {
+        progress: None,
+        parts: None,
+        ..control.clone()
+    };
+    let gaps = (0..x.len()).filter_map(|gap| {
+        let values = grid(problem, gap)?;
+        let search = GapSearch {
+            problem,
+            gap,
+            control: &quiet,
+        };
+        Some((search, values))
+    });
+    gaps.fold(x, |x, (search, values)| search.best(x, values))
+}
+
+/// The values at which an unknown is tried; `None` of one that is no gap.
+fn grid(problem: &FitProblem<'_>, unknown: usize) -> Option<&'static [f64]> {
+    let model = problem.model;
+    let Role::Effect {
+        joint,
+        effect,
+        parameter,
+    } = model.parameters()[problem.unknowns.positions()[unknown]].role
+    else {
+        return None;
+    };
+    match model.joints()[joint].effects[effect].0.parameters[parameter].search {
+        Search::Rising(values) => Some(values),
+        _ => None,
+    }
+}
+
+/// The search for one gap.
+struct GapSearch<'a> {
+    problem: &'a FitProblem<'a>,
+    /// Which of the unknowns it is.
+    gap: usize,
+    control: &'a Control<'a>,
+}
+
+/// All unknowns, fitted beside a gap that is held.
+#[derive(Debug, Clone)]
+struct Held {
+    x: DVector<f64>,
+    cost: f64,
+}
+
+impl GapSearch<'_> {
+    fn best(&self, x: DVector<f64>, values: &[f64]) -> DVector<f64> {
+        let [few, many] = ITERATIONS;
+        let all = values.iter().copied().chain([x[self.gap]]);
+        let mut tried = self.fitted(all.map(|gap| self.with(&x, gap)).collect(), few);
+        let foremost = tried.drain(..FOREMOST.min(tried.len())).map(|one| one.x);
+        let foremost = foremost.collect();
+        tried.extend(self.fitted(foremost, many));
+        for _ in 0..HALVINGS {
+            let halfway = self.beside_best(&mut tried);
+            tried.extend(self.fitted(halfway, many));
+        }
+        let best = tried.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+        best.map_or(x, |best| best.x)
+    }
+
+    fn with(&self, x: &DVector<f64>, gap: f64) -> DVector<f64> {
+        let mut moved = x.clone();
+        moved[self.gap] = gap;
+        moved
+    }
+
+    /// The best of what was tried with gaps half the way to those next to its own.
+    fn beside_best(&self, tried: &mut [Held]) -> Vec<DVector<f64>> {
+        tried.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        let Some((best, others)) = tried.split_first() else {
+            return Vec::new();
+        };
+        let gap = |held: &Held| held.x[self.gap];
+        let ways = others.iter().map(|other| gap(other) - gap(best));
+        let (above, below): (Vec<f64>, Vec<f64>) =
+            ways.filter(|way| *way != 0.0).partition(|way| *way > 0.0);
+        let nearest = [above, below]
+            .into_iter()
+            .filter_map(|ways| ways.into_iter().min_by(|a, b| a.abs().total_cmp(&b.abs())));
+        nearest
+            .map(|way| self.with(&best.x, gap(best) + 0.5 * way))
+            .collect()
+    }
+
+    /// What fits best beside the gap of each start after some iterations, of those within limits for which there is such a fit; the
+    /// best first.
+    fn fitted(&self, starts: Vec<DVector<f64>>, iterations: usize) -> Vec<Held> {
+        let fitted = starts
+            .into_par_iter()
+            .filter_map(|x| self.beside(x, iterations));
+        let mut fitted: Vec<Held> = fitted.collect();
+        fitted.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        fitted
+    }
+
+    fn beside(&self, mut x: DVector<f64>, iterations: usize) -> Option<Held> {
+        let unknowns = &self.problem.unknowns;
+        let position = unknowns.positions()[self.gap];
+        let mut model = self.problem.model.clone();
+        if !model.parameters()[position].is_within_limits(x[self.gap]) {
+            return None;
+        }
+        model.start(position, x[self.gap]);
+        let others = Unknowns {
+            base: unknowns.base.clone(),
+            nonlinear: unknowns
+                .nonlinear
+                .iter()
+                .copied()
+                .filter(|p| *p != position)
+                .collect(),
+        };
+        let held = self.problem.with_unknowns(&model, &others);
+        let start = x.clone().remove_row(self.gap);
+        let found = solve(&held, &start, iterations, self.control).ok()?;
+        let rows = (0..x.len()).filter(|row| *row != self.gap);
+        rows.zip(found.x.iter())
+            .for_each(|(row, value)| x[row] = *value);
+        Some(Held {
+            x,
+            cost: found.cost,
+        })
+    }
+}
