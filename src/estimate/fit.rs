@@ -24,7 +24,7 @@ use crate::estimate::fit_problem::problem::{FitProblem, NoiseSource};
 use crate::estimate::fit_problem::unknowns::Unknowns;
 use crate::estimate::minimisation::fit_setup::FitSetup;
 use crate::estimate::minimisation::optimum::Optimum;
-use crate::estimate::uncertainty::covariance::of_unknowns;
+use crate::estimate::uncertainty::covariance::{of_unknowns, run_away};
 use crate::estimate::uncertainty::{gain_intervals, ratios, torque_constants};
 use crate::linalg::triangular::{ColumnScaling, Triangular};
 use crate::outcome::estimate::{Estimate, Solver};
@@ -60,8 +60,17 @@ pub fn fit(
     prior: &Prior,
     control: &Control<'_>,
 ) -> Result<Fitted, EstimateError> {
-    let setup = FitSetup::of(model, data, prior)?;
+    let mut setup = FitSetup::of(model, data, prior)?;
     let Optimum { solution, problem } = setup.minimisation(estimator, control).run()?;
+    let lost = run_away(&problem, &solution.x);
+    if lost.is_empty() {
+        return Ok(outcome(&problem, &solution, data));
+    }
+    let stayed = (0..solution.x.len()).filter(|k| !lost.contains(k));
+    let near: Vec<f64> = stayed.map(|k| solution.x[k]).collect();
+    setup.unknowns = setup.unknowns.without(&lost);
+    let minimisation = setup.minimisation(estimator, control);
+    let Optimum { solution, problem } = minimisation.near(DVector::from_vec(near))?;
     Ok(outcome(&problem, &solution, data))
 }
 

@@ -55,6 +55,20 @@ impl Unknowns {
         Self { base, nonlinear }
     }
 
+    /// All but some, which have no effect: linear ones are zero, others what the model has.
+    pub fn without(&self, unknowns: &[usize]) -> Self {
+        let positions = self.positions();
+        let stays = |p: &usize| !unknowns.iter().any(|k| positions[*k] == *p);
+        let mut base = self.base.clone();
+        let lost = base.base.iter().map(|b| b.parameter);
+        base.without_effect.extend(lost.filter(|p| !stays(p)));
+        base.base.retain(|b| stays(&b.parameter));
+        Self {
+            base,
+            nonlinear: self.nonlinear.iter().copied().filter(stays).collect(),
+        }
+    }
+
     /// Positions in the model of all unknowns.
     pub fn positions(&self) -> Vec<usize> {
         let mut positions = self.base.kept();

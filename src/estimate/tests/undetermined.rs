@@ -9,7 +9,7 @@ use crate::estimate::fit_problem::problem::FitProblem;
 use crate::estimate::fit_problem::unknowns::Unknowns;
 use crate::estimate::residual::weights::Weights;
 use crate::estimate::tests::{PENDULUM, TRUE_FRICTION, USUAL, pendulum, torque, valued};
-use crate::estimate::uncertainty::covariance::of_unknowns;
+use crate::estimate::uncertainty::covariance::{of_unknowns, run_away};
 use crate::recording::split::Split;
 use crate::robot::urdf;
 use nalgebra::DVector;
@@ -54,6 +54,45 @@ fn a_factor_of_the_whole_torque_is_no_unknown_unless_something_has_a_size() {
         );
         assert_eq!(unknowns.positions().contains(&gain), determined);
     }
+}
+
+/// A search may carry the size of an excess beyond all limits where its speed is below that of every row: it is left out, and all else
+/// stays.
+#[test]
+fn a_law_that_no_row_shows_is_left_out() {
+    let data = recorded();
+    let model = pendulum(&["viscous_friction", "coulomb_friction", "stribeck_friction"]);
+    let of = |name: &str| model.find(&format!("hinge.{name}")).unwrap();
+    let [size, speed] = ["stribeck_friction.Fs", "stribeck_friction.vs"].map(of);
+    let prior = Prior::none(model.parameters().len());
+    let training: Vec<&Prepared> = data.recordings.iter().collect();
+    let unknowns = Unknowns::find(&model, &data, &prior);
+    let problem = |unknowns| {
+        let training = Training {
+            recordings: &training,
+            prior: &prior,
+        };
+        let weights = Weights::PerChannel(DVector::from_element(1, 1.0));
+        FitProblem::new(&model, unknowns, training, weights)
+    };
+    let all = problem(&unknowns);
+    let positions = unknowns.positions();
+    let place = |p: usize| positions.iter().position(|q| *q == p).unwrap();
+    let mut x = all.start();
+    x[place(speed)] = 1e-9;
+    assert!(run_away(&all, &x).is_empty());
+    x[place(size)] = 1e12;
+    let mut lost = run_away(&all, &x);
+    lost.sort_unstable();
+    let mut expected = [place(size), place(speed)];
+    expected.sort_unstable();
+    assert_eq!(lost, expected);
+    let fewer = unknowns.without(&lost);
+    let others = positions.iter().filter(|p| ![size, speed].contains(p));
+    assert_eq!(fewer.positions(), others.copied().collect::<Vec<usize>>());
+    let without = problem(&fewer);
+    let values = without.parameters(&without.start());
+    assert_eq!(values[size], 0.0);
 }
 
 /// The speed of an excess of friction that is none, or too small to be seen, changes nothing, and is as uncertain as can be; all

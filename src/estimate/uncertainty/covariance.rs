@@ -9,6 +9,7 @@
 //! smoothed spectrum in place of a truncated autocovariance (Andrews and Monahan 1992). Residuals are smaller than noise
 //! where the fit follows it; their power is divided by 1 − h(f), h the leverage `diag(X(f) B X(f)ᴴ)`, smoothed alike.
 
+use crate::chain::parameter::Role;
 use crate::estimate::fit_problem::problem::{FitProblem, NoiseSource};
 use crate::estimate::residual::noise::ResidualSeries;
 use crate::estimate::uncertainty::coloured_noise::ColouredNoise;
@@ -142,6 +143,23 @@ impl Sandwich<'_> {
         let positions = self.problem.unknowns.positions();
         self.problem.prior.rows().select_columns(&positions)
     }
+}
+
+/// Unknowns without a trace in any row that a search has carried further than where they could have left one, and those of the same
+/// law: the size of a law whose scale has shrunk below every speed of the motion grows without limit, for the sake of one row, and
+/// other motions would have all of it.
+pub fn run_away(problem: &FitProblem<'_>, x: &DVector<f64>) -> Vec<usize> {
+    let positions = problem.unknowns.positions();
+    let parameter = |k: usize| &problem.model.parameters()[positions[k]];
+    let law = |k: usize| match parameter(k).role {
+        Role::Effect { joint, effect, .. } => Some((joint, effect)),
+        _ => None,
+    };
+    let (open, _) = open_and_kept(problem, &triangular(problem, x));
+    let is_far = |k: &&usize| x[**k].abs() * LEAST_TRACE > parameter(**k).scale;
+    let laws: Vec<(usize, usize)> = open.iter().filter(is_far).filter_map(|k| law(*k)).collect();
+    let is_lost = |k: &usize| law(*k).is_some_and(|law| laws.contains(&law));
+    open.into_iter().filter(is_lost).collect()
 }
 
 /// R with `XᵀX + PᵀP = RᵀR` at x.
