@@ -24,7 +24,8 @@ use crate::estimate::fit_problem::problem::{FitProblem, NoiseSource};
 use crate::estimate::fit_problem::unknowns::Unknowns;
 use crate::estimate::minimisation::fit_setup::FitSetup;
 use crate::estimate::minimisation::optimum::Optimum;
-use crate::estimate::uncertainty::covariance::{of_unknowns, run_away};
+use crate::estimate::minimisation::run_away;
+use crate::estimate::uncertainty::covariance::of_unknowns;
 use crate::estimate::uncertainty::{gain_intervals, ratios, torque_constants};
 use crate::linalg::triangular::{ColumnScaling, Triangular};
 use crate::outcome::estimate::{Estimate, Solver};
@@ -62,7 +63,7 @@ pub fn fit(
 ) -> Result<Fitted, EstimateError> {
     let mut setup = FitSetup::of(model, data, prior)?;
     let Optimum { solution, problem } = setup.minimisation(estimator, control).run()?;
-    let lost = run_away(&problem, &solution.x);
+    let lost = run_away::unknowns(&problem, &solution.x);
     if lost.is_empty() {
         return Ok(outcome(&problem, &solution, data));
     }

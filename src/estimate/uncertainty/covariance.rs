@@ -9,7 +9,6 @@
 //! smoothed spectrum in place of a truncated autocovariance (Andrews and Monahan 1992). Residuals are smaller than noise
 //! where the fit follows it; their power is divided by 1 − h(f), h the leverage `diag(X(f) B X(f)ᴴ)`, smoothed alike.
 
-use crate::chain::parameter::Role;
 use crate::estimate::fit_problem::problem::{FitProblem, NoiseSource};
 use crate::estimate::residual::noise::ResidualSeries;
 use crate::estimate::uncertainty::coloured_noise::ColouredNoise;
@@ -21,9 +20,9 @@ use nalgebra::{DMatrix, DVector};
 /// Share of a column that is left where those before it are taken out, below which it is one of them.
 const DEPENDENT: f64 = 1e-11;
 
-/// Standard deviations of the residuals, of all rows together, that an unknown has to move them by when it changes by what matters
-/// of it: one that does not could be thousands of times as large without a trace, and its derivatives say nothing of what it
-/// then does, such as those of the force at which bristles break, where none ever bends that far.
+/// Standard deviations of the residuals, of all rows together, that an unknown has to move them by when it changes by its own size, or
+/// by what matters of it where that is more: one that does not could be thousands of times as large without a trace, and its
+/// derivatives say nothing of what it then does, such as those of the force at which bristles break, where none ever bends that far.
 const LEAST_TRACE: f64 = 1e-3;
 
 /// Covariance of the unknowns at the optimum x; infinite variance of those that the derivatives do not determine
@@ -50,7 +49,7 @@ impl Sensitivity {
     /// Of a problem at its optimum; `None` where the derivatives are not finite.
     pub fn of(problem: &FitProblem<'_>, x: &DVector<f64>) -> Option<Self> {
         let triangular = triangular(problem, x);
-        let (open, kept) = open_and_kept(problem, &triangular);
+        let (open, kept) = open_and_kept(problem, x, &triangular);
         Some(Self {
             values: problem.parameters(x),
             open,
@@ -145,23 +144,6 @@ impl Sandwich<'_> {
     }
 }
 
-/// Unknowns without a trace in any row that a search has carried further than where they could have left one, and those of the same
-/// law: the size of a law whose scale has shrunk below every speed of the motion grows without limit, for the sake of one row, and
-/// other motions would have all of it.
-pub fn run_away(problem: &FitProblem<'_>, x: &DVector<f64>) -> Vec<usize> {
-    let positions = problem.unknowns.positions();
-    let parameter = |k: usize| &problem.model.parameters()[positions[k]];
-    let law = |k: usize| match parameter(k).role {
-        Role::Effect { joint, effect, .. } => Some((joint, effect)),
-        _ => None,
-    };
-    let (open, _) = open_and_kept(problem, &triangular(problem, x));
-    let is_far = |k: &&usize| x[**k].abs() * LEAST_TRACE > parameter(**k).scale;
-    let laws: Vec<(usize, usize)> = open.iter().filter(is_far).filter_map(|k| law(*k)).collect();
-    let is_lost = |k: &usize| law(*k).is_some_and(|law| laws.contains(&law));
-    open.into_iter().filter(is_lost).collect()
-}
-
 /// R with `XᵀX + PᵀP = RᵀR` at x.
 fn triangular(problem: &FitProblem<'_>, x: &DVector<f64>) -> DMatrix<f64> {
     let whole = problem.factor(x).matrix();
@@ -169,12 +151,19 @@ fn triangular(problem: &FitProblem<'_>, x: &DVector<f64>) -> DMatrix<f64> {
 }
 
 /// Unknowns that the derivatives do not determine, and the others.
-fn open_and_kept(problem: &FitProblem<'_>, triangular: &DMatrix<f64>) -> (Vec<usize>, Vec<usize>) {
+fn open_and_kept(
+    problem: &FitProblem<'_>,
+    x: &DVector<f64>,
+    triangular: &DMatrix<f64>,
+) -> (Vec<usize>, Vec<usize>) {
     let positions = problem.unknowns.positions();
-    let scale = |j: usize| problem.model.parameters()[positions[j]].scale;
+    let size = |j: usize| {
+        x[j].abs()
+            .max(problem.model.parameters()[positions[j]].scale)
+    };
     let is_open = |j: usize| {
         let (own, all) = (triangular[(j, j)].abs(), triangular.column(j).norm());
-        own.is_nan() || own <= DEPENDENT * all || all * scale(j) <= LEAST_TRACE
+        own.is_nan() || own <= DEPENDENT * all || all * size(j) <= LEAST_TRACE
     };
     (0..triangular.ncols()).partition(|&j| is_open(j))
 }
@@ -185,7 +174,7 @@ pub(super) fn inverse_over_determined(
     x: &DVector<f64>,
 ) -> Option<DMatrix<f64>> {
     let triangular = triangular(problem, x);
-    let (_, kept) = open_and_kept(problem, &triangular);
+    let (_, kept) = open_and_kept(problem, x, &triangular);
     inverse_over(&triangular, &kept)
 }
 
