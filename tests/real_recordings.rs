@@ -96,7 +96,6 @@ fn ur10e_held_out_errors_reach_those_of_least_squares_by_hand() {
     let Some(data) = common::data_dir() else {
         return;
     };
-    let problem = UR10E;
     let held_out = |problem: &str| -> Vec<f64> {
         let result = fit(&data, problem, None);
         (figures(&result, "rmse_validation").iter())
@@ -104,9 +103,9 @@ fn ur10e_held_out_errors_reach_those_of_least_squares_by_hand() {
             .map(|(current, constant)| current * constant)
             .collect()
     };
-    let weighted = held_out(problem);
+    let weighted = held_out(UR10E);
     assert_at_most("UR10e, 30 s to 40 s", &weighted, &BARS);
-    let likely = held_out(&problem.replace("\"wls\"", "\"maximum_likelihood\""));
+    let likely = held_out(&UR10E.replace("\"wls\"", "\"maximum_likelihood\""));
     // The covariance across joints tells little of noise that every joint has for itself.
     let bars = weighted.iter().map(|e| 1.01 * e).collect::<Vec<f64>>();
     assert_at_most("the same by maximum likelihood", &likely, &bars);
@@ -121,6 +120,12 @@ fn ur10e_with(data: &Path, problem: &str, effect: &str) -> Vec<f64> {
     figures(&fit(data, &problem, None), "rmse_validation")
 }
 
+/// Errors at most a share of others, joint by joint.
+fn assert_shares_at_most(errors: &[f64], others: &[f64], most: f64) {
+    let mut pairs = errors.iter().zip(others);
+    assert!(pairs.all(|(error, other)| *error <= most * other));
+}
+
 /// The fitted motion of a wrist tells nothing of sticking: no row is that slow. What a search makes of it, sizes without a limit and
 /// speeds of nothing, ruined the forecast of another motion.
 #[test]
@@ -132,12 +137,7 @@ fn sticking_that_no_row_shows_is_in_no_forecast() {
     let errors = |more: &str| ur10e_with(&data, problem, more);
     let [without, with] = ["", "\"stribeck_friction\", "].map(errors);
     eprintln!("UR10e without sticking {without:.4?} A, with it {with:.4?} A");
-    let pairs = with.iter().zip(&without);
-    assert!(
-        pairs
-            .into_iter()
-            .all(|(with, without)| *with <= 1.1 * without)
-    );
+    assert_shares_at_most(&with, &without, 1.1);
 }
 
 /// Whether and how fast friction turns over is estimated, and stands in for bristles where these are missing: with them, a robot of
@@ -151,12 +151,7 @@ fn ur10e_of_which_nothing_is_stated_is_forecast_as_by_hand() {
     let by_hand = figures(&fit(&data, problem, None), "rmse_validation");
     let found = ur10e_with(&data, problem, "\"presliding_hysteresis\", ");
     eprintln!("UR10e by hand {by_hand:.4?} A, with nothing stated and bristles {found:.4?} A");
-    let pairs = found.iter().zip(&by_hand);
-    assert!(
-        pairs
-            .into_iter()
-            .all(|(found, by_hand)| *found <= 1.03 * by_hand)
-    );
+    assert_shares_at_most(&found, &by_hand, 1.03);
 }
 
 /// The published symbols whose value is known well, and the parameters of this tool that they are.
@@ -369,7 +364,7 @@ fn ur10e_is_possible_at_no_loss() {
     let Some(data) = common::data_dir() else {
         return;
     };
-    let result = feasible(&data, include_str!("real_recordings/ur10e.toml"));
+    let result = feasible(&data, UR10E);
     let free = result["feasibility"]["unconstrained"].as_array().unwrap();
     let held_out = figures(&result, "rmse_validation");
     for (error, free) in held_out.iter().zip(free) {

@@ -18,7 +18,7 @@
 //! | step | files |
 //! |---|---|
 //! | what a model is made of | `settings`, `effect/`, `platform`, `controller`, `crosstalk` |
-//! | the model with its parameters | `model` (by `assemble`), `joint_model`, `parameter`, `sharing`, `channel`, `transition_limits` |
+//! | the model with its parameters | `model` (by `assemble`), `joint_model`, `parameter`, `effect_parameter`, `sharing`, `channel`, `transition_limits` |
 //! | what the signal depends on | `base_parameters` |
 //! | recordings, and what is known before them | `dataset`, `prior` |
 //! | from motion to signal, with derivatives | `evaluate/` |
@@ -31,6 +31,7 @@ pub mod controller;
 pub mod crosstalk;
 pub mod dataset;
 pub mod effect;
+pub mod effect_parameter;
 pub mod error;
 pub mod evaluate;
 pub mod flank;

@@ -1,14 +1,11 @@
 //! Grid search: points of a grid in the order of the variance that they explain.
 
 use crate::diagnose::fit::candidate::Point;
+use crate::estimate::gap_search::{HALVINGS, halfway};
 use rayon::prelude::*;
 
 /// Rising values that are tried at the same time, some of them perhaps beyond the first that is far too large.
 const AT_ONCE: usize = 4;
-
-/// Times that the steps of rising values are halved about the best: impacts move by a row within them, and a search
-/// does not see past that.
-const HALVINGS: usize = 2;
 
 /// Points by what they gain, the most first; of rising values those before the first that is `hopeless`.
 pub fn best_first(
@@ -46,15 +43,9 @@ fn beside_best(points: &[Point]) -> Vec<Vec<f64>> {
     let Some(best) = points.first() else {
         return Vec::new();
     };
-    let of = |point: &Point| point.at[0] - best.at[0];
-    let below = points.iter().filter(|p| of(p) < 0.0);
-    let above = points.iter().filter(|p| of(p) > 0.0);
-    let nearest = [
-        below.max_by(|a, b| of(a).total_cmp(&of(b))),
-        above.min_by(|a, b| of(a).total_cmp(&of(b))),
-    ];
-    let halfway = |point: &Point| best.at.iter().map(|x| x + 0.5 * of(point)).collect();
-    nearest.into_iter().flatten().map(halfway).collect()
+    let others: Vec<f64> = points.iter().map(|point| point.at[0]).collect();
+    let halfway = halfway(best.at[0], &others).into_iter();
+    halfway.map(|value| vec![value]).collect()
 }
 
 #[cfg(test)]

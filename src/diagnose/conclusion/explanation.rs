@@ -301,8 +301,7 @@ fn withdraw(
 /// A model with its k-th finding after all others.
 fn moved_last(context: &Context<'_>, full: &ModelFit, k: usize) -> Result<ModelFit, DiagnoseError> {
     let mut hypotheses = full.hypotheses.clone();
-    let own = hypotheses.remove(k);
-    hypotheses.push(own);
+    hypotheses[k..].rotate_left(1);
     let make = || fit_model(context, &hypotheses, &full.warm_start());
     context.cache.fit_model(&hypotheses, make)
 }

@@ -4,7 +4,7 @@ use crate::chain::effect::Law;
 use crate::diagnose::candidates::score_test::screen;
 use crate::diagnose::candidates::screening_reuse::Reusable;
 use crate::diagnose::error::DiagnoseError;
-use crate::diagnose::fit::candidate::Candidate;
+use crate::diagnose::fit::candidate::{Candidate, Screening};
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::{self, Hypothesis, channels_of};
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
@@ -183,8 +183,7 @@ impl Stepwise<'_> {
     ) -> Result<Vec<HypothesisTest>, DiagnoseError> {
         let context = self.context;
         let least = least_gain(fit);
-        let find = || screen(context, fit, self.rules.open(context, fit));
-        let mut candidates = context.cache.screening(&fit.hypotheses, find)?.candidates;
+        let mut candidates = self.screened(fit)?.candidates;
         candidates.retain(|one| {
             one.gain >= least && competes(one, already.told_apart) && open.contains(&one.hypothesis)
         });
@@ -236,6 +235,12 @@ impl Stepwise<'_> {
         Ok(tests.collect())
     }
 
+    /// What the hypotheses that a model leaves open promise.
+    fn screened(&self, fit: &ModelFit) -> Result<Screening, DiagnoseError> {
+        let find = || screen(self.context, fit, self.rules.open(self.context, fit));
+        self.context.cache.screening(&fit.hypotheses, find)
+    }
+
     /// Tests of the play of gears in channels that a model does not explain, with the gap searched for: where other physics is missing
     /// beside it, one step of all other parameters, as a screening takes it, shows little of what a gap explains.
     fn tests_of_gaps(
@@ -255,8 +260,7 @@ impl Stepwise<'_> {
                 .map(|c| noise_level.lack_of_channel(&fit.validation[c], c));
             lacks.any(|lack| lack > UNEXPLAINED)
         };
-        let find = || screen(context, fit, self.rules.open(context, fit));
-        let mut candidates = context.cache.screening(&fit.hypotheses, find)?.glance;
+        let mut candidates = self.screened(fit)?.glance;
         candidates.retain(|Candidate { hypothesis, .. }| {
             let is_play = matches!(hypothesis.effect.law, Law::Play);
             is_play && open.contains(hypothesis) && is_unexplained(hypothesis)

@@ -55,7 +55,7 @@ impl Unknowns {
         Self { base, nonlinear }
     }
 
-    /// All but some, which have no effect: linear ones are zero, others what the model has.
+    /// All but some: linear ones that are left out are zero, others what the model has.
     pub fn without(&self, unknowns: &[usize]) -> Self {
         let positions = self.positions();
         let stays = |p: &usize| !unknowns.iter().any(|k| positions[*k] == *p);

@@ -9,9 +9,7 @@
 //! iterations fit all else, and the steps about the best value are halved until strikes move by about a row.
 
 use crate::chain::effect::Search;
-use crate::chain::parameter::Role;
 use crate::estimate::fit_problem::problem::FitProblem;
-use crate::estimate::fit_problem::unknowns::Unknowns;
 use crate::estimate::solve::least_squares::solve;
 use crate::problem::solution::Control;
 use nalgebra::DVector;
@@ -23,8 +21,8 @@ const ITERATIONS: [usize; 2] = [8, 40];
 /// The foremost values.
 const FOREMOST: usize = 4;
 
-/// Times that the steps about the best value are halved.
-const HALVINGS: usize = 2;
+/// Times that the steps about the best value are halved: strikes move by a row within them, and a search does not see past that.
+pub const HALVINGS: usize = 2;
 
 /// Whether a gap is among the unknowns.
 pub fn is_needed(problem: &FitProblem<'_>) -> bool {
@@ -53,16 +51,8 @@ pub fn refined(problem: &FitProblem<'_>, x: DVector<f64>, control: &Control<'_>)
 
 /// The values at which an unknown is tried; `None` of one that is no gap.
 fn grid(problem: &FitProblem<'_>, unknown: usize) -> Option<&'static [f64]> {
-    let model = problem.model;
-    let Role::Effect {
-        joint,
-        effect,
-        parameter,
-    } = model.parameters()[problem.unknowns.positions()[unknown]].role
-    else {
-        return None;
-    };
-    match model.joints()[joint].effects[effect].0.parameters[parameter].search {
+    let position = problem.unknowns.positions()[unknown];
+    match problem.model.effect_parameter(position)?.info.search {
         Search::Rising(values) => Some(values),
         _ => None,
     }
@@ -88,15 +78,16 @@ impl GapSearch<'_> {
         let [few, many] = ITERATIONS;
         let all = values.iter().copied().chain([x[self.gap]]);
         let mut tried = self.fitted(all.map(|gap| self.with(&x, gap)).collect(), few);
+        best_first(&mut tried);
         let foremost = tried.drain(..FOREMOST.min(tried.len())).map(|one| one.x);
         let foremost = foremost.collect();
         tried.extend(self.fitted(foremost, many));
         for _ in 0..HALVINGS {
-            let halfway = self.beside_best(&mut tried);
-            tried.extend(self.fitted(halfway, many));
+            best_first(&mut tried);
+            tried.extend(self.fitted(self.beside_best(&tried), many));
         }
-        let best = tried.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
-        best.map_or(x, |best| best.x)
+        best_first(&mut tried);
+        tried.into_iter().next().map_or(x, |best| best.x)
     }
 
     fn with(&self, x: &DVector<f64>, gap: f64) -> DVector<f64> {
@@ -105,33 +96,22 @@ impl GapSearch<'_> {
         moved
     }
 
-    /// The best of what was tried with gaps half the way to those next to its own.
-    fn beside_best(&self, tried: &mut [Held]) -> Vec<DVector<f64>> {
-        tried.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    /// The best of what was tried, which comes first, with gaps half the way to those next to its own.
+    fn beside_best(&self, tried: &[Held]) -> Vec<DVector<f64>> {
         let Some((best, others)) = tried.split_first() else {
             return Vec::new();
         };
-        let gap = |held: &Held| held.x[self.gap];
-        let ways = others.iter().map(|other| gap(other) - gap(best));
-        let (above, below): (Vec<f64>, Vec<f64>) =
-            ways.filter(|way| *way != 0.0).partition(|way| *way > 0.0);
-        let nearest = [above, below]
-            .into_iter()
-            .filter_map(|ways| ways.into_iter().min_by(|a, b| a.abs().total_cmp(&b.abs())));
-        nearest
-            .map(|way| self.with(&best.x, gap(best) + 0.5 * way))
-            .collect()
+        let others: Vec<f64> = others.iter().map(|other| other.x[self.gap]).collect();
+        let halfway = halfway(best.x[self.gap], &others).into_iter();
+        halfway.map(|gap| self.with(&best.x, gap)).collect()
     }
 
-    /// What fits best beside the gap of each start after some iterations, of those within limits for which there is such a fit; the
-    /// best first.
+    /// What fits best beside the gap of each start after some iterations, of those within limits for which there is such a fit.
     fn fitted(&self, starts: Vec<DVector<f64>>, iterations: usize) -> Vec<Held> {
         let fitted = starts
             .into_par_iter()
             .filter_map(|x| self.beside(x, iterations));
-        let mut fitted: Vec<Held> = fitted.collect();
-        fitted.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        fitted
+        fitted.collect()
     }
 
     fn beside(&self, mut x: DVector<f64>, iterations: usize) -> Option<Held> {
@@ -142,15 +122,7 @@ impl GapSearch<'_> {
             return None;
         }
         model.start(position, x[self.gap]);
-        let others = Unknowns {
-            base: unknowns.base.clone(),
-            nonlinear: unknowns
-                .nonlinear
-                .iter()
-                .copied()
-                .filter(|p| *p != position)
-                .collect(),
-        };
+        let others = unknowns.without(&[self.gap]);
         let held = self.problem.with_unknowns(&model, &others);
         let start = x.clone().remove_row(self.gap);
         let found = solve(&held, &start, iterations, self.control).ok()?;
@@ -162,4 +134,17 @@ impl GapSearch<'_> {
             cost: found.cost,
         })
     }
+}
+
+fn best_first(tried: &mut [Held]) {
+    tried.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+}
+
+/// Half the ways from the best of some values to the nearest of the others below and above it.
+pub fn halfway(best: f64, others: &[f64]) -> Vec<f64> {
+    let below = others.iter().copied().filter(|x| *x < best);
+    let above = others.iter().copied().filter(|x| *x > best);
+    let nearest = [below.max_by(f64::total_cmp), above.min_by(f64::total_cmp)];
+    let nearest = nearest.into_iter().flatten();
+    nearest.map(|x| best + 0.5 * (x - best)).collect()
 }

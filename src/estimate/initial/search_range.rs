@@ -2,8 +2,9 @@
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::chain::effect::Search;
+use crate::chain::effect_parameter::EffectParameter;
 use crate::chain::model::Model;
-use crate::chain::parameter::{Parameter, Role};
+use crate::chain::parameter::Parameter;
 use crate::recording::split::Split;
 use std::f64::consts::{PI, TAU};
 
@@ -132,15 +133,9 @@ pub fn start_within_motion(model: &mut Model, data: &Dataset) {
     let train: Vec<&Prepared> = data.of(Split::Train).collect();
     let mut moved = Vec::new();
     for (at, parameter) in model.parameters().iter().enumerate() {
-        let Role::Effect {
-            joint,
-            effect,
-            parameter: own,
-        } = parameter.role
-        else {
+        let Some(EffectParameter { joint, info, .. }) = model.effect_parameter(at) else {
             continue;
         };
-        let info = &model.joints()[joint].effects[effect].0.parameters[own];
         let Search::Position(shares) = info.search else {
             continue;
         };

@@ -8,9 +8,9 @@
 //! all channels say, until no joint finds a better shape. What the bodies can do on one channel alone hides much of
 //! what tells two shapes apart.
 
-use crate::chain::effect::{Law, ParameterInfo, Search};
+use crate::chain::effect::{Law, Search};
+use crate::chain::effect_parameter::EffectParameter;
 use crate::chain::model::Model;
-use crate::chain::parameter::Role;
 use crate::estimate::error::EstimateError;
 use crate::estimate::fit_problem::problem::FitProblem;
 use crate::estimate::fit_problem::unknowns::Unknowns;
@@ -307,21 +307,7 @@ fn search(model: &Model, joint: usize, parameter: usize) -> Option<Search> {
 }
 
 /// A parameter of a law at a motor.
-struct MotorLaw {
-    joint: usize,
-    info: &'static ParameterInfo,
-}
-
-fn motor_law(model: &Model, parameter: usize) -> Option<MotorLaw> {
-    let Role::Effect {
-        joint,
-        effect,
-        parameter,
-    } = model.parameters()[parameter].role
-    else {
-        return None;
-    };
-    let effect = model.joints()[joint].effects.get(effect)?.0;
-    let info = effect.parameters.get(parameter)?;
-    matches!(effect.law, Law::Motor(_)).then_some(MotorLaw { joint, info })
+fn motor_law(model: &Model, parameter: usize) -> Option<EffectParameter> {
+    let own = model.effect_parameter(parameter)?;
+    matches!(own.effect.law, Law::Motor(_)).then_some(own)
 }
