@@ -13,7 +13,7 @@ use crate::diagnose::fit::start::{Start, WarmStart};
 use crate::estimate::canonical_sines;
 use crate::estimate::error::EstimateError;
 use crate::estimate::estimator::Training;
-use crate::estimate::gap_search;
+use crate::estimate::gap_search::{self, Measure};
 use crate::estimate::problem::FitProblem;
 use crate::estimate::unknowns::Unknowns;
 use crate::estimate::weights::Weights;
@@ -143,7 +143,7 @@ fn fit(
         let from = match &done {
             Some((solution, ..)) => solution.x.clone(),
             None if gaps == Gaps::Searched => {
-                gap_search::refined(&problem, problem.start(), context.control)
+                gap_search::refined(&problem, problem.start(), Measure::Squares, context.control)
             }
             None => problem.start(),
         };

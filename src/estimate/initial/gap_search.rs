@@ -1,17 +1,20 @@
 //! Search for the gaps of gears with play.
 //!
 //! ```text
-//! min over g of min over all other unknowns of ½ ‖ r ‖²
+//! min over g of ½ ‖ r ‖²  or  min over g of Σ_c ln s_c²,   all else fitted beside g
 //! ```
 //!
-//! A gap decides at which row a link strikes a flank. The sum of squares has an optimum about every gap that brings strikes
-//! to other rows, and steps by derivatives end at the nearest. So a gap is held at each value of its grid while some
-//! iterations fit all else, and the steps about the best value are halved until strikes move by about a row.
+//! with the weighted residual r, and the deviation s_c of that of channel c. A gap decides at which row a link strikes a
+//! flank. Either has an optimum about every gap that brings strikes to other rows, and steps by derivatives end at the
+//! nearest. So a gap is held at each value of its grid while some iterations fit all else, and the steps about the best
+//! value are halved until strikes move by about a row. Which value looks best before it is quite right depends on the
+//! weights: in the squares the largest torques count, in the likelihood every joint that is shaken. Where the noise of the
+//! channels is not known, a search follows each, and the likelihood of what they come to decides.
 
 use crate::chain::effect::Search;
 use crate::estimate::fit_problem::problem::FitProblem;
-use crate::estimate::solve::least_squares::solve;
-use crate::problem::solution::Control;
+use crate::estimate::solve::least_squares::{covariance_at, solve};
+use crate::problem::solution::{Control, Solution};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -24,6 +27,31 @@ const FOREMOST: usize = 4;
 /// Times that the steps about the best value are halved: strikes move by a row within them, and a search does not see past that.
 pub const HALVINGS: usize = 2;
 
+/// What says how well a gap does: the less, the better.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// ½ ‖ r ‖².
+    Squares,
+    /// Σ ln s² over channels.
+    Likelihood,
+}
+
+impl Measure {
+    pub const ALL: [Self; 2] = [Self::Squares, Self::Likelihood];
+
+    /// The measure of a solution.
+    pub fn of(self, problem: &FitProblem<'_>, found: &Solution) -> f64 {
+        match self {
+            Self::Squares => found.cost,
+            Self::Likelihood => {
+                let variances = covariance_at(problem, &found.x).diagonal();
+                let positive = variances.iter().filter(|v| **v > 0.0);
+                positive.map(|v| v.ln()).sum()
+            }
+        }
+    }
+}
+
 /// Whether a gap is among the unknowns.
 pub fn is_needed(problem: &FitProblem<'_>) -> bool {
     (0..problem.unknowns.positions().len()).any(|unknown| grid(problem, unknown).is_some())
@@ -31,7 +59,12 @@ pub fn is_needed(problem: &FitProblem<'_>) -> bool {
 
 /// The unknowns with every gap at the best value of its grid and all else fitted beside it; as they are where no play is
 /// searched for.
-pub fn refined(problem: &FitProblem<'_>, x: DVector<f64>, control: &Control<'_>) -> DVector<f64> {
+pub fn refined(
+    problem: &FitProblem<'_>,
+    x: DVector<f64>,
+    measure: Measure,
+    control: &Control<'_>,
+) -> DVector<f64> {
     let quiet = Control {
         progress: None,
         parts: None,
@@ -42,6 +75,7 @@ pub fn refined(problem: &FitProblem<'_>, x: DVector<f64>, control: &Control<'_>)
         let search = GapSearch {
             problem,
             gap,
+            measure,
             control: &quiet,
         };
         Some((search, values))
@@ -63,6 +97,7 @@ struct GapSearch<'a> {
     problem: &'a FitProblem<'a>,
     /// Which of the unknowns it is.
     gap: usize,
+    measure: Measure,
     control: &'a Control<'a>,
 }
 
@@ -70,7 +105,7 @@ struct GapSearch<'a> {
 #[derive(Debug, Clone)]
 struct Held {
     x: DVector<f64>,
-    cost: f64,
+    measured: f64,
 }
 
 impl GapSearch<'_> {
@@ -126,18 +161,16 @@ impl GapSearch<'_> {
         let held = self.problem.with_unknowns(&model, &others);
         let start = x.clone().remove_row(self.gap);
         let found = solve(&held, &start, iterations, self.control).ok()?;
+        let measured = self.measure.of(&held, &found);
         let rows = (0..x.len()).filter(|row| *row != self.gap);
         rows.zip(found.x.iter())
             .for_each(|(row, value)| x[row] = *value);
-        Some(Held {
-            x,
-            cost: found.cost,
-        })
+        Some(Held { x, measured })
     }
 }
 
 fn best_first(tried: &mut [Held]) {
-    tried.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    tried.sort_by(|a, b| a.measured.total_cmp(&b.measured));
 }
 
 /// Half the ways from the best of some values to the nearest of the others below and above it.

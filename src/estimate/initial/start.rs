@@ -14,7 +14,7 @@ use crate::chain::model::Model;
 use crate::estimate::error::EstimateError;
 use crate::estimate::fit_problem::problem::FitProblem;
 use crate::estimate::fit_problem::unknowns::Unknowns;
-use crate::estimate::initial::gap_search;
+use crate::estimate::initial::gap_search::{self, Measure};
 use crate::estimate::initial::search_range::{Bounded, MotionRange};
 use crate::estimate::initial::start_grid::{JointSearches, LocalOptimum, OtherUnknowns, Point};
 use crate::estimate::residual::noise::predict;
@@ -59,18 +59,21 @@ pub(in crate::estimate) fn find(
         return Ok(x);
     }
     // Either may hide the other: the gaps what friction does, and friction where a link strikes.
-    let gaps_last = gap_search::refined(problem, x, control);
-    let gaps_first = with_laws(
-        problem,
-        gap_search::refined(problem, declared, control),
-        control,
-    )?;
-    let tried = [gaps_last, gaps_first]
-        .into_par_iter()
-        .map(|x| solve(problem, &x, ITERATIONS_BETWEEN, control));
-    let tried = tried.collect::<Result<Vec<_>, _>>()?;
-    let best = tried.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
-    Ok(best.map_or_else(|| problem.start(), |best| best.x))
+    let with_gaps = |measure: Measure| -> Result<[DVector<f64>; 2], EstimateError> {
+        let gaps_last = gap_search::refined(problem, x.clone(), measure, control);
+        let gaps_first = gap_search::refined(problem, declared.clone(), measure, control);
+        Ok([gaps_last, with_laws(problem, gaps_first, control)?])
+    };
+    let starts = Measure::ALL.into_par_iter().map(with_gaps);
+    let starts = starts.collect::<Result<Vec<_>, _>>()?;
+    let tried = starts.concat().into_par_iter().map(|x| {
+        let found = solve(problem, &x, ITERATIONS_BETWEEN, control)?;
+        let unlikelihood = Measure::Likelihood.of(problem, &found);
+        Ok((unlikelihood, found.x))
+    });
+    let tried = tried.collect::<Result<Vec<_>, EstimateError>>()?;
+    let best = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(best.map_or_else(|| problem.start(), |best| best.1))
 }
 
 /// The unknowns with the laws of every joint's motor at the best shapes that a search finds beside the others.

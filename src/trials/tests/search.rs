@@ -13,7 +13,10 @@ use crate::diagnose::fit::start::WarmStart;
 use crate::diagnose::residuals::noise_level;
 use crate::diagnose::selection::exact_fit::{ExactFit, competes, taken};
 use crate::diagnose::selection::stepwise::{AlreadyTried, Rules, Stepwise};
+use crate::estimate::estimator::Estimator;
+use crate::estimate::fit::fit;
 use crate::recording::split::Split;
+use crate::setup::model_spec::ModelWithPrior;
 use crate::stats::deviation::deviation;
 use crate::trials::tests::bench::{Bench, SIGNIFICANCE, effect_of, offset};
 use std::sync::Arc;
@@ -254,5 +257,10 @@ fn a_gap_is_found_wherever_a_search_begins() {
     let searched = gap(&fit_model_searching_gaps(&context, hypotheses, &from).unwrap());
     let truth = hidden.values[0].1;
     assert!((searched / truth - 1.0).abs() < 0.01, "{searched} {truth}");
+    let ModelWithPrior { model, prior } = context.model(hypotheses).unwrap();
+    let estimator = Estimator::MaximumLikelihood;
+    let fitted = fit(&model, context.data, estimator, &prior, &bench.control).unwrap();
+    let of_a_fit = fitted.values[model.joints()[hidden.hypothesis.joints[0]].play.unwrap()];
+    assert!((of_a_fit / truth - 1.0).abs() < 0.01, "{of_a_fit} {truth}");
     assert!((stepwise / truth - 1.0).abs() > 0.5, "{stepwise} {truth}");
 }
