@@ -3,7 +3,6 @@
 //! What a hypothesis explains of a joint does not move where neither the residual of that joint nor what the model has there has
 //! changed: its best point stays the best, and only what it gains there is worked out anew.
 
-use crate::chain::effect::Law;
 use crate::diagnose::fit::candidate::Screening;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
@@ -56,10 +55,9 @@ impl<'a> Reusable<'a> {
     /// Whether what a screening found of a hypothesis holds: it acts on the signals of its joints alone, or mostly, and none of these
     /// joints has another residual, or other physics, than it had there.
     fn holds(&self, screened: &Screened, hypothesis: &Hypothesis) -> bool {
-        let is_of_joints = !matches!(hypothesis.effect.law, Law::Body | Law::Tilt);
         let named = hypothesis.named_joints();
         let is_alike = |joint: &usize| screened.alike.get(*joint).is_some_and(|alike| *alike);
-        is_of_joints
+        hypothesis.is_of_its_joints()
             && named.iter().all(is_alike)
             && screened.screening.open.contains(hypothesis)
             && on(&screened.hypotheses, &named) == on(&self.fit.hypotheses, &named)

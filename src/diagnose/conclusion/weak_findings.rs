@@ -5,7 +5,6 @@
 //! unexplained physics elsewhere: a torque constant that is off by as much as some other channel leaks into this
 //! one on the average. Such a name is withdrawn, and the misfit reported without one.
 
-use crate::diagnose::fit::hypothesis::channels_of;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::noise_level::{NoiseLevel, UNEXPLAINED};
 use crate::diagnose::selection::rival_models::RivalComparison;
@@ -24,21 +23,20 @@ pub fn weakest(
         return None;
     }
     let shares = (0..comparisons.len()).filter_map(|k| {
-        let joints = full.hypotheses[k].named_joints();
+        let channels = full.hypotheses[k].moved_channels(&full.model);
         let pair = FitPair {
             poorer: &comparisons[k].without,
             richer: full,
         };
-        let share = share(noise_level, pair, &joints)?;
+        let share = share(noise_level, pair, &channels)?;
         (share < MOST).then_some((k, share))
     });
     let least = shares.min_by(|a, b| a.1.total_cmp(&b.1));
     least.map(|(k, _)| k)
 }
 
-/// Share of the excess of a model without a finding on some joints that it explains, where what it leaves is unexplained.
-fn share(noise_level: &NoiseLevel, pair: FitPair<'_>, joints: &[usize]) -> Option<f64> {
-    let channels = channels_of(&pair.richer.model, joints);
+/// Share of the excess of a model without a finding in some channels that it explains, where what it leaves is unexplained.
+fn share(noise_level: &NoiseLevel, pair: FitPair<'_>, channels: &[usize]) -> Option<f64> {
     let lacks = channels.iter().map(|&c| {
         let of = |fit: &ModelFit| noise_level.lack_of_channel(&fit.validation[c], c);
         (of(pair.poorer), of(pair.richer))

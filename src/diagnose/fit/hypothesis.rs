@@ -43,6 +43,20 @@ impl Hypothesis {
         joints
     }
 
+    /// Whether it moves the signals of its joints alone, or mostly: a load and a tilted base move those of all that carry them.
+    pub fn is_of_its_joints(&self) -> bool {
+        !matches!(self.effect.law, Law::Body | Law::Tilt)
+    }
+
+    /// Channels that it moves.
+    pub fn moved_channels(&self, model: &Model) -> Vec<usize> {
+        if self.is_of_its_joints() {
+            return channels_of(model, &self.named_joints());
+        }
+        let joints: Vec<usize> = (0..model.joints().len()).collect();
+        channels_of(model, &joints)
+    }
+
     /// The same physics on fewer of the same joints.
     pub fn is_part_of(&self, other: &Self) -> bool {
         let within = self.joints.iter().all(|j| other.joints.contains(j));
