@@ -341,6 +341,13 @@ impl Model {
         }
     }
 
+    /// Torque of a joint per unit of its signal, at joint scale; of a controller, the part that its error makes.
+    pub fn torque_per_signal(&self, joint: usize) -> f64 {
+        let joint = &self.joints[joint];
+        let gain = joint.controller.map(|kp| self.parameters[kp].value);
+        gain.unwrap_or(joint.torque_constant)
+    }
+
     /// Values of all parameters: known ones, and those that estimates start from.
     pub fn values(&self) -> DVector<f64> {
         self.values_of(|parameter| parameter.value)

@@ -247,14 +247,7 @@ fn noise(declared: &Model, prepared: &Prepared) -> Vec<Option<f64>> {
 /// Torque of a channel's joint per unit of its signal; 1 where it has none.
 fn torque_per_unit(declared: &Model, channel: &Channel) -> f64 {
     let joint = channel.joint;
-    joint.map_or(1.0, |joint| torque_per_signal(declared, joint))
-}
-
-/// Torque of a joint per unit of its signal; of a controller, the part that its error makes.
-fn torque_per_signal(declared: &Model, joint: usize) -> f64 {
-    let joint = &declared.joints()[joint];
-    let gain = joint.controller.map(|kp| declared.parameters()[kp].value);
-    gain.unwrap_or(joint.torque_constant)
+    joint.map_or(1.0, |joint| declared.torque_per_signal(joint))
 }
 
 /// The robot of a model with all its inertial parameters and simple drives free.

@@ -139,7 +139,7 @@ fn torque(model: &Model, values: &DVector<f64>) -> Vec<f64> {
     torque_along(motion(), model, values)
 }
 
-/// Torque of a motion without noise.
+/// Torque of a motion that repeats, without noise.
 fn torque_along(motion: [Vec<f64>; 3], model: &Model, values: &DVector<f64>) -> Vec<f64> {
     let rows = motion[0].len();
     let [q, dq, ddq] = motion.map(|series| vec![series]);
@@ -148,7 +148,13 @@ fn torque_along(motion: [Vec<f64>; 3], model: &Model, values: &DVector<f64>) -> 
         dq: &dq,
         ddq: &ddq,
     };
-    let segment = Segment::states(motors, false);
+    let step = PERIOD_S / rows as f64;
+    let time: Vec<f64> = (0..rows).map(|row| row as f64 * step).collect();
+    let segment = Segment {
+        time: &time,
+        cyclic: true,
+        ..Segment::states(motors, false)
+    };
     let mut evaluator = Evaluator::along(model, values, &[], rows);
     evaluator.evaluate(segment, 0..rows).value(0).to_vec()
 }
@@ -276,6 +282,35 @@ fn recovers_known_order_of_a_ripple_far_from_its_start() {
             let off = (found.value.unwrap() - true_order).abs();
             assert!(off <= 5.0 * found.std_dev.unwrap(), "{way:?}: {found:?}");
         }
+    }
+}
+
+/// Bristles that bend by half of the motion act like a spring, and without dry friction they do nothing: a fit finds it though it begins
+/// with none.
+#[test]
+fn dry_friction_of_soft_bristles_is_found() {
+    let effects = [
+        "coulomb_friction",
+        "viscous_friction",
+        "presliding_hysteresis",
+    ];
+    let mut model = pendulum(&effects);
+    let bristles = [("sigma0", 8.0), ("sigma1", 0.02), ("Fs", 1.0), ("vs", 0.3)];
+    let bristles = bristles.map(|(name, value)| (format!("presliding_hysteresis.{name}"), value));
+    for (name, value) in &bristles {
+        let position = model.find(&format!("hinge.{name}")).unwrap();
+        model.fix(position, *value).unwrap();
+    }
+    let mut named = vec![("viscous_friction.Fv", 1.5), ("coulomb_friction.Fc", 4.0)];
+    named.extend(bristles.iter().map(|(name, value)| (name.as_str(), *value)));
+    let recordings =
+        vec![USUAL.record(&torque(&model, &valued(&model, &named)), (1, Split::Train))];
+    let data = Dataset { recordings };
+    for way in [Estimator::Ordinary, Estimator::MaximumLikelihood] {
+        let fitted = Way::Free(way).fit(&model, &data);
+        let found = fitted.estimate.find("hinge.coulomb_friction.Fc").unwrap();
+        let off = (found.value.unwrap() - 4.0).abs();
+        assert!(off <= 5.0 * found.std_dev.unwrap(), "{way:?}: {found:?}");
     }
 }
 

@@ -26,7 +26,7 @@ use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::fit::start::Start;
 use crate::diagnose::fit::start_grid::Grid;
 use crate::estimate::noise::counting_rows;
-use crate::estimate::search_range::MotionRange;
+use crate::estimate::search_range::{MotionRange, lent_sizes};
 use crate::linalg::lanes::inner_product::dot;
 use crate::linalg::normal_equations::{INDEPENDENT, NormalSolution};
 use crate::recording::split::Split;
@@ -210,8 +210,9 @@ impl<'a> ScoreTests<'a> {
     }
 
     /// Values from which a hypothesis is examined: those of the fit, and where it takes a law's place and borrows its
-    /// parameters, also those raised by what the fit leaves of the signal, as the poorer law may have found nothing,
-    /// and those lowered to what the law came to at the speeds of the joint where its transition is wide.
+    /// parameters, also those raised by what the fit leaves of the signal, and to shares of the torque of the joint, as the
+    /// poorer law may have found nothing, and those lowered to what the law came to at the speeds of the joint where its
+    /// transition is wide.
     fn bases(&self, model: &Model, hypothesis: &Hypothesis) -> Vec<Base> {
         let fitted = Base {
             values: self.fit.values_of(model),
@@ -223,8 +224,11 @@ impl<'a> ScoreTests<'a> {
         }
         let joint = &model.joints()[hypothesis.joints[0]].name;
         let reached = self.reached(hypothesis.joints[0]);
+        let recorded: Vec<&Prepared> = self.recordings().iter().collect();
+        let sizes = lent_sizes(model, &recorded, hypothesis.joints[0]);
         let mut raised = fitted.clone();
         let mut lowered = raised.clone();
+        let mut larger = Vec::new();
         for (effect, parameter) in borrows {
             let name = format!("{joint}.{effect}.{parameter}");
             let (Some(from), Some(to)) = (self.fit.model.position(&name), model.position(&name))
@@ -248,6 +252,15 @@ impl<'a> ScoreTests<'a> {
                 raised.values[to] += 1.0 / largest;
                 raised.changed.push((name.clone(), raised.values[to]));
             }
+            if hypothesis.effect.needs.replaces == Some(effect) {
+                let above = sizes.iter().filter(|size| **size > raised.values[to]);
+                larger.extend(above.map(|size| {
+                    let mut base = fitted.clone();
+                    base.values[to] = *size;
+                    base.changed.push((name.clone(), *size));
+                    base
+                }));
+            }
             if reached < MOSTLY_REACHED {
                 lowered.values[to] *= reached;
                 lowered.changed.push((name, lowered.values[to]));
@@ -256,6 +269,7 @@ impl<'a> ScoreTests<'a> {
         let mut bases = vec![fitted];
         let others = [raised, lowered].into_iter();
         bases.extend(others.filter(|base| !base.changed.is_empty()));
+        bases.extend(larger);
         bases
     }
 

@@ -127,6 +127,27 @@ impl MotionRange {
     }
 }
 
+/// Sizes of a law inside another that are tried, as shares of the joint's largest torque.
+const OF_TORQUE: [f64; 3] = [0.02, 0.08, 0.3];
+
+/// Sizes, in the unit of torque, from which searches begin for dry friction that stands inside another law: from too small a one
+/// bristles slide at once, and no step by derivatives leads back.
+pub fn lent_sizes(model: &Model, recordings: &[&Prepared], joint: usize) -> Vec<f64> {
+    let torque = largest_torque(model, recordings, joint).unwrap_or(0.0);
+    let shares = OF_TORQUE.iter().filter(|_| torque > 0.0);
+    shares.map(|share| share * torque).collect()
+}
+
+/// The largest recorded torque of a joint; `None` where there is none.
+pub fn largest_torque(model: &Model, recordings: &[&Prepared], joint: usize) -> Option<f64> {
+    let mut channels = model.channels().iter();
+    let channel = channels.position(|c| c.active && c.joint == Some(joint))?;
+    let signals = recordings.iter().flat_map(|r| r.signal(channel));
+    let largest = signals.fold(0.0_f64, |largest, s| largest.max(s.abs()));
+    let torque = largest * model.torque_per_signal(joint).abs();
+    (torque > 0.0).then_some(torque)
+}
+
 /// Lets positions that laws are about start within the motion: where they begin outside, a law that acts on one side of them
 /// may do nothing, and no search sees it. Starts that were stated, by the problem or the robot's file, stay.
 pub fn start_within_motion(model: &mut Model, data: &Dataset) {

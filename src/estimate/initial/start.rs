@@ -8,14 +8,14 @@
 //! all channels say, until no joint finds a better shape. What the bodies can do on one channel alone hides much of
 //! what tells two shapes apart.
 
-use crate::chain::effect::{Law, Search};
+use crate::chain::effect::{Law, Linearity, Search};
 use crate::chain::effect_parameter::EffectParameter;
 use crate::chain::model::Model;
 use crate::estimate::error::EstimateError;
 use crate::estimate::fit_problem::problem::FitProblem;
 use crate::estimate::fit_problem::unknowns::Unknowns;
 use crate::estimate::initial::gap_search::{self, Measure};
-use crate::estimate::initial::search_range::{Bounded, MotionRange};
+use crate::estimate::initial::search_range::{Bounded, MotionRange, lent_sizes};
 use crate::estimate::initial::start_grid::{JointSearches, LocalOptimum, OtherUnknowns, Point};
 use crate::estimate::residual::noise::predict;
 use crate::estimate::solve::least_squares::{ITERATIONS_PER_ROUND, solve};
@@ -86,7 +86,7 @@ fn with_laws(
     let nonlinear = &problem.unknowns.nonlinear;
     let is_searched = |joint: usize| {
         let mut all = nonlinear.iter();
-        all.any(|&p| search(problem.model, joint, p).is_some())
+        all.any(|&p| search(problem.model, joint, p).is_some() || is_lent(problem.model, joint, p))
     };
     if !joints.clone().any(is_searched) {
         return Ok(from);
@@ -257,8 +257,10 @@ fn grid(problem: &FitProblem<'_>, alone: &JointSearches<'_>, joint: usize) -> Ve
     let motion = MotionRange::of(problem.recordings, joint);
     let mut points = vec![Vec::new()];
     let mut declared = Vec::new();
-    let nonlinear = problem.unknowns.nonlinear.iter();
-    let searched = nonlinear.filter_map(|&p| Some((p, search(model, joint, p)?)));
+    let unknowns = problem.unknowns.nonlinear.iter();
+    let searched = unknowns
+        .clone()
+        .filter_map(|&p| Some((p, search(model, joint, p)?)));
     // What is scanned varies slowest: the best of it keeps its points where there are too many.
     let (scanned, others): (Vec<_>, Vec<_>) =
         searched.partition(|(_, search)| *search == Search::Cycles);
@@ -275,7 +277,25 @@ fn grid(problem: &FitProblem<'_>, alone: &JointSearches<'_>, joint: usize) -> Ve
         };
         points = points.into_iter().flat_map(longer).collect();
     }
-    points.truncate(MOST_POINTS);
+    let sizes = lent_sizes(model, problem.recordings, joint);
+    let lent = unknowns.clone().find(|p| is_lent(model, joint, **p));
+    if let Some(&p) = lent.filter(|_| !sizes.is_empty()) {
+        let with = |point: &Point, size: &f64| [&point[..], &[(p, *size)]].concat();
+        let of = |point: &Point| {
+            sizes
+                .iter()
+                .map(|size| with(point, size))
+                .collect::<Vec<_>>()
+        };
+        points = points.iter().flat_map(of).collect();
+    }
+    if points.len() > MOST_POINTS {
+        let squares = alone.linearised(joint, &points);
+        let mut ranked: Vec<(f64, Point)> = squares.into_iter().zip(points).collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        ranked.truncate(MOST_POINTS);
+        points = ranked.into_iter().map(|(_, point)| point).collect();
+    }
     if !declared.is_empty() {
         points.insert(0, declared);
     }
@@ -307,6 +327,12 @@ fn search(model: &Model, joint: usize, parameter: usize) -> Option<Search> {
         Search::Values(_) | Search::Speed(_) | Search::OverSpeed(_) | Search::Cycles
     );
     (law.joint == joint && has_grid).then_some(law.info.search)
+}
+
+/// Whether a parameter of a joint's motor is the size of one law and stands inside another that takes its place.
+fn is_lent(model: &Model, joint: usize, parameter: usize) -> bool {
+    motor_law(model, parameter)
+        .is_some_and(|own| own.joint == joint && own.info.linearity == Linearity::Linear)
 }
 
 /// A parameter of a law at a motor.

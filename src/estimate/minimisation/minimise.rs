@@ -93,7 +93,7 @@ impl<'a> Minimisation<'a, '_> {
 /// coupled motors as those of the joints that they move, `τ = V⁻ᵀ τ_M`.
 pub(super) fn ordinary_weights(model: &Model, recordings: &[&Prepared]) -> Weights {
     let of = |(k, c): (usize, &Channel)| match (c.joint, model.platform().accuracy) {
-        (Some(j), _) if c.active => torque_per_signal(model, j),
+        (Some(j), _) if c.active => model.torque_per_signal(j).abs(),
         (None, Some(accuracy)) => 1.0 / (accuracy * root_mean_square(recordings, k)),
         _ => 1.0,
     };
@@ -112,13 +112,6 @@ pub(super) fn ordinary_weights(model: &Model, recordings: &[&Prepared]) -> Weigh
         }
         _ => Weights::PerChannel(factors),
     }
-}
-
-/// Torque at joint scale per unit of a joint's signal.
-pub(in crate::estimate) fn torque_per_signal(model: &Model, joint: usize) -> f64 {
-    let joint = &model.joints()[joint];
-    let gain = joint.controller.map(|kp| model.parameters()[kp].value);
-    gain.unwrap_or(joint.torque_constant).abs()
 }
 
 /// Root mean square of a channel over all rows, 1 where it is zero.

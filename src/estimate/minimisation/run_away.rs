@@ -7,7 +7,7 @@
 use crate::chain::effect::Unit;
 use crate::chain::effect_parameter::EffectParameter;
 use crate::estimate::fit_problem::problem::FitProblem;
-use crate::estimate::minimisation::minimise::torque_per_signal;
+use crate::estimate::initial::search_range::largest_torque;
 use nalgebra::DVector;
 
 /// No law of a joint has a torque this many times the largest that was recorded of it: gravity, inertia and friction of one joint
@@ -18,7 +18,7 @@ const FAR: f64 = 1e3;
 pub fn unknowns(problem: &FitProblem<'_>, x: &DVector<f64>) -> Vec<usize> {
     let positions = problem.unknowns.positions();
     let largest: Vec<Option<f64>> = (0..problem.model.joints().len())
-        .map(|joint| largest_torque(problem, joint))
+        .map(|joint| largest_torque(problem.model, problem.recordings, joint))
         .collect();
     let law = |k: usize| problem.model.effect_parameter(positions[k]);
     let is_far = |k: usize, own: &EffectParameter| {
@@ -31,14 +31,4 @@ pub fn unknowns(problem: &FitProblem<'_>, x: &DVector<f64>) -> Vec<usize> {
         .collect();
     let is_lost = |k: &usize| law(*k).is_some_and(|own| away.contains(&place(own)));
     (0..x.len()).filter(is_lost).collect()
-}
-
-/// The largest recorded torque of a joint; `None` where there is none.
-fn largest_torque(problem: &FitProblem<'_>, joint: usize) -> Option<f64> {
-    let mut channels = problem.model.channels().iter();
-    let channel = channels.position(|channel| channel.active && channel.joint == Some(joint))?;
-    let signals = problem.recordings.iter().flat_map(|r| r.signal(channel));
-    let largest = signals.fold(0.0_f64, |largest, s| largest.max(s.abs()));
-    let torque = largest * torque_per_signal(problem.model, joint);
-    (torque > 0.0).then_some(torque)
 }
