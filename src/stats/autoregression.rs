@@ -223,6 +223,41 @@ impl Autoregression {
         series
     }
 
+    /// Variance of `ln Var(Σ w_t e_t)` with the innovations e by this model, over errors of its coefficients, which were estimated from
+    /// so many samples.
+    ///
+    /// `∂Var/∂a_i = 2σ² Σ_t w_t y_(t+i)`, y the weights coloured backward in time; the coefficients have the covariance σ² R⁻¹/n with the
+    /// autocovariance matrix R (Brockwell and Davis 1991, theorem 8.1.1), and `σ² R⁻¹ = L Lᵀ − M Mᵀ` with triangular matrices of the
+    /// coefficients (Siddiqui 1958).
+    pub fn variance_of_log_variance(&self, weights: &[f64], samples: usize) -> f64 {
+        let squares: f64 = weights.iter().map(|w| w * w).sum();
+        let order = self.coefficients.len();
+        if order == 0 || squares <= 0.0 {
+            return 0.0;
+        }
+        let reversed: Vec<f64> = weights.iter().rev().copied().collect();
+        let mut coloured = self.shape(&reversed);
+        coloured.reverse();
+        let slope = |lag: usize| {
+            let later = coloured.iter().skip(lag);
+            2.0 * weights.iter().zip(later).map(|(w, y)| w * y).sum::<f64>() / squares
+        };
+        let slopes: Vec<f64> = (1..=order).map(slope).collect();
+        // ‖Tᵀ slopes‖² of the lower triangular Toeplitz matrix T with this first column.
+        let squared = |column: &[f64]| -> f64 {
+            let of = |k: usize| {
+                let below = slopes[k..].iter().zip(column);
+                below.map(|(s, t)| s * t).sum::<f64>().powi(2)
+            };
+            (0..order).map(of).sum()
+        };
+        let negative = |a: &f64| -a;
+        let mut forward = vec![1.0];
+        forward.extend(self.coefficients[..order - 1].iter().map(negative));
+        let backward: Vec<f64> = self.coefficients.iter().rev().map(negative).collect();
+        (squared(&forward) - squared(&backward)).max(0.0) / samples as f64
+    }
+
     /// Samples beyond which one tells less than a share of the variance of another: `ρ_k² < share` for all lags k from there on.
     pub fn memory(&self, share: f64) -> usize {
         let response = self.impulse_response(LONGEST_MEMORY);

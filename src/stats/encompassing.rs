@@ -13,7 +13,9 @@
 //!
 //! Both residuals are taken as innovations of one autoregression per channel, that of the richer model's residual: noise
 //! that remembers is then nearly white, the variance rests on many short blocks and not on a few long ones, and what
-//! distinguishes the models counts where there is little noise (prewhitening: Andrews and Monahan 1992).
+//! distinguishes the models counts where there is little noise (prewhitening: Andrews and Monahan 1992). The autoregression is
+//! an estimate: what models differ by slowly rests on the few times that red noise forgets, and the error of its coefficients takes
+//! degrees of freedom, ν = 2/Var(ln V) of the variance V (Satterthwaite 1946).
 //!
 //! The poorer model's parameters are estimates: an error δθ of covariance C moves its residual by J δθ, alike in all blocks
 //! where held-out motions go beyond the fitted ones, and adds `gᵀC g`, g = Jᵀz, to the variance of `Σ z e` (West 1996,
@@ -63,6 +65,21 @@ impl Encompassing {
             freedom: 1.0,
             p_value: 1.0,
         }
+    }
+
+    /// Probability that parameters which a recording has for itself lower the residual as much by chance: each recording is fitted anew, at
+    /// whatever time serves best, and noise that remembers is alike in the rows that are fitted and in those between.
+    ///
+    /// The square of the ratio is that of so many parameters over a variance with the test's degrees of freedom (Fisher's F) at a given
+    /// beginning and end, of which n rows have n²/2.
+    pub fn of_own_parameters(&self, parameters: usize, rows: usize) -> f64 {
+        let parameters = parameters.max(1) as f64;
+        let distribution = Distribution::FisherF {
+            numerator: parameters,
+            denominator: self.freedom,
+        };
+        let one = distribution.upper_tail(self.ratio.max(0.0).powi(2) / parameters);
+        (one * 0.5 * (rows * rows) as f64).min(1.0)
     }
 
     /// ln Λ, of the likelihoods of the richer model and of the poorer.
@@ -122,7 +139,11 @@ impl ResidualPair<'_> {
                 let differences = Differences::of(self);
                 let weights = || differences.weights();
                 let of_estimates = known.estimates.map_or(0.0, |e| e.variance(&weights()));
-                differences.encompassing(known.noise, of_estimates)
+                let beside = Beside {
+                    of_estimates,
+                    of_colour: 0.0,
+                };
+                differences.encompassing(known.noise, beside)
             }
             ResidualRows::Recorded => {
                 let white = self.whitened(known.noise);
@@ -134,28 +155,14 @@ impl ResidualPair<'_> {
                         .collect::<Vec<_>>()
                 };
                 let of_estimates = known.estimates.map_or(0.0, |e| e.variance(&weights()));
-                differences.encompassing(white.noise.as_deref(), of_estimates)
+                let of_colour = differences.variance_of_log_variance(&white.models);
+                let beside = Beside {
+                    of_estimates,
+                    of_colour,
+                };
+                differences.encompassing(white.noise.as_deref(), beside)
             }
         }
-    }
-
-    /// Probability that parameters which a recording has for itself lower the residual as much by chance: each recording
-    /// is fitted anew, at whatever time serves best, and noise that remembers is alike in the rows that are fitted and in
-    /// those between.
-    ///
-    /// The innovations of both residuals have `Σ u²/σ²`, which falls by a χ² with `parameters` degrees of freedom at a
-    /// given beginning and end (Wilks 1938), of which n rows have n²/2.
-    pub fn of_own_parameters(self, parameters: usize) -> f64 {
-        let Whitened { poorer, richer, .. } = self.whitened(None);
-        let rows = richer.iter().map(Vec::len).max().unwrap_or(0) as f64;
-        let gain = |(before, after): (&Vec<f64>, &Vec<f64>)| {
-            let squares = |e: &[f64]| e.iter().map(|u| u * u).sum::<f64>();
-            (squares(before) - squares(after)) / deviation(after).powi(2)
-        };
-        let gain: f64 = poorer.iter().zip(&richer).map(gain).sum();
-        let freedom = parameters.max(1) as f64;
-        let one = Distribution::ChiSquared { freedom }.upper_tail(gain.max(0.0));
-        (one * 0.5 * rows * rows).min(1.0)
     }
 
     /// Innovations of both residuals by the autoregression of the richer one, and the noise in the same units.
@@ -305,8 +312,24 @@ impl<'a> Differences<'a> {
         (0..self.pair.richer.len()).map(of).collect()
     }
 
-    /// The test, with the RMS noise of a row where it is known, and what estimates add to the variance of Σ z e.
-    fn encompassing(&self, noise: Option<&[f64]>, of_estimates: f64) -> Encompassing {
+    /// Variance of the logarithm of that of Σ z e, over errors of the models by which the channels were whitened.
+    fn variance_of_log_variance(&self, models: &[Autoregression]) -> f64 {
+        let weights = self.weights();
+        let of = |&c: &usize| {
+            let scaled: f64 = weights[c].iter().map(|w| (w * self.scale[c]).powi(2)).sum();
+            let own = models[c].variance_of_log_variance(&weights[c], weights[c].len());
+            (scaled, scaled * scaled * own)
+        };
+        let all: Vec<(f64, f64)> = self.channels.iter().map(of).collect();
+        let total: f64 = all.iter().map(|(scaled, _)| scaled).sum();
+        match total > 0.0 {
+            true => all.iter().map(|(_, squared)| squared).sum::<f64>() / (total * total),
+            false => 0.0,
+        }
+    }
+
+    /// The test, with the RMS noise of a row where it is known, and what is uncertain beside it.
+    fn encompassing(&self, noise: Option<&[f64]>, beside: Beside) -> Encompassing {
         let blocks = self.blocks(self.clip);
         let sums = Sums::of(&blocks);
         if sums.difference <= 0.0 {
@@ -322,7 +345,8 @@ impl<'a> Differences<'a> {
                 freedom: 1.0,
             },
         };
-        variance.with(of_estimates).encompassing(sums)
+        let variance = variance.of_estimated_colour(beside.of_colour);
+        variance.with(beside.of_estimates).encompassing(sums)
     }
 
     /// `τ Σ σ² z²`, with the correlation time τ of what the richer model leaves.
@@ -360,6 +384,15 @@ fn variance_of_blocks(blocks: &[Sums], total: Sums) -> Option<Variance> {
     })
 }
 
+/// What makes Σ z e uncertain beside the noise of the rows.
+#[derive(Debug, Clone, Copy)]
+struct Beside {
+    /// Variance by the errors of the poorer model's parameters.
+    of_estimates: f64,
+    /// Variance of the logarithm of that of the noise, by the error of what whitened it.
+    of_colour: f64,
+}
+
 /// A variance of `Σ z ε` and its degrees of freedom.
 #[derive(Debug, Clone, Copy)]
 struct Variance {
@@ -376,6 +409,14 @@ impl Variance {
         Self {
             value,
             freedom: value * value / uncertain,
+        }
+    }
+
+    /// The same as an estimate whose logarithm varies by so much more.
+    fn of_estimated_colour(self, of_logarithm: f64) -> Self {
+        Self {
+            freedom: 1.0 / (1.0 / self.freedom + 0.5 * of_logarithm),
+            ..self
         }
     }
 

@@ -56,7 +56,8 @@ impl HypothesisTest {
         }
         if hypothesis.effect.needs.lasts == Lasts::OneRecording {
             let parameters = hypothesis.effect.parameters.len();
-            let own = pair.held_out().of_own_parameters(parameters);
+            let rows = fit.validation.iter().map(Vec::len).max().unwrap_or(0);
+            let own = evidence.of_own_parameters(parameters, rows);
             evidence.p_value = evidence.p_value.max(own);
         }
         Self {
