@@ -86,6 +86,14 @@ pub struct Solution {
 }
 
 impl Solution {
+    /// The solver's measure of stationarity at the last point; ∞ of a run without a step.
+    pub fn stationarity(&self) -> f64 {
+        self.trace
+            .rows
+            .last()
+            .map_or(f64::INFINITY, |row| row.stationarity)
+    }
+
     /// A point to begin at, that no run has come to.
     pub fn untried(x: DVector<f64>) -> Self {
         Self {

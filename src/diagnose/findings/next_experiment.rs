@@ -1,7 +1,7 @@
 //! The recording that would tell a finding from its rivals: a problem file for `exid design` with the criterion
 //! that sets their predictions apart (Atkinson and Fedorov 1975), within the limits of the same robot.
 
-use crate::chain::effect::{COUPLING, CROSSTALK};
+use crate::chain::effect::{COUPLING, CROSSTALK, LOAD, TILT};
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
 use crate::diagnose::fit::context::Context;
@@ -151,7 +151,7 @@ fn rival(fit: &ModelFit, name: &str) -> Value {
         .filter(|(_, joint)| !joint.locked)
         .map(|(j, joint)| {
             let mut ids: Vec<&str> = joint.effects.iter().map(|(e, _)| e.id).collect();
-            ids.extend(of_pairs(&fit.model, j));
+            ids.extend(beside_own_laws(&fit.model, j));
             (joint.name.clone(), json!(ids))
         })
         .collect();
@@ -163,14 +163,21 @@ fn rival(fit: &ModelFit, name: &str) -> Value {
     json!({ "name": name, "effects_of": effects, "values": values })
 }
 
-/// The effects that a joint has with others; with which ones is in the names of their values.
-fn of_pairs(model: &Model, joint: usize) -> Vec<&'static str> {
+/// The effects of a joint that are no laws of its own: those that it has with others, with which ones is in the names of their values; a
+/// load that it carries, and the tilt of the base, which every joint has.
+fn beside_own_laws(model: &Model, joint: usize) -> Vec<&'static str> {
     let roles = || model.parameters().iter().map(|p| p.role);
     let hears = |role: Role| matches!(role, Role::Crosstalk(heard) if heard.channel == joint);
     let is_moved = |role: Role| matches!(role, Role::Coupling { row, .. } if row == joint);
-    let crosstalk = roles().any(hears).then_some(CROSSTALK.id);
-    let coupling = roles().any(is_moved).then_some(COUPLING.id);
-    crosstalk.into_iter().chain(coupling).collect()
+    let carries = model.payload().is_some_and(|(load, _)| load.link == joint);
+    let all = [
+        (roles().any(hears), CROSSTALK),
+        (roles().any(is_moved), COUPLING),
+        (carries, LOAD),
+        (model.tilt().is_some(), TILT),
+    ];
+    let there = all.into_iter().filter(|(is_there, _)| *is_there);
+    there.map(|(_, effect)| effect.id).collect()
 }
 
 fn without_nulls(value: &Value) -> Value {

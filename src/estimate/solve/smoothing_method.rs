@@ -29,6 +29,10 @@ const SHARES: [f64; 5] = [1.0, 0.3, 0.1, 0.03, 0.01];
 /// A search with smoothed switches ends within this many standard deviations of its optimum.
 const NEAR: f64 = 0.03;
 
+/// A search that ends at its limit of iterations is at its optimum within this many standard deviations: an interval of two on either side
+/// is shifted by a fortieth of its width at most.
+const NEAR_ENOUGH: f64 = 0.1;
+
 /// The optimum from a start: of the law itself where steps by derivatives reach it, else of the law with its
 /// switches smoothed below the noise. The cost is that of the law itself.
 pub(in crate::estimate) fn search(
@@ -38,6 +42,10 @@ pub(in crate::estimate) fn search(
     control: &Control<'_>,
 ) -> Result<Solution, EstimateError> {
     let mut found = solve(problem, start, max_iterations, control)?;
+    if found.stop == Stop::IterationLimit && found.stationarity() <= tolerance(problem, NEAR_ENOUGH)
+    {
+        found.stop = Stop::CostTolerance;
+    }
     let caught = matches!(found.stop, Stop::Stalled | Stop::IterationLimit);
     if !caught || !problem.model.has_switches() {
         return Ok(found);
@@ -61,20 +69,25 @@ pub(in crate::estimate) fn search(
     Ok(found)
 }
 
-/// Levenberg-Marquardt to within [`NEAR`] of the optimum: a promise of p lies `√(2p)` standard deviations from it, and
-/// the cost is half the number of rows in units of the noise.
+/// Share of the cost that is left so many standard deviations from the optimum: a promise of p lies `√(2p)` of them from it, and the
+/// cost is half the number of rows in units of the noise.
+fn tolerance(problem: &FitProblem<'_>, deviations: f64) -> f64 {
+    let rows = match problem.form().objective {
+        Objective::SumOfSquares { rows } => rows.max(1),
+        Objective::Smooth => 1,
+    };
+    deviations * deviations / rows as f64
+}
+
+/// Levenberg-Marquardt to within [`NEAR`] of the optimum.
 fn minimise_smoothed(
     problem: &FitProblem<'_>,
     start: &DVector<f64>,
     max_iterations: usize,
     control: &Control<'_>,
 ) -> Result<Solution, EstimateError> {
-    let rows = match problem.form().objective {
-        Objective::SumOfSquares { rows } => rows.max(1),
-        Objective::Smooth => 1,
-    };
     let settings = levenberg_marquardt::Settings {
-        cost_tolerance: NEAR * NEAR / rows as f64,
+        cost_tolerance: tolerance(problem, NEAR),
         max_iterations,
         ..levenberg_marquardt::Settings::default()
     };
