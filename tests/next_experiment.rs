@@ -96,18 +96,23 @@ impl Case {
 /// The problem of the experiment that a diagnosis asks for.
 const NEXT: &str = "before/next_experiment.toml";
 
-/// A rotor, or a load on its link: the load is in the problem of the next experiment, whose motion can be designed.
+/// A channel that hears another, or a load: both are in the problem of the next experiment, whose motion can be designed.
 #[test]
 fn a_load_is_a_rival_of_the_next_experiment() {
     let mut scope = Scope::periodic(14);
-    scope.effects = vec!["rotor_inertia", "unmodelled_payload", "base_tilt"];
+    scope.robots = vec!["arm3"];
+    scope.effects = vec![
+        "channel_crosstalk",
+        "kinematic_coupling",
+        "presliding_hysteresis",
+    ];
     let kept = tempfile::tempdir().unwrap();
     let folder = kept.path();
-    prepare(&Plan::draw(&scope, 15, 0), folder, &Control::default()).unwrap();
+    prepare(&Plan::draw(&scope, 56, 0), folder, &Control::default()).unwrap();
     exid(folder, &["diagnose", "problem.toml", "--out", "before"]);
     let rivals = vec!["unmodelled_payload".to_string()];
     let found = names(&findings(&folder.join("before"))[0]);
-    assert_eq!(found, ("rotor_inertia".to_string(), rivals));
+    assert_eq!(found, ("channel_crosstalk".to_string(), rivals));
     exid(folder, &["design", NEXT, "--out", "design"]);
 }
 

@@ -137,7 +137,10 @@ impl ResidualPair<'_> {
         match rows {
             ResidualRows::Filtered => {
                 let differences = Differences::of(self);
-                let weights = || differences.weights();
+                let weights = || {
+                    let instruments = differences.instruments();
+                    differences.weights(&instruments)
+                };
                 let of_estimates = known.estimates.map_or(0.0, |e| e.variance(&weights()));
                 let beside = Beside {
                     of_estimates,
@@ -148,14 +151,15 @@ impl ResidualPair<'_> {
             ResidualRows::Recorded => {
                 let white = self.whitened(known.noise);
                 let differences = Differences::of(white.pair());
+                let instruments = differences.instruments();
                 let weights = || {
-                    let pairs = white.models.iter().zip(differences.weights());
+                    let pairs = white.models.iter().zip(differences.weights(&instruments));
                     pairs
                         .map(|(model, w)| model.adjoint(&w))
                         .collect::<Vec<_>>()
                 };
                 let of_estimates = known.estimates.map_or(0.0, |e| e.variance(&weights()));
-                let of_colour = differences.variance_of_log_variance(&white.models);
+                let of_colour = variance_of_log_variance(&white.models, &instruments);
                 let beside = Beside {
                     of_estimates,
                     of_colour,
@@ -302,30 +306,16 @@ impl<'a> Differences<'a> {
         (0..rows).step_by(self.block).map(of).collect()
     }
 
-    /// Of rows of the poorer residual in Σ z e, `[channel][row]`.
-    fn weights(&self) -> Vec<Vec<f64>> {
-        let of = |c: usize| -> Vec<f64> {
-            let rows = self.differences[c].iter();
-            rows.map(|d| clipped(*d, self.clip) / self.scale[c])
-                .collect()
-        };
-        (0..self.pair.richer.len()).map(of).collect()
+    /// z of every row, `[channel][row]`.
+    fn instruments(&self) -> Vec<Vec<f64>> {
+        let of = |d: &Vec<f64>| d.iter().map(|d| clipped(*d, self.clip)).collect();
+        self.differences.iter().map(of).collect()
     }
 
-    /// Variance of the logarithm of that of Σ z e, over errors of the models by which the channels were whitened.
-    fn variance_of_log_variance(&self, models: &[Autoregression]) -> f64 {
-        let weights = self.weights();
-        let of = |&c: &usize| {
-            let scaled: f64 = weights[c].iter().map(|w| (w * self.scale[c]).powi(2)).sum();
-            let own = models[c].variance_of_log_variance(&weights[c], weights[c].len());
-            (scaled, scaled * scaled * own)
-        };
-        let all: Vec<(f64, f64)> = self.channels.iter().map(of).collect();
-        let total: f64 = all.iter().map(|(scaled, _)| scaled).sum();
-        match total > 0.0 {
-            true => all.iter().map(|(_, squared)| squared).sum::<f64>() / (total * total),
-            false => 0.0,
-        }
+    /// Of rows of the poorer residual in Σ z e, `[channel][row]`.
+    fn weights(&self, instruments: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let of = |(z, scale): (&Vec<f64>, &f64)| z.iter().map(|z| z / scale).collect();
+        instruments.iter().zip(&self.scale).map(of).collect()
     }
 
     /// The test, with the RMS noise of a row where it is known, and what is uncertain beside it.
@@ -363,6 +353,22 @@ impl<'a> Differences<'a> {
             value: self.channels.iter().map(of).sum(),
             freedom: rows as f64,
         }
+    }
+}
+
+/// Variance of the logarithm of that of Σ z ε, with innovations ε of variance one in every channel, over errors of the models that they
+/// are by.
+fn variance_of_log_variance(models: &[Autoregression], instruments: &[Vec<f64>]) -> f64 {
+    let (mut total, mut uncertain) = (0.0, 0.0);
+    for (model, z) in models.iter().zip(instruments) {
+        let variance: f64 = z.iter().map(|z| z * z).sum();
+        total += variance;
+        uncertain += variance * variance * model.variance_of_log_variance(z, z.len());
+    }
+    if total > 0.0 {
+        uncertain / (total * total)
+    } else {
+        0.0
     }
 }
 

@@ -224,8 +224,6 @@ impl<'a> ScoreTests<'a> {
         }
         let joint = &model.joints()[hypothesis.joints[0]].name;
         let reached = self.reached(hypothesis.joints[0]);
-        let recorded: Vec<&Prepared> = self.recordings().iter().collect();
-        let sizes = lent_sizes(model, &recorded, hypothesis.joints[0]);
         let mut raised = fitted.clone();
         let mut lowered = raised.clone();
         let mut larger = Vec::new();
@@ -253,11 +251,13 @@ impl<'a> ScoreTests<'a> {
                 raised.changed.push((name.clone(), raised.values[to]));
             }
             if hypothesis.effect.needs.replaces == Some(effect) {
-                let above = sizes.iter().filter(|size| **size > raised.values[to]);
+                let recorded: Vec<&Prepared> = self.recordings().iter().collect();
+                let sizes = lent_sizes(model, &recorded, hypothesis.joints[0]);
+                let above = sizes.into_iter().filter(|size| *size > raised.values[to]);
                 larger.extend(above.map(|size| {
                     let mut base = fitted.clone();
-                    base.values[to] = *size;
-                    base.changed.push((name.clone(), *size));
+                    base.values[to] = size;
+                    base.changed.push((name.clone(), size));
                     base
                 }));
             }

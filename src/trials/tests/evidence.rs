@@ -261,50 +261,53 @@ fn an_effect_matters_beside_the_noise_and_beside_the_signal() {
     assert_eq!([MATTERS, OF_NOISE, OF_TORQUE], [0.01, 0.5, 0.002]);
 }
 
-/// Whether a finding is withdrawn that leaves `after` of the lacks of fit of `before`.
-fn is_withdrawn(finding: Hypothesis, before: &[f64], after: &[f64], measured: bool) -> bool {
-    let bench = Bench::new(&["torque_offset"]);
-    let declared = bench.declared(&bench.opened.data);
+/// The number of a single finding beside `declared` that leaves some lacks of fit of others, `[before, after]` by channel, if it is withdrawn.
+fn withdrawn(
+    declared: &ModelFit,
+    finding: Hypothesis,
+    lacks: [[f64; 3]; 2],
+    measured: bool,
+) -> Option<usize> {
     let noise = NoiseLevel {
-        rms: vec![1.0; before.len()],
+        rms: vec![1.0; declared.validation.len()],
         measured,
     };
-    let of = |lacks: &[f64]| {
-        let left: Vec<f64> = lacks.iter().map(|lack| lack.sqrt()).collect();
-        leaving(&declared, &left)
-    };
-    let mut full = of(after);
+    let [without, mut full] = lacks.map(|lacks| leaving(declared, &lacks.map(f64::sqrt)));
     full.hypotheses = vec![finding];
     let comparison = RivalComparison {
-        without: of(before),
+        without,
         alternatives: Vec::new(),
         tried: 0,
     };
-    weak_findings::weakest(&noise, &full, &[comparison]).is_some()
+    weak_findings::weakest(&noise, &full, &[comparison])
 }
 
 /// A finding that leaves more of the excess over the noise than it takes is withdrawn, unless what it leaves is noise.
 #[test]
 fn a_name_that_explains_less_than_it_leaves_is_withdrawn() {
+    let bench = Bench::new(&["torque_offset"]);
+    let declared = bench.declared(&bench.opened.data);
     let withdrawn = |before: f64, after: f64, measured: bool| {
-        is_withdrawn(offset(0), &[before; 3], &[after; 3], measured)
+        withdrawn(&declared, offset(0), [[before; 3], [after; 3]], measured)
     };
     // Of an excess of 9 four ninths, then five.
-    assert!(withdrawn(10.0, 6.0, true));
-    assert!(!withdrawn(10.0, 5.0, true));
+    assert_eq!(withdrawn(10.0, 6.0, true), Some(0));
+    assert_eq!(withdrawn(10.0, 5.0, true), None);
     // As much noise as misfit is explained.
-    assert!(withdrawn(3.0, 2.1, true));
-    assert!(!withdrawn(2.5, 1.9, true));
-    assert!(!withdrawn(10.0, 6.0, false));
+    assert_eq!(withdrawn(3.0, 2.1, true), Some(0));
+    assert_eq!(withdrawn(2.5, 1.9, true), None);
+    assert_eq!(withdrawn(10.0, 6.0, false), None);
 }
 
 /// A load explains most in the channels of the joints that carry it, where more may be missing in that of its own joint.
 #[test]
 fn a_load_is_judged_where_it_explains_most() {
-    let [before, after] = [[100.0, 100.0, 10.0], [5.0, 5.0, 8.0]];
+    let bench = Bench::new(&["torque_offset"]);
+    let declared = bench.declared(&bench.opened.data);
+    let lacks = [[100.0, 100.0, 10.0], [5.0, 5.0, 8.0]];
     let load = effect_of("unmodelled_payload", 2);
-    assert!(!is_withdrawn(load, &before, &after, true));
-    assert!(is_withdrawn(offset(2), &before, &after, true));
+    assert_eq!(withdrawn(&declared, load, lacks, true), None);
+    assert_eq!(withdrawn(&declared, offset(2), lacks, true), Some(0));
 }
 
 /// Where nothing has an offset, the estimates of three are as far from zero as noise makes them, and the least certain of
