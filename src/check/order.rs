@@ -5,7 +5,6 @@
 //! free, and the same in all rows. The gain of h is `G = Σ_c ln(σ_c(declared) / σ_c(h))`, σ the residual
 //! deviations: N·G is the logarithm of the likelihood ratio for N rows of normal noise.
 
-use crate::chain::model::Model;
 use crate::check::context::PreparedRecording;
 use crate::check::regression::{Comparison, Sampled, with_tree};
 use crate::check::report::finding;
@@ -13,6 +12,7 @@ use crate::check::shared::{Rows, base};
 use crate::fault::Description;
 use crate::outcome::check::{Mistake, Severity};
 use crate::robot::tree::JointKind;
+use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -29,6 +29,13 @@ const CHANNELS: usize = 2;
 /// 40 joints take minutes.
 const MOST_UNKNOWNS: usize = 200;
 
+/// Tangent of the largest tilt of a base that was put up as stated; what is more is another mounting.
+const STEEPEST: f64 = 0.25;
+
+/// Steps of the search for a tilt, tangents: the first halves the range, and the last is as much as levels of mountings are off.
+const FIRST_STEP: f64 = 0.125;
+const LAST_STEP: f64 = 0.002;
+
 /// Another reading of the motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Hypothesis {
@@ -41,6 +48,8 @@ enum Hypothesis {
     Turned(usize, f64),
     /// Gravity along another axis of the base: axis and sign.
     Gravity(usize, f64),
+    /// Gravity aslant, by these tangents along two axes across it.
+    Tilted([f64; 2]),
 }
 
 /// A hypothesis with the rows that the signals belong to.
@@ -83,7 +92,7 @@ pub(super) fn find(ready: &PreparedRecording<'_>) -> Vec<Mistake> {
     let judged = Judged {
         comparison,
         channels,
-        base: base(comparison),
+        base: base(&comparison.model, comparison.sampled.loaded),
     };
     let (_, named) = judged.named(Hypothesis::Declared);
     if !judged.may_gain(&named) {
@@ -109,10 +118,16 @@ pub(super) fn find(ready: &PreparedRecording<'_>) -> Vec<Mistake> {
     };
     // The first of equals: the plainest reading stands first.
     let best = readings.iter().rev().map(|(_, best)| best).filter(stands);
-    match best.min_by(|a, b| a.cost().total_cmp(&b.cost())) {
-        Some(best) => describe(ready, &judged.channels, best, declared.cost() - best.cost()),
-        None => Vec::new(),
-    }
+    let Some(best) = best.min_by(|a, b| a.cost().total_cmp(&b.cost())) else {
+        return Vec::new();
+    };
+    // Half a turn of a first axis that leans does what a tilt of the base does, which is the lesser mistake.
+    let tilted = judged.tilted(declared);
+    let best = match tilted.cost() - best.cost() < LEAST_GAIN {
+        true => &tilted,
+        false => best,
+    };
+    describe(ready, &judged.channels, best, declared.cost() - best.cost())
 }
 
 impl Judged<'_> {
@@ -141,6 +156,29 @@ impl Judged<'_> {
         list
     }
 
+    /// The best reading with gravity aslant, by steps to and fro along two axes that are halved where none gains.
+    fn tilted(&self, declared: &Reading) -> Reading {
+        let mut best = Reading {
+            hypothesis: Hypothesis::Tilted([0.0; 2]),
+            ..declared.clone()
+        };
+        let (mut tilt, mut step) = ([0.0; 2], FIRST_STEP);
+        while step >= LAST_STEP {
+            let ways = [[step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]];
+            let next = ways.map(|way| [tilt[0] + way[0], tilt[1] + way[1]]);
+            let inside = next
+                .into_par_iter()
+                .filter(|t| t[0].hypot(t[1]) <= STEEPEST);
+            let readings = inside.map(|t| (t, self.named(Hypothesis::Tilted(t)).1));
+            let found = readings.min_by(|(_, a), (_, b)| a.cost().total_cmp(&b.cost()));
+            match found.filter(|(_, reading)| reading.cost() < best.cost()) {
+                Some((at, reading)) => (tilt, best) = (at, reading),
+                None => step *= 0.5,
+            }
+        }
+        best
+    }
+
     /// Whether another reading can be a finding: none leaves less of a signal than its white noise.
     fn may_gain(&self, named: &Reading) -> bool {
         let of = |((channel, _), deviation): (&(usize, usize), &f64)| {
@@ -160,13 +198,26 @@ impl Judged<'_> {
     /// The rows of a hypothesis, and the signals as they are named.
     fn named(&self, hypothesis: Hypothesis) -> (Rows, Reading) {
         let sampled = moved(&self.comparison.sampled, hypothesis);
+        let gravity = self.comparison.model.tree().gravity();
         let turned = match hypothesis {
-            Hypothesis::Gravity(axis, sign) => Some(with_gravity(self.comparison, axis, sign)),
+            Hypothesis::Gravity(axis, sign) => {
+                let mut along = Vector3::zeros();
+                along[axis] = sign * gravity.norm();
+                Some(along)
+            }
+            Hypothesis::Tilted(tilt) => Some(aslant(gravity, tilt)),
             _ => None,
         };
+        let turned = turned.map(|gravity| {
+            let tree = self.comparison.model.tree().clone();
+            with_tree(&self.comparison.model, tree.with_gravity(gravity.into()))
+        });
         let model = turned.as_ref().unwrap_or(&self.comparison.model);
         let channels: Vec<usize> = self.channels.iter().map(|(c, _)| *c).collect();
-        let rows = Rows::new(self.comparison, model, &sampled, &channels, &self.base);
+        // A first axis that is no longer vertical shows more of the robot's mass.
+        let base = turned.as_ref().map(|model| base(model, sampled.loaded));
+        let base = base.as_ref().unwrap_or(&self.base);
+        let rows = Rows::new(self.comparison, model, &sampled, &channels, base);
         let assignment: Vec<usize> = (0..channels.len()).collect();
         let reading = Reading {
             hypothesis,
@@ -228,11 +279,13 @@ fn reassigned(rows: &Rows, mut reading: Reading) -> Reading {
     }
 }
 
-fn with_gravity(comparison: &Comparison, axis: usize, sign: f64) -> Model {
-    let tree = comparison.model.tree();
-    let mut gravity = [0.0; 3];
-    gravity[axis] = sign * tree.gravity().norm();
-    with_tree(&comparison.model, tree.clone().with_gravity(gravity))
+/// Gravity as strong, by these tangents off along two axes across it.
+fn aslant(gravity: Vector3<f64>, tilt: [f64; 2]) -> Vector3<f64> {
+    let least = gravity.iamin();
+    let across = gravity.cross(&Vector3::ith(least, 1.0)).normalize();
+    let other = gravity.cross(&across).normalize();
+    let along = gravity / gravity.norm() + across * tilt[0] + other * tilt[1];
+    along.normalize() * gravity.norm()
 }
 
 fn moved(sampled: &Sampled, hypothesis: Hypothesis) -> Sampled {
@@ -253,7 +306,7 @@ fn moved(sampled: &Sampled, hypothesis: Hypothesis) -> Sampled {
             }
         }
         Hypothesis::Turned(j, angle) => moved.position[j].iter_mut().for_each(|x| *x += angle),
-        Hypothesis::Declared | Hypothesis::Gravity(..) => {}
+        Hypothesis::Declared | Hypothesis::Gravity(..) | Hypothesis::Tilted(_) => {}
     }
     moved
 }
@@ -283,13 +336,18 @@ fn describe(
     let factor = (gain / channels.len() as f64).exp();
     let evidence =
         format!("the residuals are then {factor:.2} times smaller, on the average over all joints");
+    let severity = match reading.hypothesis {
+        // What a fit can estimate makes no figure meaningless.
+        Hypothesis::Tilted(_) => Severity::Warning,
+        _ => Severity::Error,
+    };
     let error = |place, description: Description| {
         let message = format!("{}; {evidence}", description.message);
         let description = Description {
             message,
             ..description
         };
-        finding(Severity::Error, place, description)
+        finding(severity, place, description)
     };
     let moved = |c: &usize| reading.assignment[*c] != *c;
     let moved: Vec<usize> = (0..channels.len()).filter(moved).collect();
@@ -321,7 +379,7 @@ fn describe(
         Hypothesis::Reversed(j) | Hypothesis::Turned(j, _) => {
             vec![error(ready.at_channel_of(j), of_frame(reading.hypothesis))]
         }
-        Hypothesis::Gravity(..) => {
+        Hypothesis::Gravity(..) | Hypothesis::Tilted(_) => {
             let place = ready.place().key("robot.gravity");
             vec![error(place, of_frame(reading.hypothesis))]
         }
@@ -347,6 +405,14 @@ fn of_frame(hypothesis: Hypothesis) -> Description {
                 ["x", "y", "z"][axis]
             ),
             "set robot.gravity as the base is mounted",
+        ),
+        Hypothesis::Tilted(tilt) => Description::new(
+            "base-tilt",
+            format!(
+                "gravity looks {:.1} degrees off the stated direction",
+                tilt[0].hypot(tilt[1]).atan().to_degrees()
+            ),
+            "set robot.gravity as the base is mounted, or estimate the tilt: `exid effects` has an effect for it",
         ),
         _ => Description::new(
             "position-sign",

@@ -34,11 +34,10 @@ struct Row {
     factor: Triangular,
 }
 
-/// Base parameters of the free model of a comparison.
-pub(super) fn base(comparison: &Comparison) -> Vec<usize> {
-    let no_prior = DMatrix::zeros(0, comparison.model.parameters().len());
-    let loads = [comparison.sampled.loaded];
-    BaseParameters::structural(&comparison.model, &loads, &no_prior).kept()
+/// Base parameters of a free model, with its load or without.
+pub(super) fn base(model: &Model, loaded: bool) -> Vec<usize> {
+    let no_prior = DMatrix::zeros(0, model.parameters().len());
+    BaseParameters::structural(model, &[loaded], &no_prior).kept()
 }
 
 impl Rows {

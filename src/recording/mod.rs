@@ -29,7 +29,7 @@ pub mod units;
 pub use crate::recording::channels::{column_map, columns, lost, missing, samples, survey};
 pub use crate::recording::formats::{format, memory, reading, table};
 pub use crate::recording::prepare::periods::{clock_drift, period, successive_periods};
-pub use crate::recording::prepare::{experiment, noise_level, preprocess, settings};
+pub use crate::recording::prepare::{experiment, motion_error, noise_level, preprocess, settings};
 pub use crate::recording::quality::{copies, filtered, jumps, lost_signal, spikes, upsampling};
 pub use crate::recording::time_base::{clock, timing};
 

@@ -224,8 +224,13 @@ fn recovers_known_noise_and_motion_of_a_periodic_recording() {
     assert!((noise.autocovariance[0][1] / noise.autocovariance[0][0]).abs() < 4.0 * 0.0145);
     // The stated standard deviation covers the error, and is not far above it: its own comes from
     // bands of 16 harmonics, and the error from 2 H coefficients.
-    let ratio =
-        acceleration_error(&experiment) / experiment.motion_error.as_ref().unwrap().acceleration[0];
+    let ratio = acceleration_error(&experiment)
+        / experiment
+            .motion_error
+            .as_ref()
+            .unwrap()
+            .acceleration
+            .deviation(0);
     assert!((0.5..2.0).contains(&ratio), "{ratio}");
 }
 
@@ -301,7 +306,7 @@ fn low_pass_and_fourier_agree_on_a_period() {
     // A low-pass leaves about as much of white noise as a sharp end of the band at its cut-off.
     let [sharp, soft] = [Method::Fourier, Method::Lowpass].map(|method| {
         let error = prepared(method, 1e-4).motion_error.unwrap();
-        error.position[0]
+        error.position.deviation(0)
     });
     // 20 Hz of 100 Hz in five periods.
     let expected = 1e-4 * f64::sqrt(0.2 / 5.0);
@@ -464,7 +469,7 @@ fn a_trial_with_equal_periods_keeps_quantisation_out_of_the_acceleration() {
         let rms = (squares / acceleration.len() as f64).sqrt();
         // The steps of 2^19 counts a turn have a standard deviation of 3.5e-6 rad, which becomes
         // 0.24 rad/s² at full bandwidth, a tenth of the motion; the series must stay below 2 %.
-        assert!(error.acceleration[joint] < 0.02 * rms);
+        assert!(error.acceleration.deviation(joint) < 0.02 * rms);
         assert!(noise.recorded_position_sd[joint] < 1e-12);
     }
 }

@@ -5,6 +5,7 @@
 //! colour of an autoregression.
 
 use crate::chain::dataset::Prepared;
+use crate::recording::motion_error::JointErrors;
 use crate::robot::random::generator;
 use crate::stats::autoregression::{Autoregression, OrderCriterion, largest_order};
 use rand_chacha::ChaCha8Rng;
@@ -83,11 +84,13 @@ pub fn stream(seed: u64, recording: usize, purpose: u64) -> ChaCha8Rng {
     rng
 }
 
-/// Normal errors of deviations.
-pub fn draw(deviations: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
-    let of = |deviation: &f64| {
+/// Errors of every joint.
+pub fn draw(errors: &JointErrors, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let mut sum = vec![0.0; errors.joints()];
+    for part in errors.parts() {
         let normal: f64 = StandardNormal.sample(rng);
-        deviation * normal
-    };
-    deviations.iter().map(of).collect()
+        let joints = sum.iter_mut().zip(&part);
+        joints.for_each(|(sum, deviation)| *sum += deviation * normal);
+    }
+    sum
 }

@@ -132,18 +132,13 @@ pub fn to_motors(
         }
     }
     for k in 0..n {
-        let size = scale.position[k].abs();
         if let Some(error) = &mut experiment.motion_error {
-            for deviations in [
-                &mut error.position,
-                &mut error.velocity,
-                &mut error.acceleration,
-            ] {
-                deviations[k] *= size;
+            for errors in error.orders_mut() {
+                errors.scale(k, scale.position[k]);
             }
         }
         if let Some(noise) = &mut experiment.noise {
-            noise.recorded_position_sd[k] *= size;
+            noise.recorded_position_sd[k] *= scale.position[k].abs();
             if table.signal.value != Signal::BaseWrench {
                 scale_channel(noise, k, scale.signal[k]);
             }
@@ -240,12 +235,8 @@ fn spread(experiment: &mut Experiment, moving: &[usize], n: usize) {
         *deviations = all;
     };
     if let Some(error) = &mut experiment.motion_error {
-        for deviations in [
-            &mut error.position,
-            &mut error.velocity,
-            &mut error.acceleration,
-        ] {
-            all(deviations);
+        for errors in error.orders_mut() {
+            errors.spread(moving, n);
         }
     }
     if let Some(noise) = &mut experiment.noise {

@@ -26,6 +26,9 @@ const NOISE: f64 = 0.1;
 /// What every joint loses: Fc in N·m, w in rad/s, Fv in N·m·s/rad.
 const FRICTION: [f64; 3] = [2.0, 0.005, 3.0];
 
+/// Gravity of an arm that stands upright, m/s².
+const UPRIGHT: [f64; 3] = [0.0, 0.0, -9.81];
+
 const URDF: &str = include_str!("arm.urdf");
 
 /// A recording in memory.
@@ -103,14 +106,19 @@ pub struct Arm {
 
 impl Arm {
     pub fn new() -> Self {
-        Self::simulated([1.0; JOINTS])
+        Self::simulated([1.0; JOINTS], UPRIGHT)
+    }
+
+    /// With gravity along another direction.
+    pub fn under(gravity: [f64; 3]) -> Self {
+        Self::simulated([1.0; JOINTS], gravity)
     }
 
     /// With one joint at rest.
     pub fn standing(joint: usize) -> Self {
         let mut sizes = [1.0; JOINTS];
         sizes[joint] = 0.0;
-        Self::simulated(sizes)
+        Self::simulated(sizes, UPRIGHT)
     }
 
     pub fn problem(&self) -> Problem {
@@ -125,7 +133,7 @@ impl Arm {
         }
     }
 
-    fn simulated(sizes: [f64; JOINTS]) -> Self {
+    fn simulated(sizes: [f64; JOINTS], gravity: [f64; 3]) -> Self {
         let samples = (PERIODS as f64 * PERIOD_S * RATE_HZ).round() as usize;
         let t: Vec<f64> = (0..samples).map(|k| k as f64 / RATE_HZ).collect();
         let mut rng = generator(17);
@@ -147,7 +155,7 @@ impl Arm {
             t.iter().map(at).collect()
         };
         let motion = [0, 1, 2].map(|order| (0..JOINTS).map(|j| series(j, order)).collect());
-        let tau = torques(&motion, &mut rng);
+        let tau = torques(&model(gravity), &motion, &mut rng);
         let [mut q, dq, _]: [Vec<Vec<f64>>; 3] = motion;
         // An encoder of 2^19 counts to the turn.
         let count = TAU / 524_288.0;
@@ -160,8 +168,11 @@ impl Arm {
     }
 }
 
-fn torques([q, dq, ddq]: &[Vec<Vec<f64>>; 3], rng: &mut rand_chacha::ChaCha8Rng) -> Vec<Vec<f64>> {
-    let model = model();
+fn torques(
+    model: &Model,
+    [q, dq, ddq]: &[Vec<Vec<f64>>; 3],
+    rng: &mut rand_chacha::ChaCha8Rng,
+) -> Vec<Vec<f64>> {
     let mut values = model.values();
     for (p, value) in model.tree().parameters().into_iter().enumerate() {
         values[p] = value;
@@ -176,7 +187,7 @@ fn torques([q, dq, ddq]: &[Vec<Vec<f64>>; 3], rng: &mut rand_chacha::ChaCha8Rng)
     }
     let samples = q[0].len();
     let mut tau = vec![Vec::new(); JOINTS];
-    let mut evaluator = Evaluator::new(&model, &values, &[]);
+    let mut evaluator = Evaluator::new(model, &values, &[]);
     let segment = Segment::states(Trajectory { q, dq, ddq }, false);
     for start in (0..samples).step_by(BLOCK) {
         let block = evaluator.evaluate(segment, start..samples.min(start + BLOCK));
@@ -187,7 +198,7 @@ fn torques([q, dq, ddq]: &[Vec<Vec<f64>>; 3], rng: &mut rand_chacha::ChaCha8Rng)
     tau
 }
 
-fn model() -> Model {
+fn model(gravity: [f64; 3]) -> Model {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("arm.urdf");
     std::fs::write(&path, URDF).unwrap();
@@ -195,9 +206,10 @@ fn model() -> Model {
         .iter()
         .filter_map(|id| find(id))
         .collect();
+    let tree = urdf::read(&path).unwrap().with_gravity(gravity);
     Model::new(ModelSettings {
         effects: vec![effects; JOINTS],
-        ..ModelSettings::bodies(urdf::read(&path).unwrap(), Signal::Torque)
+        ..ModelSettings::bodies(tree, Signal::Torque)
     })
     .unwrap()
 }

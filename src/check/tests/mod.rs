@@ -9,6 +9,9 @@ use crate::outcome::check::{Mistake, Severity};
 use crate::problem::solution::Control;
 use crate::robot::random::{generator, symmetric};
 
+/// Angle by which the first axis of a tilted robot leans, rad.
+const LEAN: f64 = 0.03;
+
 /// One way to break a problem, and what has to be found.
 struct Break {
     name: &'static str,
@@ -340,6 +343,26 @@ fn recovers_known_break_and_finds_no_other() {
         }
     }
     assert!(faults.is_empty(), "{faults}");
+}
+
+/// The robot file has a first axis that leans to one side, and in truth it leans as much to the other: half a turn of the first
+/// joint is as good as the tilt, but for the links beyond.
+#[test]
+fn a_tilted_base_is_no_wrong_zero() {
+    let mut problem = Arm::under([0.0, 9.81 * LEAN.sin(), -9.81 * LEAN.cos()]).problem();
+    problem.urdf = problem
+        .urdf
+        .replacen("0 0 0.1\"", &format!("0 0 0.1\" rpy=\"{LEAN} 0 0\""), 1);
+    let findings = found(&problem);
+    let codes: Vec<&str> = findings.iter().map(|f| f.code.as_str()).collect();
+    assert_eq!(codes, ["base-tilt"], "{}", text(&findings));
+    assert_eq!(findings[0].severity, Severity::Warning);
+    let degrees = format!("{:.1} degrees", (2.0 * LEAN).to_degrees());
+    assert!(
+        findings[0].message.contains(&degrees),
+        "{}",
+        text(&findings)
+    );
 }
 
 #[test]

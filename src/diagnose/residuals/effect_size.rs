@@ -107,7 +107,7 @@ fn left_by_reversals(
 ) -> f64 {
     let off = |recording: &&Prepared| {
         let error = recording.experiment.motion_error.as_ref();
-        let deviation = error.map_or(0.0, |error| error.velocity[joint]);
+        let deviation = error.map_or(0.0, |error| error.velocity.deviation(joint));
         recording.with_speed_off_by(joint, CLEAR_OF_REVERSALS * deviation)
     };
     let off: Vec<Prepared> = recordings.iter().map(off).collect();
@@ -124,7 +124,9 @@ fn reversal_error(recordings: &[&Prepared], joint: usize) -> f64 {
         let experiment = &recording.experiment;
         let error = experiment.motion_error.as_ref();
         let acceleration = rms(&experiment.motion.acceleration[joint]);
-        error.map_or(f64::INFINITY, |error| error.velocity[joint] / acceleration)
+        error.map_or(f64::INFINITY, |error| {
+            error.velocity.deviation(joint) / acceleration
+        })
     };
     recordings.iter().map(of).fold(0.0, f64::max)
 }

@@ -124,15 +124,17 @@ impl RivalComparison {
     ) -> TestedRivals {
         let (rows, joints) = (contexts.testing(finding), finding.named_joints());
         let tested = full.on(rows);
+        let [neither_on_all, neither] = [&contexts.whole, rows].map(|rows| self.without.on(rows));
         let seen = |alternative: &Alternative| {
             let (test, whole) = (&alternative.test, &contexts.whole);
+            let seen_on_all = test.fit.on(whole);
+            let seen = test.fit.on(rows);
             let pair = FitPair {
-                poorer: &test.fit.on(whole),
+                poorer: opponent(&seen_on_all, &neither_on_all),
                 richer: full,
             };
-            let seen = test.fit.on(rows);
             let unchosen = FitPair {
-                poorer: &seen,
+                poorer: opponent(&seen, &neither),
                 richer: &tested,
             };
             let clear = ComparedRows::clear(whole, noise_level, pair, &joints);
@@ -164,8 +166,8 @@ impl RivalComparison {
             }
         };
         TestedRivals {
-            without: self.without.on(rows),
             rivals: self.alternatives.par_iter().map(seen).collect(),
+            without: neither,
         }
     }
 
@@ -359,6 +361,15 @@ impl Stepwise<'_> {
             hypotheses.insert(k.min(hypotheses.len()), last);
         }
         fit_model(self.context, &hypotheses, &found.warm_start())
+    }
+}
+
+/// What stands against a finding: its rival, or the model with neither where that forecasts as well. Parameters that do not help, be
+/// they ever so uncertain, excuse nothing that the model without them leaves.
+fn opponent<'a>(rival: &'a ModelFit, neither: &'a ModelFit) -> &'a ModelFit {
+    match rival.held_out_score() < neither.held_out_score() {
+        true => rival,
+        false => neither,
     }
 }
 

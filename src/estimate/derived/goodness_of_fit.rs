@@ -148,7 +148,7 @@ fn add_raw(sums: &mut Sums, recording: &Prepared, predicted: &[f64], channel: us
 /// differences of successive samples, over the recordings
 /// that the figures judge; the noise of the motion is carried through the model, friction near
 /// reversals included:
-/// `σ² = σ_s² + Σ_j (∂s/∂q_j)² σ²_{q,j} + (∂s/∂q̇_j)² σ²_{q̇,j} + (∂s/∂q̈_j)² σ²_{q̈,j}`.
+/// `σ² = σ_s² + Σ_x ∂s/∂x Cov(x) (∂s/∂x)ᵀ`, x the positions, the velocities and the accelerations of all joints.
 pub fn noise_rms(model: &Model, values: &DVector<f64>, data: &Dataset) -> Option<Vec<f64>> {
     let mut sum = vec![0.0; model.channels().len()];
     let mut rows = 0.0;
@@ -195,7 +195,7 @@ fn signal_variances(model: &Model, recording: &Prepared) -> Option<Vec<f64>> {
 }
 
 /// Mean variance per channel that the errors of the motion cause: of every row, half the difference of the signals
-/// with each position, velocity and acceleration a standard deviation further and back.
+/// with each independent part of the errors of positions, velocities and accelerations added and taken away.
 fn motion_variance(model: &Model, values: &DVector<f64>, recording: &Prepared) -> Vec<f64> {
     let mut out = vec![0.0; model.channels().len()];
     let Some(error) = &recording.experiment.motion_error else {
@@ -203,16 +203,13 @@ fn motion_variance(model: &Model, values: &DVector<f64>, recording: &Prepared) -
     };
     let segment = recording.segment();
     let motors = segment.motors;
-    let deviations = [&error.position, &error.velocity, &error.acceleration];
-    for (order, deviations) in deviations.into_iter().enumerate() {
-        for (j, deviation) in deviations.iter().enumerate() {
-            if *deviation == 0.0 {
-                continue;
-            }
+    for (order, errors) in error.orders().into_iter().enumerate() {
+        for part in errors.parts() {
             let signal = |sign: f64| {
                 let mut moved = [motors.q.to_vec(), motors.dq.to_vec(), motors.ddq.to_vec()];
-                let series = &mut moved[order][j];
-                series.iter_mut().for_each(|x| *x += sign * deviation);
+                for (series, deviation) in moved[order].iter_mut().zip(&part) {
+                    series.iter_mut().for_each(|x| *x += sign * deviation);
+                }
                 let [q, dq, ddq] = &moved;
                 let motors = Trajectory { q, dq, ddq };
                 signals(model, values, Segment { motors, ..segment })

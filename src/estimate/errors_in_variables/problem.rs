@@ -326,7 +326,7 @@ fn waves_of(problem: &FitProblem<'_>, index: usize) -> Vec<Wave> {
     let mut waves = Vec::new();
     for (joint, bandwidth) in experiment.bandwidth.iter().enumerate() {
         let harmonics = bandwidth.harmonics.unwrap_or(0);
-        let variance = error.position[joint].powi(2) / (2 * harmonics + 1) as f64;
+        let variance = error.position.deviation(joint).powi(2) / (2 * harmonics + 1) as f64;
         if variance == 0.0 || problem.model.joints()[joint].locked {
             continue;
         }

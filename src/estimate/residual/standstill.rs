@@ -74,9 +74,9 @@ fn of_joint(model: &Model, recording: &Prepared, joint: usize, width: usize) -> 
     if let Some(error) = &experiment.motion_error {
         // White noise of samples of which the band of a motion keeps its share.
         let per_period = rate_hz / experiment.bandwidth[joint].cutoff_hz;
-        let of_sample = error.position[joint] * (0.5 * per_period).max(1.0).sqrt();
+        let of_sample = error.position.deviation(joint) * (0.5 * per_period).max(1.0).sqrt();
         let unseen = Standstill {
-            speed: UNSEEN * error.velocity[joint],
+            speed: UNSEEN * error.velocity.deviation(joint),
             longest: UNSEEN_S * rate_hz,
             around: Around {
                 rows: (0.5 * per_period).round() as usize,

@@ -11,8 +11,9 @@ use crate::solve::{levenberg_marquardt, linear};
 use nalgebra::{DMatrix, DVector};
 
 /// Share of the cost that a search may leave. The cost is half the number of residuals, and half a unit of
-/// it is a standard deviation: for 1e6 residuals the search ends within 0.03 of one.
-pub(in crate::estimate) const COST_TOLERANCE: f64 = 1e-9;
+/// it is a standard deviation: for 1e6 residuals the search ends within 0.001 of one, so that two ways to write a law come to the
+/// same.
+pub(in crate::estimate) const COST_TOLERANCE: f64 = 1e-12;
 
 /// Iterations after which a search has failed.
 pub(in crate::estimate) const ITERATION_LIMIT: usize = 200;

@@ -439,7 +439,12 @@ mod tests {
     fn announces_the_error_of_the_motion() {
         for sd in [1e-6, 1e-5, 1e-4] {
             let experiment = prepared(sd, None);
-            let stated = experiment.motion_error.as_ref().unwrap().acceleration[0];
+            let stated = experiment
+                .motion_error
+                .as_ref()
+                .unwrap()
+                .acceleration
+                .deviation(0);
             let ratio = error(&experiment) / stated;
             assert!((0.5..1.5).contains(&ratio), "sd {sd}: {ratio}");
         }

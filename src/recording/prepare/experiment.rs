@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use nalgebra::DMatrix;
 
+use crate::recording::prepare::motion_error::MotionError;
 use crate::recording::prepare::settings::Method;
 use crate::recording::series::zero_phase::ZeroPhase;
 use crate::recording::time_base::timing::Timing;
@@ -58,18 +59,6 @@ pub struct Noise {
     pub autocovariance: Vec<Vec<f64>>,
     /// Standard deviation of one recorded position, per joint, rad or m.
     pub recorded_position_sd: Vec<f64>,
-}
-
-/// Standard deviations of the errors of one row of a motion, per joint: what noise leaves in it, and what smoothing
-/// takes from it.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct MotionError {
-    /// rad or m.
-    pub position: Vec<f64>,
-    /// rad/s or m/s.
-    pub velocity: Vec<f64>,
-    /// rad/s² or m/s².
-    pub acceleration: Vec<f64>,
 }
 
 /// Which rows of the motion a recorded sample belongs to.

@@ -5,6 +5,7 @@ pub mod aperiodic;
 mod derivatives;
 pub mod experiment;
 pub mod filter;
+pub mod motion_error;
 pub mod noise_level;
 pub mod periods;
 pub mod preprocess;

@@ -13,7 +13,7 @@ use crate::diagnose::selection::law_range;
 use crate::diagnose::selection::rival_models::separation;
 use crate::diagnose::selection::search_bounds;
 use crate::diagnose::selection::time_window::is_shorter;
-use crate::recording::experiment::MotionError;
+use crate::recording::motion_error::MotionError;
 use crate::recording::split::Split;
 use crate::stats::deviation::rms;
 use crate::stats::encompassing::Encompassing;
@@ -145,12 +145,8 @@ fn bristles_that_errors_of_speed_imitate_are_none() {
     let reduction = |id: &str, deviation: f64| {
         let data = bench.changed(&[Split::Validation], |experiment| {
             let speeds = &experiment.motion.velocity;
-            let velocity = speeds.iter().map(|v| deviation * rms(v));
-            experiment.motion_error = Some(MotionError {
-                position: vec![0.0; speeds.len()],
-                velocity: velocity.collect(),
-                acceleration: vec![0.0; speeds.len()],
-            });
+            let errors = speeds.iter().map(|v| [0.0, deviation * rms(v), 0.0]);
+            experiment.motion_error = Some(MotionError::independent(&errors.collect::<Vec<_>>()));
         });
         let mut context = bench.context(&data);
         context.noise = Some(vec![1e-9; 3]);

@@ -9,8 +9,9 @@ use crate::recording::prepare::derivatives::cutoff::{
 };
 use crate::recording::prepare::derivatives::reversals::about_reversals;
 use crate::recording::prepare::derivatives::smoother::{Band, Channel, Smoothed, Smoother, Unrest};
-use crate::recording::prepare::experiment::{Bandwidth, Chosen, Motion, MotionError};
+use crate::recording::prepare::experiment::{Bandwidth, Chosen, Motion};
 use crate::recording::prepare::filter::filter;
+use crate::recording::prepare::motion_error::MotionError;
 use crate::recording::prepare::settings::{Method, Preparation, Width};
 use crate::recording::series::differences::{first, second};
 use crate::recording::series::interpolation::{Bracket, Stencil, brackets};
@@ -45,9 +46,9 @@ impl Differentiated {
             let squares: f64 = speed.iter().map(|v| v * v).sum();
             (squares / speed.len().max(1) as f64).sqrt()
         };
-        let joints = self.motion.velocity.iter().zip(&self.error.velocity);
+        let joints = self.motion.velocity.iter().enumerate();
         let moving: Vec<(&Vec<f64>, f64)> = joints
-            .map(|(speed, error)| (speed, rms(speed), *error))
+            .map(|(j, speed)| (speed, rms(speed), self.error.velocity.deviation(j)))
             .filter(|(_, usual, error)| *usual > MOVES * error)
             .map(|(speed, usual, _)| (speed, AT_REST * usual))
             .collect();
@@ -282,14 +283,11 @@ fn like_the_others(acceleration: &[f64], reach: usize) -> Vec<bool> {
 }
 
 fn motion_error(spectra: &[MotionSpectrum], bandwidth: &[Bandwidth]) -> MotionError {
-    let mut error = MotionError::default();
-    for (spectrum, bandwidth) in spectra.iter().zip(bandwidth) {
-        let [position, velocity, acceleration] = spectrum.deviations(bandwidth.cutoff_hz);
-        error.position.push(position);
-        error.velocity.push(velocity);
-        error.acceleration.push(acceleration);
-    }
-    error
+    let joints = spectra.iter().zip(bandwidth);
+    let deviations: Vec<[f64; 3]> = joints
+        .map(|(spectrum, bandwidth)| spectrum.deviations(bandwidth.cutoff_hz))
+        .collect();
+    MotionError::independent(&deviations)
 }
 
 /// Motion by the zero-phase low-pass of what was measured of it; the rest by central differences.
@@ -415,11 +413,7 @@ mod tests {
                 velocity: velocity.to_vec(),
                 ..Motion::default()
             },
-            error: MotionError {
-                position: vec![1e-6; joints],
-                velocity: vec![1e-3; joints],
-                acceleration: vec![1e-3; joints],
-            },
+            error: MotionError::independent(&vec![[1e-6, 1e-3, 1e-3]; joints]),
             bandwidth: Vec::new(),
             method: Method::Smoother,
             known: vec![true; velocity[0].len()],

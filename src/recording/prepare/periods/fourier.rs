@@ -4,26 +4,49 @@
 //! Leaving harmonic h out costs the acceleration (hω)⁴ |true c_h|², taking it in (hω)⁴ σ_h², where
 //! σ_h² is the noise variance of c_h. As E|c_h|² = |true c_h|² + σ_h², the H that minimises the
 //! estimated error maximises  Σ_{h<=H} (hω)⁴ (|c_h|² - 2 σ_h²)  (Mallows, 1973, for his C_p).
-//!
-//! What is taken in is shrunk by g_h = S_h / (S_h + σ_h²) with S_h the power of the motion (Wiener,
-//! 1949): to the expected motion given the data, whose error is orthogonal to it, so that it biases no
-//! parameter and no filter of the motion can look like physics. The error left is g_h σ_h².
 
 use std::f64::consts::TAU;
 
+use nalgebra::DMatrix;
 use realfft::num_complex::Complex;
 
+use crate::recording::prepare::motion_error::{JointErrors, MotionError};
 use crate::recording::series::spectrum::{
-    BAND_LEAST, BAND_RATIO, band_end, clear_until, coefficients, noise_power, synthesis,
+    band_end, clear_until, coefficients, noise_power, synthesis,
 };
 
-/// One joint's series and what noise leaves of it.
-pub(super) struct Series {
-    pub position: Vec<f64>,
-    pub velocity: Vec<f64>,
-    pub acceleration: Vec<f64>,
-    /// Noise variances of position, velocity and acceleration of any row.
-    pub variances: [f64; 3],
+/// The series of one joint's mean position.
+#[derive(Debug, Clone)]
+pub(super) struct JointSpectrum {
+    /// c_h from h = 0 to half the rate.
+    pub coefficients: Vec<Complex<f64>>,
+    /// Noise variances of the coefficients.
+    pub noise: Vec<f64>,
+    /// The highest harmonic that is summed.
+    pub summed: usize,
+    /// Whether what is summed is to be shrunk to what of it is motion.
+    pub shrinks: bool,
+}
+
+impl JointSpectrum {
+    /// Multiplies every harmonic by a gain.
+    pub fn filter(&mut self, gain: impl Fn(usize) -> f64) {
+        let pairs = self.coefficients.iter_mut().zip(&mut self.noise);
+        for (h, (c, variance)) in pairs.enumerate() {
+            *c *= gain(h);
+            *variance *= gain(h).powi(2);
+        }
+    }
+
+    /// Position, velocity and acceleration over one period of `samples` rows.
+    pub fn sum(&self, samples: usize, period: f64) -> [Vec<f64>; 3] {
+        let omega = TAU / period;
+        [0, 1, 2].map(|order| {
+            let factor = |h: usize| Complex::new(0.0, h as f64 * omega).powi(order);
+            let kept = self.coefficients[..=self.summed].iter().enumerate();
+            synthesis(kept.map(|(h, c)| c * factor(h)).collect(), samples)
+        })
+    }
 }
 
 /// Share of the spectrum at its top that is taken for noise: the upper quarter.
@@ -74,48 +97,24 @@ fn top_level(mean: &[Complex<f64>]) -> f64 {
 
 /// The number of harmonics with the least estimated error of the acceleration.
 pub(super) fn choose_harmonics(mean: &[Complex<f64>], noise: &[f64], samples: usize) -> usize {
+    let all = 1..=most_harmonics(samples);
+    harmonics_worth_having(all.map(|h| mean[h].norm_sqr() - 2.0 * noise[h]))
+}
+
+/// The number of harmonics with the least error of the acceleration, from what each, the first first, takes from the
+/// error of its coefficient.
+pub(super) fn harmonics_worth_having(gains: impl Iterator<Item = f64>) -> usize {
     let (mut sum, mut best) = (0.0, 0.0);
     let mut chosen = 0;
-    for h in 1..=most_harmonics(samples) {
-        sum += (h as f64).powi(4) * (mean[h].norm_sqr() - 2.0 * noise[h]);
+    for (h, gain) in (1..).zip(gains) {
+        sum += f64::from(h).powi(4) * gain;
         if sum > best {
             best = sum;
-            chosen = h;
+            chosen = h as usize;
         }
     }
     // A joint at rest has no harmonic worth having; one keeps the series a series.
     chosen.max(1)
-}
-
-/// Shrinks the coefficients up to `harmonics` to the share of them that is motion, and gives the powers of the
-/// errors that they are left with. The power of the motion is that of the band about a harmonic, less noise.
-pub(super) fn shrink(mean: &mut [Complex<f64>], noise: &[f64], harmonics: usize) -> Vec<f64> {
-    let count = mean.len();
-    let squares = mean.iter().map(|c| c.norm_sqr());
-    let sums: Vec<f64> = std::iter::once(0.0)
-        .chain(squares.scan(0.0, |sum, power| {
-            *sum += power;
-            Some(*sum)
-        }))
-        .collect();
-    let motion = |h: usize| -> f64 {
-        let reach = ((0.5 * (BAND_RATIO - 1.0) * h as f64) as usize).max(BAND_LEAST / 2);
-        let (low, high) = (h.saturating_sub(reach).max(1), (h + reach + 1).min(count));
-        ((sums[high] - sums[low]) / (high - low) as f64 - noise[h]).max(0.0)
-    };
-    // The constant is the place about which everything moves.
-    let mut errors = vec![noise[0]];
-    for h in 1..=harmonics {
-        let power = motion(h);
-        let share = if power > 0.0 {
-            power / (power + noise[h])
-        } else {
-            0.0
-        };
-        mean[h] *= share;
-        errors.push(share * noise[h]);
-    }
-    errors
 }
 
 /// Harmonics that stand clear of the noise.
@@ -130,40 +129,36 @@ pub(super) fn most_harmonics(samples: usize) -> usize {
     ((samples - 1) / 2).max(1)
 }
 
-/// Sums the series of `harmonics` and its derivatives over one period of `samples` rows; `errors` are the
-/// powers of the errors of the coefficients.
-pub(in crate::recording) fn series(
-    mean: &[Complex<f64>],
-    errors: &[f64],
-    harmonics: usize,
-    samples: usize,
-    period: f64,
-) -> Series {
+/// Covariances across joints of the errors of a row's positions, velocities and accelerations, from those of the coefficients.
+pub(super) fn row_errors(errors: &[DMatrix<f64>], period: f64) -> MotionError {
     let omega = TAU / period;
-    let derivative = |order: i32| {
-        let factor = |h: usize| Complex::new(0.0, h as f64 * omega).powi(order);
-        let kept = mean[..=harmonics].iter().enumerate();
-        synthesis(kept.map(|(h, c)| c * factor(h)).collect(), samples)
-    };
     // An error n_h adds 2 Re(n_h e^{ihωt}) to a row, of variance 2 E|n_h|².
-    let variance = |order: i32| -> f64 {
-        let terms = (1..errors.len()).map(|h| (h as f64 * omega).powi(2 * order) * errors[h]);
-        let constant = if order == 0 { errors[0] } else { 0.0 };
-        constant + 2.0 * terms.sum::<f64>()
+    let of_order = |order: i32| {
+        let terms = errors.iter().enumerate().skip(1);
+        let terms = terms.map(|(h, errors)| errors * (2.0 * (h as f64 * omega).powi(2 * order)));
+        let constant = &errors[0] * if order == 0 { 1.0 } else { 0.0 };
+        JointErrors::of_covariance(terms.fold(constant, |sum, term| sum + term))
     };
-    Series {
-        position: derivative(0),
-        velocity: derivative(1),
-        acceleration: derivative(2),
-        variances: [variance(0), variance(1), variance(2)],
+    MotionError {
+        position: of_order(0),
+        velocity: of_order(1),
+        acceleration: of_order(2),
     }
 }
+
+/// A joint stands still where nothing moves it by more than this share of its position, which is rounding.
+const ROUNDING: f64 = 1e-14;
 
 /// Coefficients of the mean of one joint and their noise variances, from the mean and from the
 /// differences of the periods, one after the other.
 pub(super) fn analyse(mean: &[f64], differences: &[f64]) -> (Vec<Complex<f64>>, Vec<f64>) {
     let periods: Vec<_> = differences.chunks(mean.len()).map(coefficients).collect();
-    let mean = coefficients(mean);
+    let mut mean = coefficients(mean);
+    if let [place, motion @ ..] = mean.as_mut_slice()
+        && motion.iter().all(|c| c.norm() <= ROUNDING * place.norm())
+    {
+        motion.fill(Complex::new(0.0, 0.0));
+    }
     let noise = noise_of_mean(&mean, &periods);
     (mean, noise)
 }
@@ -175,6 +170,18 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     const PERIOD: f64 = 10.0;
+
+    /// The acceleration over one period.
+    fn acceleration(coefficients: &[Complex<f64>], summed: usize, samples: usize) -> Vec<f64> {
+        let spectrum = JointSpectrum {
+            coefficients: coefficients.to_vec(),
+            noise: Vec::new(),
+            summed,
+            shrinks: false,
+        };
+        let [_, _, acceleration] = spectrum.sum(samples, PERIOD);
+        acceleration
+    }
 
     /// Amplitudes that fall off as h⁻³, up to harmonic 30, sampled with white noise.
     fn noisy(sd: f64, samples: usize, periods: usize) -> (Vec<f64>, Vec<f64>) {
@@ -210,14 +217,11 @@ mod tests {
     fn chooses_nearly_the_best_number_of_harmonics() {
         let (truth, _) = noisy(0.0, 1001, 1);
         let exact = coefficients(&truth);
-        let clean = series(&exact, &vec![0.0; 501], 30, 1001, PERIOD);
+        let clean = acceleration(&exact, 30, 1001);
         for (sd, periods) in [(1e-6, 6), (1e-5, 6), (1e-4, 4), (1e-3, 6), (1e-5, 1)] {
             let (mean, all) = noisy(sd, 1001, periods);
             let (c, noise) = analyse(&mean, &all);
-            let of = |harmonics| {
-                let fit = series(&c, &noise[..=harmonics], harmonics, 1001, PERIOD);
-                error(&fit.acceleration, &clean.acceleration)
-            };
+            let of = |harmonics| error(&acceleration(&c, harmonics, 1001), &clean);
             let chosen = choose_harmonics(&c, &noise, 1001);
             let best = (1..=60).map(of).fold(f64::INFINITY, f64::min);
             // The error is flat about its least; the criterion's own scatter costs little of it.
@@ -247,36 +251,20 @@ mod tests {
     fn recovers_known_variance_of_the_acceleration() {
         let (sd, samples, periods) = (1e-4, 1000, 6);
         let (mean, all) = noisy(sd, samples, periods);
-        let (c, noise) = analyse(&mean, &all);
-        let fit = series(&c, &noise[..=10], 10, samples, PERIOD);
+        let (_, noise) = analyse(&mean, &all);
+        let errors: Vec<DMatrix<f64>> = (noise[..=10].iter())
+            .map(|variance| DMatrix::from_element(1, 1, *variance))
+            .collect();
+        let found = row_errors(&errors, PERIOD)
+            .acceleration
+            .deviation(0)
+            .powi(2);
         let per_harmonic = sd * sd / (samples * periods) as f64;
         let omega = TAU / PERIOD;
         let sum: f64 = (1..=10).map(|h| (h as f64 * omega).powi(4)).sum();
         let exact = 2.0 * per_harmonic * sum;
         // Median of 15 powers of 5 degrees of freedom each: relative standard error about 0.15.
-        assert!((fit.variances[2] / exact - 1.0).abs() < 0.5);
-    }
-
-    /// The last of the thirty harmonics have more noise than motion; the error that is announced is the one made.
-    #[test]
-    fn shrinking_lowers_the_error_and_announces_it() {
-        let (truth, _) = noisy(0.0, 1001, 1);
-        let exact = coefficients(&truth);
-        let clean = series(&exact, &[0.0], 30, 1001, PERIOD);
-        let (mut plain, mut shrunk, mut announced) = (0.0, 0.0, 0.0);
-        for periods in 4..24 {
-            let (mean, all) = noisy(3e-3, 1001, periods);
-            let (mut c, noise) = analyse(&mean, &all);
-            let of = |c: &[Complex<f64>], noise: &[f64]| series(c, noise, 30, 1001, PERIOD);
-            plain += error(&of(&c, &noise[..=30]).acceleration, &clean.acceleration).powi(2);
-            let errors = shrink(&mut c, &noise, 30);
-            let fit = of(&c, &errors[..=30]);
-            shrunk += error(&fit.acceleration, &clean.acceleration).powi(2);
-            announced += fit.variances[2];
-        }
-        assert!(shrunk < 0.9 * plain, "{shrunk} of {plain}");
-        let ratio = announced / shrunk;
-        assert!((0.6..1.6).contains(&ratio), "{ratio}");
+        assert!((found / exact - 1.0).abs() < 0.5);
     }
 
     #[test]
@@ -285,12 +273,18 @@ mod tests {
             let sine = |k: usize| (TAU * 3.0 * k as f64 / samples as f64).sin();
             let position: Vec<f64> = (0..samples).map(sine).collect();
             let c = coefficients(&position);
-            let fit = series(&c, &vec![0.0; c.len()], 5, samples, PERIOD);
+            let spectrum = JointSpectrum {
+                noise: vec![0.0; c.len()],
+                coefficients: c,
+                summed: 5,
+                shrinks: false,
+            };
+            let [_, velocity, acceleration] = spectrum.sum(samples, PERIOD);
             let omega = TAU * 3.0 / PERIOD;
             for k in 0..samples {
                 let cosine = (TAU * 3.0 * k as f64 / samples as f64).cos();
-                assert!((fit.velocity[k] - omega * cosine).abs() < 1e-12);
-                assert!((fit.acceleration[k] + omega * omega * sine(k)).abs() < 1e-11);
+                assert!((velocity[k] - omega * cosine).abs() < 1e-12);
+                assert!((acceleration[k] + omega * omega * sine(k)).abs() < 1e-11);
             }
         }
     }

@@ -8,4 +8,5 @@ pub mod periodic;
 mod row_noise;
 pub mod sample_by_sample;
 pub mod scatter;
+mod shrinkage;
 pub mod successive_periods;

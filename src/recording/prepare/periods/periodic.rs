@@ -8,12 +8,14 @@ use crate::recording::channels::samples::Recording;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::formats::table::LEAST_ROWS;
 use crate::recording::prepare::experiment::{
-    Bandwidth, Chosen, Experiment, Motion, MotionError, Noise, Raw, RowMap,
+    Bandwidth, Chosen, Experiment, Motion, Noise, Raw, RowMap,
 };
 use crate::recording::prepare::filter::parallel;
-use crate::recording::prepare::periods::fourier::{self, Series};
+use crate::recording::prepare::motion_error::MotionError;
+use crate::recording::prepare::periods::fourier::{self, JointSpectrum};
 use crate::recording::prepare::periods::period_average::PeriodAverage;
 use crate::recording::prepare::periods::row_noise::Scatter;
+use crate::recording::prepare::periods::shrinkage;
 use crate::recording::prepare::settings::{Method, Preparation};
 use crate::recording::series::zero_phase::{ZeroPhase, gain};
 use crate::recording::time_base::timing::{Timing, take_stamps};
@@ -36,7 +38,7 @@ pub(in crate::recording) fn prepare(
     let start = t[first];
     let parallel = parallel(&recording.file, preparation, rate_hz)?;
     let positions = std::mem::take(&mut recording.position);
-    let joints = Joints::new(&positions, &average, preparation, period);
+    let differentiated = Differentiated::of(&positions, &average, preparation, period);
     let recorded_signal = &recording.signal;
     let noise = noise(
         &average_of_signal,
@@ -49,8 +51,8 @@ pub(in crate::recording) fn prepare(
     Ok(Experiment {
         t: (0..samples).map(|k| start + k as f64 / rate_hz).collect(),
         rate_hz,
-        motion_error: Some(joints.error()),
-        motion: joints.motion,
+        motion_error: Some(differentiated.error),
+        motion: differentiated.motion,
         method: match preparation.differentiation.method {
             Some(Method::Lowpass) => Method::Lowpass,
             _ => Method::Fourier,
@@ -68,7 +70,7 @@ pub(in crate::recording) fn prepare(
             rows: samples,
         },
         file: recording.file,
-        bandwidth: joints.bandwidth,
+        bandwidth: differentiated.bandwidth,
         timing,
         periods: Some(average.periods(chosen)),
         edge_s: 0.0,
@@ -125,61 +127,58 @@ pub(in crate::recording) fn rows_of(
     Ok(exact.round() as usize)
 }
 
-/// Motion, bandwidth and noise of all joints.
-struct Joints {
+/// The mean motion of all joints with its derivatives.
+struct Differentiated {
     motion: Motion,
+    error: MotionError,
     bandwidth: Vec<Bandwidth>,
-    /// Variances of a row's position, velocity and acceleration, per joint.
-    variances: Vec<[f64; 3]>,
 }
 
-impl Joints {
-    fn new(
+impl Differentiated {
+    /// By the method asked for.
+    fn of(
         positions: &[Vec<f64>],
         average: &PeriodAverage,
         preparation: &Preparation,
         period: f64,
     ) -> Self {
-        let mut joints = Self {
-            motion: Motion::default(),
-            bandwidth: Vec::new(),
-            variances: Vec::new(),
-        };
-        for recorded in positions {
-            let (series, bandwidth) = differentiate(recorded, average, preparation, period);
-            joints.motion.position.push(series.position);
-            joints.motion.velocity.push(series.velocity);
-            joints.motion.acceleration.push(series.acceleration);
-            joints.variances.push(series.variances);
-            joints.bandwidth.push(bandwidth);
+        let spectra = positions
+            .iter()
+            .map(|recorded| spectrum(recorded, average, preparation, period));
+        let (mut spectra, mut bandwidth): (Vec<_>, Vec<_>) = spectra.unzip();
+        let error = fourier::row_errors(&shrinkage::shrink(&mut spectra), period);
+        for (bandwidth, spectrum) in bandwidth.iter_mut().zip(&spectra) {
+            if spectrum.shrinks {
+                bandwidth.harmonics = Some(spectrum.summed);
+                bandwidth.cutoff_hz = spectrum.summed as f64 / period;
+            }
         }
-        joints
-    }
-
-    fn error(&self) -> MotionError {
-        let deviation = |order: usize| {
-            let variances = self.variances.iter();
-            variances.map(|v| v[order].sqrt()).collect::<Vec<f64>>()
-        };
-        MotionError {
-            position: deviation(0),
-            velocity: deviation(1),
-            acceleration: deviation(2),
+        let mut motion = Motion::default();
+        for spectrum in spectra {
+            let [position, velocity, acceleration] = spectrum.sum(average.samples, period);
+            motion.position.push(position);
+            motion.velocity.push(velocity);
+            motion.acceleration.push(acceleration);
+        }
+        Self {
+            motion,
+            error,
+            bandwidth,
         }
     }
 }
 
-/// The mean position of one joint with its derivatives, by the method asked for.
-fn differentiate(
+/// The series of the mean position of one joint, and how far it reaches by the method asked for.
+fn spectrum(
     recorded: &[f64],
     average: &PeriodAverage,
     preparation: &Preparation,
     period: f64,
-) -> (Series, Bandwidth) {
+) -> (JointSpectrum, Bandwidth) {
     let n = average.samples;
     let mean = average.mean(recorded);
     let differences = average.differences(recorded, &mean);
-    let (mut coefficients, mut noise) = fourier::analyse(&mean, &differences);
+    let (coefficients, noise) = fourier::analyse(&mean, &differences);
     let settings = &preparation.differentiation;
     let chosen = match settings.cutoff_hz {
         Some(_) => Chosen::Given,
@@ -191,35 +190,30 @@ fn differentiate(
     };
     let harmonics = harmonics.max(1).min(fourier::most_harmonics(n));
     let cutoff_hz = settings.cutoff_hz.unwrap_or(harmonics as f64 / period);
-    let mut bandwidth = Bandwidth {
+    let clear_hz = match chosen {
+        Chosen::Given => cutoff_hz,
+        Chosen::Data => fourier::clear_harmonics(&coefficients, &noise, harmonics) as f64 / period,
+    };
+    let is_filtered = settings.method == Some(Method::Lowpass);
+    let mut spectrum = JointSpectrum {
+        coefficients,
+        noise,
+        summed: harmonics,
+        // What a given bandwidth leaves out is left out on purpose.
+        shrinks: chosen == Chosen::Data && !is_filtered,
+    };
+    if is_filtered {
+        spectrum.summed = fourier::most_harmonics(n);
+        spectrum.filter(|h| gain(h as f64 / period, cutoff_hz, n as f64 / period));
+    }
+    let bandwidth = Bandwidth {
         reversals: 0,
-        harmonics: Some(harmonics),
+        harmonics: (!is_filtered).then_some(harmonics),
         cutoff_hz,
-        clear_hz: match chosen {
-            Chosen::Given => cutoff_hz,
-            Chosen::Data => {
-                fourier::clear_harmonics(&coefficients, &noise, harmonics) as f64 / period
-            }
-        },
+        clear_hz,
         chosen,
     };
-    let mut summed = harmonics;
-    if settings.method == Some(Method::Lowpass) {
-        for (h, (c, variance)) in coefficients.iter_mut().zip(&mut noise).enumerate() {
-            let gain = gain(h as f64 / period, cutoff_hz, n as f64 / period);
-            *c *= gain;
-            *variance *= gain * gain;
-        }
-        bandwidth.harmonics = None;
-        summed = fourier::most_harmonics(n);
-    } else if chosen == Chosen::Data {
-        noise = fourier::shrink(&mut coefficients, &noise, harmonics);
-    } else {
-        // What a given bandwidth leaves out is left out on purpose.
-        noise.truncate(harmonics + 1);
-    }
-    let series = fourier::series(&coefficients, &noise, summed, n, period);
-    (series, bandwidth)
+    (spectrum, bandwidth)
 }
 
 /// Noise of the means of all channels; None without two valid periods.
@@ -253,22 +247,4 @@ fn noise(
         samples: average.samples,
     };
     Some(of_periods.noise())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn errors_are_roots_of_the_variances_of_their_own_order() {
-        let joints = Joints {
-            motion: Motion::default(),
-            bandwidth: Vec::new(),
-            variances: vec![[1.0, 4.0, 9.0], [16.0, 25.0, 36.0]],
-        };
-        let error = joints.error();
-        assert_eq!(error.position, [1.0, 4.0]);
-        assert_eq!(error.velocity, [2.0, 5.0]);
-        assert_eq!(error.acceleration, [3.0, 6.0]);
-    }
 }
