@@ -5,6 +5,7 @@
 //! free, and the same in all rows. The gain of h is `G = Σ_c ln(σ_c(declared) / σ_c(h))`, σ the residual
 //! deviations: N·G is the logarithm of the likelihood ratio for N rows of normal noise.
 
+use crate::chain::effect::tilt::tilted;
 use crate::check::context::PreparedRecording;
 use crate::check::regression::{Comparison, Sampled, with_tree};
 use crate::check::report::finding;
@@ -29,10 +30,10 @@ const CHANNELS: usize = 2;
 /// 40 joints take minutes.
 const MOST_UNKNOWNS: usize = 200;
 
-/// Tangent of the largest tilt of a base that was put up as stated; what is more is another mounting.
+/// Largest tilt of a base that was put up as stated, rad; what is more is another mounting.
 const STEEPEST: f64 = 0.25;
 
-/// Steps of the search for a tilt, tangents: the first halves the range, and the last is as much as levels of mountings are off.
+/// Steps of the search for a tilt, rad: the first halves the range, and the last is as much as levels of mountings are off.
 const FIRST_STEP: f64 = 0.125;
 const LAST_STEP: f64 = 0.002;
 
@@ -48,7 +49,7 @@ enum Hypothesis {
     Turned(usize, f64),
     /// Gravity along another axis of the base: axis and sign.
     Gravity(usize, f64),
-    /// Gravity aslant, by these tangents along two axes across it.
+    /// A base that is tilted by roll and pitch, rad.
     Tilted([f64; 2]),
 }
 
@@ -156,7 +157,7 @@ impl Judged<'_> {
         list
     }
 
-    /// The best reading with gravity aslant, by steps to and fro along two axes that are halved where none gains.
+    /// The best reading with a tilted base, by steps to and fro in roll and pitch that are halved where none gains.
     fn tilted(&self, declared: &Reading) -> Reading {
         let mut best = Reading {
             hypothesis: Hypothesis::Tilted([0.0; 2]),
@@ -205,7 +206,7 @@ impl Judged<'_> {
                 along[axis] = sign * gravity.norm();
                 Some(along)
             }
-            Hypothesis::Tilted(tilt) => Some(aslant(gravity, tilt)),
+            Hypothesis::Tilted(angles) => Some(tilted(&gravity, angles)),
             _ => None,
         };
         let turned = turned.map(|gravity| {
@@ -279,15 +280,6 @@ fn reassigned(rows: &Rows, mut reading: Reading) -> Reading {
     }
 }
 
-/// Gravity as strong, by these tangents off along two axes across it.
-fn aslant(gravity: Vector3<f64>, tilt: [f64; 2]) -> Vector3<f64> {
-    let least = gravity.iamin();
-    let across = gravity.cross(&Vector3::ith(least, 1.0)).normalize();
-    let other = gravity.cross(&across).normalize();
-    let along = gravity / gravity.norm() + across * tilt[0] + other * tilt[1];
-    along.normalize() * gravity.norm()
-}
-
 fn moved(sampled: &Sampled, hypothesis: Hypothesis) -> Sampled {
     let mut moved = sampled.clone();
     match hypothesis {
@@ -341,7 +333,7 @@ fn describe(
         Hypothesis::Tilted(_) => Severity::Warning,
         _ => Severity::Error,
     };
-    let error = |place, description: Description| {
+    let mistake = |place, description: Description| {
         let message = format!("{}; {evidence}", description.message);
         let description = Description {
             message,
@@ -358,7 +350,7 @@ fn describe(
             format!("the signal of this joint follows the motion of {follows}"),
             "put the columns of the signal into the order of the joints",
         );
-        error(ready.at_channel(channels[c].0), words)
+        mistake(ready.at_channel(channels[c].0), words)
     };
     let of_exchanged = |(own, other): (usize, usize)| {
         let both = if moved.is_empty() {
@@ -371,17 +363,20 @@ fn describe(
             format!("{both} of this joint look like those of {}", name(other)),
             "put the columns into the order of the joints, or correct robot.joints",
         );
-        error(ready.at_channel_of(own), words)
+        mistake(ready.at_channel_of(own), words)
     };
     match reading.hypothesis {
         Hypothesis::Declared => moved.iter().map(of_signal).collect(),
         Hypothesis::Exchanged(i, j) => [(i, j), (j, i)].map(of_exchanged).to_vec(),
         Hypothesis::Reversed(j) | Hypothesis::Turned(j, _) => {
-            vec![error(ready.at_channel_of(j), of_frame(reading.hypothesis))]
+            vec![mistake(
+                ready.at_channel_of(j),
+                of_frame(reading.hypothesis),
+            )]
         }
         Hypothesis::Gravity(..) | Hypothesis::Tilted(_) => {
             let place = ready.place().key("robot.gravity");
-            vec![error(place, of_frame(reading.hypothesis))]
+            vec![mistake(place, of_frame(reading.hypothesis))]
         }
     }
 }
@@ -406,11 +401,11 @@ fn of_frame(hypothesis: Hypothesis) -> Description {
             ),
             "set robot.gravity as the base is mounted",
         ),
-        Hypothesis::Tilted(tilt) => Description::new(
+        Hypothesis::Tilted([roll, pitch]) => Description::new(
             "base-tilt",
             format!(
                 "gravity looks {:.1} degrees off the stated direction",
-                tilt[0].hypot(tilt[1]).atan().to_degrees()
+                roll.hypot(pitch).to_degrees()
             ),
             "set robot.gravity as the base is mounted, or estimate the tilt: `exid effects` has an effect for it",
         ),

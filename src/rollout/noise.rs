@@ -5,9 +5,9 @@
 //! colour of an autoregression.
 
 use crate::chain::dataset::Prepared;
-use crate::recording::motion_error::JointErrors;
 use crate::robot::random::generator;
 use crate::stats::autoregression::{Autoregression, OrderCriterion, largest_order};
+use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -84,13 +84,8 @@ pub fn stream(seed: u64, recording: usize, purpose: u64) -> ChaCha8Rng {
     rng
 }
 
-/// Errors of every joint.
-pub fn draw(errors: &JointErrors, rng: &mut ChaCha8Rng) -> Vec<f64> {
-    let mut sum = vec![0.0; errors.joints()];
-    for part in errors.parts() {
-        let normal: f64 = StandardNormal.sample(rng);
-        let joints = sum.iter_mut().zip(&part);
-        joints.for_each(|(sum, deviation)| *sum += deviation * normal);
-    }
-    sum
+/// Errors of every joint, of the covariance R Rᵀ.
+pub fn draw(root: &DMatrix<f64>, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let normal = DVector::from_fn(root.ncols(), |_, _| StandardNormal.sample(rng));
+    (root * normal).as_slice().to_vec()
 }

@@ -137,16 +137,11 @@ impl<'a> SimulatedWindows<'a> {
         }
         let mut rng = stream(seed, number, 1);
         let errors: Vec<[Vec<f64>; 2]> = match &experiment.motion_error {
-            Some(error) => starts
-                .rows
-                .iter()
-                .map(|_| {
-                    [
-                        draw(&error.position, &mut rng),
-                        draw(&error.velocity, &mut rng),
-                    ]
-                })
-                .collect(),
+            Some(error) => {
+                let roots = [error.position.root(), error.velocity.root()];
+                let of_start = |_| roots.each_ref().map(|root| draw(root, &mut rng));
+                starts.rows.iter().map(of_start).collect()
+            }
             None => Vec::new(),
         };
         let noise = roll(&of(after, &noisy)?, &errors)?;

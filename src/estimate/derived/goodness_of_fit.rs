@@ -204,7 +204,7 @@ fn motion_variance(model: &Model, values: &DVector<f64>, recording: &Prepared) -
     let segment = recording.segment();
     let motors = segment.motors;
     for (order, errors) in error.orders().into_iter().enumerate() {
-        for part in errors.parts() {
+        for part in errors.root().column_iter().filter(|part| part.amax() > 0.0) {
             let signal = |sign: f64| {
                 let mut moved = [motors.q.to_vec(), motors.dq.to_vec(), motors.ddq.to_vec()];
                 for (series, deviation) in moved[order].iter_mut().zip(&part) {

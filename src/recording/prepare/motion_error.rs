@@ -53,27 +53,19 @@ impl JointErrors {
         Self(covariance)
     }
 
-    /// Number of joints.
-    pub fn joints(&self) -> usize {
-        self.0.nrows()
-    }
-
     /// Standard deviation of one joint.
     pub fn deviation(&self, joint: usize) -> f64 {
         self.0[(joint, joint)].sqrt()
     }
 
-    /// Independent parts: the errors are the sum of these, each by a standard normal number of its own.
-    pub fn parts(&self) -> Vec<DVector<f64>> {
-        let eigen = SymmetricEigen::new(self.0.clone());
-        let pairs = eigen
-            .eigenvalues
-            .iter()
-            .zip(eigen.eigenvectors.column_iter());
-        let positive = pairs.filter(|(variance, _)| **variance > 0.0);
-        positive
-            .map(|(variance, direction)| direction * variance.sqrt())
-            .collect()
+    /// R of the covariance R Rᵀ: the errors are R z, z of independent standard normal numbers, and its columns their independent parts.
+    pub fn root(&self) -> DMatrix<f64> {
+        let mut eigen = SymmetricEigen::new(self.0.clone());
+        let deviations = eigen.eigenvalues.map(|variance| variance.max(0.0).sqrt());
+        for (mut direction, deviation) in eigen.eigenvectors.column_iter_mut().zip(&deviations) {
+            direction *= *deviation;
+        }
+        eigen.eigenvectors
     }
 
     /// The errors where one joint is measured in another unit.
@@ -104,15 +96,11 @@ mod tests {
 
     #[test]
     fn parts_add_up_to_the_covariance() {
-        let sum = |errors: &JointErrors| -> DMatrix<f64> {
-            let parts = errors.parts();
-            parts.iter().map(|part| part * part.transpose()).sum()
-        };
+        let of_parts = |errors: &JointErrors| errors.root() * errors.root().transpose();
         let errors = correlated();
-        assert!((sum(&errors) - &errors.0).norm() < 1e-14);
+        assert!((of_parts(&errors) - &errors.0).norm() < 1e-14);
         let errors = MotionError::independent(&[[1.0, 2.0, 4.0], [0.0; 3], [3.0; 3]]).velocity;
-        assert_eq!(errors.parts().len(), 2);
-        assert!((sum(&errors) - &errors.0).norm() < 1e-14);
+        assert!((of_parts(&errors) - &errors.0).norm() < 1e-14);
         assert_eq!([0, 1, 2].map(|j| errors.deviation(j)), [2.0, 0.0, 3.0]);
     }
 

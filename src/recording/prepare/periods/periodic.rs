@@ -38,7 +38,7 @@ pub(in crate::recording) fn prepare(
     let start = t[first];
     let parallel = parallel(&recording.file, preparation, rate_hz)?;
     let positions = std::mem::take(&mut recording.position);
-    let differentiated = Differentiated::of(&positions, &average, preparation, period);
+    let mean = MeanMotion::of(&positions, &average, preparation, period);
     let recorded_signal = &recording.signal;
     let noise = noise(
         &average_of_signal,
@@ -51,8 +51,8 @@ pub(in crate::recording) fn prepare(
     Ok(Experiment {
         t: (0..samples).map(|k| start + k as f64 / rate_hz).collect(),
         rate_hz,
-        motion_error: Some(differentiated.error),
-        motion: differentiated.motion,
+        motion_error: Some(mean.error),
+        motion: mean.motion,
         method: match preparation.differentiation.method {
             Some(Method::Lowpass) => Method::Lowpass,
             _ => Method::Fourier,
@@ -70,7 +70,7 @@ pub(in crate::recording) fn prepare(
             rows: samples,
         },
         file: recording.file,
-        bandwidth: differentiated.bandwidth,
+        bandwidth: mean.bandwidth,
         timing,
         periods: Some(average.periods(chosen)),
         edge_s: 0.0,
@@ -128,13 +128,13 @@ pub(in crate::recording) fn rows_of(
 }
 
 /// The mean motion of all joints with its derivatives.
-struct Differentiated {
+struct MeanMotion {
     motion: Motion,
     error: MotionError,
     bandwidth: Vec<Bandwidth>,
 }
 
-impl Differentiated {
+impl MeanMotion {
     /// By the method asked for.
     fn of(
         positions: &[Vec<f64>],

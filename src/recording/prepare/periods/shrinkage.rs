@@ -230,7 +230,7 @@ impl Band {
             let power = self.powers[(joints[a], joints[b])] / self.count as f64;
             power / (deviation(a) * deviation(b))
         });
-        let shares = self.shares(whitened);
+        let shares = self.shares_of_motion(whitened);
         let mut matrix = DMatrix::identity(spectra.len(), spectra.len());
         for (a, &row) in joints.iter().enumerate() {
             for (b, &column) in joints.iter().enumerate() {
@@ -244,7 +244,7 @@ impl Band {
     }
 
     /// The gain of coefficients in units of their noise.
-    fn shares(&self, whitened: DMatrix<f64>) -> DMatrix<f64> {
+    fn shares_of_motion(&self, whitened: DMatrix<f64>) -> DMatrix<f64> {
         let joints = whitened.nrows();
         let mut shares = DMatrix::zeros(joints, joints);
         if joints == 0 {
@@ -383,6 +383,46 @@ mod tests {
         let left = error(&spectra, &motion, &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         assert!(left < 0.05 * NOISE, "{left}");
         assert!(announced(&errors, &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]) < 0.05 * NOISE);
+    }
+
+    /// What is left out of one joint and not of its neighbour does not cancel in a torque.
+    #[test]
+    fn joints_that_move_together_have_one_band() {
+        let mut rng = ChaCha8Rng::seed_from_u64(11);
+        let motion = moved([-1.0, 2.0], &mut rng);
+        let mut spectra = recorded(&motion, &mut rng);
+        spectra[0].summed = HARMONICS / 2;
+        shrink(&mut spectra);
+        assert_eq!([0, 1].map(|j: usize| spectra[j].summed), [HARMONICS; 2]);
+    }
+
+    /// Five joints move, each by itself, and tell by chance what they can of a sixth.
+    #[test]
+    fn a_joint_at_rest_has_little_of_what_others_say_of_it() {
+        let mut rng = ChaCha8Rng::seed_from_u64(13);
+        let (mut told, mut kept, mut by_chance) = (0.0, 0.0, 0.0);
+        for _ in 0..20 {
+            let mut motion = vec![random(1.0, &mut rng); 5];
+            motion
+                .iter_mut()
+                .for_each(|own| *own = random(1.0, &mut rng));
+            motion.push(random(0.0, &mut rng));
+            let mut spectra = recorded(&motion, &mut rng);
+            let gains = gains(&spectra, HARMONICS);
+            by_chance += gains.iter().map(|gain| gain.by_chance).sum::<f64>() / HARMONICS as f64;
+            shrink(&mut spectra);
+            let of = |last: usize| -> f64 {
+                let weighed = |h: usize| (h as f64).powi(4) * spectra[5].coefficients[h].norm_sqr();
+                (1..=last).map(weighed).sum()
+            };
+            let noise: f64 = (1..=HARMONICS).map(|h| (h as f64).powi(4) * NOISE).sum();
+            told += of(HARMONICS) / noise;
+            kept += of(spectra[5].summed) / noise;
+        }
+        // The gains alone leave six tenths of it.
+        assert!(told < 0.3 * by_chance, "{told} of {by_chance}");
+        // The last harmonics add noise alone.
+        assert!(kept < 0.9 * told, "{kept} of {told}");
     }
 
     #[test]
