@@ -11,10 +11,12 @@ use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::fit::start::{Start, WarmStart};
 use crate::diagnose::residuals::effect_size::HALF_OF_WHAT_MATTERS;
+use crate::diagnose::selection::hypothesis_test::CONFIDENCE;
 use crate::diagnose::selection::law_range;
 use crate::diagnose::selection::search_bounds;
 use crate::diagnose::selection::time_window;
 use crate::stats::deviation::rms;
+use crate::stats::likelihood_ratio::is_beyond_chance;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 
@@ -145,7 +147,10 @@ impl ExactFit<'_> {
                     values: settled.start(),
                     ..again
                 };
-                best = self.better(best, from(&again)?);
+                let found = from(&again)?;
+                if self.finds_what_was_lost(&found, &best, own.len()) {
+                    best = found;
+                }
             }
         }
         // Everything else first, at the candidate's own values.
@@ -206,6 +211,14 @@ impl ExactFit<'_> {
     pub fn leads_further(&self, fit: &ModelFit, other: &ModelFit) -> bool {
         let is_new = fit.fitted_score() < other.fitted_score() - BY_CHANCE;
         (is_new || !self.is_possible(other)) && self.is_better(fit, other)
+    }
+
+    /// Whether a search that begins again leads to a better fit than a law that has lost so many parameters would by chance, or to
+    /// the only possible one: shapes without a meaning fit as well where they are, and forecast worse.
+    fn finds_what_was_lost(&self, found: &ModelFit, without: &ModelFit, lost: usize) -> bool {
+        let gain = without.fitted_score() - found.fitted_score();
+        let is_found = is_beyond_chance(gain, lost, CONFIDENCE);
+        (is_found || !self.is_possible(without)) && self.is_better(found, without)
     }
 
     /// Whether a fit is better than another, or alone possible.
