@@ -285,6 +285,38 @@ fn recovers_known_order_of_a_ripple_far_from_its_start() {
     }
 }
 
+/// A spot of friction has an optimum at every place where something else is left: a fit looks for it over the whole range, narrow and
+/// as wide as the motion.
+#[test]
+fn recovers_known_spot_far_from_its_start() {
+    let effects = [
+        "coulomb_friction",
+        "viscous_friction",
+        "position_dependent_friction",
+    ];
+    let model = pendulum(&effects);
+    // The motion goes from -1.0 to 0.9 rad.
+    for (place, width) in [(-0.6, 0.1), (0.0, 0.05), (0.9, 0.07), (-0.5, 1.5)] {
+        let named = [
+            ("coulomb_friction.Fc", 2.0),
+            ("viscous_friction.Fv", 1.5),
+            ("position_dependent_friction.dF", 3.0),
+            ("position_dependent_friction.q0", place),
+            ("position_dependent_friction.width", width),
+        ];
+        let torque = torque(&model, &valued(&model, &named));
+        for way in [Estimator::Ordinary, Estimator::MaximumLikelihood] {
+            let recordings = vec![USUAL.record(&torque, (1, Split::Train))];
+            let fitted = Way::Free(way).fit(&model, &Dataset { recordings });
+            let name = "hinge.position_dependent_friction.q0";
+            let found = fitted.estimate.find(name).unwrap();
+            let off = (found.value.unwrap() - place).abs();
+            assert!(off <= 5.0 * found.std_dev.unwrap(), "{way:?}: {found:?}");
+            assert!(off <= 0.1 * width, "{way:?}: {found:?}");
+        }
+    }
+}
+
 /// Bristles that bend by half of the motion act like a spring, and without dry friction they do nothing: a fit finds it though it begins
 /// with none.
 #[test]

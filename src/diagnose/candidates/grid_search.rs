@@ -55,6 +55,7 @@ mod tests {
     fn point(at: f64) -> Point {
         Point {
             gain: -(at - 3.1).powi(2),
+            of_sizes: 0.0,
             base: 0,
             at: vec![at],
         }

@@ -3,5 +3,7 @@
 pub mod grid_search;
 pub mod motions;
 pub mod score_test;
+pub mod screening;
 pub mod screening_reuse;
+mod shape_search;
 pub mod signal_path;

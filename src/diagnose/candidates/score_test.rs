@@ -12,31 +12,23 @@
 use crate::chain::dataset::Prepared;
 use crate::chain::effect::{Law, Linearity};
 use crate::chain::model::Model;
-use crate::diagnose::candidates::grid_search::{best_first, halved};
 use crate::diagnose::candidates::motions::Motions;
-use crate::diagnose::candidates::screening_reuse::Reusable;
 use crate::diagnose::candidates::signal_path::SignalPath;
-use crate::diagnose::error::DiagnoseError;
-use crate::diagnose::fit::candidate::{Candidate, Naming, Point, Screening};
 use crate::diagnose::fit::channel_series::ChannelSeries;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::linear_model::{ChannelColumn, LinearModel, inner};
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::fit::start::Start;
-use crate::diagnose::fit::start_grid::Grid;
-use crate::estimate::noise::counting_rows;
-use crate::estimate::search_range::{MotionRange, lent_sizes};
-use crate::linalg::lanes::inner_product::dot;
+use crate::estimate::search_range::lent_sizes;
 use crate::linalg::normal_equations::{INDEPENDENT, NormalSolution};
 use crate::recording::split::Split;
 use crate::stats::deviation::rms;
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
 /// Score tests of hypotheses beside a fitted model, linearised along the fitted rows.
 pub struct ScoreTests<'a> {
-    fit: &'a ModelFit,
+    pub(super) fit: &'a ModelFit,
     motions: Motions<'a>,
     path: SignalPath,
     linear: LinearModel,
@@ -45,14 +37,11 @@ pub struct ScoreTests<'a> {
 /// Dry friction whose transition is narrower than this leaves it as it is.
 const MOSTLY_REACHED: f64 = 0.8;
 
-/// A value that makes the squared residual so many times larger is far too large.
-const HOPELESS: f64 = 10.0;
-
 /// A model with a hypothesis more, and the recordings along which it is evaluated.
-struct Enlarged<'a> {
-    model: Model,
+pub(super) struct Enlarged<'a> {
+    pub model: Model,
     /// Positions of the free parameters that it has beyond the fitted model.
-    own: Vec<usize>,
+    pub own: Vec<usize>,
     recordings: Vec<&'a Prepared>,
     /// What the fitted model predicts along them, `[channel][row]`.
     predicted: &'a [Vec<f64>],
@@ -60,17 +49,37 @@ struct Enlarged<'a> {
 
 /// Values from which a hypothesis is examined, and those of them that are not the fitted ones, by name.
 #[derive(Clone)]
-struct Base {
+pub(super) struct Base {
     values: DVector<f64>,
-    changed: Start,
+    pub changed: Start,
 }
 
-/// Rows that tell which hypotheses are worth a closer look: what takes 1 % of the squares of so many rows, the least that
-/// matters, gains 25 where noise gives each parameter 1 (Wilks 1938).
-const ENOUGH: usize = 2500;
+impl Base {
+    /// The values with those of some parameters.
+    pub fn with(&self, own: &[usize], at: &[f64]) -> DVector<f64> {
+        let mut values = self.values.clone();
+        own.iter().zip(at).for_each(|(&p, x)| values[p] = *x);
+        values
+    }
+}
 
-/// Hypotheses that get a closer look, several times as many as are fitted.
-const CLOSER: usize = 40;
+/// A hypothesis at values of its parameters, linearised, the fitted parameters projected out.
+pub(super) struct Linearised {
+    /// Weighted sum of squares that it takes away with these values.
+    pub reached: f64,
+    normal: DMatrix<f64>,
+    right: DVector<f64>,
+    /// Own parameters, by their numbers, that do what no fitted one does.
+    independent: Vec<usize>,
+}
+
+/// One step of own parameters and of all fitted ones.
+pub(super) struct Step {
+    /// Weighted sum of squares that it takes away.
+    pub gain: f64,
+    /// Of every own parameter.
+    pub own: Vec<f64>,
+}
 
 impl<'a> ScoreTests<'a> {
     /// Derivatives of the signal by every parameter over all rows that were fitted.
@@ -93,63 +102,12 @@ impl<'a> ScoreTests<'a> {
         }
     }
 
-    /// The best point of a hypothesis; `None` where it cannot be in the model or takes nothing.
-    pub fn examine(&self, context: &Context<'_>, hypothesis: &Hypothesis) -> Option<Candidate> {
-        let enlarged = self.enlarged(context, hypothesis)?;
-        let Enlarged { model, own, .. } = &enlarged;
-        let bases = self.bases(model, hypothesis);
-        let motion = MotionRange::of(&context.recordings(Split::Train), hypothesis.joints[0]);
-        let grid = Grid::new(model, own, hypothesis.effect, &motion);
-        let gain = |point: Vec<f64>| {
-            let from = |(b, base): (usize, &Base)| {
-                let mut values = base.values.clone();
-                own.iter().zip(&point).for_each(|(&p, x)| values[p] = *x);
-                (self.gain(&enlarged, &values), b)
-            };
-            let all = bases.iter().enumerate().map(from);
-            let best = all.max_by(|a, b| a.0.total_cmp(&b.0));
-            let (gain, base) = best.unwrap_or((f64::NEG_INFINITY, 0));
-            Point {
-                gain,
-                base,
-                at: point,
-            }
-        };
-        let hopeless = -HOPELESS * self.linear.residual.iter().map(|r| dot(r, r)).sum::<f64>();
-        let rising = grid.is_rising().then_some(hopeless);
-        let best_first = |points: Vec<Vec<f64>>| best_first(points, rising, &gain);
-        let scanned = best_first(grid.scan());
-        let scanned = scanned.first();
-        let mut points = best_first(grid.all(scanned.map(|point| point.at.as_slice())));
-        if grid.is_rising() {
-            points = halved(points, &best_first);
-        }
-        let naming = Naming {
-            own: own
-                .iter()
-                .map(|&p| model.parameters()[p].name.clone())
-                .collect(),
-            bases: bases.iter().map(|base| &base.changed).collect(),
-            grid: &grid,
-        };
-        let mut candidate = naming.candidate(hypothesis, &points)?;
-        candidate.gain = scanned.map_or(0.0, |point| point.gain).max(candidate.gain);
-        Some(candidate)
-    }
-
-    /// The same candidate with what it gains at its start over these rows.
-    fn confirmed(&self, context: &Context<'_>, candidate: Candidate) -> Option<Candidate> {
-        let enlarged = self.enlarged(context, &candidate.hypothesis)?;
-        let mut values = self.fit.values_of(&enlarged.model);
-        for (name, value) in &candidate.start {
-            values[enlarged.model.position(name)?] = *value;
-        }
-        let gain = self.gain(&enlarged, &values);
-        Some(Candidate { gain, ..candidate })
-    }
-
     /// The model with a hypothesis more; `None` where it cannot be in it.
-    fn enlarged(&self, context: &Context<'_>, hypothesis: &Hypothesis) -> Option<Enlarged<'_>> {
+    pub(super) fn enlarged(
+        &self,
+        context: &Context<'_>,
+        hypothesis: &Hypothesis,
+    ) -> Option<Enlarged<'_>> {
         let mut all = self.fit.hypotheses.clone();
         all.push(hypothesis.clone());
         let mut model = context.model(&all).ok()?.model;
@@ -213,7 +171,7 @@ impl<'a> ScoreTests<'a> {
     /// parameters, also those raised by what the fit leaves of the signal, and to shares of the torque of the joint, as the
     /// poorer law may have found nothing, and those lowered to what the law came to at the speeds of the joint where its
     /// transition is wide.
-    fn bases(&self, model: &Model, hypothesis: &Hypothesis) -> Vec<Base> {
+    pub(super) fn bases(&self, model: &Model, hypothesis: &Hypothesis) -> Vec<Base> {
         let fitted = Base {
             values: self.fit.values_of(model),
             changed: Start::new(),
@@ -282,7 +240,13 @@ impl<'a> ScoreTests<'a> {
         rms(&self.recordings().iter().flat_map(of).collect::<Vec<f64>>())
     }
 
-    fn gain(&self, enlarged: &Enlarged<'_>, values: &DVector<f64>) -> f64 {
+    pub(super) fn gain(&self, enlarged: &Enlarged<'_>, values: &DVector<f64>) -> f64 {
+        let here = self.linearised(enlarged, values);
+        enlarged.step(values, &here, &|_| true).gain
+    }
+
+    /// A hypothesis' model at values of its parameters, beside the fitted one.
+    pub(super) fn linearised(&self, enlarged: &Enlarged<'_>, values: &DVector<f64>) -> Linearised {
         let Enlarged {
             model,
             own,
@@ -308,37 +272,25 @@ impl<'a> ScoreTests<'a> {
                 }
             }
         }
-        let stays_possible = |k: usize, step: f64| {
-            let parameter = &model.parameters()[own[k]];
-            let value = values[own[k]] + step;
-            parameter.linearity == Linearity::Nonlinear
-                || (parameter.lower..=parameter.upper).contains(&value)
-        };
-        self.one_step(&change, &columns, &stays_possible)
+        self.projected(&change, &columns)
     }
 
-    /// The gain of one step from a residual that is changed, along further columns; those along which the step would
-    /// leave what is possible stay out.
-    fn one_step(
-        &self,
-        change: &ChannelColumn,
-        columns: &[ChannelColumn],
-        stays_possible: &dyn Fn(usize, f64) -> bool,
-    ) -> f64 {
+    /// Normal equations of a changed residual along further columns, the fitted parameters projected out.
+    fn projected(&self, change: &ChannelColumn, columns: &[ChannelColumn]) -> Linearised {
         let whitened: Vec<DVector<f64>> = columns.iter().map(|c| self.linear.project(c)).collect();
         let shift = self.linear.project(change);
         // r is orthogonal to J, so the changed residual loses only what J takes of the change.
-        let before: f64 = -2.0 * self.linear.against_residual(change) - inner(change, change)
+        let reached: f64 = -2.0 * self.linear.against_residual(change) - inner(change, change)
             + shift.norm_squared();
         let k = columns.len();
         let mut normal = DMatrix::zeros(k, k);
         let mut right = DVector::zeros(k);
-        let mut kept = Vec::new();
+        let mut independent = Vec::new();
         for i in 0..k {
             let norm = inner(&columns[i], &columns[i]);
             let left = norm - whitened[i].norm_squared();
             if norm > 0.0 && left > INDEPENDENT * norm {
-                kept.push(i);
+                independent.push(i);
             }
             right[i] = self.linear.against_residual(&columns[i]) + inner(&columns[i], change)
                 - whitened[i].dot(&shift);
@@ -347,10 +299,40 @@ impl<'a> ScoreTests<'a> {
                 normal[(j, i)] = normal[(i, j)];
             }
         }
+        Linearised {
+            reached,
+            normal,
+            right,
+            independent,
+        }
+    }
+}
+
+impl Enlarged<'_> {
+    /// Whether an own parameter, by its number, is linear.
+    pub fn is_linear(&self, own: usize) -> bool {
+        self.model.parameters()[self.own[own]].linearity == Linearity::Linear
+    }
+
+    /// One step from values of those own parameters that move and of all fitted ones; those whose size would leave what is possible
+    /// stay where they are.
+    pub fn step(
+        &self,
+        values: &DVector<f64>,
+        here: &Linearised,
+        moves: &dyn Fn(usize) -> bool,
+    ) -> Step {
+        let stays_possible = |k: usize, step: f64| {
+            let parameter = &self.model.parameters()[self.own[k]];
+            let value = values[self.own[k]] + step;
+            !self.is_linear(k) || (parameter.lower..=parameter.upper).contains(&value)
+        };
+        let independent = here.independent.iter().copied();
+        let mut kept: Vec<usize> = independent.filter(|&k| moves(k)).collect();
         loop {
             let solution = NormalSolution::of(
-                &normal.select_rows(&kept).select_columns(&kept),
-                &right.select_rows(&kept),
+                &here.normal.select_rows(&kept).select_columns(&kept),
+                &here.right.select_rows(&kept),
             );
             let possible: Vec<usize> = kept
                 .iter()
@@ -359,46 +341,15 @@ impl<'a> ScoreTests<'a> {
                 .map(|(k, _)| *k)
                 .collect();
             if possible.len() == kept.len() {
-                return before + solution.gain;
+                let mut own = vec![0.0; self.own.len()];
+                let steps = kept.iter().zip(solution.x.iter());
+                steps.for_each(|(&k, step)| own[k] = -step);
+                return Step {
+                    gain: here.reached + solution.gain,
+                    own,
+                };
             }
             kept = possible;
         }
     }
-}
-
-/// What hypotheses promise beside a model: by a glance at some rows, and a look of those in front at all.
-pub fn screen(
-    context: &Context<'_>,
-    fit: &ModelFit,
-    open: Vec<Hypothesis>,
-) -> Result<Screening, DiagnoseError> {
-    let by_gain =
-        |candidates: &mut Vec<Candidate>| candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let is_going_on = || !context.control.is_interrupted();
-    let train = context.recordings(Split::Train);
-    let every = (counting_rows(&train) / ENOUGH).max(1);
-    let rough = ScoreTests::of_every(every, context, fit);
-    let earlier = Reusable::of(context, fit);
-    let examined = open.par_iter().filter(|_| is_going_on());
-    let examined = examined.filter_map(|hypothesis| match earlier.screening(hypothesis) {
-        Some(screening) => rough.confirmed(context, screening.glance_at(hypothesis)?.clone()),
-        None => rough.examine(context, hypothesis),
-    });
-    let mut glance: Vec<Candidate> = examined.filter(|candidate| candidate.gain > 0.0).collect();
-    by_gain(&mut glance);
-    let mut candidates = glance.clone();
-    if every > 1 {
-        let look = ScoreTests::new(context, fit);
-        candidates.truncate(CLOSER);
-        let closer = candidates.into_par_iter().filter(|_| is_going_on());
-        candidates = closer
-            .filter_map(|candidate| look.confirmed(context, candidate))
-            .collect();
-        by_gain(&mut candidates);
-    }
-    Ok(Screening {
-        open,
-        glance,
-        candidates,
-    })
 }

@@ -57,10 +57,24 @@ const OTHERS: usize = 2;
 pub struct Point {
     /// Weighted sum of squares that one step of all parameters takes away.
     pub gain: f64,
+    /// The same of a step of the linear parameters, those of the hypothesis at their shapes.
+    pub of_sizes: f64,
     /// Number of the other values.
     pub base: usize,
     /// Of the own parameters.
     pub at: Vec<f64>,
+}
+
+impl Point {
+    /// One that gains nothing.
+    pub fn hopeless(at: Vec<f64>) -> Self {
+        Self {
+            gain: f64::NEG_INFINITY,
+            of_sizes: f64::NEG_INFINITY,
+            base: 0,
+            at,
+        }
+    }
 }
 
 /// How points become starts.

@@ -1,7 +1,7 @@
 //! Stepwise selection: the model grows by one hypothesis at a time, then each is dropped on trial.
 
 use crate::chain::effect::Law;
-use crate::diagnose::candidates::score_test::screen;
+use crate::diagnose::candidates::screening::screen;
 use crate::diagnose::candidates::screening_reuse::Reusable;
 use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::fit::candidate::{Candidate, Screening};

@@ -324,7 +324,12 @@ fn search(model: &Model, joint: usize, parameter: usize) -> Option<Search> {
     let law = motor_law(model, parameter)?;
     let has_grid = matches!(
         law.info.search,
-        Search::Values(_) | Search::Speed(_) | Search::OverSpeed(_) | Search::Cycles
+        Search::Values(_)
+            | Search::Position(_)
+            | Search::Range(_)
+            | Search::Speed(_)
+            | Search::OverSpeed(_)
+            | Search::Cycles
     );
     (law.joint == joint && has_grid).then_some(law.info.search)
 }

@@ -11,6 +11,7 @@
 //! of the model.
 
 use crate::chain::dataset::Prepared;
+use crate::chain::effect::{self, Linearity};
 use crate::chain::evaluate::KnownBodies;
 use crate::estimate::fit_problem::problem::FitProblem;
 use crate::estimate::residual::compress::stacked;
@@ -198,17 +199,24 @@ impl<'a> JointSearches<'a> {
 
     /// Where searches end that begin at one point of every joint; what the points
     /// do not name begins at the reference. Infinite where there is nothing to search.
+    ///
+    /// Where a law acts at a place of the range alone, the first step is one of the linear parameters: with a size of the wrong sign a
+    /// search leaves the place.
     pub fn search(&self, from: &[Point], steps: usize) -> Vec<LocalOptimum> {
         let mut searches: Vec<Option<Search>> = (self.joints.iter().zip(from))
             .map(|(own, point)| Some(self.begun(own.as_ref()?, point)))
             .collect();
-        for _ in 0..=steps {
+        for step in 0..=steps {
             let systems = self.projected(&searches);
             let joints = self.joints.iter().zip(&mut searches).zip(systems);
             for ((own, search), system) in joints {
                 if let (Some(own), Some(search), Some(system)) = (own, search, system) {
                     search.take(system);
-                    self.try_next(own, search);
+                    let moves = |k: &usize| {
+                        step > 0 || !self.has_place(own) || self.is_linear(own.shapes[*k])
+                    };
+                    let moved = (0..own.shapes.len()).filter(moves).collect::<Vec<usize>>();
+                    self.try_next(own, search, &moved);
                 }
             }
         }
@@ -329,31 +337,50 @@ impl<'a> JointSearches<'a> {
         series.into_iter().map(matrix).collect()
     }
 
-    /// What to try next: the damped step within the limits.
-    fn try_next(&self, own: &JointShapes, search: &mut Search) {
+    /// What to try next: the damped step of some shapes within the limits.
+    fn try_next(&self, own: &JointShapes, search: &mut Search, moved: &[usize]) {
         let Some((x, system)) = &search.at else {
             return;
         };
         let count = x.len();
-        let mut matrix = DMatrix::zeros(2 * count, count);
-        let mut right = DVector::zeros(2 * count);
+        let mut matrix = DMatrix::zeros(count + moved.len(), moved.len());
+        let mut right = DVector::zeros(count + moved.len());
         for i in 0..count {
-            for j in i..count {
-                matrix[(i, j)] = system.entry(i, j);
+            for (to, &j) in moved.iter().enumerate().filter(|(_, j)| **j >= i) {
+                matrix[(i, to)] = system.entry(i, j);
             }
-            matrix[(count + i, i)] = search.damping.sqrt() * search.norms[i];
             right[i] = -system.entry(i, count);
+        }
+        for (to, &j) in moved.iter().enumerate() {
+            matrix[(count + to, to)] = search.damping.sqrt() * search.norms[j];
         }
         let parameters = self.problem.model.parameters();
         let room = |limit: &dyn Fn(usize) -> f64| {
-            let of = |(&p, x): (&usize, &f64)| limit(p) - x;
-            DVector::from_iterator(count, own.shapes.iter().zip(x.iter()).map(of))
+            let of = moved.iter().map(|&j| limit(own.shapes[j]) - x[j]);
+            DVector::from_iterator(moved.len(), of)
         };
         let bounds = Bounds {
             lower: room(&|p| parameters[p].lower).map(|room| room.min(0.0)),
             upper: room(&|p| parameters[p].upper).map(|room| room.max(0.0)),
         };
-        search.tried = x + bounded::minimize(&matrix, &right, &bounds);
+        let step = bounded::minimize(&matrix, &right, &bounds);
+        search.tried.copy_from(x);
+        for (&j, step) in moved.iter().zip(step.iter()) {
+            search.tried[j] += step;
+        }
+    }
+
+    /// Whether a law of a joint lies at a place of its range.
+    fn has_place(&self, own: &JointShapes) -> bool {
+        let mut searches = own.shapes.iter().filter_map(|&p| {
+            let parameter = self.problem.model.effect_parameter(p)?;
+            Some(parameter.info.search)
+        });
+        searches.any(|search| matches!(search, effect::Search::Position(_)))
+    }
+
+    fn is_linear(&self, parameter: usize) -> bool {
+        self.problem.model.parameters()[parameter].linearity == Linearity::Linear
     }
 }
 

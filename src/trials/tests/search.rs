@@ -2,7 +2,8 @@
 
 use crate::chain::dataset::{Dataset, Prepared};
 use crate::diagnose::candidates::motions::Motions;
-use crate::diagnose::candidates::score_test::{ScoreTests, screen};
+use crate::diagnose::candidates::score_test::ScoreTests;
+use crate::diagnose::candidates::screening::screen;
 use crate::diagnose::candidates::screening_reuse::Reusable;
 use crate::diagnose::candidates::signal_path::SignalPath;
 use crate::diagnose::fit::candidate::{Candidate, Screening};

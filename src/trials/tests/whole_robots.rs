@@ -96,3 +96,10 @@ fn soft_bristles_are_found() {
 fn bristles_gain_no_force_that_chance_would_give_them() {
     assert_all_named(&whole_robot(946150, 3));
 }
+
+/// A spot of friction as wide as half of the motion has several optima, and one step of all parameters promises most where none of them
+/// is.
+#[test]
+fn a_wide_spot_is_found() {
+    assert_all_named(&whole_robot(SEED, 22));
+}
