@@ -2,6 +2,10 @@
 
 use crate::stats::distribution::Distribution;
 
+/// Twice the logarithm of the likelihood ratio, or the weighted squares, that one parameter without a meaning takes in the mean (Wilks
+/// 1938): searches that end closer have come to one optimum, as far as data tell.
+pub const BY_CHANCE: f64 = 1.0;
+
 /// Whether twice the logarithm of a likelihood ratio is larger than further parameters without a meaning make it with a
 /// probability: the quantile of χ² of as many degrees of freedom.
 pub fn is_beyond_chance(twice_logarithm: f64, parameters: usize, confidence: f64) -> bool {

@@ -240,11 +240,6 @@ impl<'a> ScoreTests<'a> {
         rms(&self.recordings().iter().flat_map(of).collect::<Vec<f64>>())
     }
 
-    pub(super) fn gain(&self, enlarged: &Enlarged<'_>, values: &DVector<f64>) -> f64 {
-        let here = self.linearised(enlarged, values);
-        enlarged.step(values, &here, &|_| true).gain
-    }
-
     /// A hypothesis' model at values of its parameters, beside the fitted one.
     pub(super) fn linearised(&self, enlarged: &Enlarged<'_>, values: &DVector<f64>) -> Linearised {
         let Enlarged {

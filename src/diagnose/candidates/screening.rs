@@ -1,7 +1,7 @@
 //! Screening: which of the hypotheses that a model leaves open promise most, and from where their fits begin.
 
 use crate::diagnose::candidates::grid_search::{best_first, halved};
-use crate::diagnose::candidates::score_test::{Base, Enlarged, ScoreTests};
+use crate::diagnose::candidates::score_test::{Enlarged, ScoreTests};
 use crate::diagnose::candidates::screening_reuse::Reusable;
 use crate::diagnose::candidates::shape_search::ShapeSearch;
 use crate::diagnose::error::DiagnoseError;
@@ -35,18 +35,18 @@ impl ScoreTests<'_> {
         let motion = MotionRange::of(&context.recordings(Split::Train), hypothesis.joints[0]);
         let grid = Grid::new(model, own, hypothesis.effect, &motion);
         let gain = |at: Vec<f64>| {
-            let from = |(b, base): (usize, &Base)| {
-                let values = base.with(own, &at);
+            let from = |base: usize| {
+                let values = bases[base].with(own, &at);
                 let here = self.linearised(&enlarged, &values);
                 let sizes = |k: usize| enlarged.is_linear(k);
                 Point {
                     gain: enlarged.step(&values, &here, &|_| true).gain,
                     of_sizes: enlarged.step(&values, &here, &sizes).gain,
-                    base: b,
+                    base,
                     at: at.clone(),
                 }
             };
-            let all = bases.iter().enumerate().map(from);
+            let all = (0..bases.len()).map(from);
             let best = all.max_by(|a, b| a.gain.total_cmp(&b.gain));
             best.unwrap_or_else(|| Point::hopeless(at.clone()))
         };
@@ -88,7 +88,8 @@ impl ScoreTests<'_> {
         for (name, value) in &candidate.start {
             values[enlarged.model.position(name)?] = *value;
         }
-        let gain = self.gain(&enlarged, &values);
+        let here = self.linearised(&enlarged, &values);
+        let gain = enlarged.step(&values, &here, &|_| true).gain;
         Some(Candidate { gain, ..candidate })
     }
 }

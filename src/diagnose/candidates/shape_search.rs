@@ -5,6 +5,8 @@
 
 use crate::diagnose::candidates::score_test::{Base, Enlarged, Linearised, ScoreTests};
 use crate::diagnose::fit::candidate::Point;
+use crate::stats::likelihood_ratio::BY_CHANCE;
+use crate::stats::range::within;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -16,10 +18,6 @@ const STEPS: usize = 6;
 
 /// Shares of a step that are tried.
 const SHARES: [f64; 3] = [1.0, 0.25, 0.0625];
-
-/// Weighted squares by which one parameter without a meaning lowers the residual: a step that takes no more has arrived, and ends that
-/// differ by no more are one.
-const BY_CHANCE: f64 = 1.0;
 
 /// Searches for the own parameters of one hypothesis.
 pub(super) struct ShapeSearch<'a> {
@@ -77,12 +75,15 @@ impl ShapeSearch<'_> {
     /// Where a share of a step leads that reaches more.
     fn further(&self, from: &Place, moves: &dyn Fn(usize) -> bool) -> Option<Place> {
         let step = self.enlarged.step(&from.values, &from.here, moves);
+        if step.own.iter().all(|step| *step == 0.0) {
+            return None;
+        }
         let parameters = self.enlarged.model.parameters();
         let mut places = SHARES.iter().map(|share| {
             let mut values = from.values.clone();
             for (&p, step) in self.enlarged.own.iter().zip(&step.own) {
                 let value = values[p] + share * step;
-                values[p] = value.max(parameters[p].lower).min(parameters[p].upper);
+                values[p] = within(value, [parameters[p].lower, parameters[p].upper]);
             }
             self.place(values)
         });

@@ -55,7 +55,7 @@ const OTHERS: usize = 2;
 /// A point of a grid, from one of the values of all other parameters.
 #[derive(Debug, Clone)]
 pub struct Point {
-    /// Weighted sum of squares that one step of all parameters takes away.
+    /// Weighted sum of squares that one step of all parameters takes away; where a search has ended, what the law takes there.
     pub gain: f64,
     /// The same of a step of the linear parameters, those of the hypothesis at their shapes.
     pub of_sizes: f64,

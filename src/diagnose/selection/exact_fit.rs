@@ -16,16 +16,12 @@ use crate::diagnose::selection::law_range;
 use crate::diagnose::selection::search_bounds;
 use crate::diagnose::selection::time_window;
 use crate::stats::deviation::rms;
-use crate::stats::likelihood_ratio::is_beyond_chance;
+use crate::stats::likelihood_ratio::{BY_CHANCE, is_beyond_chance};
 use rayon::prelude::*;
 use std::cmp::Ordering;
 
 /// A search that reaches less than this share of what one step of all parameters promised is made from other starts too.
 const PROMISED: f64 = 0.5;
-
-/// Minus twice the logarithm of the likelihood that a parameter without meaning takes (Wilks 1938): searches that end closer have
-/// come to one optimum, as far as data tell.
-const BY_CHANCE: f64 = 1.0;
 
 /// Weighted sum of squares of one joint whose loss lowers its RMS error by half of what matters: what
 /// promises less on the fitted rows does not matter on others.
@@ -209,16 +205,26 @@ impl ExactFit<'_> {
 
     /// Whether a fit is better than another by more than where searches of one optimum end, or alone possible.
     pub fn leads_further(&self, fit: &ModelFit, other: &ModelFit) -> bool {
-        let is_new = fit.fitted_score() < other.fitted_score() - BY_CHANCE;
-        (is_new || !self.is_possible(other)) && self.is_better(fit, other)
+        self.is_better_by(fit, other, |gain| gain > BY_CHANCE)
     }
 
     /// Whether a search that begins again leads to a better fit than a law that has lost so many parameters would by chance, or to
     /// the only possible one: shapes without a meaning fit as well where they are, and forecast worse.
     fn finds_what_was_lost(&self, found: &ModelFit, without: &ModelFit, lost: usize) -> bool {
-        let gain = without.fitted_score() - found.fitted_score();
-        let is_found = is_beyond_chance(gain, lost, CONFIDENCE);
-        (is_found || !self.is_possible(without)) && self.is_better(found, without)
+        self.is_better_by(found, without, |gain| {
+            is_beyond_chance(gain, lost, CONFIDENCE)
+        })
+    }
+
+    /// Whether a fit is better than another by what is enough, or alone possible.
+    fn is_better_by(
+        &self,
+        fit: &ModelFit,
+        other: &ModelFit,
+        is_enough: impl Fn(f64) -> bool,
+    ) -> bool {
+        let gain = other.fitted_score() - fit.fitted_score();
+        (is_enough(gain) || !self.is_possible(other)) && self.is_better(fit, other)
     }
 
     /// Whether a fit is better than another, or alone possible.

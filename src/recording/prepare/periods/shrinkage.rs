@@ -102,7 +102,7 @@ fn is_rounding(spectrum: &JointSpectrum) -> bool {
 /// What multiplies the coefficients of every harmonic from the first to the last.
 fn gains(spectra: &[JointSpectrum], last: usize) -> Vec<Gain> {
     let mut gains = Vec::with_capacity(last);
-    for (harmonics, reach) in bands(last) {
+    for Neighbours { harmonics, reach } in neighbours(last) {
         let centre = harmonics.start + harmonics.len() / 2;
         let band = Band::about(spectra, centre, reach);
         gains.extend(harmonics.map(|h| band.gain(spectra, h)));
@@ -110,15 +110,22 @@ fn gains(spectra: &[JointSpectrum], last: usize) -> Vec<Gain> {
     gains
 }
 
-/// Harmonics from the first to the last that have a band in common, and how far it reaches to both sides of them.
-fn bands(last: usize) -> impl Iterator<Item = (Range<usize>, usize)> {
+/// Harmonics that have a band in common.
+struct Neighbours {
+    harmonics: Range<usize>,
+    /// How far the band reaches to both sides of them.
+    reach: usize,
+}
+
+/// Those of all harmonics from the first to the last.
+fn neighbours(last: usize) -> impl Iterator<Item = Neighbours> {
     let mut start = 1;
     std::iter::from_fn(move || {
         let reach = ((0.5 * (BAND_RATIO - 1.0) * start as f64) as usize).max(BAND_LEAST / 2);
         let step = ((STEP * reach as f64) as usize).max(1);
         let harmonics = start..(start + step).min(last + 1);
         start = harmonics.end;
-        (!harmonics.is_empty()).then_some((harmonics, reach))
+        (!harmonics.is_empty()).then_some(Neighbours { harmonics, reach })
     })
 }
 
@@ -158,12 +165,12 @@ impl JointGains<'_> {
             }
         };
         let last = estimates.len();
-        let of = |(harmonics, reach): (Range<usize>, usize)| {
+        let of = |Neighbours { harmonics, reach }| {
             let low = harmonics.start.saturating_sub(reach).max(1);
             let high = (harmonics.end + reach).min(last + 1);
             vec![share(low..high); harmonics.len()]
         };
-        bands(last).flat_map(of).collect()
+        neighbours(last).flat_map(of).collect()
     }
 
     /// Harmonics up to which estimates lower the error of the acceleration.
