@@ -11,11 +11,12 @@ use crate::design::criterion::parameters_of_interest::{Scale, Target};
 use crate::design::error::{DesignError, Unsuitable};
 use crate::design::information::columns::Columns;
 use crate::design::inputs::prepared::{self, Prepared};
+use crate::design::inputs::request::DesignRequest;
 use crate::design::inputs::rival_models;
 use crate::design::inputs::stated_motion::StatedMotion;
 use crate::design::problem::{Excitation, Experiment, Plan};
 use crate::design::results::comparison;
-use crate::design::results::designed::{Designed, End, NamedTrajectory, rate};
+use crate::design::results::designed::{Designed, End, NamedTrajectory};
 use crate::design::results::report;
 use crate::design::search::inter_sample_limits::{self, VerifiedMotion};
 use crate::design::search::multistart::{Improvement, Search, Settings};
@@ -27,9 +28,10 @@ use crate::design::trajectory::sampled::Sampled;
 use crate::design::verify;
 use crate::problem::linear_rows::LinearRows;
 use crate::problem::solution::{Control, Stop};
-use crate::problem_file::ProblemFile;
 use crate::problem_file::choices::{DesignKind, Scaling};
+use crate::problem_file::{Located, ProblemFile};
 use crate::robot::random::generator;
+use crate::setup;
 
 /// Instants per cycle of the highest harmonic below which the samples of a design see too little of it.
 const LEAST_PER_CYCLE: usize = 4;
@@ -40,44 +42,60 @@ const SCALE_MOTIONS: usize = 8;
 /// Designs the motions of a problem file; `on_improvement` hears of every improvement.
 ///
 /// # Errors
-/// Faults of the problem file and the files it names; requests that no design can meet.
+/// Faults of the problem file and the files it names; as [`design`].
 pub fn run(
     problem: &ProblemFile,
     seed: u64,
     control: &Control,
     on_improvement: impl Fn(&Improvement) + Sync,
 ) -> Result<Designed, DesignError> {
-    let prepared = Prepared::read(problem)?;
-    prepared.check_unknowns(problem)?;
-    let columns = columns(problem, &prepared);
-    let mut experiment = experiment(problem, &prepared, &columns)?;
-    if problem.design.kind.value == DesignKind::ConstantVelocity {
+    let robot = setup::robot::open(problem)?;
+    let request = DesignRequest::of(problem, &robot)?;
+    design(&request, seed, control, on_improvement)
+}
+
+/// Designs the motions that are asked for; `on_improvement` hears of every improvement.
+///
+/// # Errors
+/// Requests that no design can meet; nothing to estimate.
+pub fn design(
+    request: &DesignRequest<'_>,
+    seed: u64,
+    control: &Control,
+    on_improvement: impl Fn(&Improvement) + Sync,
+) -> Result<Designed, DesignError> {
+    let settings = request.settings;
+    let prepared = Prepared::of(request, &request.model)?;
+    prepared.check_unknowns(&request.place)?;
+    let columns = columns(settings.scaling.value, &prepared);
+    let mut experiment = experiment(request, &prepared, &columns)?;
+    if settings.kind.value == DesignKind::ConstantVelocity {
         return constant_velocity::task::run(&DesignContext {
-            problem,
+            request,
             prepared: &prepared,
             experiment: &experiment,
         });
     }
-    let ends = match problem.design.rest_to_rest.value {
+    let ends = match settings.rest_to_rest.value {
         true => Ends::AtRest,
         false => Ends::Free,
     };
     let rows = joint_limits::rows(&experiment.joints, &experiment.bounds, ends);
-    if problem.design.scaling.value == Scaling::Columns {
+    if settings.scaling.value == Scaling::Columns {
         experiment.target.scale = columns_scale(&experiment, &rows, seed);
     }
     if experiment.rivals.is_some() && !experiment.value(&any(&experiment, &rows, seed)).is_finite()
     {
-        let place = &problem.design.criterion.place;
+        let place = &settings.criterion.place;
         return Err(DesignError::unsuitable(place, Unsuitable::SameRivals));
     }
     let context = DesignContext {
-        problem,
+        request,
         prepared: &prepared,
         experiment: &experiment,
     };
     let reference = reference(&context)?;
-    let settings = settings(&context, reference.as_ref(), seed)?;
+    let settings = search_settings(&context, reference.as_ref(), seed)?;
     let search = Search {
         experiment: &experiment,
         rows: &rows,
@@ -92,18 +110,18 @@ pub fn run(
 
 /// The motion to compare with.
 fn reference(context: &DesignContext<'_>) -> Result<Option<StatedMotion>, DesignError> {
-    let path = context.problem.design.reference.as_ref();
+    let path = context.request.settings.reference.as_ref();
     let joints = &context.experiment.joints;
     path.map(|path| StatedMotion::read(path, joints, &context.prepared.names()))
         .transpose()
 }
 
-fn settings(
+fn search_settings(
     context: &DesignContext<'_>,
     reference: Option<&StatedMotion>,
     seed: u64,
 ) -> Result<Settings, DesignError> {
-    let table = &context.problem.design;
+    let table = context.request.settings;
     let joints = &context.experiment.joints;
     let mut given = Vec::new();
     if let Some(path) = &table.start_from {
@@ -132,9 +150,9 @@ fn any(experiment: &Experiment<'_>, rows: &LinearRows, seed: u64) -> DVector<f64
 }
 
 /// The columns; a bare regressor has no weights.
-fn columns(problem: &ProblemFile, prepared: &Prepared) -> Columns {
+fn columns(scaling: Scaling, prepared: &Prepared) -> Columns {
     let bare = vec![1.0; prepared.noise.len()];
-    let noise = match problem.design.scaling.value {
+    let noise = match scaling {
         Scaling::None => &bare,
         Scaling::Columns | Scaling::Whitened => &prepared.noise,
     };
@@ -143,16 +161,16 @@ fn columns(problem: &ProblemFile, prepared: &Prepared) -> Columns {
 }
 
 fn experiment<'a>(
-    problem: &ProblemFile,
+    request: &DesignRequest<'_>,
     prepared: &'a Prepared,
     columns: &'a Columns,
 ) -> Result<Experiment<'a>, DesignError> {
-    let table = &problem.design;
+    let table = request.settings;
     let model = &prepared.model;
     let n = model.joints().len();
     let standing = |j: usize| prepared.robot.locked[j].unwrap_or(0.0);
     let moving: Vec<usize> = (0..n).filter(|&j| !model.joints()[j].locked).collect();
-    let harmonics = prepared.harmonics(problem)?;
+    let harmonics = prepared.harmonics(table)?;
     let joints = Joints {
         series: Series {
             harmonics: table.harmonics.value.most(),
@@ -165,7 +183,7 @@ fn experiment<'a>(
         trajectories: table.trajectories.value,
         loops: prepared.robot.mechanism.clone(),
     };
-    check_samples(problem, joints.series.harmonics)?;
+    check_samples(&table.samples, joints.series.harmonics)?;
     let plan = Plan {
         model,
         columns,
@@ -174,25 +192,24 @@ fn experiment<'a>(
         samples: table.samples.value,
         joints,
         bounds: prepared.limits.clone(),
-        rules: prepared.rules(problem)?,
+        rules: prepared.rules(table)?,
         target: Target {
-            criterion: prepared::criterion(problem),
-            wanted: prepared.wanted(problem)?,
+            criterion: prepared::criterion(table),
+            wanted: prepared.wanted(table)?,
             prior: match table.scaling.value {
                 Scaling::None => DMatrix::zeros(columns.len(), columns.len()),
                 Scaling::Columns | Scaling::Whitened => prepared.prior_information(),
             },
             scale: Scale::None,
         },
-        rivals: rival_models::of(problem, prepared)?,
+        rivals: rival_models::of(request, prepared)?,
     };
     Ok(plan.experiment())
 }
 
 /// # Errors
 /// Samples between which the fastest harmonic is not seen.
-fn check_samples(problem: &ProblemFile, harmonics: usize) -> Result<(), DesignError> {
-    let stated = &problem.design.samples;
+fn check_samples(stated: &Located<usize>, harmonics: usize) -> Result<(), DesignError> {
     let least = LEAST_PER_CYCLE * harmonics;
     if stated.value >= least {
         return Ok(());
@@ -280,7 +297,7 @@ fn trajectories(
     x: &DVector<f64>,
 ) -> Result<Trajectories, DesignError> {
     let DesignContext {
-        problem,
+        request,
         prepared,
         experiment,
     } = *context;
@@ -300,7 +317,7 @@ fn trajectories(
     if let Some(other) = validation_motion::far_from(search, x) {
         pieces.push(("validation_trajectory".to_string(), other));
     }
-    let rest = prepared.rest(problem)?;
+    let rest = prepared.rest(request.settings)?;
     let holds = |motion: &Motion| {
         let mut motion = motion.clone();
         single.close(&mut motion);
@@ -310,7 +327,7 @@ fn trajectories(
     let mut periods = Vec::new();
     let mut with_ramps = Vec::new();
     for (name, own) in pieces {
-        let sampled = Sampled::period(&single, &own, rate(problem), &names);
+        let sampled = Sampled::period(&single, &own, request.rate, &names);
         with_ramps.push(NamedTrajectory {
             name: format!("{name}_with_ramps"),
             sampled: sampled

@@ -12,7 +12,7 @@ use crate::outcome::estimate::{Covariance, Estimate, Solver};
 use crate::outcome::fit::{BaseParameter, Fit};
 use crate::outcome::motors::{MotorJoint, MotorLoad, MotorSpeed, Motors, SameType};
 use crate::outcome::parameter::{Parameter, Source};
-use crate::problem_file::ProblemFile;
+use crate::problem_file::Located;
 use crate::stats::distribution::Distribution;
 
 /// Two-sided 95 % of the normal distribution, in standard deviations.
@@ -20,8 +20,8 @@ fn half_width() -> f64 {
     Distribution::Normal.two_sided(0.95)
 }
 
-/// Parameters, base parameters and stages of all joints.
-pub(super) fn build(problem: &ProblemFile, joints: &[JointFit]) -> (Estimate, Fit) {
+/// Parameters, base parameters and stages of all joints, of which some have motors of one type.
+pub(super) fn build(alike: &[Vec<Located<String>>], joints: &[JointFit]) -> (Estimate, Fit) {
     let mut fit = Fit::default();
     let (mut parameters, mut blocks) = (Vec::new(), Vec::new());
     for joint in joints {
@@ -34,7 +34,7 @@ pub(super) fn build(problem: &ProblemFile, joints: &[JointFit]) -> (Estimate, Fi
     fit.condition_number = f64::NAN;
     fit.motors = Some(Motors {
         joints: joints.iter().map(stages).collect(),
-        same_type: same_type(problem, joints),
+        same_type: same_type(alike, joints),
     });
     fit.notes = notes(joints);
     let evaluations = joints.iter().map(|j| j.stage.speeds.len() as u64).sum();
@@ -326,8 +326,8 @@ fn advice(joint: &JointFit) -> Option<String> {
     })
 }
 
-fn same_type(problem: &ProblemFile, joints: &[JointFit]) -> Vec<SameType> {
-    let groups = problem.fit.constant_velocity.same_type.iter();
+fn same_type(alike: &[Vec<Located<String>>], joints: &[JointFit]) -> Vec<SameType> {
+    let groups = alike.iter();
     let compare = |names: Vec<&JointFit>| {
         let constants: Vec<Constant> = names.iter().filter_map(|j| j.constant.constant()).collect();
         let test = equality(&constants)?;

@@ -15,6 +15,7 @@ use crate::motors::segments::{Segment, Steadiness, steady};
 use crate::outcome::estimate::Estimate;
 use crate::outcome::fit::Fit;
 use crate::problem_file::choices::{Inertials, PositionSide, Signal};
+use crate::problem_file::fit::ConstantVelocityTable;
 use crate::problem_file::{ProblemFile, RecordingsTable};
 use crate::recording::error::{RecordingError, RecordingErrorKind};
 use crate::recording::samples::Recording;
@@ -22,7 +23,7 @@ use crate::recording::split::Split;
 use crate::robot::newton_euler::NewtonEuler;
 use crate::setup;
 use crate::setup::error::{Mismatch, SetupError};
-use crate::setup::model_spec::{ModelSpec, with_unit_constant};
+use crate::setup::model_spec::ModelSpec;
 use crate::setup::recording_file::ReadRecording;
 use crate::setup::recordings::read_all;
 use crate::setup::robot::Robot;
@@ -40,40 +41,195 @@ pub struct MotorRun {
     pub predictions: Vec<Predicted>,
 }
 
-/// Fits the motor constants of every joint that moves.
+/// Runs the fit of a problem file.
+///
+/// # Errors
+/// Faults of the file and of those that it names; settings of another estimator; as [`MotorsTask::run`].
 pub fn run(problem: &ProblemFile) -> Result<MotorRun, MotorsError> {
-    let table = problem.recordings().map_err(SetupError::from)?;
-    check_settings(problem, table)?;
+    let recordings = problem.recordings().map_err(SetupError::from)?;
+    check_settings(problem, recordings)?;
     let robot = setup::robot::open(problem)?;
     require_tree(problem, &robot)?;
     check_names(problem, &robot)?;
-    // Bodies of an earlier fit become those of the model; priors of torque constants have a table of their own.
-    let model = ModelSpec::of(&with_unit_constant(problem), &robot)?
-        .build()?
-        .model;
-    let rule = Steadiness {
-        least_speed: problem.fit.constant_velocity.least_speed.value,
-        ..Steadiness::default()
+    let task = MotorsTask {
+        robot: &robot,
+        declared: &ModelSpec::of_unknown_constants(problem, &robot)?,
+        recordings,
+        settings: &problem.fit.constant_velocity,
+        place: Place::file(&problem.path),
     };
-    let mut recordings = Vec::new();
-    for ReadRecording { named, recording } in read_all(table, &robot)? {
-        let parameters = link_parameters(problem, &model, named.loaded)?;
-        let mut steady = steady_parts(&recording, table, &robot, &parameters, &rule)?;
-        steady.name = named.path.written.clone();
-        steady.split = named.split;
-        recordings.push(steady);
+    task.run()
+}
+
+/// A robot whose bodies are known, and recordings of its joints at constant speed.
+#[derive(Debug, Clone)]
+pub struct MotorsTask<'a> {
+    /// The robot that the recordings are of.
+    pub robot: &'a Robot,
+    /// What its model is made of.
+    pub declared: &'a ModelSpec,
+    /// Those that are fitted and those that are held out.
+    pub recordings: &'a RecordingsTable,
+    /// What is steady, constants that are known, joints with motors of one type.
+    pub settings: &'a ConstantVelocityTable,
+    /// Where a load that is not known is to be given.
+    pub place: Place,
+}
+
+impl MotorsTask<'_> {
+    /// Fits the motor constants of every joint that moves.
+    ///
+    /// # Errors
+    /// Recordings that cannot be read, or in which nothing moves at constant speed; a load that is not known.
+    pub fn run(&self) -> Result<MotorRun, MotorsError> {
+        // Bodies of an earlier fit become those of the model; priors of torque constants have a table of their own.
+        let model = self.declared.build()?.model;
+        let rule = Steadiness {
+            least_speed: self.settings.least_speed.value,
+            ..Steadiness::default()
+        };
+        let mut recordings = Vec::new();
+        for ReadRecording { named, recording } in read_all(self.recordings, self.robot)? {
+            let parameters = self.link_parameters(&model, named.loaded)?;
+            let mut steady =
+                steady_parts(&recording, self.recordings, self.robot, &parameters, &rule)?;
+            steady.name = named.path.written.clone();
+            steady.split = named.split;
+            recordings.push(steady);
+        }
+        let joints = self.fit_joints(&recordings);
+        let figures = figures::joints(&joints, &recordings);
+        let predictions = figures::predictions(&joints, &recordings);
+        let (mut estimate, fit) = outcome::build(&self.settings.same_type, &joints);
+        estimate.joints = figures;
+        Ok(MotorRun {
+            estimate,
+            fit,
+            joints: joints.into_iter().map(|joint| joint.name).collect(),
+            predictions,
+        })
     }
-    let joints = fit_joints(problem, &robot, &recordings);
-    let figures = figures::joints(&joints, &recordings);
-    let predictions = figures::predictions(&joints, &recordings);
-    let (mut estimate, fit) = outcome::build(problem, &joints);
-    estimate.joints = figures;
-    Ok(MotorRun {
-        estimate,
-        fit,
-        joints: joints.into_iter().map(|joint| joint.name).collect(),
-        predictions,
-    })
+
+    /// Inertial parameters of the links, with the known load where it hangs on the robot.
+    fn link_parameters(&self, model: &Model, loaded: bool) -> Result<Vec<f64>, MotorsError> {
+        let bodies = 10 * model.tree().len();
+        let mut parameters = model.values().rows(0, bodies).as_slice().to_vec();
+        let (true, Some((payload, first))) = (loaded, model.payload()) else {
+            return Ok(parameters);
+        };
+        // The inertia about its centre of mass has no effect at constant speed.
+        if model.parameters()[first..first + 4]
+            .iter()
+            .any(|p| p.is_free())
+        {
+            let place = self.place.clone().key("robot.payload");
+            return Err(MotorsError::Setting {
+                place: place.to_string(),
+                message:
+                    "the load is not known, and torque constants follow from known masses only"
+                        .into(),
+                remedy: "give payload.mass, payload.com_x, payload.com_y and payload.com_z under \
+                         [drive.values]"
+                    .into(),
+            });
+        }
+        let body =
+            nalgebra::SVector::<f64, 10>::from_fn(|k, _| match model.parameters()[first + k] {
+                ref parameter if parameter.is_free() => 0.0,
+                ref parameter => parameter.value,
+            });
+        let carried = payload.transfer() * body;
+        for (k, value) in carried.iter().enumerate() {
+            parameters[10 * payload.link + k] += value;
+        }
+        Ok(parameters)
+    }
+
+    fn fit_joints(&self, recordings: &[Steady]) -> Vec<JointFit> {
+        let robot = self.robot;
+        let moving = (0..robot.tree.len()).filter(|&k| robot.locked[k].is_none());
+        let mut joints: Vec<JointFit> = moving.map(|joint| self.first(joint, recordings)).collect();
+        let known: Vec<(String, Source)> = joints
+            .iter()
+            .map(|joint| (joint.name.clone(), joint.constant))
+            .collect();
+        for joint in &mut joints {
+            if joint.constant == Source::Undetermined
+                && let Some(constant) = of_same_type(&self.others(&joint.name, &known))
+            {
+                joint.constant = Source::SameType(constant);
+            }
+            joint.friction = second_stage(
+                &joint.stage,
+                &self.terms(joint.index),
+                joint.constant.inverse(),
+            );
+        }
+        joints
+    }
+
+    fn first(&self, index: usize, recordings: &[Steady]) -> JointFit {
+        let joint = &self.robot.tree.joints()[index];
+        let trained = recordings.iter().filter(|r| r.split == Split::Train);
+        let parts: Vec<Part> = trained
+            .flat_map(|r| r.segments.iter().zip(&r.parts))
+            .filter(|(segment, _)| segment.joint == index)
+            .map(|(_, part)| part.clone())
+            .collect();
+        let stage = first_stage(&parts);
+        let given = &self.settings.torque_constant;
+        let constant = match given.iter().find(|entry| entry.name == joint.name) {
+            Some(entry) => Source::Given(entry.value.value),
+            None => stage.inverse.map_or(Source::Undetermined, |inverse| {
+                let (a, sigma) = (inverse.value, inverse.variance.sqrt());
+                Source::Data((1.0 / a, sigma / (a * a)))
+            }),
+        };
+        JointFit {
+            index,
+            name: joint.name.clone(),
+            torque_unit: joint.kind.effort_unit(),
+            position_unit: joint.kind.position_unit(),
+            parts,
+            stage,
+            constant,
+            friction: None,
+            vertical: is_vertical(self.robot, index),
+        }
+    }
+
+    /// Terms of the friction law of a joint: those of the paper, and an offset where it has one.
+    fn terms(&self, joint: usize) -> Vec<Term> {
+        let mut terms = vec![Term::Coulomb, Term::Viscous];
+        let offset = of_term(JointTerm::Offset);
+        if self.declared.effects()[joint]
+            .iter()
+            .any(|e| e.id == offset.id)
+        {
+            terms.push(Term::Offset);
+        }
+        terms
+    }
+
+    /// Constants that the data give for the other joints of a joint's type.
+    fn others(&self, name: &str, known: &[(String, Source)]) -> Vec<Constant> {
+        let groups = &self.settings.same_type;
+        let group = groups
+            .iter()
+            .find(|group| group.iter().any(|joint| joint.value == name));
+        let Some(group) = group else {
+            return Vec::new();
+        };
+        let listed = known
+            .iter()
+            .filter(|(joint, _)| joint != name && group.iter().any(|other| other.value == *joint));
+        listed
+            .filter_map(|(_, source)| match source {
+                Source::Data(constant) => Some(*constant),
+                _ => None,
+            })
+            .collect()
+    }
 }
 
 /// The balance of a joint at constant speed is that of a tree.
@@ -134,43 +290,6 @@ fn check_names(problem: &ProblemFile, robot: &Robot) -> Result<(), MotorsError> 
         }
     }
     Ok(())
-}
-
-/// Inertial parameters of the links, with the known load where it hangs on the robot.
-fn link_parameters(
-    problem: &ProblemFile,
-    model: &Model,
-    loaded: bool,
-) -> Result<Vec<f64>, MotorsError> {
-    let bodies = 10 * model.tree().len();
-    let mut parameters = model.values().rows(0, bodies).as_slice().to_vec();
-    let (true, Some((payload, first))) = (loaded, model.payload()) else {
-        return Ok(parameters);
-    };
-    // The inertia about its centre of mass has no effect at constant speed.
-    if model.parameters()[first..first + 4]
-        .iter()
-        .any(|p| p.is_free())
-    {
-        let place = Place::file(&problem.path).key("robot.payload");
-        return Err(MotorsError::Setting {
-            place: place.to_string(),
-            message: "the load is not known, and torque constants follow from known masses only"
-                .into(),
-            remedy: "give payload.mass, payload.com_x, payload.com_y and payload.com_z under \
-                     [drive.values]"
-                .into(),
-        });
-    }
-    let body = nalgebra::SVector::<f64, 10>::from_fn(|k, _| match model.parameters()[first + k] {
-        ref parameter if parameter.is_free() => 0.0,
-        ref parameter => parameter.value,
-    });
-    let carried = payload.transfer() * body;
-    for (k, value) in carried.iter().enumerate() {
-        parameters[10 * payload.link + k] += value;
-    }
-    Ok(parameters)
 }
 
 fn steady_parts(
@@ -247,56 +366,6 @@ fn times(recording: &Recording, table: &RecordingsTable) -> Result<Vec<f64>, Mot
     }
 }
 
-fn fit_joints(problem: &ProblemFile, robot: &Robot, recordings: &[Steady]) -> Vec<JointFit> {
-    let moving = (0..robot.tree.len()).filter(|&k| robot.locked[k].is_none());
-    let mut joints: Vec<JointFit> = moving
-        .map(|joint| first(problem, robot, joint, recordings))
-        .collect();
-    let known: Vec<(String, Source)> = joints
-        .iter()
-        .map(|joint| (joint.name.clone(), joint.constant))
-        .collect();
-    for joint in &mut joints {
-        if joint.constant == Source::Undetermined
-            && let Some(constant) = of_same_type(&others(problem, &joint.name, &known))
-        {
-            joint.constant = Source::SameType(constant);
-        }
-        joint.friction = second_stage(&joint.stage, &terms(problem), joint.constant.inverse());
-    }
-    joints
-}
-
-fn first(problem: &ProblemFile, robot: &Robot, index: usize, recordings: &[Steady]) -> JointFit {
-    let joint = &robot.tree.joints()[index];
-    let trained = recordings.iter().filter(|r| r.split == Split::Train);
-    let parts: Vec<Part> = trained
-        .flat_map(|r| r.segments.iter().zip(&r.parts))
-        .filter(|(segment, _)| segment.joint == index)
-        .map(|(_, part)| part.clone())
-        .collect();
-    let stage = first_stage(&parts);
-    let given = &problem.fit.constant_velocity.torque_constant;
-    let constant = match given.iter().find(|entry| entry.name == joint.name) {
-        Some(entry) => Source::Given(entry.value.value),
-        None => stage.inverse.map_or(Source::Undetermined, |inverse| {
-            let (a, sigma) = (inverse.value, inverse.variance.sqrt());
-            Source::Data((1.0 / a, sigma / (a * a)))
-        }),
-    };
-    JointFit {
-        index,
-        name: joint.name.clone(),
-        torque_unit: joint.kind.effort_unit(),
-        position_unit: joint.kind.position_unit(),
-        parts,
-        stage,
-        constant,
-        friction: None,
-        vertical: is_vertical(robot, index),
-    }
-}
-
 /// Whether the axis is parallel to gravity: such a joint is the first one, or one after joints that
 /// stand at zero.
 fn is_vertical(robot: &Robot, index: usize) -> bool {
@@ -308,38 +377,4 @@ fn is_vertical(robot: &Robot, index: usize) -> bool {
     let at_zero = tree.forward_kinematics(&vec![0.0; tree.len()]);
     let axis = at_zero[index].rotation * joint.axis;
     axis.cross(&tree.gravity()).norm() <= 1e-6 * tree.gravity().norm()
-}
-
-/// Terms of the friction law: those of the paper, and an offset where the problem lists one.
-fn terms(problem: &ProblemFile) -> Vec<Term> {
-    let mut terms = vec![Term::Coulomb, Term::Viscous];
-    if problem
-        .drive
-        .effects
-        .iter()
-        .any(|e| e.value == of_term(JointTerm::Offset).id)
-    {
-        terms.push(Term::Offset);
-    }
-    terms
-}
-
-/// Constants that the data give for the other joints of a joint's type.
-fn others(problem: &ProblemFile, name: &str, known: &[(String, Source)]) -> Vec<Constant> {
-    let groups = &problem.fit.constant_velocity.same_type;
-    let group = groups
-        .iter()
-        .find(|group| group.iter().any(|joint| joint.value == name));
-    let Some(group) = group else {
-        return Vec::new();
-    };
-    let listed = known
-        .iter()
-        .filter(|(joint, _)| joint != name && group.iter().any(|other| other.value == *joint));
-    listed
-        .filter_map(|(_, source)| match source {
-            Source::Data(constant) => Some(*constant),
-            _ => None,
-        })
-        .collect()
 }

@@ -76,21 +76,6 @@ pub enum Gains {
     Each(Vec<Gain>),
 }
 
-impl Gains {
-    /// Takes gains with a standard deviation for known.
-    pub fn trust(&mut self) {
-        let gains = match self {
-            Self::All(gain) => std::slice::from_mut(gain),
-            Self::Each(gains) => gains,
-        };
-        for gain in gains {
-            if let Gain::Uncertain { value, .. } = *gain {
-                *gain = Gain::Known(value);
-            }
-        }
-    }
-}
-
 impl Located<Gains> {
     /// One gain per joint.
     ///

@@ -9,6 +9,7 @@ use crate::problem_file::controller::{Gain as Declared, Gains};
 use crate::problem_file::{Located, ProblemFile};
 use crate::robot::description::DeclaredServo;
 use crate::setup::error::{Mismatch, SetupError};
+use crate::setup::purpose::Purpose;
 use crate::setup::robot::Robot;
 use nalgebra::{DMatrix, DVector};
 
@@ -20,8 +21,10 @@ const UNKNOWN: f64 = 1.0;
 pub(super) fn of_joints(
     problem: &ProblemFile,
     robot: &Robot,
+    signal: Signal,
+    purpose: Purpose,
 ) -> Result<Option<Vec<Controller>>, SetupError> {
-    if super::signal::signal(problem)? != Signal::PositionCommand {
+    if signal != Signal::PositionCommand {
         return Ok(None);
     }
     if robot.mechanism.is_some() {
@@ -40,6 +43,7 @@ pub(super) fn of_joints(
     let gains = declared(problem, robot)?;
     let gain = |declared: Declared| match declared {
         Declared::Known(value) => Gain::known(value),
+        Declared::Uncertain { value, .. } if purpose == Purpose::Simulation => Gain::known(value),
         Declared::Uncertain { value, .. } => Gain::free(value),
         Declared::Estimate => Gain::free(UNKNOWN),
     };

@@ -11,9 +11,8 @@
 use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::{Effect, of_term};
 use crate::chain::model::{Model, Signal};
-use crate::fault::Place;
 use crate::outcome::parameter::Parameter;
-use crate::problem_file::{Located, Named, ProblemFile};
+use crate::problem_file::ProblemFile;
 use crate::robot::description::{DeclaredDrive, DeclaredSpring};
 use crate::setup::robot::Robot;
 
@@ -40,9 +39,14 @@ pub struct DeclaredValue {
 }
 
 /// The effects that the robot file's values of a joint belong to.
-pub(super) fn effects(problem: &ProblemFile, robot: &Robot, joint: usize) -> Vec<&'static Effect> {
+pub(super) fn effects(
+    problem: &ProblemFile,
+    robot: &Robot,
+    signal: Signal,
+    joint: usize,
+) -> Vec<&'static Effect> {
     let mut effects: Vec<&'static Effect> = Vec::new();
-    for entry in entries(problem, robot, joint) {
+    for entry in entries(problem, robot, signal, joint) {
         if effects.iter().all(|effect| effect.id != entry.effect.id) {
             effects.push(entry.effect);
         }
@@ -50,36 +54,12 @@ pub(super) fn effects(problem: &ProblemFile, robot: &Robot, joint: usize) -> Vec
     effects
 }
 
-/// The problem with the robot file's effects in the lists of the joints that have them.
-pub fn listed(problem: &ProblemFile, robot: &Robot) -> ProblemFile {
-    let mut all = problem.clone();
-    let has_list = |name: &str| problem.drive.effects_of.iter().any(|e| e.name == name);
-    for (k, joint) in robot.tree.joints().iter().enumerate() {
-        let own = effects(problem, robot, k);
-        if own.is_empty() || has_list(&joint.name) {
-            continue;
-        }
-        let place = Place::file(&robot.file).key(&joint.name);
-        let mut list = problem.drive.effects.clone();
-        for effect in own {
-            if list.iter().all(|listed| listed.value != effect.id) {
-                list.push(Located {
-                    value: effect.id.to_string(),
-                    place: place.clone(),
-                });
-            }
-        }
-        let name = joint.name.clone();
-        let value = Located { value: list, place };
-        all.drive.effects_of.push(Named { name, value });
-    }
-    all
-}
-
 /// What the robot file says of the drives of all joints.
-pub fn file_values(problem: &ProblemFile, robot: &Robot) -> Vec<FileValue> {
+pub(super) fn file_values(problem: &ProblemFile, robot: &Robot, signal: Signal) -> Vec<FileValue> {
     let joints = 0..robot.tree.len();
-    joints.flat_map(|k| entries(problem, robot, k)).collect()
+    joints
+        .flat_map(|k| entries(problem, robot, signal, k))
+        .collect()
 }
 
 /// The parameters of a model of which the robot file has values.
@@ -152,9 +132,8 @@ fn sentence(differences: &[String]) -> Option<String> {
 }
 
 /// The values of a joint that moves by itself; none where the signal does not feel the joints' drives.
-fn entries(problem: &ProblemFile, robot: &Robot, joint: usize) -> Vec<FileValue> {
-    let signal = super::signal::signal(problem).ok();
-    if robot.locked[joint].is_some() || signal == Some(Signal::BaseWrench) {
+fn entries(problem: &ProblemFile, robot: &Robot, signal: Signal, joint: usize) -> Vec<FileValue> {
+    if robot.locked[joint].is_some() || signal == Signal::BaseWrench {
         return Vec::new();
     }
     let drive = with_followers(robot, joint);

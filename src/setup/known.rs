@@ -10,7 +10,7 @@ use crate::setup::error::{Mismatch, SetupError, at};
 use crate::setup::names::{self, BodyQuantity, Reference};
 
 /// What a problem file says of single parameters.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Constraints {
     /// Zero by construction.
     zero: Vec<Located<String>>,

@@ -11,6 +11,7 @@ use crate::problem_file::{Named, ProblemFile};
 use crate::setup::controllers::{self, JointGains};
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::known::single;
+use crate::setup::purpose::Purpose;
 use crate::setup::robot::Robot;
 use crate::setup::signal::signal;
 use nalgebra::{DMatrix, DVector};
@@ -49,7 +50,7 @@ impl PriorSpec {
             earlier,
             known_inertials: problem.robot.inertials.value == Inertials::Known,
             values: problem.fit.prior.values.clone(),
-            gains: match signal(problem)? {
+            gains: match signal(problem, Purpose::Estimation) {
                 Signal::PositionCommand => controllers::declared(problem, robot)?,
                 _ => Vec::new(),
             },

@@ -1,71 +1,77 @@
-//! Effects that only the truth has: names in `[simulate.values]` that the declared model does not know
-//! add their effect to the joint that they name.
+//! Effects that only the truth has: values of parameters that the declared model does not know add their effect to the
+//! joint that they name.
 
 use crate::chain::assemble::has_others;
 use crate::chain::effect::{self, Dependence, Effect, Law};
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
-use crate::problem_file::choices::Signal;
-use crate::problem_file::{Located, Named, ProblemFile};
+use crate::problem_file::Named;
 use crate::robot::inertia::PER_LINK;
 use crate::setup::coupling_entry;
 use crate::setup::known::resolve;
-use crate::setup::laws;
 use crate::setup::model_spec::ModelSpec;
 use crate::setup::names::Reference;
 use crate::setup::robot::Robot;
+use crate::setup::truth_spec::TruthSpec;
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
 
-/// The problem with every effect that acts, and its values under the names of its model.
+/// The models with every effect that acts, and its values under the names of its model.
 pub(super) struct Acting {
-    pub problem: ProblemFile,
+    pub commanded: ModelSpec,
+    pub recorded: ModelSpec,
     pub values: Vec<Named<f64>>,
     /// Values of laws between torque and recorded signal, which the commanded torque does not have.
     pub currents: Vec<Named<f64>>,
-    /// Names of the parameters of effects that the problem file does not declare.
+    /// Names of the parameters of effects that are not declared.
     pub concealed: Vec<String>,
 }
 
-/// Adds the effects that `[simulate.values]` names to a problem.
+/// An effect of a joint.
+#[derive(Clone, Copy)]
+struct Owner {
+    joint: usize,
+    effect: &'static Effect,
+}
+
+/// Adds the effects of the values that are given to what is declared.
 ///
 /// # Errors
-/// A name that no effect and no body has; a second load.
-pub(super) fn add(declared: &ProblemFile, robot: &Robot) -> Result<Acting, SimulateError> {
+/// A name that no effect and no body has; a second load; a locked joint that is coupled.
+pub(super) fn add(spec: &TruthSpec, robot: &Robot) -> Result<Acting, SimulateError> {
     let mut acting = Acting {
-        problem: declared.clone(),
-        values: declared.simulate.values.clone(),
+        commanded: spec.commanded.clone(),
+        recorded: spec.recorded.clone(),
+        values: spec.given.clone(),
         currents: Vec::new(),
         concealed: Vec::new(),
     };
-    let known = ModelSpec::without_prior(&commanded(declared), robot)?
-        .build()?
-        .model;
+    let known = spec.commanded.build()?.model;
     for index in 0..acting.values.len() {
         acting.name_load(index, robot)?;
-        acting.name_coupling(index, robot);
+        acting.name_coupling(index, robot)?;
     }
     acting.take_currents(robot)?;
-    let everything = with_all_effects(&commanded(&acting.problem), robot)?;
-    for index in 0..acting.values.len() {
-        let entry = acting.values[index].clone();
+    let everything = with_all_effects(&acting.commanded, robot)?;
+    for entry in acting.values.clone() {
         let reference = resolve(&everything, &entry.name, &entry.value.place)?;
-        if let Some((joint, effect)) = owner(&everything, reference) {
-            let name = match reference {
-                Reference::Parameter(p) => &everything.parameters()[p].name,
-                Reference::Body(..) => &entry.name,
-            };
-            let is_load = effect == effect::LOAD.id;
-            let declared = match is_load {
-                true => known.payload().is_some(),
-                false => known.position(name).is_some(),
-            };
-            if !declared {
-                acting.concealed.push(name.clone());
-            }
-            let carried = is_load && (declared || lists(&acting.problem, robot, effect));
-            if !carried {
-                acting.list(&robot.tree.joints()[joint].name, effect);
-            }
+        let Some(owner) = owner(&everything, reference) else {
+            continue;
+        };
+        let name = match reference {
+            Reference::Parameter(p) => &everything.parameters()[p].name,
+            Reference::Body(..) => &entry.name,
+        };
+        let is_load = owner.effect.id == effect::LOAD.id;
+        let declared = match is_load {
+            true => known.payload().is_some(),
+            false => known.position(name).is_some(),
+        };
+        if !declared {
+            acting.concealed.push(name.clone());
+        }
+        let carried = is_load && (declared || has(&acting.recorded, owner.effect));
+        if !carried {
+            acting.list(owner);
         }
     }
     Ok(acting)
@@ -74,7 +80,7 @@ pub(super) fn add(declared: &ProblemFile, robot: &Robot) -> Result<Acting, Simul
 impl Acting {
     /// Sets values of laws between torque and recorded signal, and gains of controllers, apart and lists their effects.
     fn take_currents(&mut self, robot: &Robot) -> Result<(), SimulateError> {
-        let sensed = with_all_effects(&self.problem, robot)?;
+        let sensed = with_all_effects(&self.recorded, robot)?;
         for entry in std::mem::take(&mut self.values) {
             let found = sensed.position(&entry.name);
             let is_gain = |p: usize| matches!(sensed.parameters()[p].role, Role::Controller { .. });
@@ -84,8 +90,8 @@ impl Acting {
             }
             let own = found.and_then(|p| owner(&sensed, Reference::Parameter(p)));
             match own {
-                Some((joint, effect)) if is_of_current(&sensed, effect) => {
-                    self.list(&robot.tree.joints()[joint].name, effect);
+                Some(owner) if is_of_current(owner.effect) => {
+                    self.list(owner);
                     self.concealed.push(entry.name.clone());
                     self.currents.push(entry);
                 }
@@ -98,140 +104,111 @@ impl Acting {
     /// `<joint>.<load>.mass` is `payload.mass`, with the load on that joint's link.
     fn name_load(&mut self, index: usize, robot: &Robot) -> Result<(), SimulateError> {
         let entry = &self.values[index];
-        let id = effect::LOAD.id;
-        let found = robot.tree.joints().iter().find_map(|joint| {
-            let quantity = entry.name.strip_prefix(&format!("{}.{id}.", joint.name))?;
-            Some((joint.name.clone(), format!("payload.{quantity}")))
+        let effect = effect::LOAD;
+        let mut joints = robot.tree.joints().iter().enumerate();
+        let found = joints.find_map(|(joint, own)| {
+            let quantity = entry
+                .name
+                .strip_prefix(&format!("{}.{}.", own.name, effect.id))?;
+            Some((joint, format!("payload.{quantity}")))
         });
         let Some((joint, name)) = found else {
             return Ok(());
         };
-        if self.problem.robot.payload.is_some() {
+        if self.recorded.has_load() {
             let kind = SimulateErrorKind::TwoLoads {
                 found: entry.name.clone(),
             };
             return Err(SimulateError::new(&entry.value.place, kind));
         }
         self.values[index].name = name;
-        self.list(&joint, id);
+        self.list(Owner { joint, effect });
         Ok(())
     }
 
     /// `<joint>.<coupling>.<other>` is an entry of V, which may be one that is not declared.
-    fn name_coupling(&mut self, index: usize, robot: &Robot) {
-        let entry = &self.values[index];
-        let joint = coupling_entry::declare(&mut self.problem, &robot.order, entry);
-        if let Some(joint) = joint {
-            self.list(&joint, effect::COUPLING.id);
+    fn name_coupling(&mut self, index: usize, robot: &Robot) -> Result<(), SimulateError> {
+        let entry = &self.values[index].value;
+        let named = coupling_entry::named(&self.values[index].name, &robot.order);
+        let Some(named) = named.map(|of_file| of_file.map(|k| robot.position[k])) else {
+            return Ok(());
+        };
+        for spec in [&mut self.commanded, &mut self.recorded] {
+            spec.couple(named, entry.value, &entry.place)?;
         }
+        self.list(Owner {
+            joint: named[0],
+            effect: effect::COUPLING,
+        });
+        Ok(())
     }
 
-    /// Lists an effect for a joint.
-    fn list(&mut self, joint: &str, effect: &str) {
-        let drive = &mut self.problem.drive;
-        let place = drive.effects.first().map(|e| e.place.clone());
-        let entry = Located {
-            value: effect.to_string(),
-            place: place.unwrap_or_default(),
-        };
-        let own = match drive.effects_of.iter_mut().position(|e| e.name == joint) {
-            Some(at) => &mut drive.effects_of[at],
-            None => {
-                drive.effects_of.push(Named {
-                    name: joint.to_string(),
-                    value: Located {
-                        value: drive.effects.clone(),
-                        place: entry.place.clone(),
-                    },
-                });
-                let last = drive.effects_of.len() - 1;
-                &mut drive.effects_of[last]
-            }
-        };
-        if own.value.value.iter().all(|e| e.value != effect) {
-            own.value.value.push(entry);
+    /// Lists an effect for its joint. No channel mixes the torque that is commanded.
+    fn list(&mut self, Owner { joint, effect }: Owner) {
+        self.recorded.add_effect(joint, effect);
+        if effect.id != effect::CROSSTALK.id {
+            self.commanded.add_effect(joint, effect);
         }
     }
 }
 
 /// Whether an effect lies between torque and recorded signal.
-fn is_of_current(model: &Model, effect: &str) -> bool {
-    let found = model.catalogue().find(effect);
-    found.is_some_and(|effect| match effect.law {
+fn is_of_current(effect: &Effect) -> bool {
+    match effect.law {
         Law::Current | Law::Crosstalk => true,
         Law::Signal(_) => effect.depends_on.contains(&Dependence::Current),
         _ => false,
-    })
+    }
 }
 
 /// Whether any joint has an effect.
-fn lists(problem: &ProblemFile, robot: &Robot, effect: &str) -> bool {
-    robot.order.iter().any(|joint| {
-        let own = problem.drive.effects_of.iter().find(|e| e.name == *joint);
-        let list = own.map_or(&problem.drive.effects, |e| &e.value.value);
-        list.iter().any(|e| e.value == effect)
-    })
+fn has(spec: &ModelSpec, effect: &Effect) -> bool {
+    let mut all = spec.effects().iter().flatten();
+    all.any(|listed| listed.id == effect.id)
 }
 
 /// The model with every effect of the vocabulary on every joint: it knows every name there is.
-fn with_all_effects(problem: &ProblemFile, robot: &Robot) -> Result<Model, SimulateError> {
-    let catalogue = laws::catalogue(problem)?;
-    let listed = |effect: &&'static Effect| Located {
-        value: effect.id.to_string(),
-        place: Default::default(),
-    };
-    let mut all = problem.clone();
-    all.drive.effects = catalogue.effects().iter().map(listed).collect();
-    all.drive.effects_of.clear();
-    for (joint, own) in robot.tree.joints().iter().enumerate() {
-        let possible = catalogue.effects().iter();
-        let possible = possible.filter(|e| {
+fn with_all_effects(spec: &ModelSpec, robot: &Robot) -> Result<Model, SimulateError> {
+    let possible = |joint: usize| {
+        let all = spec.catalogue().effects().iter().copied();
+        let possible = all.filter(|e| {
             let moves_loops = robot.mechanism.is_some() && e.law.moves_joints();
             has_others(&robot.tree, joint, e) && !moves_loops
         });
-        all.drive.effects_of.push(Named {
-            name: own.name.clone(),
-            value: Located {
-                value: possible.map(listed).collect(),
-                place: Default::default(),
-            },
-        });
-    }
-    Ok(ModelSpec::without_prior(&all, robot)?.build()?.model)
+        possible.collect()
+    };
+    let effects = (0..robot.tree.len()).map(possible).collect();
+    Ok(spec.with_effects(effects).build()?.model)
 }
 
-/// Joint and effect that a name belongs to; `None` for quantities of links.
-fn owner(model: &Model, reference: Reference) -> Option<(usize, &'static str)> {
-    let last = model.tree().len() - 1;
-    let load = Some((last, effect::LOAD.id));
+/// The effect that a name belongs to, and its joint; `None` for quantities of links.
+fn owner(model: &Model, reference: Reference) -> Option<Owner> {
+    let load = Owner {
+        joint: model.tree().len() - 1,
+        effect: effect::LOAD,
+    };
     match reference {
         Reference::Body(first, _) if first < PER_LINK * model.tree().len() => None,
-        Reference::Body(..) => load,
+        Reference::Body(..) => Some(load),
         Reference::Parameter(p) => match model.parameters()[p].role {
             Role::Inertial { .. } | Role::Tare { .. } | Role::Controller { .. } => None,
-            Role::Payload { .. } => load,
-            Role::Effect { joint, effect, .. } => {
-                Some((joint, model.joints()[joint].effects[effect].0.id))
-            }
-            Role::Coupling { row, .. } => Some((row, effect::COUPLING.id)),
-            Role::Crosstalk(heard) => Some((heard.channel, effect::CROSSTALK.id)),
-            Role::Tilt { .. } => Some((0, effect::TILT.id)),
+            Role::Payload { .. } => Some(load),
+            Role::Effect { joint, effect, .. } => Some(Owner {
+                joint,
+                effect: model.joints()[joint].effects[effect].0,
+            }),
+            Role::Coupling { row, .. } => Some(Owner {
+                joint: row,
+                effect: effect::COUPLING,
+            }),
+            Role::Crosstalk(heard) => Some(Owner {
+                joint: heard.channel,
+                effect: effect::CROSSTALK,
+            }),
+            Role::Tilt { .. } => Some(Owner {
+                joint: 0,
+                effect: effect::TILT,
+            }),
         },
     }
-}
-
-/// The problem with the commanded torque as its signal, which no channel mixes.
-pub(super) fn commanded(problem: &ProblemFile) -> ProblemFile {
-    let mut torque = problem.clone();
-    torque.drive.current_law = None;
-    torque.controller = None;
-    let of_joints = torque.drive.effects_of.iter_mut();
-    let lists = of_joints.map(|of| &mut of.value.value);
-    for list in lists.chain([&mut torque.drive.effects]) {
-        list.retain(|listed| listed.value != effect::CROSSTALK.id);
-    }
-    if let Some(recordings) = &mut torque.recordings {
-        recordings.signal.value = Signal::Torque;
-    }
-    torque
 }

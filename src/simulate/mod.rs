@@ -31,19 +31,19 @@ use crate::outcome::parameter::Parameter;
 use crate::outcome::simulation::{RealisedNoise, RecordedPosition};
 use crate::problem::solution::Control;
 use crate::problem_file::choices::SimulationMode;
-use crate::problem_file::simulate::Trajectory;
-use crate::problem_file::{Located, ProblemFile};
+use crate::problem_file::simulate::{SimulateTable, Trajectory};
+use crate::problem_file::{Located, ProblemFile, RecordingsTable};
 use crate::recording::table::LEAST_ROWS;
 use crate::robot::random::generator;
 use crate::setup::limits::{self, JointLimits};
-use crate::setup::robot;
+use crate::setup::robot::{self, Robot};
 use crate::simulate::closed_loop::{Loop, Schedule};
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
 use crate::simulate::path::{Instants, Motion, Path};
 use crate::simulate::random_aperiodic::Kind;
 use crate::simulate::random_frame::{Frame, Shape};
 use crate::simulate::random_path::{RecordingConditions, torques};
-use crate::simulate::sensors::{NoisyTable, Sensors, Table, joints_of};
+use crate::simulate::sensors::{Instrumentation, NoisyTable, Sensors, Table, joints_of};
 use crate::simulate::truth::Truth;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -79,59 +79,168 @@ pub struct Simulated {
 /// `validation.csv`. The same problem and seed give the same bits.
 ///
 /// # Errors
-/// Faults of the problem file and of the files it names; a truth that is not complete; a motion that the
-/// limits or the dynamics do not allow; an interrupt.
+/// Faults of the problem file and of the files it names; a truth that is not complete; as [`SimulateTask::run`].
 pub fn run(
     problem: &ProblemFile,
     seed: u64,
     control: &Control<'_>,
 ) -> Result<Simulated, SimulateError> {
     let robot = robot::open(problem)?;
-    let truth = truth::build(problem, &robot)?;
-    let task = Task {
-        limits: limits::of_joints(problem, &robot)?,
-        sensors: Sensors::new(problem, &robot, &truth.recorded)?,
-        rate: rate(problem)?,
-        problem,
-        truth: &truth,
+    let task = SimulateTask {
+        robot: &robot,
+        truth: &truth::build(problem, &robot)?,
+        recordings: problem.recordings.as_ref(),
+        settings: &problem.simulate,
+        drawn: DrawnMotion {
+            limits: limits::of_joints(problem, &robot)?,
+            harmonics: problem.design.harmonics.value.most(),
+            period: problem.design.period.value,
+        },
+        place: Place::file(&problem.path),
         seed,
     };
-    let planned = planned(problem, &truth)?;
-    let count = control.counting(planned.len());
-    let made: Vec<Made> = planned
-        .par_iter()
-        .enumerate()
-        .map(|(number, plan)| {
-            let made = task.make(number, plan, control);
-            count.one();
-            made
+    task.run(control)
+}
+
+/// What is simulated, and how it is recorded.
+#[derive(Debug, Clone)]
+pub struct SimulateTask<'a> {
+    /// The robot.
+    pub robot: &'a Robot,
+    /// What is true of it.
+    pub truth: &'a Truth,
+    /// The files that are made, and their form; without them, one to fit and one to validate.
+    pub recordings: Option<&'a RecordingsTable>,
+    /// The motion, the sensors and their noise.
+    pub settings: &'a SimulateTable,
+    /// What a motion that is drawn keeps to.
+    pub drawn: DrawnMotion,
+    /// Where what cannot be recorded is to be mended.
+    pub place: Place,
+    /// Of everything that is drawn.
+    pub seed: u64,
+}
+
+/// What a motion that is drawn keeps to.
+#[derive(Debug, Clone)]
+pub struct DrawnMotion {
+    /// Of every joint, in the order of the tree.
+    pub limits: Vec<JointLimits>,
+    /// Of a Fourier series.
+    pub harmonics: usize,
+    /// s, where the recordings state none.
+    pub period: f64,
+}
+
+impl SimulateTask<'_> {
+    /// Makes the recordings.
+    ///
+    /// # Errors
+    /// A motion that the limits or the dynamics do not allow; files that cannot be written; an interrupt.
+    pub fn run(&self, control: &Control<'_>) -> Result<Simulated, SimulateError> {
+        let truth = self.truth;
+        let recorder = Recorder {
+            sensors: Sensors::new(&Instrumentation {
+                robot: self.robot,
+                model: &truth.recorded,
+                recordings: self.recordings,
+                settings: self.settings,
+            })?,
+            rate: self.rate()?,
+            task: self,
+        };
+        let planned = self.planned()?;
+        let count = control.counting(planned.len());
+        let made: Vec<Made> = planned
+            .par_iter()
+            .enumerate()
+            .map(|(number, plan)| {
+                let made = recorder.make(number, plan, control);
+                count.one();
+                made
+            })
+            .collect::<Result<_, _>>()?;
+        let mut notes = truth.notes.clone();
+        if made.iter().any(|m| !m.repeats) {
+            notes.push(
+                "the trajectory does not lead back to its start: each recording is one pass".into(),
+            );
+        }
+        notes.extend(self.recordings.and_then(unwritten));
+        let realised_noise = realised(&recorder.sensors, &made);
+        let (recordings, trajectories) = made
+            .into_iter()
+            .map(|m| (m.recording, m.trajectory))
+            .unzip();
+        Ok(Simulated {
+            recordings,
+            trajectories,
+            realised_noise,
+            positions: recorder.sensors.positions(&truth.recorded),
+            truth: truth.parameters.clone(),
+            notes,
         })
-        .collect::<Result<_, _>>()?;
-    let mut notes = truth.notes.clone();
-    if made.iter().any(|m| !m.repeats) {
-        notes.push(
-            "the trajectory does not lead back to its start: each recording is one pass".into(),
-        );
     }
-    notes.extend(unwritten(problem));
-    let realised_noise = realised(&task.sensors, &made);
-    let (recordings, trajectories) = made
-        .into_iter()
-        .map(|m| (m.recording, m.trajectory))
-        .unzip();
-    Ok(Simulated {
-        recordings,
-        trajectories,
-        realised_noise,
-        positions: task.sensors.positions(&truth.recorded),
-        truth: truth.parameters,
-        notes,
-    })
+
+    /// The period that the recordings state, s.
+    fn stated_period(&self) -> Option<&Located<f64>> {
+        self.recordings?.period.as_ref()
+    }
+
+    /// `simulate.rate`, else `recordings.rate`, else the default.
+    fn rate(&self) -> Result<f64, SimulateError> {
+        let recorded = self.recordings.and_then(|r| r.rate.as_ref());
+        match (&self.settings.rate, recorded) {
+            (Some(own), Some(recorded)) if own.value != recorded.value => {
+                let kind = SimulateErrorKind::RateConflict {
+                    simulate: own.value,
+                    recordings: recorded.value,
+                };
+                Err(SimulateError::new(&own.place, kind))
+            }
+            (own, recorded) => Ok(own.as_ref().or(recorded).map_or(DEFAULT_RATE, |r| r.value)),
+        }
+    }
+
+    /// The recordings to make, under names that stay inside the results folder.
+    fn planned(&self) -> Result<Vec<Plan>, SimulateError> {
+        let has_load = self.truth.plant.payload().is_some();
+        let Some(table) = self.recordings else {
+            let plan = |name: &str| Plan {
+                name: name.to_string(),
+                loaded: has_load,
+            };
+            return Ok(vec![plan("train.csv"), plan("validation.csv")]);
+        };
+        let listed = crate::setup::recordings::list(table);
+        let place = self.place.clone().key("recordings");
+        let mut plans: Vec<Plan> = Vec::new();
+        let mut sources: Vec<&FilePath> = Vec::new();
+        for named in &listed {
+            // A file that trains and validates is one recording.
+            if sources.contains(&named.path.resolved.as_path()) {
+                continue;
+            }
+            sources.push(&named.path.resolved);
+            let name = inside(&named.path.written);
+            let fault = |kind| Err(SimulateError::new(&place, kind));
+            if !name.ends_with(".csv") && !name.ends_with(".csv.gz") {
+                return fault(SimulateErrorKind::FormatNotWritten { found: name });
+            }
+            if plans.iter().any(|p| p.name == name) {
+                return fault(SimulateErrorKind::SameName { found: name });
+            }
+            plans.push(Plan {
+                name,
+                loaded: has_load && (named.loaded || self.truth.hidden_load),
+            });
+        }
+        Ok(plans)
+    }
 }
 
 /// Of recordings that lie in several files: which one has every channel, and which are not written.
-fn unwritten(problem: &ProblemFile) -> Option<String> {
-    let table = problem.recordings.as_ref()?;
+fn unwritten(table: &RecordingsTable) -> Option<String> {
     let lists = [&table.train, &table.loaded, &table.validation];
     let joined = lists.into_iter().flatten();
     let mut pairs: Vec<String> = Vec::new();
@@ -169,67 +278,6 @@ struct Made {
     repeats: bool,
 }
 
-/// What all recordings share.
-struct Task<'a> {
-    problem: &'a ProblemFile,
-    truth: &'a Truth,
-    limits: Vec<JointLimits>,
-    sensors: Sensors,
-    rate: f64,
-    seed: u64,
-}
-
-/// `simulate.rate`, else `recordings.rate`, else the default.
-fn rate(problem: &ProblemFile) -> Result<f64, SimulateError> {
-    let recorded = problem.recordings.as_ref().and_then(|r| r.rate.as_ref());
-    match (&problem.simulate.rate, recorded) {
-        (Some(own), Some(recorded)) if own.value != recorded.value => {
-            let kind = SimulateErrorKind::RateConflict {
-                simulate: own.value,
-                recordings: recorded.value,
-            };
-            Err(SimulateError::new(&own.place, kind))
-        }
-        (own, recorded) => Ok(own.as_ref().or(recorded).map_or(DEFAULT_RATE, |r| r.value)),
-    }
-}
-
-/// The recordings to make, under names that stay inside the results folder.
-fn planned(problem: &ProblemFile, truth: &Truth) -> Result<Vec<Plan>, SimulateError> {
-    let has_load = truth.plant.payload().is_some();
-    let Some(table) = &problem.recordings else {
-        let plan = |name: &str| Plan {
-            name: name.to_string(),
-            loaded: has_load,
-        };
-        return Ok(vec![plan("train.csv"), plan("validation.csv")]);
-    };
-    let listed = crate::setup::recordings::list(table);
-    let place = Place::file(&problem.path).key("recordings");
-    let mut plans: Vec<Plan> = Vec::new();
-    let mut sources: Vec<&FilePath> = Vec::new();
-    for named in &listed {
-        // A file that trains and validates is one recording.
-        if sources.contains(&named.path.resolved.as_path()) {
-            continue;
-        }
-        sources.push(&named.path.resolved);
-        let name = inside(&named.path.written);
-        let fault = |kind| Err(SimulateError::new(&place, kind));
-        if !name.ends_with(".csv") && !name.ends_with(".csv.gz") {
-            return fault(SimulateErrorKind::FormatNotWritten { found: name });
-        }
-        if plans.iter().any(|p| p.name == name) {
-            return fault(SimulateErrorKind::SameName { found: name });
-        }
-        plans.push(Plan {
-            name,
-            loaded: has_load && (named.loaded || truth.hidden_load),
-        });
-    }
-    Ok(plans)
-}
-
 /// A path as written, without what leads out of a folder; of an absolute one, the file's name.
 fn inside(written: &str) -> String {
     let path = FilePath::new(written);
@@ -248,10 +296,18 @@ fn inside(written: &str) -> String {
 /// Streams of random numbers of one recording: this many, the first one for the trajectory.
 const STREAMS: u64 = 1 << 16;
 
-impl Task<'_> {
+/// Makes the recordings of a task, one by one.
+struct Recorder<'a> {
+    task: &'a SimulateTask<'a>,
+    sensors: Sensors,
+    /// Hz.
+    rate: f64,
+}
+
+impl Recorder<'_> {
     /// The generator of one purpose of one recording.
     fn generator(&self, number: usize, purpose: u64) -> ChaCha8Rng {
-        let mut rng = generator(self.seed);
+        let mut rng = generator(self.task.seed);
         rng.set_stream(STREAMS * (number as u64 + 1) + purpose);
         rng
     }
@@ -264,7 +320,7 @@ impl Task<'_> {
     ) -> Result<Made, SimulateError> {
         let path = self.path(number, plan.loaded)?;
         let motion = self.motion(&path, plan.loaded, control)?;
-        let model = &self.truth.recorded;
+        let model = &self.task.truth.recorded;
         let signals = self.signals(&path, &motion, plan.loaded)?;
         let streams = |channel: usize| self.generator(number, 1 + channel as u64);
         let NoisyTable { table, noise } = self
@@ -289,9 +345,9 @@ impl Task<'_> {
         motion: &Motion,
         loaded: bool,
     ) -> Result<Vec<Vec<f64>>, SimulateError> {
-        let model = &self.truth.recorded;
+        let model = &self.task.truth.recorded;
         let channels: Vec<usize> = self.sensors.channels.iter().map(|c| c.index).collect();
-        let follows = self.problem.simulate.mode.value == SimulationMode::Inverse;
+        let follows = self.task.settings.mode.value == SimulationMode::Inverse;
         let finer = match model.memory() {
             Memory::WholeMotion if follows => FINER,
             _ => 1,
@@ -320,10 +376,10 @@ impl Task<'_> {
 
     /// The path of the motors that is commanded.
     fn path(&self, number: usize, loaded: bool) -> Result<Path, SimulateError> {
-        let (problem, truth) = (self.problem, self.truth);
-        let shape = match &problem.simulate.trajectory.value {
+        let (task, truth) = (self.task, self.task.truth);
+        let shape = match &task.settings.trajectory.value {
             Trajectory::File(file) => {
-                let joints = path_file::read(problem, file, &truth.nominal)?;
+                let joints = path_file::read(task.recordings, file, &truth.nominal)?;
                 return Ok(random_path::to_motors(&joints, &truth.nominal));
             }
             Trajectory::Random => Shape::Fourier,
@@ -331,32 +387,30 @@ impl Task<'_> {
             Trajectory::Moves => self.free(Kind::Moves)?,
             Trajectory::Sweeps => self.free(Kind::Sweeps)?,
         };
-        let stated = problem.recordings.as_ref().and_then(|r| r.period.as_ref());
+        let stated = task.stated_period();
         let frame = Frame {
             plant: &truth.plant,
             nominal: &truth.nominal,
-            limits: &self.limits,
-            harmonics: problem.design.harmonics.value.most(),
-            period: stated.unwrap_or(&problem.design.period).value,
+            limits: &task.drawn.limits,
+            harmonics: task.drawn.harmonics,
+            period: stated.map_or(task.drawn.period, |stated| stated.value),
             shape,
         };
-        let place = &problem.simulate.trajectory.place;
+        let place = &task.settings.trajectory.place;
         frame.draw(&mut self.generator(number, 0), loaded, place)
     }
 
     /// A motion that does not repeat, for as many of `design.period` as `simulate.periods` says.
     fn free(&self, kind: Kind) -> Result<Shape, SimulateError> {
-        let problem = self.problem;
-        let stated = problem.recordings.as_ref().and_then(|r| r.period.as_ref());
-        if let Some(period) = stated {
+        if let Some(period) = self.task.stated_period() {
             let recordings = period.value;
             let kind = SimulateErrorKind::PeriodOfFreeMotion { recordings };
             return Err(SimulateError::new(&period.place, kind));
         }
-        let periods = problem.simulate.periods.value as f64;
+        let periods = self.task.settings.periods.value as f64;
         Ok(Shape::Aperiodic {
             kind,
-            duration: periods * problem.design.period.value,
+            duration: periods * self.task.drawn.period,
         })
     }
 
@@ -367,7 +421,7 @@ impl Task<'_> {
         loaded: bool,
         control: &Control<'_>,
     ) -> Result<Motion, SimulateError> {
-        let table = &self.problem.simulate;
+        let table = self.task.settings;
         let passes = |of: &Located<usize>| if path.repeats() { of.value as f64 } else { 1.0 };
         let samples = (passes(&table.periods) * path.duration() * self.rate).round() as usize;
         if samples < LEAST_ROWS {
@@ -390,8 +444,8 @@ impl Task<'_> {
             false => 0.0,
         };
         let closed = Loop {
-            plant: &self.truth.plant,
-            nominal: &self.truth.nominal,
+            plant: &self.task.truth.plant,
+            nominal: &self.task.truth.nominal,
             path,
             loaded,
             place: &table.mode.place,
@@ -406,8 +460,8 @@ impl Task<'_> {
 
     /// A motion of the motors at `rate`, Hz, with that of the joints that have none.
     fn closed(&self, motion: Motion, rate: f64) -> Result<Motion, SimulateError> {
-        let place = &self.problem.simulate.trajectory.place;
-        path::with_loops(&self.truth.plant, motion).map_err(|open| {
+        let place = &self.task.settings.trajectory.place;
+        path::with_loops(&self.task.truth.plant, motion).map_err(|open| {
             SimulateError::new(
                 place,
                 SimulateErrorKind::OpenLoops {
@@ -420,7 +474,7 @@ impl Task<'_> {
 
     /// One pass of the joints: t, q_<joint>, then dq_<joint>, then ddq_<joint>.
     fn trajectory(&self, path: &Path, recording: &str) -> SimulatedRecording {
-        let model = &self.truth.nominal;
+        let model = &self.task.truth.nominal;
         let passive = model.mechanism().map_or(&[][..], |m| m.passive());
         let count = (path.duration() * self.rate).round().max(1.0) as usize;
         let rate = count as f64 / path.duration();

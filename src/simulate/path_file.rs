@@ -6,7 +6,7 @@
 
 use crate::chain::model::Model;
 use crate::fault::Place;
-use crate::problem_file::{FilePath, Located, ProblemFile};
+use crate::problem_file::{FilePath, Located, RecordingsTable};
 use crate::recording::error::{MissingColumn, RecordingError, RecordingErrorKind};
 use crate::recording::format::{columns_at, read_at};
 use crate::recording::missing::require_complete;
@@ -38,7 +38,7 @@ const PERIOD_STEPS: f64 = 0.5;
 /// # Errors
 /// Those of the file; a missing column; uneven time; a length that contradicts `recordings.period`.
 pub(super) fn read(
-    problem: &ProblemFile,
+    recordings: Option<&RecordingsTable>,
     path: &FilePath,
     model: &Model,
 ) -> Result<Path, SimulateError> {
@@ -47,7 +47,6 @@ pub(super) fn read(
     let mut wanted = vec!["t".to_string()];
     let moving = joints.iter().filter(|j| !j.locked);
     wanted.extend(moving.map(|j| format!("q_{}", j.name)));
-    let recordings = problem.recordings.as_ref();
     let reading = recordings.map_or_else(Reading::default, |r| r.reading.clone());
     let present = columns_at(file, &reading)?;
     if let Some(name) = wanted.iter().find(|name| !present.contains(name)) {
@@ -72,7 +71,7 @@ pub(super) fn read(
             recorded.unwrap_or_else(|| vec![model.offset()[j]; time.len()])
         })
         .collect();
-    let period = problem.recordings.as_ref().and_then(|r| r.period.clone());
+    let period = recordings.and_then(|r| r.period.clone());
     to_path(&time, position, &Place::file(file).key("t"), period)
 }
 

@@ -14,7 +14,8 @@ use crate::chain::model::Model;
 use crate::outcome::simulation::RecordedPosition;
 use crate::problem_file::choices::{PositionSide, Signal};
 use crate::problem_file::recordings::ColumnsTable;
-use crate::problem_file::{Located, PerJoint, ProblemFile};
+use crate::problem_file::simulate::SimulateTable;
+use crate::problem_file::{Located, PerJoint, RecordingsTable};
 use crate::recording::column_map::{Column, ColumnsAt};
 use crate::robot::tree::JointKind;
 use crate::setup::error::{Mismatch, SetupError};
@@ -73,7 +74,7 @@ pub struct Channel {
     factor: f64,
 }
 
-/// The sensors of a problem file.
+/// The sensors of a robot.
 #[derive(Debug, Clone)]
 pub struct Sensors {
     /// What is measured beside the motion, in the order of the file.
@@ -89,11 +90,24 @@ pub struct Sensors {
     correlation: f64,
 }
 
+/// What the sensors of a robot are told by.
+#[derive(Clone, Copy)]
+pub struct Instrumentation<'a> {
+    /// The robot.
+    pub robot: &'a Robot,
+    /// What is recorded of it.
+    pub model: &'a Model,
+    /// The form of the files.
+    pub recordings: Option<&'a RecordingsTable>,
+    /// Noise and encoders.
+    pub settings: &'a SimulateTable,
+}
+
 impl Sensors {
     /// # Errors
     /// A side or signal of the motor without `drive.ratio`; lists of the wrong length.
-    pub fn new(problem: &ProblemFile, robot: &Robot, model: &Model) -> Result<Self, SimulateError> {
-        let table = problem.recordings.as_ref();
+    pub fn new(of: &Instrumentation<'_>) -> Result<Self, SimulateError> {
+        let (robot, table) = (of.robot, of.recordings);
         let side = table.map_or(PositionSide::Joint, |t| t.position_side.value);
         let n = robot.tree.len();
         let needs = |place| SetupError::mismatch(place, Mismatch::NeedsRatio);
@@ -114,7 +128,7 @@ impl Sensors {
                 number,
             })
             .collect();
-        let step = robot.per_joint(&problem.simulate.encoder_counts)?;
+        let step = robot.per_joint(&of.settings.encoder_counts)?;
         let of_turn = |k: usize, counts: &f64| match robot.tree.joints()[k].kind {
             JointKind::Revolute => TAU / counts,
             JointKind::Prismatic => 1.0 / counts,
@@ -129,22 +143,19 @@ impl Sensors {
             ratio: robot.ratio.clone().unwrap_or_else(|| vec![1.0; n]),
             step: step.map(|all| all.iter().enumerate().map(|(k, c)| of_turn(k, c)).collect()),
             columns: table.map(|t| t.columns.clone()),
-            correlation: problem.simulate.noise_correlation.value,
+            correlation: of.settings.noise_correlation.value,
         };
-        sensors.channels = sensors.signal_channels(problem, robot, model)?;
+        sensors.channels = sensors.signal_channels(of)?;
         Ok(sensors)
     }
 
-    fn signal_channels(
-        &self,
-        problem: &ProblemFile,
-        robot: &Robot,
-        model: &Model,
-    ) -> Result<Vec<Channel>, SimulateError> {
+    fn signal_channels(&self, of: &Instrumentation<'_>) -> Result<Vec<Channel>, SimulateError> {
         use crate::chain::model::Signal as Kind;
-        let table = problem.recordings.as_ref();
-        let at_motor = table.is_some_and(|t| t.signal.value == Signal::MotorTorque);
-        let noise = Noise::read(problem, robot, model)?;
+        let model = of.model;
+        let at_motor = of
+            .recordings
+            .is_some_and(|t| t.signal.value == Signal::MotorTorque);
+        let noise = Noise::read(of)?;
         let columns = self.columns.as_ref();
         let column = match model.signal() {
             Kind::Current => given(columns.and_then(|c| c.current.as_ref()), "i{n}"),
@@ -375,14 +386,15 @@ struct Noise {
 impl Noise {
     /// One number holds for every channel; a list has one per joint, or one per component of a wrench, or
     /// both where both are recorded.
-    fn read(problem: &ProblemFile, robot: &Robot, model: &Model) -> Result<Self, SimulateError> {
+    fn read(of: &Instrumentation<'_>) -> Result<Self, SimulateError> {
         use crate::chain::model::Signal as Kind;
+        let (robot, model) = (of.robot, of.model);
         let n = robot.tree.len();
         let mut noise = Self {
             joints: vec![0.0; n],
             wrench: [0.0; 6],
         };
-        let Some(given) = &problem.simulate.noise else {
+        let Some(given) = &of.settings.noise else {
             return Ok(noise);
         };
         if let PerJoint::All(value) = given.value {

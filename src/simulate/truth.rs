@@ -9,20 +9,16 @@ use crate::chain::model::{JointModel, Model};
 use crate::chain::parameter::{self, Role};
 use crate::fault::Place;
 use crate::outcome::parameter::Parameter;
-use crate::outcome::{Outcome, Part};
-use crate::problem_file::choices::Inertials;
 use crate::problem_file::{Located, Named, ProblemFile};
 use crate::robot::inertia::{Inertia, PER_LINK};
-use crate::robot::tree::Tree;
-use crate::setup::declared;
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::known::resolve;
 use crate::setup::model_spec::ModelSpec;
 use crate::setup::names::{BodyQuantity, Reference, with_quantities};
 use crate::setup::robot::Robot;
-use crate::setup::sharing::{self, Alike};
+use crate::setup::truth_spec::{EarlierValues, TruthSpec};
+use crate::setup::{declared, sharing};
 use crate::simulate::concealed;
-use crate::simulate::concealed::commanded;
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
 
 /// Transition speed w of Coulomb friction where none is given, rad/s (m/s): reversals of usual
@@ -49,39 +45,35 @@ pub struct Truth {
 /// Builds the truth of a problem file.
 ///
 /// # Errors
-/// Those of robot and model; names that do not exist; a listed effect without a value.
+/// As [`of`]; those of robot and model.
 pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateError> {
-    let earlier = FittedValues::read(problem)?;
-    let mut robot = robot.clone();
-    robot.tree = earlier.with_links(&robot.tree);
-    let declared = declared::listed(&all_known(problem), &robot);
-    let acting = concealed::add(&declared, &robot)?;
-    let mut plant = ModelSpec::without_prior(&commanded(&acting.problem), &robot)?
-        .build()?
-        .model;
-    let mut assigned = initially_assigned(&plant, &acting.problem);
-    for declared in declared::values(&declared::file_values(&acting.problem, &robot), &plant) {
+    of(&TruthSpec::of(problem, robot)?, robot)
+}
+
+/// Builds a truth from what is said of it.
+///
+/// # Errors
+/// Names that do not exist; a listed effect without a value; values beyond their limits.
+pub fn of(spec: &TruthSpec, robot: &Robot) -> Result<Truth, SimulateError> {
+    let acting = concealed::add(spec, robot)?;
+    let mut plant = acting.commanded.build()?.model;
+    let mut assigned = initially_assigned(&plant, &acting.commanded);
+    for declared in declared::values(acting.commanded.file_values(), &plant) {
         assigned[declared.parameter] = true;
     }
-    earlier.assign(&mut plant, &mut assigned);
-    let mut recorded = ModelSpec::without_prior(&acting.problem, &robot)?
-        .build()?
-        .model;
+    assign_earlier(&spec.earlier, &mut plant, &mut assigned);
+    let mut recorded = acting.recorded.build()?.model;
     // What lies between torque and signal, or what channels hear of one another, is none of the torque that is commanded.
     let is_beyond = |v: &Named<f64>| {
         let known_to = |model: &Model| resolve(model, &v.name, &v.value.place).is_ok();
         !known_to(&plant) && known_to(&recorded)
     };
-    let declared_values = problem.drive.values.iter().cloned();
-    let (beyond, known): (Vec<_>, Vec<_>) = declared_values.partition(is_beyond);
-    let given: Vec<Named<f64>> = zeros(problem)
-        .chain(known)
-        .chain(acting.values.iter().cloned())
-        .collect();
+    let (beyond, known): (Vec<_>, Vec<_>) = spec.known.iter().cloned().partition(is_beyond);
+    let given: Vec<Named<f64>> = known.into_iter().chain(acting.values.clone()).collect();
     refuse_beyond_limits(&plant, &acting.values)?;
     assign(&mut plant, &given, &mut assigned)?;
-    share(problem, &robot, &mut plant, &mut assigned)?;
-    let place = Place::file(&problem.path).key("simulate.values");
+    share(spec, &mut plant, &mut assigned)?;
+    let place = spec.place.clone().key("simulate.values");
     let mut notes = complete(&mut plant, &assigned, &place)?;
     if !acting.concealed.is_empty() {
         notes.push(format!(
@@ -89,9 +81,7 @@ pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateErro
             acting.concealed.join(", ")
         ));
     }
-    let mut nominal = ModelSpec::without_prior(&commanded(&declared), &robot)?
-        .build()?
-        .model;
+    let mut nominal = spec.commanded.build()?.model;
     copy_values(&plant, &mut recorded)?;
     copy_values(&plant, &mut nominal)?;
     let mut parameters = named(&plant);
@@ -106,6 +96,19 @@ pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateErro
             parameters.push(Parameter::known(&known.name, &known.unit, known.value));
         }
     }
+    has_gains(&recorded, &place)?;
+    Ok(Truth {
+        parameters,
+        hidden_load: !spec.recorded.has_load(),
+        plant,
+        recorded,
+        nominal,
+        notes,
+    })
+}
+
+/// Controllers have values of all their gains.
+fn has_gains(recorded: &Model, place: &Place) -> Result<(), SimulateError> {
     for joint in recorded.joints().iter().filter(|joint| !joint.locked) {
         let gains = joint.controller.map_or(0..0, |kp| kp..kp + 2);
         let unknown = gains
@@ -115,118 +118,35 @@ pub fn build(problem: &ProblemFile, robot: &Robot) -> Result<Truth, SimulateErro
         if !missing.is_empty() {
             let effect = format!("{}.controller", joint.name);
             let kind = SimulateErrorKind::NoValue { effect, missing };
-            return Err(SimulateError::new(&place, kind));
+            return Err(SimulateError::new(place, kind));
         }
     }
-    Ok(Truth {
-        parameters,
-        hidden_load: problem.robot.payload.is_none(),
-        plant,
-        recorded,
-        nominal,
-        notes,
-    })
+    Ok(())
 }
 
-/// The problem with bodies known and without what only a fit needs.
-fn all_known(problem: &ProblemFile) -> ProblemFile {
-    let mut known = problem.clone();
-    known.robot.inertials.value = Inertials::Known;
-    known.robot.zero.clear();
-    known.drive.values.clear();
-    known.fit.bounds.clear();
-    // The truth may be a robot that refuses what the declared model takes for common.
-    known.drive.shared.clear();
-    if let Some(controller) = &mut known.controller {
-        let gains = [&mut controller.value.kp, &mut controller.value.kd];
-        gains
-            .into_iter()
-            .flatten()
-            .for_each(|gains| gains.value.trust());
-    }
-    known
-}
-
-fn zeros(problem: &ProblemFile) -> impl Iterator<Item = Named<f64>> + '_ {
-    problem.robot.zero.iter().map(|name| Named {
-        name: name.value.clone(),
-        value: Located {
-            value: 0.0,
-            place: name.place.clone(),
-        },
-    })
-}
-
-/// Values of an earlier fit.
-#[derive(Default)]
-struct FittedValues {
-    /// Raw parameters of bodies, a member of the class that exists.
-    bodies: Vec<(String, f64)>,
-    /// Parameters of effects.
-    effects: Vec<(String, f64)>,
-}
-
-impl FittedValues {
-    fn read(problem: &ProblemFile) -> Result<Self, SimulateError> {
-        let Some(path) = &problem.robot.parameters else {
-            return Ok(Self::default());
+/// Effects and load of an earlier fit; values of parameters that this model does not have are passed over.
+fn assign_earlier(earlier: &EarlierValues, model: &mut Model, assigned: &mut [bool]) {
+    for (name, value) in earlier.all() {
+        let Some(p) = model.position(name) else {
+            continue;
         };
-        let outcome =
-            Outcome::read(&path.resolved).map_err(|e| SetupError::Earlier(Box::new(e)))?;
-        let Part::Fit(fit) = &outcome.part else {
-            return Err(SetupError::mismatch(&path.place, Mismatch::NotAFit).into());
-        };
-        let realized = fit.realization.iter().map(|r| (r.name.clone(), r.value));
-        let parameters = &outcome.estimate.parameters;
-        let estimated = parameters
-            .iter()
-            .filter_map(|p| Some((p.names(), p.value?)))
-            .flat_map(|(names, value)| names.into_iter().map(move |name| (name, value)));
-        Ok(Self {
-            bodies: realized.collect(),
-            effects: estimated.collect(),
-        })
-    }
-
-    /// The robot with the links of the earlier fit.
-    fn with_links(&self, tree: &Tree) -> Tree {
-        let mut inertias: Vec<Inertia> = tree.joints().iter().map(|j| j.inertia).collect();
-        for (joint, inertia) in tree.joints().iter().zip(&mut inertias) {
-            for (k, quantity) in crate::robot::inertia::QUANTITIES.iter().enumerate() {
-                let name = format!("{}.{quantity}", joint.link);
-                if let Some((_, value)) = self.bodies.iter().find(|(n, _)| *n == name) {
-                    inertia.0[k] = *value;
-                }
-            }
-        }
-        tree.clone().with_inertias(&inertias)
-    }
-
-    /// Effects and load; values of parameters that this model does not have are passed over.
-    fn assign(&self, model: &mut Model, assigned: &mut [bool]) {
-        for (name, value) in self.bodies.iter().chain(&self.effects) {
-            let Some(p) = model.position(name) else {
-                continue;
-            };
-            let inertial = matches!(model.parameters()[p].role, Role::Inertial { .. });
-            if !inertial && model.fix(p, *value).is_ok() {
-                assigned[p] = true;
-            }
+        let inertial = matches!(model.parameters()[p].role, Role::Inertial { .. });
+        if !inertial && model.fix(p, value).is_ok() {
+            assigned[p] = true;
         }
     }
 }
 
 /// Parameters that have a value without anyone giving one by name.
-fn initially_assigned(model: &Model, problem: &ProblemFile) -> Vec<bool> {
-    let (rotor, coupling) = (&problem.drive.rotor_inertia, &problem.drive.coupling);
+fn initially_assigned(model: &Model, spec: &ModelSpec) -> Vec<bool> {
     let has = |parameter: &parameter::Parameter| match parameter.role {
         Role::Inertial { .. } | Role::Tare { .. } | Role::Crosstalk(_) => true,
         Role::Payload { .. } => false,
-        Role::Coupling { .. } => coupling.is_some(),
+        Role::Coupling { .. } => spec.has_coupling(),
         Role::Tilt { .. } => false,
         Role::Controller { .. } => !parameter.is_free(),
         Role::Effect { joint, effect, .. } => {
-            rotor.is_some()
+            spec.has_rotor_inertias()
                 && model.joints()[joint].effects[effect].0.knowledge.term
                     == Some(JointTerm::RotorInertia)
         }
@@ -279,16 +199,11 @@ fn assign(
 }
 
 /// What one of the joints that share a parameter has, the others have too where nothing else is given of them.
-fn share(
-    problem: &ProblemFile,
-    robot: &Robot,
-    plant: &mut Model,
-    assigned: &mut [bool],
-) -> Result<(), SimulateError> {
+fn share(spec: &TruthSpec, plant: &mut Model, assigned: &mut [bool]) -> Result<(), SimulateError> {
     let effects = |joint: &JointModel| joint.effects.iter().map(|(effect, _)| *effect).collect();
     let effects: Vec<_> = plant.joints().iter().map(effects).collect();
-    let place = Place::file(&problem.path).key("drive.shared");
-    for sharing in sharing::declared(&Alike::of(problem, robot)?, &effects) {
+    let place = spec.place.clone().key("drive.shared");
+    for sharing in sharing::declared(&spec.alike, &effects) {
         for row in sharing.positions(plant.joints()) {
             let Some(given) = row.iter().copied().find(|p| assigned[*p]) else {
                 continue;

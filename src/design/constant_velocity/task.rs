@@ -3,11 +3,10 @@
 use crate::design::constant_velocity::plan::{ConstantVelocityPlan, Request};
 use crate::design::context::DesignContext;
 use crate::design::error::{DesignError, Unsuitable};
-use crate::design::results::designed::{Designed, End, NamedTrajectory, rate};
+use crate::design::results::designed::{Designed, End, NamedTrajectory};
 use crate::design::results::report::{self, PlannedMotion};
 use crate::design::trajectory::sampled::Sampled;
 use crate::design::verify;
-use crate::fault::Place;
 
 /// Shares of the ranges of positions that are tried until torques and workspace keep their limits.
 const SHARES: [f64; 7] = [1.0, 0.8, 0.6, 0.45, 0.3, 0.2, 0.1];
@@ -18,7 +17,7 @@ const SHARES: [f64; 7] = [1.0, 0.8, 0.6, 0.45, 0.3, 0.2, 0.1];
 /// A joint without room for strokes.
 pub fn run(context: &DesignContext<'_>) -> Result<Designed, DesignError> {
     let mut best: Option<PlannedMotion> = None;
-    let step = 1.0 / rate(context.problem);
+    let step = 1.0 / context.request.rate;
     for share in SHARES {
         let motion = plan(context, share)?.motion(step);
         let margins = verify::of_samples(context.experiment, &motion, step);
@@ -38,7 +37,7 @@ pub fn run(context: &DesignContext<'_>) -> Result<Designed, DesignError> {
         }
     }
     let Some(planned) = best else {
-        let place = Place::file(&context.problem.path).key("design.limits");
+        let place = context.request.place.clone().key("design.limits");
         let joint = String::new();
         return Err(DesignError::unsuitable(
             &place,
@@ -50,20 +49,20 @@ pub fn run(context: &DesignContext<'_>) -> Result<Designed, DesignError> {
 
 fn plan(context: &DesignContext<'_>, share: f64) -> Result<ConstantVelocityPlan, DesignError> {
     let DesignContext {
-        problem,
+        request,
         prepared,
         experiment,
     } = *context;
-    let request = Request {
+    let strokes = Request {
         tree: prepared.model.tree(),
         moving: &experiment.joints.moving,
         limits: &prepared.limits,
-        rest: &prepared.rest(problem)?,
-        speeds: problem.design.speeds.value.max(2),
+        rest: &prepared.rest(request.settings)?,
+        speeds: request.settings.speeds.value.max(2),
         share,
     };
-    ConstantVelocityPlan::new(request).map_err(|joint| {
-        let place = Place::file(&problem.path).key("design.limits");
+    ConstantVelocityPlan::new(strokes).map_err(|joint| {
+        let place = request.place.clone().key("design.limits");
         DesignError::unsuitable(&place, Unsuitable::TooFast { joint })
     })
 }

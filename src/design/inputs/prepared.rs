@@ -11,29 +11,31 @@ use crate::design::constraints::collision_shapes;
 use crate::design::constraints::workspace::{Place as Point, Rule};
 use crate::design::criterion::{self, Criterion};
 use crate::design::error::{DesignError, Unsuitable};
+use crate::design::inputs::request::{DesignRequest, ValuedModel};
 use crate::fault::Place;
 use crate::problem_file::choices::{Choice, DesignKind};
 use crate::problem_file::design::{DesignParameters, Harmonics};
-use crate::problem_file::{Located, PerJoint, ProblemFile};
+use crate::problem_file::{DesignTable, Located, PerJoint, RecordingsTable};
 use crate::robot::inertia::PER_LINK;
 use crate::setup;
 use crate::setup::error::{Mismatch, SetupError};
 use crate::setup::limits::JointLimits;
-use crate::setup::model_spec::{ModelSpec, ModelWithPrior, with_unit_constant};
+use crate::setup::model_spec::ModelWithPrior;
 use crate::setup::names::{self, Reference};
 use crate::setup::robot::Robot;
 use crate::stats::range::within;
 use nalgebra::{Point3, Vector3};
 
 /// Designs move joints one by one: those that others follow have to stand still.
-fn refuse_leaders(problem: &ProblemFile, robot: &Robot) -> Result<(), SetupError> {
+fn refuse_leaders(request: &DesignRequest<'_>) -> Result<(), SetupError> {
+    let robot = request.robot;
     let Some(dependent) = robot.dependents.first() else {
         return Ok(());
     };
     let name = |k: usize| &robot.tree.joints()[k].name;
     let (joint, leader) = (name(dependent.joint), name(dependent.leader));
     Err(SetupError::mismatch(
-        &Place::file(&problem.path).key("robot"),
+        &request.place.clone().key("robot"),
         Mismatch::NotYet {
             what: format!("a design that moves `{leader}`, which `{joint}` follows,"),
             instead: format!("lock it for the motion: robot.locked = {{ {leader} = 0.0 }}"),
@@ -65,29 +67,25 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Reads what the problem file names.
+    /// Makes a model ready.
     ///
     /// # Errors
-    /// Faults of the problem file and the files it names; a signal that designs do not cover; nothing to
-    /// estimate.
-    pub fn read(problem: &ProblemFile) -> Result<Self, DesignError> {
-        let robot = setup::robot::open(problem)?;
-        refuse_leaders(problem, &robot)?;
-        if robot.mechanism.is_some() && problem.design.kind.value == DesignKind::ConstantVelocity {
-            let kind = Mismatch::NotYet {
-                what: "a plan of constant velocities for a mechanism with closed loops".to_string(),
+    /// Faults of the model; a signal that designs do not cover.
+    pub fn of(request: &DesignRequest<'_>, valued: &ValuedModel) -> Result<Self, DesignError> {
+        let robot = request.robot;
+        refuse_leaders(request)?;
+        let kind = &request.settings.kind;
+        if robot.mechanism.is_some() && kind.value == DesignKind::ConstantVelocity {
+            let what = "a plan of constant velocities for a mechanism with closed loops";
+            let fault = Mismatch::NotYet {
+                what: what.to_string(),
                 instead: "set design.kind = \"fourier\"".to_string(),
             };
-            return Err(SetupError::mismatch(&problem.design.kind.place, kind).into());
+            return Err(SetupError::mismatch(&kind.place, fault).into());
         }
-        // What a plan of constant velocities is for is not known before.
-        let declared = match problem.design.kind.value {
-            DesignKind::ConstantVelocity => ModelSpec::of(&with_unit_constant(problem), &robot)?,
-            DesignKind::Fourier => ModelSpec::of(problem, &robot)?,
-        };
-        let ModelWithPrior { model, prior } = declared.build()?;
+        let ModelWithPrior { model, prior } = valued.declared.build()?;
         if matches!(model.signal(), Signal::BaseWrench | Signal::Both) {
-            let place = problem.recordings.as_ref().map(|r| r.signal.place.clone());
+            let place = request.recordings.map(|r| r.signal.place.clone());
             return Err(SetupError::mismatch(
                 &place.unwrap_or_default(),
                 Mismatch::NotYet {
@@ -97,15 +95,14 @@ impl Prepared {
             )
             .into());
         }
-        let limits = setup::limits::of_joints(problem, &robot)?;
-        let loads = loads(problem, &model);
+        let loads = loads(request.recordings, &model);
         let base = BaseParameters::structural(&model, &loads, prior.rows());
         let mut notes = Vec::new();
-        let values = values(problem, &model, &robot, &mut notes)?;
-        let noise = noise(problem, &robot, &mut notes)?;
+        let values = values(valued, &model, robot, &mut notes)?;
+        let noise = noise(&request.settings.noise, robot, &mut notes)?;
         Ok(Self {
-            limits: without_torques(limits, &model, &values, &mut notes),
-            robot,
+            limits: without_torques(request.limits.clone(), &model, &values, &mut notes),
+            robot: robot.clone(),
             model,
             prior,
             values,
@@ -118,11 +115,11 @@ impl Prepared {
 
     /// # Errors
     /// A model in which everything is known.
-    pub fn check_unknowns(&self, problem: &ProblemFile) -> Result<(), DesignError> {
+    pub fn check_unknowns(&self, place: &Place) -> Result<(), DesignError> {
         if !self.base.base.is_empty() {
             return Ok(());
         }
-        let place = Place::file(&problem.path).key("robot.inertials");
+        let place = place.clone().key("robot.inertials");
         let kind = Unsuitable::NothingToEstimate;
         Err(DesignError::unsuitable(&place, kind))
     }
@@ -136,8 +133,8 @@ impl Prepared {
     ///
     /// # Errors
     /// A list of the wrong length.
-    pub fn harmonics(&self, problem: &ProblemFile) -> Result<Vec<usize>, DesignError> {
-        let stated = &problem.design.harmonics;
+    pub fn harmonics(&self, settings: &DesignTable) -> Result<Vec<usize>, DesignError> {
+        let stated = &settings.harmonics;
         let counts = match &stated.value {
             Harmonics::All(count) => PerJoint::All(*count as f64),
             Harmonics::Each(counts) => PerJoint::Each(counts.iter().map(|c| *c as f64).collect()),
@@ -155,8 +152,8 @@ impl Prepared {
     ///
     /// # Errors
     /// A list of the wrong length.
-    pub fn rest(&self, problem: &ProblemFile) -> Result<Vec<f64>, DesignError> {
-        let stated = self.robot.per_joint(&problem.design.rest_position)?;
+    pub fn rest(&self, settings: &DesignTable) -> Result<Vec<f64>, DesignError> {
+        let stated = self.robot.per_joint(&settings.rest_position)?;
         let of = |j: usize| match (self.robot.locked[j], &stated) {
             (Some(position), _) => position,
             (None, Some(stated)) => within(stated[j], [self.limits[j].lower, self.limits[j].upper]),
@@ -169,8 +166,8 @@ impl Prepared {
     ///
     /// # Errors
     /// A name that no parameter has, or that the motion cannot determine; a group without members.
-    pub fn wanted(&self, problem: &ProblemFile) -> Result<Option<Vec<usize>>, DesignError> {
-        let asked = &problem.design.parameters;
+    pub fn wanted(&self, settings: &DesignTable) -> Result<Option<Vec<usize>>, DesignError> {
+        let asked = &settings.parameters;
         let kept = self.base.kept();
         let role = |k: &usize| self.model.parameters()[kept[*k]].role;
         let of = |test: &dyn Fn(Role) -> bool| -> Vec<usize> {
@@ -249,12 +246,12 @@ impl Prepared {
         rows.tr_mul(&rows)
     }
 
-    /// The workspace of the problem file.
+    /// The limits in space.
     ///
     /// # Errors
     /// A link or frame that the robot does not have.
-    pub fn rules(&self, problem: &ProblemFile) -> Result<Vec<Rule>, DesignError> {
-        let table = &problem.design.workspace;
+    pub fn rules(&self, settings: &DesignTable) -> Result<Vec<Rule>, DesignError> {
+        let table = &settings.workspace;
         let mut rules = Vec::new();
         for halfspace in &table.halfspace {
             let normal = Vector3::from(halfspace.normal.value);
@@ -337,11 +334,8 @@ fn raw_count(quantity: names::BodyQuantity) -> usize {
 }
 
 /// Runs without and with the load, as the recordings will be made.
-fn loads(problem: &ProblemFile, model: &Model) -> Vec<bool> {
-    let without_too = problem
-        .recordings
-        .as_ref()
-        .is_some_and(|r| !r.loaded.is_empty());
+fn loads(recordings: Option<&RecordingsTable>, model: &Model) -> Vec<bool> {
+    let without_too = recordings.is_some_and(|r| !r.loaded.is_empty());
     match (model.payload(), without_too) {
         (None, _) => vec![false],
         (Some(_), true) => vec![false, true],
@@ -351,19 +345,19 @@ fn loads(problem: &ProblemFile, model: &Model) -> Vec<bool> {
 
 /// The model's values; links that are to be estimated act with those of the robot file meanwhile.
 fn values(
-    problem: &ProblemFile,
+    valued: &ValuedModel,
     model: &Model,
     robot: &Robot,
     notes: &mut Vec<String>,
 ) -> Result<DVector<f64>, DesignError> {
     let mut values = model.values();
     let of_file = robot.tree.parameters();
-    if problem.robot.parameters.is_none() {
+    if !valued.is_fitted {
         for (value, stated) in values.iter_mut().zip(&of_file) {
             *value = *stated;
         }
     }
-    setup::values::replace(model, &mut values, &problem.design.values)?;
+    setup::values::replace(model, &mut values, &valued.values)?;
     if let Some((_, first)) = model.payload()
         && values[first] == 0.0
     {
@@ -398,11 +392,11 @@ fn without_torques(
 }
 
 fn noise(
-    problem: &ProblemFile,
+    stated: &Option<Located<PerJoint>>,
     robot: &Robot,
     notes: &mut Vec<String>,
 ) -> Result<Vec<f64>, DesignError> {
-    if let Some(noise) = robot.per_joint(&problem.design.noise)? {
+    if let Some(noise) = robot.per_joint(stated)? {
         return Ok(noise);
     }
     notes.push(
@@ -412,10 +406,10 @@ fn noise(
     Ok(vec![1.0; robot.tree.len()])
 }
 
-/// The criterion of the information that a problem file asks for; rivals are judged by themselves, and the
+/// The criterion of the information that is asked for; rivals are judged by themselves, and the
 /// information beside them by its determinant.
-pub fn criterion(problem: &ProblemFile) -> &'static dyn Criterion {
-    let asked = problem.design.criterion.value.word();
+pub fn criterion(settings: &DesignTable) -> &'static dyn Criterion {
+    let asked = settings.criterion.value.word();
     let found = criterion::CRITERIA.iter().find(|c| c.id() == asked);
     found.copied().unwrap_or(&criterion::d_optimal::DOptimal)
 }

@@ -130,7 +130,7 @@ fn ways(experiment: &Experiment<'_>, motion: &Motion) -> Vec<Way> {
 /// The motion to compare with, at as many samples per period as the design.
 pub fn reference(context: &DesignContext<'_>, stated: &StatedMotion) -> Reference {
     let DesignContext {
-        problem,
+        request,
         prepared,
         experiment,
     } = *context;
@@ -146,8 +146,8 @@ pub fn reference(context: &DesignContext<'_>, stated: &StatedMotion) -> Referenc
     );
     let margins = verify::margins_of(experiment, &stated.joints, &stated.x);
     Reference {
-        file: problem
-            .design
+        file: request
+            .settings
             .reference
             .as_ref()
             .map_or_else(String::new, |r| r.written.clone()),

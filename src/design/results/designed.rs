@@ -3,10 +3,6 @@
 use crate::design::trajectory::sampled::Sampled;
 use crate::outcome::design::Design;
 use crate::outcome::estimate::Solver;
-use crate::problem_file::ProblemFile;
-
-/// Rate of the trajectory where the problem file states none, Hz.
-const DEFAULT_RATE: f64 = 200.0;
 
 /// A file of the results folder.
 #[derive(Debug, Clone)]
@@ -41,11 +37,4 @@ pub struct Designed {
     pub trajectories: Vec<NamedTrajectory>,
     /// The first trajectory with ramps at both ends.
     pub with_ramps: Vec<NamedTrajectory>,
-}
-
-/// Rate of the trajectory's file.
-pub(in crate::design) fn rate(problem: &ProblemFile) -> f64 {
-    let recorded = problem.recordings.as_ref().and_then(|r| r.rate.as_ref());
-    let simulated = problem.simulate.rate.as_ref();
-    recorded.or(simulated).map_or(DEFAULT_RATE, |r| r.value)
 }

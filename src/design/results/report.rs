@@ -19,7 +19,7 @@ use crate::outcome::design::{
 };
 use crate::outcome::estimate::Solver;
 use crate::problem::solution::Stop;
-use crate::problem_file::ProblemFile;
+use crate::problem_file::DesignTable;
 use crate::problem_file::choices::{Choice, Scaling};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
@@ -31,7 +31,7 @@ const FORMULA: &str = "q(t) = q0 + sum_l a_l/(l w) sin(l w t) - b_l/(l w) cos(l 
 /// What the motion is worth and how it keeps its limits; expected deviations and coverage come later.
 pub fn of_search(context: &DesignContext<'_>, verified: &VerifiedMotion) -> Design {
     let DesignContext {
-        problem,
+        request,
         prepared,
         experiment,
     } = *context;
@@ -55,17 +55,12 @@ pub fn of_search(context: &DesignContext<'_>, verified: &VerifiedMotion) -> Desi
             })
             .collect(),
         starts: found.starts as u64,
-        ..judged(problem, experiment, &information)
+        ..judged(request.settings, experiment, &information)
     }
 }
 
 /// What is asked of a motion, and what its information is worth.
-fn judged(
-    problem: &ProblemFile,
-    experiment: &Experiment<'_>,
-    information: &DMatrix<f64>,
-) -> Design {
-    let table = &problem.design;
+fn judged(table: &DesignTable, experiment: &Experiment<'_>, information: &DMatrix<f64>) -> Design {
     let matrix = Target {
         scale: match table.scaling.value {
             Scaling::Columns => Scale::Own,
@@ -109,7 +104,7 @@ pub fn of_plan(context: &DesignContext<'_>, planned: &PlannedMotion) -> Design {
              least at the {} instants of the plan, {step} s apart.",
             motion.len()
         ),
-        ..judged(context.problem, experiment, &information)
+        ..judged(context.request.settings, experiment, &information)
     }
 }
 
