@@ -453,6 +453,21 @@ fn impacts_that_shake_other_joints_are_no_spikes() {
     assert!(trial.right_effect && trial.right_joints, "{trial:#?}");
 }
 
+/// Impacts of play are errors of a few rows, each far from its neighbours: noise is none of them.
+#[test]
+fn impacts_that_nothing_explains_are_not_taken_for_noise() {
+    let scope = Scope {
+        motions: vec![Motion::Moves],
+        ..Scope::all(260719)
+    };
+    let trial = run(&scope, 276, &Control::default());
+    assert_eq!(trial.concealed[0].effect, "backlash");
+    assert!(
+        trial.right_effect || trial.verdict == "unexplained",
+        "{trial:#?}"
+    );
+}
+
 /// Bristles whose excess at low speed the fitted motion leaves open: one search runs into a limit, another into a shape that
 /// fails on other rows, and both find the stiffness.
 #[test]

@@ -13,7 +13,8 @@ use crate::diagnose::selection::stepwise::Rules;
 use crate::outcome::diagnose::Unattested;
 use crate::outcome::finding::{Finding, UNNAMED};
 use crate::recording::split::Split;
-use crate::stats::deviation::{of_steps, rms};
+use crate::stats::deviation::rms;
+use crate::stats::robust::scale_of_steps;
 
 /// A residual below this share of the RMS signal is of no weight: rows are some hundredths of a second apart, and at
 /// every reversal dry friction, a tenth of the usual torque or more, turns over between two of them.
@@ -104,8 +105,8 @@ impl Compared<'_> {
 
     /// Channels of which the residual is of weight, more than 3 % of the signal, and more than [`UNEXPLAINED`] times the variance of
     /// the noise that is known apart from the misfit: by the scatter of periods, by what no motion reaches in the signal, or by
-    /// what successive rows of the residual differ, in which a misfit that follows the motion has no part. Slow noise is not
-    /// told from misfit, and what uncertain parameters add to a prediction is added to it. Whatever the rows show, noise is no
+    /// what successive rows of the residual usually differ, in which a misfit that follows the motion has no part, nor have
+    /// impacts of a few rows. Slow noise is not told from misfit, and what uncertain parameters add to a prediction is added to it. Whatever the rows show, noise is no
     /// more than a model that was tried leaves, confirmed or not. Where no row counts nothing is known. The final model, with smooth
     /// corrections.
     pub fn unattested(
@@ -135,7 +136,7 @@ impl Compared<'_> {
                 true => self.noise_level.rms[c],
                 false => {
                     let of_signal = self.context.noise.as_ref().map_or(0.0, |noise| noise[c]);
-                    of_steps(&left[c], 1).sqrt().max(of_signal)
+                    scale_of_steps(&left[c]).unwrap_or(0.0).max(of_signal)
                 }
             };
             let residual = rms(&left[c]);
