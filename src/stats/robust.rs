@@ -74,9 +74,9 @@ pub fn tukey_weight(u: f64, threshold: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robot::random::generator;
     use crate::stats::distribution::Distribution;
-    use rand::RngExt;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
     use rand_distr::StandardNormal;
 
     /// Noise about a slow sine, with jumps at a hundredth of the rows. The scale of n independent steps has the deviation
@@ -84,7 +84,7 @@ mod tests {
     /// from a jump, so the scale is that of 51 in 100 of the others: 2.4 % larger.
     #[test]
     fn recovers_the_noise_beside_what_is_slow_and_what_jumps() {
-        let mut rng = generator(7);
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
         let (count, sigma) = (4000, 0.2);
         let series: Vec<f64> = (0..count)
             .map(|k| {
