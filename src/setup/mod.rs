@@ -4,6 +4,7 @@ pub mod combined_limits;
 mod controllers;
 pub mod coupling_entry;
 pub mod declared;
+mod earlier_fit;
 pub mod error;
 pub mod known;
 pub mod laws;

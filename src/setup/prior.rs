@@ -4,12 +4,12 @@ use crate::chain::model::{Model, Signal};
 use crate::chain::parameter::Role;
 use crate::chain::prior::Prior;
 use crate::outcome::fit::Posterior;
-use crate::outcome::{Outcome, Part};
 use crate::problem_file::choices::Inertials;
 use crate::problem_file::fit::PriorValue;
 use crate::problem_file::{Named, ProblemFile};
 use crate::setup::controllers::{self, JointGains};
-use crate::setup::error::{Mismatch, SetupError};
+use crate::setup::earlier_fit::EarlierFit;
+use crate::setup::error::SetupError;
 use crate::setup::known::single;
 use crate::setup::purpose::Purpose;
 use crate::setup::robot::Robot;
@@ -35,19 +35,10 @@ impl PriorSpec {
     /// # Errors
     /// An earlier result that cannot be read, or is none of a fit.
     pub(super) fn of(problem: &ProblemFile, robot: &Robot) -> Result<Self, SetupError> {
-        let earlier = match &problem.robot.parameters {
-            None => None,
-            Some(path) => {
-                let earlier =
-                    Outcome::read(&path.resolved).map_err(|e| SetupError::Earlier(Box::new(e)))?;
-                let Part::Fit(fit) = earlier.part else {
-                    return Err(SetupError::mismatch(&path.place, Mismatch::NotAFit));
-                };
-                Some(Arc::new(fit.posterior))
-            }
-        };
+        let path = problem.robot.parameters.as_ref();
+        let earlier = path.map(EarlierFit::read).transpose()?;
         Ok(Self {
-            earlier,
+            earlier: earlier.map(|earlier| Arc::new(earlier.fit.posterior)),
             known_inertials: problem.robot.inertials.value == Inertials::Known,
             values: problem.fit.prior.values.clone(),
             gains: match signal(problem, Purpose::Estimation) {

@@ -1,11 +1,11 @@
 //! What a problem file says of a robot that is simulated.
 
 use crate::fault::Place;
-use crate::outcome::{Outcome, Part};
-use crate::problem_file::{FilePath, Located, Named, ProblemFile};
+use crate::problem_file::{Located, Named, ProblemFile};
 use crate::robot::inertia::{Inertia, QUANTITIES};
 use crate::robot::tree::Tree;
-use crate::setup::error::{Mismatch, SetupError};
+use crate::setup::earlier_fit::EarlierFit;
+use crate::setup::error::SetupError;
 use crate::setup::model_spec::ModelSpec;
 use crate::setup::robot::Robot;
 use crate::setup::sharing::Alike;
@@ -21,7 +21,7 @@ pub struct TruthSpec {
     pub alike: Vec<Alike>,
     /// Values that an earlier fit has found.
     pub earlier: EarlierValues,
-    /// Parameters of the declared model that are known, later ones before earlier ones.
+    /// Parameters of the declared model that are known; of two values of one the later counts.
     pub known: Vec<Named<f64>>,
     /// Parameters of any effect: those of effects that the declared model has not got are concealed from it.
     pub given: Vec<Named<f64>>,
@@ -36,7 +36,7 @@ impl TruthSpec {
     /// As [`ModelSpec::of`]; an earlier result that cannot be read, or is none of a fit.
     pub fn of(problem: &ProblemFile, robot: &Robot) -> Result<Self, SetupError> {
         let earlier = match &problem.robot.parameters {
-            Some(path) => EarlierValues::read(path)?,
+            Some(path) => EarlierValues::of(&EarlierFit::read(path)?),
             None => EarlierValues::default(),
         };
         let robot = Robot {
@@ -72,22 +72,16 @@ pub struct EarlierValues {
 }
 
 impl EarlierValues {
-    fn read(path: &Located<FilePath>) -> Result<Self, SetupError> {
-        let outcome =
-            Outcome::read(&path.resolved).map_err(|e| SetupError::Earlier(Box::new(e)))?;
-        let Part::Fit(fit) = &outcome.part else {
-            return Err(SetupError::mismatch(&path.place, Mismatch::NotAFit));
-        };
-        let realized = fit.realization.iter().map(|r| (r.name.clone(), r.value));
-        let parameters = &outcome.estimate.parameters;
-        let estimated = parameters
-            .iter()
+    fn of(earlier: &EarlierFit) -> Self {
+        let realized = earlier.fit.realization.iter();
+        let estimated = earlier.estimate.parameters.iter();
+        let estimated = estimated
             .filter_map(|p| Some((p.names(), p.value?)))
             .flat_map(|(names, value)| names.into_iter().map(move |name| (name, value)));
-        Ok(Self {
-            bodies: realized.collect(),
+        Self {
+            bodies: realized.map(|r| (r.name.clone(), r.value)).collect(),
             effects: estimated.collect(),
-        })
+        }
     }
 
     /// The robot with the links of the earlier fit.

@@ -17,6 +17,7 @@ mod random_frame;
 mod random_path;
 mod recording;
 pub mod sensors;
+pub mod task;
 pub mod truth;
 mod write;
 
@@ -31,32 +32,27 @@ use crate::outcome::parameter::Parameter;
 use crate::outcome::simulation::{RealisedNoise, RecordedPosition};
 use crate::problem::solution::Control;
 use crate::problem_file::choices::SimulationMode;
-use crate::problem_file::simulate::{SimulateTable, Trajectory};
-use crate::problem_file::{Located, ProblemFile, RecordingsTable};
+use crate::problem_file::simulate::Trajectory;
+use crate::problem_file::{Located, ProblemFile};
 use crate::recording::table::LEAST_ROWS;
 use crate::robot::random::generator;
-use crate::setup::limits::{self, JointLimits};
-use crate::setup::robot::{self, Robot};
+use crate::setup::{limits, robot};
 use crate::simulate::closed_loop::{Loop, Schedule};
 use crate::simulate::error::{SimulateError, SimulateErrorKind};
 use crate::simulate::path::{Instants, Motion, Path};
 use crate::simulate::random_aperiodic::Kind;
 use crate::simulate::random_frame::{Frame, Shape};
 use crate::simulate::random_path::{RecordingConditions, torques};
-use crate::simulate::sensors::{Instrumentation, NoisyTable, Sensors, Table, joints_of};
-use crate::simulate::truth::Truth;
+use crate::simulate::sensors::{NoisyTable, Sensors, Table, joints_of};
+use crate::simulate::task::{DrawnMotion, Plan, SimulateTask};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use std::path::{Component, Path as FilePath, PathBuf};
 
 pub use crate::simulate::write::write_csv;
 
 /// Steps of laws with memory between two samples: their errors fall below a tenth of a percent of the
 /// law's torque.
 const FINER: usize = 8;
-
-/// Rate of a recording where none is stated, Hz.
-pub const DEFAULT_RATE: f64 = 200.0;
 
 /// What a simulation gives.
 #[derive(Debug, Clone)]
@@ -102,36 +98,6 @@ pub fn run(
     task.run(control)
 }
 
-/// What is simulated, and how it is recorded.
-#[derive(Debug, Clone)]
-pub struct SimulateTask<'a> {
-    /// The robot.
-    pub robot: &'a Robot,
-    /// What is true of it.
-    pub truth: &'a Truth,
-    /// The files that are made, and their form; without them, one to fit and one to validate.
-    pub recordings: Option<&'a RecordingsTable>,
-    /// The motion, the sensors and their noise.
-    pub settings: &'a SimulateTable,
-    /// What a motion that is drawn keeps to.
-    pub drawn: DrawnMotion,
-    /// Where what cannot be recorded is to be mended.
-    pub place: Place,
-    /// Of everything that is drawn.
-    pub seed: u64,
-}
-
-/// What a motion that is drawn keeps to.
-#[derive(Debug, Clone)]
-pub struct DrawnMotion {
-    /// Of every joint, in the order of the tree.
-    pub limits: Vec<JointLimits>,
-    /// Of a Fourier series.
-    pub harmonics: usize,
-    /// s, where the recordings state none.
-    pub period: f64,
-}
-
 impl SimulateTask<'_> {
     /// Makes the recordings.
     ///
@@ -140,12 +106,7 @@ impl SimulateTask<'_> {
     pub fn run(&self, control: &Control<'_>) -> Result<Simulated, SimulateError> {
         let truth = self.truth;
         let recorder = Recorder {
-            sensors: Sensors::new(&Instrumentation {
-                robot: self.robot,
-                model: &truth.recorded,
-                recordings: self.recordings,
-                settings: self.settings,
-            })?,
+            sensors: Sensors::new(self)?,
             rate: self.rate()?,
             task: self,
         };
@@ -166,7 +127,7 @@ impl SimulateTask<'_> {
                 "the trajectory does not lead back to its start: each recording is one pass".into(),
             );
         }
-        notes.extend(self.recordings.and_then(unwritten));
+        notes.extend(self.unwritten());
         let realised_noise = realised(&recorder.sensors, &made);
         let (recordings, trajectories) = made
             .into_iter()
@@ -181,94 +142,6 @@ impl SimulateTask<'_> {
             notes,
         })
     }
-
-    /// The period that the recordings state, s.
-    fn stated_period(&self) -> Option<&Located<f64>> {
-        self.recordings?.period.as_ref()
-    }
-
-    /// `simulate.rate`, else `recordings.rate`, else the default.
-    fn rate(&self) -> Result<f64, SimulateError> {
-        let recorded = self.recordings.and_then(|r| r.rate.as_ref());
-        match (&self.settings.rate, recorded) {
-            (Some(own), Some(recorded)) if own.value != recorded.value => {
-                let kind = SimulateErrorKind::RateConflict {
-                    simulate: own.value,
-                    recordings: recorded.value,
-                };
-                Err(SimulateError::new(&own.place, kind))
-            }
-            (own, recorded) => Ok(own.as_ref().or(recorded).map_or(DEFAULT_RATE, |r| r.value)),
-        }
-    }
-
-    /// The recordings to make, under names that stay inside the results folder.
-    fn planned(&self) -> Result<Vec<Plan>, SimulateError> {
-        let has_load = self.truth.plant.payload().is_some();
-        let Some(table) = self.recordings else {
-            let plan = |name: &str| Plan {
-                name: name.to_string(),
-                loaded: has_load,
-            };
-            return Ok(vec![plan("train.csv"), plan("validation.csv")]);
-        };
-        let listed = crate::setup::recordings::list(table);
-        let place = self.place.clone().key("recordings");
-        let mut plans: Vec<Plan> = Vec::new();
-        let mut sources: Vec<&FilePath> = Vec::new();
-        for named in &listed {
-            // A file that trains and validates is one recording.
-            if sources.contains(&named.path.resolved.as_path()) {
-                continue;
-            }
-            sources.push(&named.path.resolved);
-            let name = inside(&named.path.written);
-            let fault = |kind| Err(SimulateError::new(&place, kind));
-            if !name.ends_with(".csv") && !name.ends_with(".csv.gz") {
-                return fault(SimulateErrorKind::FormatNotWritten { found: name });
-            }
-            if plans.iter().any(|p| p.name == name) {
-                return fault(SimulateErrorKind::SameName { found: name });
-            }
-            plans.push(Plan {
-                name,
-                loaded: has_load && (named.loaded || self.truth.hidden_load),
-            });
-        }
-        Ok(plans)
-    }
-}
-
-/// Of recordings that lie in several files: which one has every channel, and which are not written.
-fn unwritten(table: &RecordingsTable) -> Option<String> {
-    let lists = [&table.train, &table.loaded, &table.validation];
-    let joined = lists.into_iter().flatten();
-    let mut pairs: Vec<String> = Vec::new();
-    for files in joined
-        .map(|files| &files.value.files)
-        .filter(|f| f.len() > 1)
-    {
-        let others = files[1..].iter().map(|f| f.path.written.as_str());
-        let others: Vec<&str> = others.collect();
-        let pair = format!("{} ({})", files[0].path.written, others.join(", "));
-        if !pairs.contains(&pair) {
-            pairs.push(pair);
-        }
-    }
-    (!pairs.is_empty()).then(|| {
-        format!(
-            "every channel is in the first file of a recording, under the names that exid finds by itself, and the others of it \
-             are not written: {}; a problem that reads the simulation lists the first file alone, without a map of columns",
-            pairs.join("; ")
-        )
-    })
-}
-
-/// A recording that is to be made.
-#[derive(Debug, Clone)]
-struct Plan {
-    name: String,
-    loaded: bool,
 }
 
 /// A recording with what belongs to it.
@@ -276,21 +149,6 @@ struct Made {
     recording: SimulatedRecording,
     trajectory: SimulatedRecording,
     repeats: bool,
-}
-
-/// A path as written, without what leads out of a folder; of an absolute one, the file's name.
-fn inside(written: &str) -> String {
-    let path = FilePath::new(written);
-    if path.is_absolute() {
-        return path
-            .file_name()
-            .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    }
-    let parts = path
-        .components()
-        .filter(|c| matches!(c, Component::Normal(_)));
-    let kept: PathBuf = parts.collect();
-    kept.to_string_lossy().into_owned()
 }
 
 /// Streams of random numbers of one recording: this many, the first one for the trajectory.

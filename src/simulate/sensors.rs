@@ -14,14 +14,13 @@ use crate::chain::model::Model;
 use crate::outcome::simulation::RecordedPosition;
 use crate::problem_file::choices::{PositionSide, Signal};
 use crate::problem_file::recordings::ColumnsTable;
-use crate::problem_file::simulate::SimulateTable;
-use crate::problem_file::{Located, PerJoint, RecordingsTable};
+use crate::problem_file::{Located, PerJoint};
 use crate::recording::column_map::{Column, ColumnsAt};
 use crate::robot::tree::JointKind;
 use crate::setup::error::{Mismatch, SetupError};
-use crate::setup::robot::Robot;
 use crate::simulate::error::SimulateError;
 use crate::simulate::path::Motion;
+use crate::simulate::task::SimulateTask;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
@@ -90,24 +89,11 @@ pub struct Sensors {
     correlation: f64,
 }
 
-/// What the sensors of a robot are told by.
-#[derive(Clone, Copy)]
-pub struct Instrumentation<'a> {
-    /// The robot.
-    pub robot: &'a Robot,
-    /// What is recorded of it.
-    pub model: &'a Model,
-    /// The form of the files.
-    pub recordings: Option<&'a RecordingsTable>,
-    /// Noise and encoders.
-    pub settings: &'a SimulateTable,
-}
-
 impl Sensors {
     /// # Errors
     /// A side or signal of the motor without `drive.ratio`; lists of the wrong length.
-    pub fn new(of: &Instrumentation<'_>) -> Result<Self, SimulateError> {
-        let (robot, table) = (of.robot, of.recordings);
+    pub fn new(task: &SimulateTask<'_>) -> Result<Self, SimulateError> {
+        let (robot, table) = (task.robot, task.recordings);
         let side = table.map_or(PositionSide::Joint, |t| t.position_side.value);
         let n = robot.tree.len();
         let needs = |place| SetupError::mismatch(place, Mismatch::NeedsRatio);
@@ -128,7 +114,7 @@ impl Sensors {
                 number,
             })
             .collect();
-        let step = robot.per_joint(&of.settings.encoder_counts)?;
+        let step = robot.per_joint(&task.settings.encoder_counts)?;
         let of_turn = |k: usize, counts: &f64| match robot.tree.joints()[k].kind {
             JointKind::Revolute => TAU / counts,
             JointKind::Prismatic => 1.0 / counts,
@@ -143,19 +129,19 @@ impl Sensors {
             ratio: robot.ratio.clone().unwrap_or_else(|| vec![1.0; n]),
             step: step.map(|all| all.iter().enumerate().map(|(k, c)| of_turn(k, c)).collect()),
             columns: table.map(|t| t.columns.clone()),
-            correlation: of.settings.noise_correlation.value,
+            correlation: task.settings.noise_correlation.value,
         };
-        sensors.channels = sensors.signal_channels(of)?;
+        sensors.channels = sensors.signal_channels(task)?;
         Ok(sensors)
     }
 
-    fn signal_channels(&self, of: &Instrumentation<'_>) -> Result<Vec<Channel>, SimulateError> {
+    fn signal_channels(&self, task: &SimulateTask<'_>) -> Result<Vec<Channel>, SimulateError> {
         use crate::chain::model::Signal as Kind;
-        let model = of.model;
-        let at_motor = of
+        let model = &task.truth.recorded;
+        let at_motor = task
             .recordings
             .is_some_and(|t| t.signal.value == Signal::MotorTorque);
-        let noise = Noise::read(of)?;
+        let noise = Noise::read(task)?;
         let columns = self.columns.as_ref();
         let column = match model.signal() {
             Kind::Current => given(columns.and_then(|c| c.current.as_ref()), "i{n}"),
@@ -386,15 +372,15 @@ struct Noise {
 impl Noise {
     /// One number holds for every channel; a list has one per joint, or one per component of a wrench, or
     /// both where both are recorded.
-    fn read(of: &Instrumentation<'_>) -> Result<Self, SimulateError> {
+    fn read(task: &SimulateTask<'_>) -> Result<Self, SimulateError> {
         use crate::chain::model::Signal as Kind;
-        let (robot, model) = (of.robot, of.model);
+        let (robot, model) = (task.robot, &task.truth.recorded);
         let n = robot.tree.len();
         let mut noise = Self {
             joints: vec![0.0; n],
             wrench: [0.0; 6],
         };
-        let Some(given) = &of.settings.noise else {
+        let Some(given) = &task.settings.noise else {
             return Ok(noise);
         };
         if let PerJoint::All(value) = given.value {

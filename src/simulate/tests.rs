@@ -383,7 +383,7 @@ fn incomplete_and_unknown_truths_are_refused() {
 
 #[test]
 fn recordings_stay_inside_the_results_folder_wherever_their_files_are() {
-    let name = |written: &str| super::inside(written);
+    let name = |written: &str| super::task::inside(written);
     assert_eq!(name("runs/train.csv"), "runs/train.csv");
     assert_eq!(name("../runs/train.csv"), "runs/train.csv");
     let absolute = std::env::temp_dir().join("runs").join("train.csv");

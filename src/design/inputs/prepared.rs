@@ -67,7 +67,7 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Makes a model ready.
+    /// Values, base parameters and limits of a model that a motion is designed for.
     ///
     /// # Errors
     /// Faults of the model; a signal that designs do not cover.

@@ -40,7 +40,7 @@ pub struct DesignRequest<'a> {
 pub struct ValuedModel {
     /// What the model is made of.
     pub declared: ModelSpec,
-    /// Values of single parameters, before those of the robot file or of an earlier fit.
+    /// Values of single parameters, in the place of those of the robot file or of an earlier fit.
     pub values: Vec<Named<f64>>,
     /// An earlier fit gives the values of all parameters.
     pub is_fitted: bool,

@@ -12,7 +12,7 @@ use crate::problem_file::{Located, ProblemFile};
 use crate::robot::description::Dependent;
 use crate::setup::error::{Mismatch, SetupError, unknown};
 use crate::setup::known::Constraints;
-use crate::setup::model_spec::{DeclaredLoad, ModelSpec, on};
+use crate::setup::model_spec::{DeclaredLoad, ModelSpec, add, on};
 use crate::setup::platform::PlatformSpec;
 use crate::setup::prior::PriorSpec;
 use crate::setup::purpose::Purpose;
@@ -28,10 +28,7 @@ impl ModelSpec {
     /// # Errors
     /// Names that the robot does not have, lists of another length than its joints, values that are missing.
     pub fn of(problem: &ProblemFile, robot: &Robot) -> Result<Self, SetupError> {
-        Ok(Self {
-            prior: PriorSpec::of(problem, robot)?,
-            ..Self::without_prior(problem, robot)?
-        })
+        Declaration::of(problem, robot, Purpose::Estimation).spec_with_prior()
     }
 
     /// The same, and nothing is known of parameters before.
@@ -47,10 +44,7 @@ impl ModelSpec {
     /// # Errors
     /// As [`ModelSpec::of`].
     pub fn of_unknown_constants(problem: &ProblemFile, robot: &Robot) -> Result<Self, SetupError> {
-        Ok(Self {
-            prior: PriorSpec::of(problem, robot)?,
-            ..Declaration::of(problem, robot, Purpose::TorqueConstants).spec()?
-        })
+        Declaration::of(problem, robot, Purpose::TorqueConstants).spec_with_prior()
     }
 
     /// What a simulation records: bodies and gains are known, and nothing is shared, bounded or known by name.
@@ -102,6 +96,13 @@ impl<'a> Declaration<'a> {
             purpose,
             signal: signal(problem, purpose),
         }
+    }
+
+    fn spec_with_prior(&self) -> Result<ModelSpec, SetupError> {
+        Ok(ModelSpec {
+            prior: PriorSpec::of(self.problem, self.robot)?,
+            ..self.spec()?
+        })
     }
 
     fn spec(&self) -> Result<ModelSpec, SetupError> {
@@ -188,9 +189,7 @@ impl<'a> Declaration<'a> {
                 continue;
             }
             for effect in declared::effects(problem, robot, self.signal, k) {
-                if effects[k].iter().all(|listed| listed.id != effect.id) {
-                    effects[k].push(effect);
-                }
+                add(&mut effects[k], effect);
             }
         }
         Ok(effects)
