@@ -1,12 +1,12 @@
-//! Diagnosis of recordings by another simulator in which one effect is concealed: what was left out, on which
+//! Diagnosis of recordings by another simulator in which effects are concealed: what was left out, on which
 //! joints, and how well the model with it predicts another motion.
 
 mod common;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// A fit with the true model leaves about 1.1; differentiation leaves the rest.
@@ -38,17 +38,18 @@ fn read(path: &Path) -> Value {
 fn problem(folder: &Path) -> String {
     let drive = read(&folder.join("drive.json"));
     let file = |name: &str| folder.join(name).display().to_string();
+    let period = drive["period"].as_f64();
+    let period = period.map_or_else(String::new, |seconds| format!("period = {seconds}\n"));
     format!(
         "name = \"trial\"\n[robot]\nurdf = {:?}\ngravity = {:?}\ninertials = {}\n[drive]\n\
          torque_constant = {:?}\nrotor_inertia = {:?}\n\
          effects = [\"coulomb_friction\", \"viscous_friction\"]\n[recordings]\nsignal = \"current\"\n\
-         period = {}\ntrain = [{:?}]\nvalidation = [{:?}]\n",
+         {period}train = [{:?}]\nvalidation = [{:?}]\n",
         file("robot.urdf"),
         numbers(&drive["gravity"]),
         drive["inertials"],
         numbers(&drive["kt"]),
         numbers(&drive["rotor_inertia"]),
-        drive["period"],
         file("train.csv"),
         file("validation.csv"),
     )
@@ -189,19 +190,24 @@ fn row(trial: &str, result: &Value, truth: &Value) -> String {
     format!("| {trial} | {concealed} | {found} | {lack:.2} |")
 }
 
-/// Prints the table of results, a row of each trial.
-#[test]
-fn names_what_another_simulator_concealed() {
-    let Some(data) = common::data_dir() else {
-        return;
-    };
-    let mut folders: Vec<_> = fs::read_dir(data.join("trials"))
-        .unwrap()
+/// Trials in a folder of recordings, in order; `None`, and a word of it, where there are no recordings.
+fn trials(folder: &str) -> Option<Vec<PathBuf>> {
+    let entries = fs::read_dir(common::data_dir()?.join(folder)).unwrap();
+    let mut folders: Vec<PathBuf> = entries
         .map(|entry| entry.unwrap().path())
         .filter(|path| path.join("truth.json").is_file())
         .collect();
     folders.sort();
     assert!(!folders.is_empty());
+    Some(folders)
+}
+
+/// Prints the table of results, a row of each trial.
+#[test]
+fn names_what_another_simulator_concealed() {
+    let Some(folders) = trials("trials") else {
+        return;
+    };
     let mut wrong = 0;
     println!("| | concealed | found | largest lack of fit |\n|---|---|---|---|");
     for folder in &folders {
@@ -216,4 +222,35 @@ fn names_what_another_simulator_concealed() {
         wrong += usize::from(!faults.is_empty());
     }
     assert_eq!(wrong, 0, "of {} trials", folders.len());
+}
+
+/// An effect at each of its joints.
+fn pairs(effect: &Value) -> Vec<Value> {
+    let of = |joint: String| json!({ "effect": effect["effect"], "joints": [joint], "rivals": effect["rivals"] });
+    joints(effect).into_iter().map(of).collect()
+}
+
+/// Arms that move from pose to pose and do not repeat, and an arm with five effects at once: every effect is found at each of its joints,
+/// nothing else is, and controls stay silent.
+#[test]
+fn names_what_is_concealed_in_moves_and_in_a_whole_robot() {
+    let Some(folders) = trials("trials_whole") else {
+        return;
+    };
+    for folder in &folders {
+        let (result, truth) = (diagnose(folder), read(&folder.join("truth.json")));
+        let of = |list: &Value| -> Vec<Value> {
+            list.as_array().unwrap().iter().flat_map(pairs).collect()
+        };
+        let (found, concealed) = (of(&result["findings"]), of(&truth["effects"]));
+        let trial = folder.file_name().unwrap().to_string_lossy();
+        for effect in &concealed {
+            let is_found = found.iter().any(|finding| names(finding, effect));
+            assert!(is_found, "{trial}: {} is not found", place(effect));
+        }
+        for finding in &found {
+            let is_there = concealed.iter().any(|effect| names(finding, effect));
+            assert!(is_there, "{trial}: {} is claimed", place(finding));
+        }
+    }
 }

@@ -195,7 +195,7 @@ impl Explaining<'_> {
             noise_level,
             comparisons,
         } = &beside;
-        let objection = weak_findings::weakest(noise_level, full, comparisons)
+        let objection = weak_findings::weakest(context, noise_level, full, comparisons)
             .or_else(|| confounding::first(context, full, comparisons, significance))
             .or_else(|| zero_size::least_certain(context, full));
         if let Some(k) = objection {

@@ -3,18 +3,23 @@
 //! A finding takes something of a channel's excess over the noise, L − 1 with the lack of fit L, and what is left no
 //! name of the vocabulary explains. Where more is left than the finding takes, it may as well stand for the
 //! unexplained physics elsewhere: a torque constant that is off by as much as some other channel leaks into this
-//! one on the average. Such a name is withdrawn, and the misfit reported without one.
+//! one on the average. Such a name is withdrawn, and the misfit reported without one. At a reversal dry friction turns over between
+//! two rows, and what the model leaves there says little of other physics: a name that explains more than it leaves while its joint is
+//! under way is kept.
 
+use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::noise_level::{NoiseLevel, UNEXPLAINED};
+use crate::diagnose::residuals::reversal_mask;
 use crate::diagnose::selection::rival_models::RivalComparison;
 
 /// A finding explains most of an excess where it explains more than it leaves.
 const MOST: f64 = 0.5;
 
-/// The finding that explains the least share of what there would be without it, if that is less than half; only
-/// where the noise is measured, and judged in the channel in which it explains most.
+/// The finding that explains the least share of what there would be without it, if that is less than half of all rows and of those
+/// under way; only where the noise is measured, and judged in the channel in which it explains most.
 pub fn weakest(
+    context: &Context<'_>,
     noise_level: &NoiseLevel,
     full: &ModelFit,
     comparisons: &[RivalComparison],
@@ -22,25 +27,36 @@ pub fn weakest(
     if !noise_level.measured {
         return None;
     }
+    let all = |fit: &ModelFit, c: usize| noise_level.lack_of_channel(&fit.validation[c], c);
+    let under_way = |fit: &ModelFit, c: usize| {
+        let rows = reversal_mask::residual(context, full, c, &fit.validation[c]);
+        noise_level.lack_of_channel(&rows, c)
+    };
     let shares = (0..comparisons.len()).filter_map(|k| {
         let channels = full.hypotheses[k].moved_channels(&full.model);
         let pair = FitPair {
             poorer: &comparisons[k].without,
             richer: full,
         };
-        let share = share(noise_level, pair, &channels)?;
-        (share < MOST).then_some((k, share))
+        let of_all = little(pair, &channels, &all)?;
+        let of_moving = little(pair, &channels, &under_way)?;
+        Some((k, of_all.max(of_moving)))
     });
     let least = shares.min_by(|a, b| a.1.total_cmp(&b.1));
     least.map(|(k, _)| k)
 }
 
-/// Share of the excess of a model without a finding in some channels that it explains, where what it leaves is unexplained.
-fn share(noise_level: &NoiseLevel, pair: FitPair<'_>, channels: &[usize]) -> Option<f64> {
-    let lacks = channels.iter().map(|&c| {
-        let of = |fit: &ModelFit| noise_level.lack_of_channel(&fit.validation[c], c);
-        (of(pair.poorer), of(pair.richer))
-    });
+/// Share of the excess of a model without a finding in some channels that it explains, where what it leaves is unexplained and more than
+/// that.
+fn little(
+    pair: FitPair<'_>,
+    channels: &[usize],
+    lack: &dyn Fn(&ModelFit, usize) -> f64,
+) -> Option<f64> {
+    let lacks = channels
+        .iter()
+        .map(|&c| (lack(pair.poorer, c), lack(pair.richer, c)));
     let (before, after) = lacks.max_by(|a, b| (a.0 - a.1).total_cmp(&(b.0 - b.1)))?;
-    (after > UNEXPLAINED).then(|| (before - after) / (before - 1.0))
+    let share = (before - after) / (before - 1.0);
+    (after > UNEXPLAINED && share < MOST).then_some(share)
 }

@@ -261,34 +261,60 @@ fn an_effect_matters_beside_the_noise_and_beside_the_signal() {
     assert_eq!([MATTERS, OF_NOISE, OF_TORQUE], [0.01, 0.5, 0.002]);
 }
 
-/// The number of a single finding beside `declared` that leaves some lacks of fit of others, `[before, after]` by channel, if it is withdrawn.
-fn withdrawn(
-    declared: &ModelFit,
-    finding: Hypothesis,
-    lacks: [[f64; 3]; 2],
-    measured: bool,
-) -> Option<usize> {
-    let noise = NoiseLevel {
-        rms: vec![1.0; declared.validation.len()],
-        measured,
-    };
-    let [without, mut full] = lacks.map(|lacks| leaving(declared, &lacks.map(f64::sqrt)));
-    full.hypotheses = vec![finding];
-    let comparison = RivalComparison {
-        without,
-        alternatives: Vec::new(),
-        tried: 0,
-    };
-    weak_findings::weakest(&noise, &full, &[comparison])
+/// A declared model, of which a single finding leaves some lacks of fit of others.
+struct Weak<'a> {
+    context: Context<'a>,
+    declared: ModelFit,
+}
+
+impl<'a> Weak<'a> {
+    fn of(bench: &'a Bench) -> Self {
+        Self {
+            context: bench.context(&bench.opened.data),
+            declared: bench.declared(&bench.opened.data),
+        }
+    }
+
+    /// The number of a finding that leaves these lacks of fit, `[before, after]` by channel, if it is withdrawn.
+    fn withdrawn(
+        &self,
+        finding: Hypothesis,
+        lacks: [[f64; 3]; 2],
+        measured: bool,
+    ) -> Option<usize> {
+        let leaving = |lacks: [f64; 3]| leaving(&self.declared, &lacks.map(f64::sqrt));
+        let [without, full] = lacks.map(leaving);
+        self.among(finding, without, full, measured)
+    }
+
+    fn among(
+        &self,
+        finding: Hypothesis,
+        without: ModelFit,
+        mut full: ModelFit,
+        measured: bool,
+    ) -> Option<usize> {
+        let noise = NoiseLevel {
+            rms: vec![1.0; full.validation.len()],
+            measured,
+        };
+        full.hypotheses = vec![finding];
+        let comparison = RivalComparison {
+            without,
+            alternatives: Vec::new(),
+            tried: 0,
+        };
+        weak_findings::weakest(&self.context, &noise, &full, &[comparison])
+    }
 }
 
 /// A finding that leaves more of the excess over the noise than it takes is withdrawn, unless what it leaves is noise.
 #[test]
 fn a_name_that_explains_less_than_it_leaves_is_withdrawn() {
     let bench = Bench::new(&["torque_offset"]);
-    let declared = bench.declared(&bench.opened.data);
+    let weak = Weak::of(&bench);
     let withdrawn = |before: f64, after: f64, measured: bool| {
-        withdrawn(&declared, offset(0), [[before; 3], [after; 3]], measured)
+        weak.withdrawn(offset(0), [[before; 3], [after; 3]], measured)
     };
     // Of an excess of 9 four ninths, then five.
     assert_eq!(withdrawn(10.0, 6.0, true), Some(0));
@@ -299,15 +325,34 @@ fn a_name_that_explains_less_than_it_leaves_is_withdrawn() {
     assert_eq!(withdrawn(10.0, 6.0, false), None);
 }
 
+/// A finding of which only rows around reversals leave much is kept, and one that leaves as much under way is not.
+#[test]
+fn what_is_left_around_reversals_does_not_speak_against_a_name() {
+    let bench = Bench::new(&["torque_offset"]);
+    let weak = Weak::of(&bench);
+    let under_way = reversal_mask::rows(&weak.context, &weak.declared, 0).unwrap();
+    let leaving = |of_reversals: f64, of_others: f64| {
+        let mut fit = leaving(&weak.declared, &[1.0; 3]);
+        let rows = fit.validation[0].iter_mut().zip(&under_way);
+        for (left, moves) in rows {
+            *left = if *moves { of_others } else { of_reversals };
+        }
+        fit
+    };
+    let withdrawn = |full| weak.among(offset(0), leaving(20.0, 2.0), full, true);
+    assert_eq!(withdrawn(leaving(19.0, 1.0)), None);
+    assert_eq!(withdrawn(leaving(19.0, 1.9)), Some(0));
+}
+
 /// A load explains most in the channels of the joints that carry it, where more may be missing in that of its own joint.
 #[test]
 fn a_load_is_judged_where_it_explains_most() {
     let bench = Bench::new(&["torque_offset"]);
-    let declared = bench.declared(&bench.opened.data);
+    let weak = Weak::of(&bench);
     let lacks = [[100.0, 100.0, 10.0], [5.0, 5.0, 8.0]];
     let load = effect_of("unmodelled_payload", 2);
-    assert_eq!(withdrawn(&declared, load, lacks, true), None);
-    assert_eq!(withdrawn(&declared, offset(2), lacks, true), Some(0));
+    assert_eq!(weak.withdrawn(load, lacks, true), None);
+    assert_eq!(weak.withdrawn(offset(2), lacks, true), Some(0));
 }
 
 /// Where nothing has an offset, the estimates of three are as far from zero as noise makes them, and the least certain of
