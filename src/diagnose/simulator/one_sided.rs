@@ -61,7 +61,7 @@ pub(super) fn sort(tested: Vec<Tested>, simulator: &Side<'_>, robot: &Side<'_>) 
                 .notes
                 .push(sentences::left_unexplained(subject, &left));
         }
-        for finding in own.findings {
+        for finding in own.findings.iter().filter(|finding| own.matters(finding)) {
             let lists = match subject {
                 Subject::Robot => &mut sorted.only_robot,
                 Subject::Simulator => &mut sorted.only_simulator,

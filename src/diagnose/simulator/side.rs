@@ -11,6 +11,7 @@ use crate::outcome::finding::Finding;
 use crate::outcome::fit::Fit;
 use crate::outcome::joint::JointFigures;
 use crate::outcome::parameter::Parameter;
+use crate::stats::deviation::rms;
 use crate::stats::distribution::Distribution;
 use nalgebra::DVector;
 
@@ -156,6 +157,21 @@ impl Side<'_> {
             (beyond > noise && share > NEGLIGIBLE).then(|| (figures.joint.clone(), share))
         };
         self.estimate.joints.iter().filter_map(of).collect()
+    }
+
+    /// Whether a finding takes more than a negligible share of the signal of its channels. What a simulator without noise shows may be
+    /// its integration.
+    pub(super) fn matters(&self, finding: &Finding) -> bool {
+        let of_joint = self.estimate.joints.iter();
+        let own = of_joint.filter(|figures| finding.joints.contains(&figures.joint));
+        let signals = own.map(|figures| figures.rmse_train / figures.relative_train);
+        let signals: Vec<f64> = signals.collect();
+        let [before, after] = [
+            finding.rmse_validation_before,
+            finding.rmse_validation_after,
+        ];
+        let taken = (before.powi(2) - after.powi(2)).max(0.0).sqrt();
+        signals.is_empty() || taken >= NEGLIGIBLE * rms(&signals)
     }
 
     /// Parameters of an effect.
