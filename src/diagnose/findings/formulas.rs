@@ -1,5 +1,5 @@
 //! Formulas of what has no name: of findings that no effect of the vocabulary explains, of names that something without one is
-//! more probable than, and of what is left without a finding and is not known to be noise.
+//! more probable than, and of what is left without a finding and is not known to be noise. A name in whose place a formula leaves less is none.
 
 use crate::chain::dataset::Dataset;
 use crate::diagnose::error::DiagnoseError;
