@@ -514,12 +514,12 @@ fn a_name_beside_another_law_is_kept() {
     let of_own = |motion: &Motion, k: usize| {
         (motion.velocity[0][k] / speed).tanh() * (3.0 * motion.position[0][k]).sin()
     };
-    let laws: [&dyn Fn(&Motion, usize) -> f64; 2] = [&of_other, &of_own];
-    for law in laws {
+    let is_confounded = |law: &dyn Fn(&Motion, usize) -> f64| {
         let both = |motion: &Motion, k: usize| size * (law(motion, k) + stribeck(motion, k));
-        let found = effect_of("stribeck_friction", 0);
-        assert!(!is_confounded(&bench, found, both));
-    }
+        is_confounded(&bench, effect_of("stribeck_friction", 0), both)
+    };
+    assert!(!is_confounded(&of_other));
+    assert!(!is_confounded(&of_own));
 }
 
 /// Rows at less than half of the usual speed count if reversals, and rows at which the joint creeps, are further away than
