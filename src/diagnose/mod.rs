@@ -10,7 +10,7 @@
 //! take (Frisch and Waugh 1933, Lovell 1963), the leading ones are fitted exactly, the best that passes the
 //! test of forecast encompassing (Chong and Hendry 1986; Harvey, Leybourne and Newbold 1998) joins the
 //! model, and so on until none does; then each is dropped on trial, and a name that explains less than it
-//! leaves, or is superfluous beside a smooth correction or a formula, is withdrawn. All this
+//! leaves, or is superfluous beside a smooth correction or a formula of another joint's motion, is withdrawn. All this
 //! chooses by one half of the rows that were not fitted; what it has chosen is tested by the other half.
 //!
 //! # Files in the order of the work

@@ -43,7 +43,7 @@ pub struct Finding {
     /// That there is nothing, and noise made the finding.
     #[serde(default, with = "number::nullable")]
     pub probability_nothing: f64,
-    /// The formula that was found for what has no name; absent where none has earned it.
+    /// The formula that was found for what has no name, or for what an improbable name resembles; absent where none has earned it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub formula: Option<ProposedFormula>,
 }

@@ -1,5 +1,5 @@
 //! Formulas of what has no name: of findings that no effect of the vocabulary explains, of names that something without one is
-//! more probable than, and of what is left without a finding and is not known to be noise. A name in whose place a formula leaves less is none.
+//! more probable than, and of what is left without a finding and is not known to be noise.
 
 use crate::chain::dataset::Dataset;
 use crate::diagnose::error::DiagnoseError;
@@ -47,8 +47,6 @@ pub struct FormulaModel {
     pub channel: usize,
     /// The final model with the formula, without the names that it takes the place of.
     pub fit: ModelFit,
-    /// Numbers of the hypotheses of the final model beside which it has earned it: their names are none.
-    pub instead_of: Vec<usize>,
 }
 
 impl Formulas<'_> {
@@ -87,17 +85,15 @@ impl Formulas<'_> {
                 !place.findings.is_empty() || noise_level::is_noise(left, 0.0)
             };
             if let Some(proposal) = proposal.filter(is_earned) {
-                let fit = proposal.test.fit.clone();
+                models.push(FormulaModel {
+                    channel: place.channel,
+                    fit: proposal.test.fit.clone(),
+                });
                 let k = place.findings.first().copied().unwrap_or_else(|| {
                     findings.push(self.nameless(place.channel, &proposal));
                     findings.len() - 1
                 });
                 let formula = formula(proposal, rival.map(|rival| rival.name));
-                models.push(FormulaModel {
-                    channel: place.channel,
-                    fit,
-                    instead_of: named,
-                });
                 let finding = &mut findings[k];
                 finding.sentence = format!("{} {}", finding.sentence, sentences::formula(&formula));
                 finding.formula = Some(formula);
