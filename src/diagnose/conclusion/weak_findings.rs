@@ -38,24 +38,23 @@ pub fn weakest(
             poorer: &comparisons[k].without,
             richer: full,
         };
-        let of_all = little(pair, &channels, &all)?;
-        let of_moving = little(pair, &channels, &under_way)?;
+        let of_all = weak_share(pair, &channels, &all)?;
+        let of_moving = weak_share(pair, &channels, &under_way)?;
         Some((k, of_all.max(of_moving)))
     });
     let least = shares.min_by(|a, b| a.1.total_cmp(&b.1));
     least.map(|(k, _)| k)
 }
 
-/// Share of the excess of a model without a finding in some channels that it explains, where what it leaves is unexplained and more than
-/// that.
-fn little(
+/// Share of the excess of a model without a finding that it explains of the channel in which it explains most; `None` where that is half
+/// of it, or what is left there may be noise.
+fn weak_share(
     pair: FitPair<'_>,
     channels: &[usize],
     lack: &dyn Fn(&ModelFit, usize) -> f64,
 ) -> Option<f64> {
-    let lacks = channels
-        .iter()
-        .map(|&c| (lack(pair.poorer, c), lack(pair.richer, c)));
+    let both = |&c: &usize| (lack(pair.poorer, c), lack(pair.richer, c));
+    let lacks = channels.iter().map(both);
     let (before, after) = lacks.max_by(|a, b| (a.0 - a.1).total_cmp(&(b.0 - b.1)))?;
     let share = (before - after) / (before - 1.0);
     (after > UNEXPLAINED && share < MOST).then_some(share)

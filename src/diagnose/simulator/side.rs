@@ -159,19 +159,16 @@ impl Side<'_> {
         self.estimate.joints.iter().filter_map(of).collect()
     }
 
-    /// Whether a finding takes more than a negligible share of the signal of its channels. What a simulator without noise shows may be
-    /// its integration.
+    /// Whether a finding takes more than a negligible share of the signal of its channels, or none is known. What a simulator without
+    /// noise shows may be its integration.
     pub(super) fn matters(&self, finding: &Finding) -> bool {
         let of_joint = self.estimate.joints.iter();
         let own = of_joint.filter(|figures| finding.joints.contains(&figures.joint));
-        let signals = own.map(|figures| figures.rmse_train / figures.relative_train);
-        let signals: Vec<f64> = signals.collect();
-        let [before, after] = [
-            finding.rmse_validation_before,
-            finding.rmse_validation_after,
-        ];
-        let taken = (before.powi(2) - after.powi(2)).max(0.0).sqrt();
-        signals.is_empty() || taken >= NEGLIGIBLE * rms(&signals)
+        let signals: Vec<f64> = own.map(|f| f.rmse_train / f.relative_train).collect();
+        let before = finding.rmse_validation_before.powi(2);
+        let taken = (before - finding.rmse_validation_after.powi(2)).max(0.0);
+        let share = taken.sqrt() / rms(&signals);
+        share.is_nan() || share >= NEGLIGIBLE
     }
 
     /// Parameters of an effect.
