@@ -409,7 +409,7 @@ impl Search<'_> {
             }
         }
         Ok(Searched::Found(Box::new(Found {
-            reported: self.report(&explaining, &explanation)?,
+            reported: self.report(&explaining, explanation)?,
             data: None,
         })))
     }
@@ -450,7 +450,7 @@ impl Search<'_> {
         let explaining = self.explaining(&contexts, &reached);
         let explanation = explaining.conclude(selection)?;
         Ok(Found {
-            reported: self.report(&explaining, &explanation)?,
+            reported: self.report(&explaining, explanation)?,
             data: None,
         })
     }
@@ -500,22 +500,30 @@ impl Search<'_> {
         let explanation = explaining.conclude(selection)?;
         let is_of_time = |h: &Hypothesis| effects.iter().any(|id| id == h.effect.id);
         match explanation.full.hypotheses.iter().any(is_of_time) {
-            true => self.report(explaining, &explanation).map(Some),
+            true => self.report(explaining, explanation).map(Some),
             false => Ok(None),
         }
     }
 
+    /// Reports an explanation, without the names in whose place formulas leave less.
     fn report(
         &self,
         explaining: &Explaining<'_>,
-        explanation: &Explanation,
+        mut explanation: Explanation,
     ) -> Result<Reported, DiagnoseError> {
-        let reporting = Reporting {
-            contexts: explaining.contexts,
-            explanation,
-            rules: explaining.rules,
-        };
-        reporting.report()
+        loop {
+            let reporting = Reporting {
+                contexts: explaining.contexts,
+                explanation: &explanation,
+                rules: explaining.rules,
+            };
+            let reported = reporting.report()?;
+            let outdone = reported.nameless.outdone();
+            if outdone.is_empty() {
+                return Ok(reported);
+            }
+            explanation = explaining.without(&explanation, &outdone)?;
+        }
     }
 }
 

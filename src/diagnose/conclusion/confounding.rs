@@ -15,6 +15,7 @@
 //! formula does, if it leaves hardly more than the name with that formula beside it, and forecasts more of what the name leaves than
 //! one of so many does by chance. What leaves as much as the name is another wording of it, and says nothing against it: a correction
 //! by the joint's own motion and load, or a function of another joint's that hardly varies, in the place of an offset.
+//! Corrections are sought of a model that is linearised, so they are sought again where the first ones have moved its parameters.
 //!
 //! A name for what lasts for one recording is fitted to each, the held-out ones too: whatever comes and goes with the motion looks like
 //! a push where the motion stands still for some time. Chance does not follow the motion, so such a name is withdrawn if smooth functions
@@ -32,6 +33,9 @@ use crate::diagnose::residuals::quantity::Quantity;
 use crate::diagnose::selection::forecast::{IN_DOUBT, forecast};
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::stats::deviation::rms;
+
+/// Steps of a model's unknowns without a name, after each of which corrections in its place are sought anew.
+const STEPS: usize = 4;
 
 /// The first finding of a model in whose place a smooth correction or a formula leaves hardly more, if there is one; asked of channels
 /// for which a correction is needed beside the model at `significance`, or of which more than noise is left.
@@ -113,21 +117,24 @@ impl Named<'_> {
     /// Whether the model without a finding and with smooth corrections or a formula in its place leaves hardly more than the finding
     /// with such corrections beside it.
     fn is_superfluous(&self, beside: &[&AdditiveModel], without: &ModelFit) -> bool {
-        let (context, full) = (self.context, self.full);
+        let full = self.full;
         let both = additive_model::left(full, beside);
-        let smooth = additive_model::in_place(context, without, beside);
-        let is_of_others = smooth.len() == beside.len() && smooth.iter().any(|c| !c.is_own);
-        if is_of_others {
-            let smooth: Vec<&AdditiveModel> = smooth.iter().collect();
-            let instead = additive_model::left(without, &smooth);
-            if takes_its_place(&instead, &both, &full.validation) {
+        let smooth = InPlace::of(self.context, without.clone(), beside);
+        let mut of_others = smooth.clone();
+        for _ in 0..STEPS {
+            if !of_others.are_of_others(beside) {
+                break;
+            }
+            if takes_its_place(&of_others.left(), &both, &full.validation) {
                 return true;
             }
+            of_others = of_others.stepped(self.context, beside);
         }
         let [correction] = beside else {
             return false;
         };
-        let instead = smooth.iter().find(|c| c.channel == correction.channel);
+        let mut smooth = smooth.corrections.iter();
+        let instead = smooth.find(|c| c.channel == correction.channel);
         let mut variables = instead.map_or_else(Vec::new, |c| c.made_of.clone());
         // What the name has not taken follows what would take all of it.
         let after_first = variables.len().min(1);
@@ -185,6 +192,45 @@ impl Named<'_> {
             model,
             variables,
         }
+    }
+}
+
+/// Smooth corrections in the place of a name.
+#[derive(Clone)]
+struct InPlace {
+    /// The model without the name.
+    without: ModelFit,
+    corrections: Vec<AdditiveModel>,
+}
+
+impl InPlace {
+    /// Those of a model without the name, beside which these are needed with it.
+    fn of(context: &Context<'_>, without: ModelFit, beside: &[&AdditiveModel]) -> Self {
+        let corrections = additive_model::in_place(context, &without, beside);
+        Self {
+            without,
+            corrections,
+        }
+    }
+
+    /// Those where the first ones have moved the unknowns of the model: its derivatives, and the loads of its joints, are others there.
+    fn stepped(&self, context: &Context<'_>, beside: &[&AdditiveModel]) -> Self {
+        let mut without = self.without.clone();
+        for correction in &self.corrections {
+            without = without.stepped(context, correction.step());
+        }
+        Self::of(context, without, beside)
+    }
+
+    /// What they leave of the held-out rows.
+    fn left(&self) -> Left {
+        let corrections: Vec<&AdditiveModel> = self.corrections.iter().collect();
+        additive_model::left(&self.without, &corrections)
+    }
+
+    /// Whether there is one of every channel, and one at least follows another joint.
+    fn are_of_others(&self, beside: &[&AdditiveModel]) -> bool {
+        self.corrections.len() == beside.len() && self.corrections.iter().any(|c| !c.is_own)
     }
 }
 

@@ -107,15 +107,42 @@ impl Explaining<'_> {
     /// explain less than they leave, are superfluous beside a smooth correction, or have a size that may be none, strikes out what
     /// fails on rows that chose nothing, puts what only lowers the error beside others behind them, and calls the rest by the
     /// names that those rows find more probable.
-    pub fn conclude(&self, mut selection: Selection) -> Result<Explanation, DiagnoseError> {
+    pub fn conclude(&self, selection: Selection) -> Result<Explanation, DiagnoseError> {
+        self.concluded(selection, 0, Vec::new())
+    }
+
+    /// An explanation without some of its findings, by their numbers in order, and without what rests on them.
+    pub fn without(
+        &self,
+        explanation: &Explanation,
+        findings: &[usize],
+    ) -> Result<Explanation, DiagnoseError> {
+        let mut fit = explanation.full.clone();
+        let mut withdrawn = explanation.withdrawn.clone();
+        for &k in findings.iter().rev() {
+            fit = withdraw(&self.contexts.selection, &fit, k, &mut withdrawn)?;
+        }
+        let selection = Selection {
+            fit,
+            steps: explanation.tried.clone(),
+            examined: explanation.examined,
+        };
+        self.concluded(selection, EXCHANGES, withdrawn)
+    }
+
+    /// After some rounds of exchanges, and beside names that were withdrawn.
+    fn concluded(
+        &self,
+        mut selection: Selection,
+        mut round: usize,
+        mut withdrawn: Vec<usize>,
+    ) -> Result<Explanation, DiagnoseError> {
         let context = &self.contexts.selection;
         let searching = |selection: &Selection| self.step(selection);
         let stepwise = self.stepwise(&searching);
         let examined = selection.examined;
         (self.on_stage)(Stage::Comparing);
         let mut tried = selection.steps.clone();
-        let mut round = 0;
-        let mut withdrawn = Vec::new();
         let mut moved: Vec<Hypothesis> = Vec::new();
         let mut tested = 0;
         loop {

@@ -47,6 +47,8 @@ pub struct FormulaModel {
     pub channel: usize,
     /// The final model with the formula, without the names that it takes the place of.
     pub fit: ModelFit,
+    /// Numbers of the hypotheses of the final model beside which it has earned it: their names are none.
+    pub instead_of: Vec<usize>,
 }
 
 impl Formulas<'_> {
@@ -85,15 +87,17 @@ impl Formulas<'_> {
                 !place.findings.is_empty() || noise_level::is_noise(left, 0.0)
             };
             if let Some(proposal) = proposal.filter(is_earned) {
-                models.push(FormulaModel {
-                    channel: place.channel,
-                    fit: proposal.test.fit.clone(),
-                });
+                let fit = proposal.test.fit.clone();
                 let k = place.findings.first().copied().unwrap_or_else(|| {
                     findings.push(self.nameless(place.channel, &proposal));
                     findings.len() - 1
                 });
                 let formula = formula(proposal, rival.map(|rival| rival.name));
+                models.push(FormulaModel {
+                    channel: place.channel,
+                    fit,
+                    instead_of: named,
+                });
                 let finding = &mut findings[k];
                 finding.sentence = format!("{} {}", finding.sentence, sentences::formula(&formula));
                 finding.formula = Some(formula);

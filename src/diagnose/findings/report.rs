@@ -66,6 +66,16 @@ pub struct Nameless {
     pub formulas: Vec<FormulaModel>,
 }
 
+impl Nameless {
+    /// Numbers of the hypotheses of the final model in whose place formulas leave less, in order.
+    pub fn outdone(&self) -> Vec<usize> {
+        let of = |formula: &FormulaModel| formula.instead_of.clone();
+        let mut outdone: Vec<usize> = self.formulas.iter().flat_map(of).collect();
+        outdone.sort_unstable();
+        outdone
+    }
+}
+
 /// What a report is made of.
 pub struct Reporting<'a> {
     /// The held-out rows that choose, those that test, and both.

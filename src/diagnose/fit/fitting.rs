@@ -48,6 +48,20 @@ impl ModelFit {
         model
     }
 
+    /// The same model where a step has changed its unknowns, and what it leaves there.
+    pub fn stepped(&self, context: &Context<'_>, step: &DVector<f64>) -> Self {
+        let [recordings, held_out] =
+            [Split::Train, Split::Validation].map(|split| context.recordings(split));
+        let mut moved = self.clone();
+        moved.solution.x += step;
+        moved.values = self.problem(&recordings).parameters(&moved.solution.x);
+        let change = &moved.values - &self.values;
+        moved.own.iter_mut().for_each(|values| *values += &change);
+        moved.train = ChannelSeries::of(&moved.model, &moved.values, &[], &recordings).residuals();
+        moved.validation = held_out_residuals(&moved.model, &moved.values, &moved.own, &held_out);
+        moved
+    }
+
     /// The same fit with what it leaves on the held-out rows of another context.
     pub fn on(&self, context: &Context<'_>) -> Self {
         let held_out = context.recordings(Split::Validation);

@@ -24,6 +24,7 @@ use crate::recording::split::Split;
 use crate::stats::autoregression::{Autoregression, OrderCriterion, largest_order};
 use crate::stats::deviation::{of_steps, rms};
 use crate::stats::encompassing::{Encompassing, Known, ResidualPair};
+use nalgebra::DVector;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -63,6 +64,11 @@ pub struct AdditiveModel {
 }
 
 impl AdditiveModel {
+    /// What it changes of the model's unknowns.
+    pub fn step(&self) -> &DVector<f64> {
+        &self.curves.step
+    }
+
     /// Whether each of its functions is of the motion, and none of time.
     pub fn is_of_motion(&self) -> bool {
         self.made_of.iter().all(|of| !of.is_empty())
@@ -364,7 +370,15 @@ fn sought(context: &Context<'_>, fit: &ModelFit, channels: &[Sought<'_>]) -> Vec
             rows: &rows,
         };
         let tried = 2 * all.len();
-        let all = all.into_iter().flat_map(|chosen| chosen.both);
+        // A model that was stepped is not where it leaves least.
+        let to_optimum = |mut beside_all: Smoothed| {
+            beside_all.step += &linearised.linear.step;
+            beside_all
+        };
+        let all = all.into_iter().flat_map(|chosen| {
+            let [beside_all, as_it_is] = chosen.both;
+            [to_optimum(beside_all), as_it_is]
+        });
         let all = all.filter_map(|curves| place.model(Arc::new(curves), tried));
         let error = |model: &AdditiveModel| rms(&left(fit, &[model])[of.channel]);
         let best = all.min_by(|a, b| error(a).total_cmp(&error(b)))?;

@@ -1,5 +1,6 @@
 //! Trials of laws outside the vocabulary: what is drawn, the larger motion, and what is counted.
 
+use crate::outcome::finding::UNNAMED;
 use crate::outcome::trials::{Forecast, Hidden, Nameless, Share, Trial};
 use crate::problem::solution::Control;
 use crate::recording::split::Split;
@@ -7,6 +8,7 @@ use crate::trials::files::{AMPLITUDE, prepare, prepare_larger};
 use crate::trials::motion::Motion;
 use crate::trials::plan::{Plan, Scope};
 use crate::trials::reference_fits::DeclaredModel;
+use crate::trials::run::run;
 use crate::trials::tally::tally;
 
 fn scope(motion: Motion) -> Scope {
@@ -31,6 +33,22 @@ fn laws_take_the_place_of_effects() {
         }
         let usual = Plan::draw(&Scope::all(41), number, 0);
         assert!(usual.law.is_none() && !usual.counts_formulas);
+    }
+}
+
+/// Names that take a part of a law are withdrawn: an offset where the law bends the other parameters as well, and a spring in whose place a
+/// formula leaves less.
+#[test]
+fn a_law_that_the_vocabulary_lacks_is_given_no_name() {
+    let scope = Scope {
+        outside: true,
+        ..Scope::all(640837)
+    };
+    for number in [117, 263] {
+        let trial = run(&scope, number, &Control::default());
+        assert!(!trial.found.is_empty(), "{number}");
+        let named = trial.found.iter().find(|found| found.effect != UNNAMED);
+        assert!(named.is_none(), "{number}: {named:?}");
     }
 }
 
