@@ -469,7 +469,7 @@ pub fn block_length(residuals: &[Vec<f64>]) -> usize {
 
 /// `1 + 2 Σ ρ_l` rows up to the first lag at which the autocorrelation ρ falls below two standard deviations
 /// of that of white noise.
-fn correlation_time(series: &[f64]) -> f64 {
+pub fn correlation_time(series: &[f64]) -> f64 {
     let n = series.len();
     let total: f64 = series.iter().map(|x| x * x).sum();
     if n < 2 || total <= 0.0 {

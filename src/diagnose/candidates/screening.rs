@@ -10,6 +10,7 @@ use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::fit::start_grid::Grid;
+use crate::diagnose::residuals::effect_size::may_matter;
 use crate::estimate::noise::counting_rows;
 use crate::estimate::search_range::MotionRange;
 use crate::linalg::lanes::inner_product::dot;
@@ -94,12 +95,14 @@ impl ScoreTests<'_> {
     }
 }
 
-/// What hypotheses promise beside a model: by a glance at some rows, and a look of those in front at all.
+/// What hypotheses promise beside a model: by a glance at some rows, and a look of those in front at all. Those of joints of which the
+/// model leaves too little for an effect that matters are not looked at.
 pub fn screen(
     context: &Context<'_>,
     fit: &ModelFit,
-    open: Vec<Hypothesis>,
+    mut open: Vec<Hypothesis>,
 ) -> Result<Screening, DiagnoseError> {
+    open.retain(|hypothesis| may_matter(context, fit, hypothesis));
     let by_gain =
         |candidates: &mut Vec<Candidate>| candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let is_going_on = || !context.control.is_interrupted();

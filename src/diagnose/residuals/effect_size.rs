@@ -10,6 +10,8 @@ use crate::diagnose::residuals::clear_band;
 use crate::diagnose::residuals::reversal_mask;
 use crate::recording::split::Split;
 use crate::stats::deviation::rms;
+use crate::stats::distribution::Distribution;
+use crate::stats::encompassing::correlation_time;
 
 /// An effect matters where it lowers the held-out RMS error of a joint by this share.
 pub const MATTERS: f64 = 0.01;
@@ -23,6 +25,9 @@ pub const OF_TORQUE: f64 = 0.002;
 /// An effect that takes less than this many times the RMS noise of a row is negligible: what the errors of
 /// differentiation leave at reversals reaches a quarter of the variance of the noise, to which bandwidths are chosen.
 pub const OF_NOISE: f64 = 0.5;
+
+/// Probability with which it is refuted that an effect takes so much.
+const REFUTED: f64 = 0.99;
 
 /// A delay of less than this share of the interval between samples is none: stamps of samples are not better.
 const OF_INTERVAL: f64 = 0.05;
@@ -81,6 +86,33 @@ pub fn error_reduction(context: &Context<'_>, hypothesis: &Hypothesis, pair: Fit
     channels.filter_map(of).fold(0.0, f64::max)
 }
 
+/// Whether a hypothesis may yet take [`OF_NOISE`] of the noise of a channel that it moves. The model without it then leaves
+/// 1 + OF_NOISE² of the variance of the noise at least; where so much is refuted by what it leaves (F test), the search need not
+/// look. A delay is judged by a part of the rows, and where nothing tells the noise, every hypothesis may.
+pub fn may_matter(context: &Context<'_>, fit: &ModelFit, hypothesis: &Hypothesis) -> bool {
+    let Some(noise) = &context.noise else {
+        return true;
+    };
+    let mut moved = hypothesis.moved_channels(&fit.model).into_iter();
+    matches!(hypothesis.effect.law, Law::Delay)
+        || moved.any(|c| may_leave_more(&fit.validation[c], noise[c]))
+}
+
+/// Whether it is not refuted that a residual is of 1 + OF_NOISE² of the variance of the noise.
+fn may_leave_more(residual: &[f64], noise: f64) -> bool {
+    if residual.is_empty() {
+        return false;
+    }
+    let effective = residual.len() as f64 / correlation_time(residual);
+    let spread = Distribution::FisherF {
+        numerator: effective,
+        denominator: effective,
+    };
+    let most = (1.0 + OF_NOISE * OF_NOISE) * noise * noise;
+    let above = spread.upper_tail(rms(residual).powi(2) / most);
+    above.is_nan() || above <= REFUTED
+}
+
 /// Share by which a model's held-out RMS error exceeds another's, the largest over the joints.
 pub fn error_excess(pair: FitPair<'_>, joints: &[usize]) -> f64 {
     let held_out = pair.held_out();
@@ -135,4 +167,30 @@ fn reversal_error(recordings: &[&Prepared], joint: usize) -> f64 {
 fn shortest_interval(recordings: &[&Prepared]) -> f64 {
     let rates = recordings.iter().map(|r| r.experiment.rate_hz);
     rates.map(f64::recip).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::random::{generator, symmetric};
+
+    #[test]
+    fn what_is_left_at_its_noise_has_no_room_for_an_effect_that_matters() {
+        let mut rng = generator(5);
+        let mut noise = |rows: usize| -> Vec<f64> {
+            (0..rows)
+                .map(|_| symmetric(&mut rng, 3.0_f64.sqrt()))
+                .collect()
+        };
+        let rows = noise(2000);
+        assert!(!may_leave_more(&rows, 1.0));
+        assert!(may_leave_more(&rows, 0.9));
+        // Few rows refute nothing, and those of no noise show all that they leave.
+        assert!(may_leave_more(&rows[..50], 1.0));
+        assert!(may_leave_more(&rows, 0.0));
+        assert!(!may_leave_more(&[], 1.0));
+        // What remembers for long is of few rows.
+        let slow: Vec<f64> = noise(20).iter().flat_map(|e| [*e; 100]).collect();
+        assert!(may_leave_more(&slow, 1.0));
+    }
 }

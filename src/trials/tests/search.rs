@@ -7,6 +7,7 @@ use crate::diagnose::candidates::screening::screen;
 use crate::diagnose::candidates::screening_reuse::Reusable;
 use crate::diagnose::candidates::signal_path::SignalPath;
 use crate::diagnose::fit::candidate::{Candidate, Screening};
+use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::fitting::{fit_model, fit_model_searching_gaps};
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
@@ -18,7 +19,7 @@ use crate::estimate::estimator::Estimator;
 use crate::estimate::fit::fit;
 use crate::recording::split::Split;
 use crate::setup::model_spec::ModelWithPrior;
-use crate::stats::deviation::deviation;
+use crate::stats::deviation::{deviation, rms};
 use crate::trials::tests::bench::{Bench, SIGNIFICANCE, effect_of, offset};
 use std::sync::Arc;
 
@@ -52,6 +53,39 @@ fn a_look_holds_where_neither_physics_nor_residual_are_others() {
     assert!(glance(&elsewhere, 0.999).is_some());
     assert!(glance(&elsewhere, 0.8).is_none());
     assert!(glance(&[effect_of("joint_spring", joint)], 1.0).is_none());
+}
+
+/// Of what moves only signals that are known to be at their noise, nothing is looked at but delays, which show in some rows alone.
+#[test]
+fn what_could_not_matter_is_not_looked_at() {
+    let bench = Bench::control();
+    let mut context = bench.context(&bench.opened.data);
+    let declared = bench.declared(context.data);
+    let [joint, other] = [0, 1];
+    let sought = [
+        offset(joint),
+        offset(other),
+        effect_of("time_delay", other),
+        effect_of("unmodelled_payload", 2),
+    ];
+    let looked_at = |context: &Context<'_>| screen(context, &declared, sought.to_vec());
+    let left: Vec<f64> = declared.validation.iter().map(|e| rms(e)).collect();
+    context.noise = Some(left.clone());
+    assert_eq!(
+        looked_at(&context).unwrap().open,
+        [effect_of("time_delay", other)]
+    );
+    let mut noise = left;
+    noise[joint] *= 0.5;
+    context.noise = Some(noise);
+    let open = looked_at(&context).unwrap().open;
+    assert!(
+        open.contains(&offset(joint)) && open.contains(&sought[3]),
+        "{open:?}"
+    );
+    assert!(!open.contains(&offset(other)), "{open:?}");
+    context.noise = None;
+    assert_eq!(looked_at(&context).unwrap().open, sought);
 }
 
 /// A load shifts every signal, and is looked at beside motions that are as late as all signals are on the average: what it promises
