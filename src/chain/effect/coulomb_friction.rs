@@ -56,6 +56,7 @@ pub const EFFECT: Effect = Effect {
             stands_for: JointTerm::ViscousFriction,
         }),
         sines: &[],
+        has_one_shape_of_many: false,
     },
 };
 

@@ -23,6 +23,9 @@ pub struct Knowledge {
     pub transition: Option<Transition>,
     /// Its sines, each of which can be written in two ways.
     pub sines: &'static [Sine],
+    /// Its law is one shape of the many that the same physics can have, a bump for what comes and goes with the position: where more is
+    /// left of its joint, the shape is another.
+    pub has_one_shape_of_many: bool,
 }
 
 /// A term `amplitude·sin(… + phase)` of an effect, by the names of its parameters: the same as one of the other sign half a
@@ -65,6 +68,7 @@ impl Knowledge {
         term: None,
         transition: None,
         sines: &[],
+        has_one_shape_of_many: false,
     };
 }
 

@@ -58,6 +58,7 @@ pub const EFFECT: Effect = Effect {
         finding: Some(finding),
         sizes: Sizes::First,
         trial: Trial::Drawn(sized),
+        has_one_shape_of_many: true,
         ..Knowledge::NONE
     },
 };

@@ -83,6 +83,7 @@ pub const EFFECT: Effect = Effect {
             nothing: 0.0,
         },
         trial: Trial::Drawn(sized),
+        has_one_shape_of_many: true,
         sines: &[
             Sine {
                 amplitude: "amplitude",

@@ -15,13 +15,15 @@
 //! formula does, if it leaves hardly more than the name with that formula beside it, and forecasts more of what the name leaves than
 //! one of so many does by chance. What leaves as much as the name is another wording of it, and says nothing against it: a correction
 //! by the joint's own motion and load, or a function of another joint's that hardly varies, in the place of an offset.
+//! For a law that is one shape of many there is put a correction by the joint's own motion, too, if that leaves less than half of the
+//! squares that the name alone leaves: so much says that the shape is another.
 //! Corrections are sought of a model that is linearised, so they are sought again where the first ones have moved its parameters.
 //!
 //! A name for what lasts for one recording is fitted to each, the held-out ones too: whatever comes and goes with the motion looks like
 //! a push where the motion stands still for some time. Chance does not follow the motion, so such a name is withdrawn if smooth functions
 //! of the motion, which are not fitted to the held-out rows, forecast the larger part of what it takes there.
 
-use crate::chain::effect::Lasts;
+use crate::chain::effect::{Effect, Lasts};
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::channels_of;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
@@ -72,7 +74,7 @@ pub fn first(
         match (&beside[..], &channels[..]) {
             ([], &[channel]) => named.yields_to_a_formula(channel, without),
             ([], _) => false,
-            _ => named.is_superfluous(&beside, without),
+            _ => named.is_superfluous(full.hypotheses[k].effect, &beside, without),
         }
     })
 }
@@ -116,19 +118,33 @@ impl Named<'_> {
 
     /// Whether the model without a finding and with smooth corrections or a formula in its place leaves hardly more than the finding
     /// with such corrections beside it.
-    fn is_superfluous(&self, beside: &[&AdditiveModel], without: &ModelFit) -> bool {
+    fn is_superfluous(
+        &self,
+        effect: &Effect,
+        beside: &[&AdditiveModel],
+        without: &ModelFit,
+    ) -> bool {
         let full = self.full;
         let both = additive_model::left(full, beside);
         let smooth = InPlace::of(self.context, without.clone(), beside);
-        let mut of_others = smooth.clone();
+        let is_a_shape = effect.knowledge.has_one_shape_of_many;
+        let mut moved = smooth.clone();
         for _ in 0..STEPS {
-            if !of_others.are_of_others(beside) {
+            if moved.corrections.len() != beside.len() {
                 break;
             }
-            if takes_its_place(&of_others.left(), &both, &full.validation) {
+            let left = moved.left();
+            let is_taken = takes_its_place(&left, &both, &full.validation);
+            let is_of_others = moved.corrections.iter().any(|c| !c.is_own);
+            let takes_most_of = |c: &&AdditiveModel| takes_most(&left, &full.validation, c.channel);
+            let is_another_shape = is_a_shape && beside.iter().any(takes_most_of);
+            if is_taken && (is_of_others || is_another_shape) {
                 return true;
             }
-            of_others = of_others.stepped(self.context, beside);
+            if !is_of_others && !is_a_shape {
+                break;
+            }
+            moved = moved.stepped(self.context, beside);
         }
         let [correction] = beside else {
             return false;
@@ -227,11 +243,6 @@ impl InPlace {
         let corrections: Vec<&AdditiveModel> = self.corrections.iter().collect();
         additive_model::left(&self.without, &corrections)
     }
-
-    /// Whether there is one of every channel, and one at least follows another joint.
-    fn are_of_others(&self, beside: &[&AdditiveModel]) -> bool {
-        self.corrections.len() == beside.len() && self.corrections.iter().any(|c| !c.is_own)
-    }
 }
 
 /// Whether what stands in the place of a name leaves hardly more than the name with more beside it, in every channel, and takes some of
@@ -240,6 +251,12 @@ fn takes_its_place(instead: &Left, both: &Left, alone: &Left) -> bool {
     let mut pairs = instead.iter().zip(alone);
     let takes = pairs.any(|(instead, alone)| rms(instead) <= (1.0 - MATTERS) * rms(alone));
     takes && is_hardly_more(instead, both)
+}
+
+/// Whether what stands in the place of a name takes more than half of the squares that the name leaves of a channel.
+fn takes_most(instead: &Left, alone: &Left, channel: usize) -> bool {
+    let square = |left: &Left| rms(&left[channel]).powi(2);
+    2.0 * square(instead) < square(alone)
 }
 
 /// Whether what is left in the place of a name is hardly more than with the name, in every channel.
