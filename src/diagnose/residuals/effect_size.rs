@@ -88,14 +88,19 @@ pub fn error_reduction(context: &Context<'_>, hypothesis: &Hypothesis, pair: Fit
 
 /// Whether a hypothesis may yet take [`OF_NOISE`] of the noise of a channel that it moves. The model without it then leaves
 /// 1 + OF_NOISE² of the variance of the noise at least; where so much is refuted by what it leaves (F test), the search need not
-/// look. A delay is judged by a part of the rows, and where nothing tells the noise, every hypothesis may.
+/// look. What moves a joint away from its motor moves the loads of all others, a delay is judged by a part of the rows, and where
+/// nothing tells the noise, every hypothesis may.
 pub fn may_matter(context: &Context<'_>, fit: &ModelFit, hypothesis: &Hypothesis) -> bool {
     let Some(noise) = &context.noise else {
         return true;
     };
-    let mut moved = hypothesis.moved_channels(&fit.model).into_iter();
-    matches!(hypothesis.effect.law, Law::Delay)
-        || moved.any(|c| may_leave_more(&fit.validation[c], noise[c]))
+    let law = hypothesis.effect.law;
+    let moved = match law.moves_joints() {
+        true => (0..noise.len()).collect(),
+        false => hypothesis.moved_channels(&fit.model),
+    };
+    let may_leave_more = |c: usize| may_leave_more(&fit.validation[c], noise[c]);
+    matches!(law, Law::Delay) || moved.into_iter().any(may_leave_more)
 }
 
 /// Whether it is not refuted that a residual is of 1 + OF_NOISE² of the variance of the noise.
