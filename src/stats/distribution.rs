@@ -33,6 +33,14 @@ pub enum Distribution {
 const LARGEST_EXPONENT: i32 = 1000;
 
 impl Distribution {
+    /// Of the ratio of two mean squares of the same variance, with as many degrees of freedom each.
+    pub fn variance_ratio(freedom: f64) -> Self {
+        Self::FisherF {
+            numerator: freedom,
+            denominator: freedom,
+        }
+    }
+
     /// P(X > x); NaN where a degree of freedom is not a positive number or x is NaN.
     pub fn upper_tail(self, x: f64) -> f64 {
         self.tails(x).map_or(f64::NAN, |(_, upper)| upper)

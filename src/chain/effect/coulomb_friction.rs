@@ -55,8 +55,7 @@ pub const EFFECT: Effect = Effect {
             least: TYPICAL_WIDTH,
             stands_for: JointTerm::ViscousFriction,
         }),
-        sines: &[],
-        has_one_shape_of_many: false,
+        ..Knowledge::NONE
     },
 };
 

@@ -10,7 +10,7 @@ use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::fit::start_grid::Grid;
-use crate::diagnose::residuals::effect_size::may_matter;
+use crate::diagnose::residuals::effect_size::Room;
 use crate::estimate::noise::counting_rows;
 use crate::estimate::search_range::MotionRange;
 use crate::linalg::lanes::inner_product::dot;
@@ -102,7 +102,8 @@ pub fn screen(
     fit: &ModelFit,
     mut open: Vec<Hypothesis>,
 ) -> Result<Screening, DiagnoseError> {
-    open.retain(|hypothesis| may_matter(context, fit, hypothesis));
+    let room = Room::beside(context, fit);
+    open.retain(|hypothesis| room.has_some_for(hypothesis));
     let by_gain =
         |candidates: &mut Vec<Candidate>| candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let is_going_on = || !context.control.is_interrupted();

@@ -36,8 +36,8 @@ use crate::diagnose::selection::forecast::{IN_DOUBT, forecast};
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::stats::deviation::rms;
 
-/// Steps of a model's unknowns without a name, after each of which corrections in its place are sought anew.
-const STEPS: usize = 4;
+/// Times that corrections in the place of a name are sought, each but the first where those before it have moved the unknowns.
+const SOUGHT: usize = 4;
 
 /// The first finding of a model in whose place a smooth correction or a formula leaves hardly more, if there is one; asked of channels
 /// for which a correction is needed beside the model at `significance`, or of which more than noise is left.
@@ -127,24 +127,14 @@ impl Named<'_> {
         let full = self.full;
         let both = additive_model::left(full, beside);
         let smooth = InPlace::of(self.context, without.clone(), beside);
-        let is_a_shape = effect.knowledge.has_one_shape_of_many;
-        let mut moved = smooth.clone();
-        for _ in 0..STEPS {
-            if moved.corrections.len() != beside.len() {
-                break;
-            }
-            let left = moved.left();
-            let is_taken = takes_its_place(&left, &both, &full.validation);
-            let is_of_others = moved.corrections.iter().any(|c| !c.is_own);
-            let takes_most_of = |c: &&AdditiveModel| takes_most(&left, &full.validation, c.channel);
-            let is_another_shape = is_a_shape && beside.iter().any(takes_most_of);
-            if is_taken && (is_of_others || is_another_shape) {
-                return true;
-            }
-            if !is_of_others && !is_a_shape {
-                break;
-            }
-            moved = moved.stepped(self.context, beside);
+        let asked = Asked {
+            named: self,
+            effect,
+            beside,
+            both: &both,
+        };
+        if asked.yields_to(&smooth, SOUGHT) {
+            return true;
         }
         let [correction] = beside else {
             return false;
@@ -211,8 +201,40 @@ impl Named<'_> {
     }
 }
 
+/// What is asked of smooth corrections in the place of a name.
+struct Asked<'a> {
+    named: &'a Named<'a>,
+    /// Of the name.
+    effect: &'a Effect,
+    /// The corrections that are needed beside it, and what they leave with it.
+    beside: &'a [&'a AdditiveModel],
+    both: &'a Left,
+}
+
+impl Asked<'_> {
+    /// Whether corrections take the place of the name, or those do that are sought where they have moved the unknowns, so many times
+    /// in all.
+    fn yields_to(&self, smooth: &InPlace, times: usize) -> bool {
+        let alone = &self.named.full.validation;
+        let is_of_others = smooth.corrections.iter().any(|c| !c.is_own);
+        let is_a_shape = self.effect.knowledge.has_one_shape_of_many;
+        if smooth.corrections.len() != self.beside.len() || !is_of_others && !is_a_shape {
+            return false;
+        }
+        let left = smooth.left();
+        let takes_most_of = |c: &&AdditiveModel| takes_most(&left, alone, c.channel);
+        let says_enough = is_of_others || self.beside.iter().any(takes_most_of);
+        if says_enough && takes_its_place(&left, self.both, alone) {
+            return true;
+        }
+        times > 1 && {
+            let stepped = smooth.stepped(self.named.context, self.beside);
+            self.yields_to(&stepped, times - 1)
+        }
+    }
+}
+
 /// Smooth corrections in the place of a name.
-#[derive(Clone)]
 struct InPlace {
     /// The model without the name.
     without: ModelFit,

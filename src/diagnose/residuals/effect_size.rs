@@ -2,6 +2,7 @@
 
 use crate::chain::dataset::Prepared;
 use crate::chain::effect::{Law, Memory};
+use crate::chain::model::Model;
 use crate::diagnose::fit::channel_series::ChannelSeries;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::hypothesis::Hypothesis;
@@ -86,21 +87,47 @@ pub fn error_reduction(context: &Context<'_>, hypothesis: &Hypothesis, pair: Fit
     channels.filter_map(of).fold(0.0, f64::max)
 }
 
-/// Whether a hypothesis may yet take [`OF_NOISE`] of the noise of a channel that it moves. The model without it then leaves
-/// 1 + OF_NOISE² of the variance of the noise at least; where so much is refuted by what it leaves (F test), the search need not
-/// look. What moves a joint away from its motor moves the loads of all others, a delay is judged by a part of the rows, and where
-/// nothing tells the noise, every hypothesis may.
-pub fn may_matter(context: &Context<'_>, fit: &ModelFit, hypothesis: &Hypothesis) -> bool {
-    let Some(noise) = &context.noise else {
-        return true;
-    };
-    let law = hypothesis.effect.law;
-    let moved = match law.moves_joints() {
-        true => (0..noise.len()).collect(),
-        false => hypothesis.moved_channels(&fit.model),
-    };
-    let may_leave_more = |c: usize| may_leave_more(&fit.validation[c], noise[c]);
-    matches!(law, Law::Delay) || moved.into_iter().any(may_leave_more)
+/// Where a model leaves room for an effect that matters: one that takes [`OF_NOISE`] of the noise of a channel. The model without it
+/// then leaves 1 + OF_NOISE² of the variance of the noise at least; where so much is refuted by what it leaves (F test), the search need
+/// not look.
+#[derive(Debug)]
+pub struct Room<'a> {
+    model: &'a Model,
+    /// Whether there is some in each channel; `None` where nothing tells the noise.
+    channels: Option<Vec<bool>>,
+}
+
+impl<'a> Room<'a> {
+    /// Beside a model, on the held-out rows.
+    pub fn beside(context: &Context<'_>, fit: &'a ModelFit) -> Self {
+        let of_noise = |noise: &Vec<f64>| {
+            let channels = fit.validation.iter().zip(noise);
+            channels
+                .map(|(left, noise)| may_leave_more(left, *noise))
+                .collect()
+        };
+        Self {
+            model: &fit.model,
+            channels: context.noise.as_ref().map(of_noise),
+        }
+    }
+
+    /// Whether there is some for a hypothesis, in a channel that it moves. What moves a joint away from its motor moves the loads of all
+    /// others, a delay is judged by a part of the rows, and where nothing tells the noise, every hypothesis may matter.
+    pub fn has_some_for(&self, hypothesis: &Hypothesis) -> bool {
+        let Some(channels) = &self.channels else {
+            return true;
+        };
+        let law = hypothesis.effect.law;
+        let in_one = || match law.moves_joints() {
+            true => channels.contains(&true),
+            false => {
+                let moved = hypothesis.moved_channels(self.model);
+                moved.into_iter().any(|c| channels[c])
+            }
+        };
+        matches!(law, Law::Delay) || in_one()
+    }
 }
 
 /// Whether it is not refuted that a residual is of 1 + OF_NOISE² of the variance of the noise.
@@ -109,10 +136,7 @@ fn may_leave_more(residual: &[f64], noise: f64) -> bool {
         return false;
     }
     let effective = residual.len() as f64 / correlation_time(residual);
-    let spread = Distribution::FisherF {
-        numerator: effective,
-        denominator: effective,
-    };
+    let spread = Distribution::variance_ratio(effective);
     let most = (1.0 + OF_NOISE * OF_NOISE) * noise * noise;
     let above = spread.upper_tail(rms(residual).powi(2) / most);
     above.is_nan() || above <= REFUTED

@@ -70,10 +70,7 @@ impl NoiseLevel {
 pub fn chance(residual: &[f64], noise: f64) -> Option<f64> {
     let lack = (rms(residual) / noise).powi(2);
     let effective = residual.len() as f64 / block_length(&[residual.to_vec()]) as f64;
-    let spread = Distribution::FisherF {
-        numerator: effective,
-        denominator: effective,
-    };
+    let spread = Distribution::variance_ratio(effective);
     (lack > UNEXPLAINED).then(|| spread.upper_tail(lack))
 }
 

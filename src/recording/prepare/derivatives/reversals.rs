@@ -184,10 +184,7 @@ impl Turns {
         if windows < 1.0 {
             return false;
         }
-        let by_chance = Distribution::FisherF {
-            numerator: windows,
-            denominator: windows,
-        };
+        let by_chance = Distribution::variance_ratio(windows);
         mean(&self.reversals) > mean(&self.extremes) * by_chance.quantile(CONFIDENCE)
     }
 }
