@@ -15,9 +15,10 @@
 //!
 //! # Files in the order of the work
 //!
-//! `task` reads and checks; `fit/` fits the declared model; `residuals/` looks at what it leaves;
-//! `candidates/` screens effects by score tests; `selection/` fits, tests and compares them; `formula/` seeks laws for what has no
-//! name; `conclusion/` withdraws and confirms; `findings/` says what they mean; `simulator/` compares a robot with its simulator.
+//! `task` reads and checks; `search` leads from the declared model to a report, and within it `fit/` fits the declared model;
+//! `residuals/` looks at what it leaves; `candidates/` screens effects by score tests; `selection/` fits, tests and compares them;
+//! `formula/` seeks laws for what has no name; `conclusion/` withdraws and confirms; `findings/` says what they mean. `simulator/` compares
+//! a robot with its simulator.
 
 pub mod candidates;
 pub mod conclusion;
@@ -26,6 +27,7 @@ pub mod findings;
 pub mod fit;
 pub(crate) mod formula;
 pub mod residuals;
+mod search;
 pub mod selection;
 pub mod simulator;
 pub mod stage;

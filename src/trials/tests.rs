@@ -17,6 +17,7 @@ use crate::trials::unmodelled_physics::UnmodelledLaw;
 use std::collections::BTreeSet;
 
 mod bench;
+mod confounding;
 mod evidence;
 mod kept;
 mod outside;

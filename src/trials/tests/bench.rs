@@ -101,6 +101,15 @@ impl Bench {
             series.for_each(|s| *s = other(*s));
         })
     }
+
+    /// The same with something more in the signal of the first channel, in every split.
+    pub fn with_added(&self, of: &dyn Fn(&Experiment, usize) -> f64) -> Dataset {
+        self.changed(&[Split::Train, Split::Validation], |experiment| {
+            let added: Vec<f64> = (0..experiment.rows()).map(|k| of(experiment, k)).collect();
+            let pairs = experiment.signal[0].iter_mut().zip(added);
+            pairs.for_each(|(s, by)| *s += by);
+        })
+    }
 }
 
 /// An effect of one joint.

@@ -1,7 +1,6 @@
-//! What has no name in a diagnosis: smooth corrections, residuals that are left, rivals, and names that other joints explain.
+//! What has no name in a diagnosis: smooth corrections, residuals that are left, and rivals.
 
 use crate::chain::dataset::Dataset;
-use crate::diagnose::conclusion::confounding;
 use crate::diagnose::conclusion::explanation::Explanation;
 use crate::diagnose::findings::compared::Compared;
 use crate::diagnose::findings::corrections::Corrections;
@@ -9,7 +8,6 @@ use crate::diagnose::findings::unexplained::SearchState;
 use crate::diagnose::fit::context::Context;
 use crate::diagnose::fit::contexts::HeldOutHalves;
 use crate::diagnose::fit::held_out::Purpose;
-use crate::diagnose::fit::hypothesis::Hypothesis;
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::formula::seeking::Seeking;
 use crate::diagnose::residuals::additive_model::{self, AdditiveModel};
@@ -22,7 +20,6 @@ use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::rival_models::RivalComparison;
 use crate::diagnose::selection::stepwise::{Rules, Stepwise};
 use crate::outcome::finding::Finding;
-use crate::recording::experiment::{Experiment, Motion};
 use crate::recording::split::Split;
 use crate::robot::random::generator;
 use crate::stats::deviation::rms;
@@ -66,21 +63,12 @@ fn a_correction_is_needed_where_it_is_significant_and_matters() {
 fn with_law(bench: &Bench) -> Dataset {
     let signal = rms(&bench.opened.data.recordings[0].experiment.signal[0]);
     let speed = rms(&bench.opened.data.recordings[0].experiment.motion.velocity[0]);
-    with_added(bench, &|experiment, row| {
+    bench.with_added(&|experiment, row| {
         let (v, q) = (
             experiment.motion.velocity[0][row],
             experiment.motion.position[1][row],
         );
         0.1 * signal * (v / speed).tanh() * (2.0 * q).cos()
-    })
-}
-
-/// Recordings with something more in the signal of the first channel.
-fn with_added(bench: &Bench, of: &dyn Fn(&Experiment, usize) -> f64) -> Dataset {
-    bench.changed(&BOTH, |experiment| {
-        let added: Vec<f64> = (0..experiment.rows()).map(|k| of(experiment, k)).collect();
-        let pairs = experiment.signal[0].iter_mut().zip(added);
-        pairs.for_each(|(s, by)| *s += by);
     })
 }
 
@@ -204,7 +192,7 @@ fn formulas_that_forecast_well_come_first() {
 fn formulas_of_few_variables_come_first_where_more_take_hardly_more() {
     let bench = Bench::control();
     let signal = rms(&bench.opened.data.recordings[0].experiment.signal[0]);
-    let data = with_added(&bench, &|experiment, row| {
+    let data = bench.with_added(&|experiment, row| {
         let [q, other] = [1, 2].map(|joint| experiment.motion.position[joint][row]);
         signal * (0.5 * (2.0 * q).cos() + 0.03 * other)
     });
@@ -425,97 +413,6 @@ fn rivals_are_corrected_for_their_number() {
     assert!(p_value > 0.0);
     assert!(!of_offset(&rivals(0.99 * count * p_value).0).0);
     assert!(of_offset(&rivals(1.01 * count * p_value).0).0);
-}
-
-/// Whether a name that was found in the first channel is withdrawn where that has something beside what the model says.
-fn is_confounded(bench: &Bench, found: Hypothesis, of: impl Fn(&Motion, usize) -> f64) -> bool {
-    let data = with_added(bench, &|experiment, k| of(&experiment.motion, k));
-    let context = bench.context(&data);
-    let full = bench.fit(&data, &[found]);
-    let comparison = RivalComparison {
-        without: bench.declared(&data),
-        alternatives: Vec::new(),
-        tried: 0,
-    };
-    let first = confounding::first(&context, &full, &[comparison], SIGNIFICANCE);
-    first.is_some()
-}
-
-/// An offset that is found beside a law of two joints' motions is a part of it; beside something that no joint's motion explains
-/// it is one, and so it is beside a law of the joint's own motion.
-#[test]
-fn a_name_for_a_part_of_a_law_is_withdrawn() {
-    let bench = Bench::control();
-    let recorded = &bench.opened.data.recordings[0].experiment;
-    let size = 0.2 * rms(&recorded.signal[0]);
-    let speed = rms(&recorded.motion.velocity[0]);
-    let is_confounded = |of: &dyn Fn(&Motion, usize) -> f64| is_confounded(&bench, offset(0), of);
-    let of_both = |motion: &Motion, k: usize| {
-        0.5 * size * (motion.velocity[0][k] / speed).tanh() * (2.0 * motion.position[1][k]).cos()
-    };
-    assert!(is_confounded(&of_both));
-    let of_nothing = |_: &Motion, k: usize| size * (1.0 + (40.3 * k as f64).sin());
-    assert!(!is_confounded(&of_nothing));
-    let of_own = |motion: &Motion, k: usize| {
-        size * (motion.velocity[0][k] / speed).exp() / (1.0 + motion.position[0][k].powi(2))
-    };
-    assert!(!is_confounded(&of_own));
-}
-
-/// A push takes of each recording what is there for some time; what a function of the motion forecasts on other recordings is none, and
-/// what a function of time does may be.
-#[test]
-fn what_follows_the_motion_is_no_push() {
-    let bench = Bench::control();
-    let recorded = &bench.opened.data.recordings[0].experiment;
-    let size = 0.2 * rms(&recorded.signal[0]);
-    let withdrawn = |of: &dyn Fn(&Experiment, usize) -> f64| {
-        let data = with_added(&bench, of);
-        let context = bench.context(&data);
-        let comparison = RivalComparison {
-            without: bench.declared(&data),
-            alternatives: Vec::new(),
-            tried: 0,
-        };
-        // A push that is there whenever something is leaves noise.
-        let full = ModelFit {
-            hypotheses: vec![effect_of("external_contact", 0)],
-            validation: bench.declared(&bench.opened.data).validation,
-            ..comparison.without.clone()
-        };
-        confounding::first(&context, &full, &[comparison], SIGNIFICANCE).is_some()
-    };
-    let far = |motion: &Motion, k: usize| (motion.position[1][k] - 0.2).max(0.0);
-    assert!(withdrawn(&|experiment, k| size * far(&experiment.motion, k)));
-    // At the same time of every recording, as a function of time says too.
-    let for_some_time = |experiment: &Experiment, k: usize| {
-        let share = k as f64 / experiment.rows() as f64;
-        if (0.3..0.4).contains(&share) {
-            size
-        } else {
-            0.0
-        }
-    };
-    assert!(!withdrawn(&for_some_time));
-}
-
-/// A name whose shape no smooth correction has stays, whatever is left beside it.
-#[test]
-fn a_name_beside_another_law_is_kept() {
-    let bench = Bench::control();
-    let recorded = &bench.opened.data.recordings[0].experiment;
-    let size = 0.2 * rms(&recorded.signal[0]);
-    let speed = rms(&recorded.motion.velocity[0]);
-    let of = |motion: &Motion, k: usize| {
-        let v = motion.velocity[0][k];
-        let stribeck = v.signum() * (-(v / (0.1 * speed)).powi(2)).exp();
-        size * (motion.velocity[1][k] + stribeck)
-    };
-    assert!(!is_confounded(
-        &bench,
-        effect_of("stribeck_friction", 0),
-        of
-    ));
 }
 
 /// Rows at less than half of the usual speed count if reversals, and rows at which the joint creeps, are further away than
