@@ -2,7 +2,7 @@
 //! to every recorded sample.
 
 use crate::chain::controller::Commands;
-use crate::chain::evaluate::{KnownBodies, Segment, earlier};
+use crate::chain::evaluate::{EarlierMotion, KnownBodies, Segment};
 use crate::recording::experiment::{Experiment, Motion};
 use crate::recording::split::Split;
 use crate::recording::successive_periods::successive_periods;
@@ -199,7 +199,7 @@ impl Prepared {
         if delay == 0.0 || self.experiment.rows() < 2 {
             return self.clone();
         }
-        let (t, motion) = earlier(self.whole(), delay);
+        let (t, motion) = EarlierMotion::of(self.whole()).at(delay);
         let mut late = self.clone();
         let experiment = Arc::make_mut(&mut late.experiment);
         experiment.t = t;

@@ -6,7 +6,7 @@
 //! m_c(t) = (m + ŝ)(t + delay),   s(t) = m_c(t) − m(t)
 //! ```
 
-use crate::chain::evaluate::earlier_motion::earlier;
+use crate::chain::evaluate::earlier_motion::EarlierMotion;
 use crate::chain::evaluate::{Evaluator, Segment};
 use crate::chain::model::Signal;
 use crate::robot::batch::Trajectory;
@@ -41,10 +41,11 @@ impl Evaluator<'_> {
         distinct.dedup();
         let mut whole = self.block.like();
         whole.clear(segment.motors.len());
+        let motion = EarlierMotion::of(segment);
         for delay in distinct {
             let is_member = |c: usize| is_wanted[c] && late[c].0 == delay;
             self.wanted = (0..late.len()).map(is_member).collect();
-            self.shifted(segment, delay);
+            self.shifted(&motion, delay);
             let members: Vec<usize> = (0..late.len()).filter(|&c| is_member(c)).collect();
             for &c in &members {
                 whole.exchange_channel(c, &mut self.block);
@@ -57,8 +58,8 @@ impl Evaluator<'_> {
                 continue;
             }
             let step = STEP * segment.step();
-            let later = self.shifted_values(segment, delay + step);
-            let sooner = self.shifted_values(segment, delay - step);
+            let later = self.shifted_values(&motion, delay + step);
+            let sooner = self.shifted_values(&motion, delay - step);
             for (c, column) in columns {
                 let pairs = later[c].iter().zip(&sooner[c]);
                 let slopes = pairs.map(|(later, sooner)| ahead * (later - sooner) / (2.0 * step));
@@ -70,13 +71,14 @@ impl Evaluator<'_> {
         self.block = whole;
     }
 
-    fn shifted(&mut self, segment: Segment<'_>, delay: f64) {
+    fn shifted(&mut self, motion: &EarlierMotion<'_>, delay: f64) {
+        let segment = motion.segment;
         let samples = segment.motors.len();
         if delay == 0.0 || samples < 2 {
             self.states(segment, 0..samples);
             return;
         }
-        let (time, [q, dq, ddq]) = earlier(segment, delay);
+        let (time, [q, dq, ddq]) = motion.at(delay);
         let moved = Segment {
             motors: Trajectory {
                 q: &q,
@@ -97,10 +99,10 @@ impl Evaluator<'_> {
         }
     }
 
-    fn shifted_values(&mut self, segment: Segment<'_>, delay: f64) -> Vec<Vec<f64>> {
+    fn shifted_values(&mut self, motion: &EarlierMotion<'_>, delay: f64) -> Vec<Vec<f64>> {
         let none = vec![None; self.column.len()];
         let columns = std::mem::replace(&mut self.column, none);
-        self.shifted(segment, delay);
+        self.shifted(motion, delay);
         self.column = columns;
         self.block.values.clone()
     }

@@ -4,10 +4,35 @@ use crate::chain::evaluate::segment::Segment;
 use crate::robot::batch::Trajectory;
 use crate::stats::range::within;
 
-/// Times and motion as they were `delay` before every sample, s.
-pub fn earlier(segment: Segment<'_>, delay: f64) -> (Vec<f64>, [Vec<Vec<f64>>; 3]) {
-    let time = segment.time.iter().map(|t| t - delay).collect();
-    (time, shift(segment, delay))
+/// The motion of a segment, for any delay.
+pub struct EarlierMotion<'s> {
+    /// As it was recorded.
+    pub segment: Segment<'s>,
+    jerk: Vec<Vec<f64>>,
+}
+
+impl<'s> EarlierMotion<'s> {
+    /// Of a segment.
+    pub fn of(segment: Segment<'s>) -> Self {
+        let series = segment.motors.ddq.iter();
+        Self {
+            segment,
+            jerk: series.map(|x| slopes(x, segment)).collect(),
+        }
+    }
+
+    /// Times and motion as they were `delay` before every sample, s: cubic Hermite of position and velocity, and of velocity and
+    /// acceleration; for the acceleration the cubic through four neighbours' slopes.
+    pub fn at(&self, delay: f64) -> (Vec<f64>, [Vec<Vec<f64>>; 3]) {
+        let places = Places::of(self.segment, delay);
+        let Trajectory { q, dq, ddq } = self.segment.motors;
+        let pairs = |x: &[Vec<f64>], slopes: &[Vec<f64>]| -> Vec<Vec<f64>> {
+            let pairs = x.iter().zip(slopes);
+            pairs.map(|(x, slopes)| places.along(x, slopes)).collect()
+        };
+        let time = self.segment.time.iter().map(|t| t - delay).collect();
+        (time, [pairs(q, dq), pairs(dq, ddq), pairs(ddq, &self.jerk)])
+    }
 }
 
 /// A time between a row and the next, with the weights of their values and of their slopes.
@@ -29,10 +54,10 @@ impl Place {
         }
     }
 
-    /// The value between the k-th of a series and the next.
-    fn of(&self, k: usize, x: &[f64], slopes: &[f64]) -> f64 {
+    /// The value between two values of a series that follow each other.
+    fn of(&self, [a, b]: [usize; 2], x: &[f64], slopes: &[f64]) -> f64 {
         let ([va, vb], [sa, sb]) = (self.values, self.slopes);
-        va * x[k] + vb * x[k + 1] + sa * slopes[k] + sb * slopes[k + 1]
+        va * x[a] + vb * x[b] + sa * slopes[a] + sb * slopes[b]
     }
 }
 
@@ -60,7 +85,9 @@ impl Places {
                 before += 1;
             }
             let apart = time[before + 1] - time[before];
-            Place::after(before, (then - time[before]) / apart, apart)
+            // Times differ by much less than they are: as differences they are not rounded.
+            let since = within((now - time[before]) - delay, [0.0, apart]);
+            Place::after(before, since / apart, apart)
         };
         Self::Each(time.iter().map(of).collect())
     }
@@ -69,23 +96,29 @@ impl Places {
     fn along(&self, x: &[f64], slopes: &[f64]) -> Vec<f64> {
         match self {
             Self::Alike(place) => {
+                let last = x.len() - 1;
+                let of = |a: usize, b: usize| place.of([a, b], x, slopes);
                 // From there once around, to where it began.
-                let around = |x: &[f64]| [&x[place.before..], &x[..=place.before]].concat();
-                let (around, slopes) = (around(x), around(slopes));
-                let rows = 0..x.len();
-                rows.map(|k| place.of(k, &around, &slopes)).collect()
+                let mut along = Vec::with_capacity(x.len());
+                along.extend((place.before..last).map(|k| of(k, k + 1)));
+                along.push(of(last, 0));
+                along.extend((0..place.before).map(|k| of(k, k + 1)));
+                along
             }
             Self::Each(places) => {
-                let of = |place: &Place| place.of(place.before, x, slopes);
+                let of = |place: &Place| place.of([place.before, place.before + 1], x, slopes);
                 places.iter().map(of).collect()
             }
         }
     }
 }
 
-/// Slopes of a series, by central differences.
+/// Slopes of a series, by central differences; of fewer samples than two there are none.
 fn slopes(x: &[f64], segment: Segment<'_>) -> Vec<f64> {
-    let (samples, h, time) = (x.len(), segment.step(), segment.time);
+    let (samples, time) = (x.len(), segment.time);
+    if samples < 2 {
+        return vec![0.0; samples];
+    }
     let of = |k: usize| {
         let (before, after) = (k.saturating_sub(1), (k + 1).min(samples - 1));
         (x[after] - x[before]) / (time[after] - time[before])
@@ -94,19 +127,7 @@ fn slopes(x: &[f64], segment: Segment<'_>) -> Vec<f64> {
         return (0..samples).map(of).collect();
     }
     let around = [&x[samples - 1..], x, &x[..1]].concat();
-    let of = |three: &[f64]| (three[2] - three[0]) / (2.0 * h);
+    let apart = 2.0 * segment.step();
+    let of = |three: &[f64]| (three[2] - three[0]) / apart;
     around.windows(3).map(of).collect()
-}
-
-/// The motion at t − delay: cubic Hermite of position and velocity, and of velocity and acceleration; for
-/// the acceleration the cubic through four neighbours' slopes.
-fn shift(segment: Segment<'_>, delay: f64) -> [Vec<Vec<f64>>; 3] {
-    let places = Places::of(segment, delay);
-    let Trajectory { q, dq, ddq } = segment.motors;
-    let pairs = |x: &[Vec<f64>], slopes: &[Vec<f64>]| -> Vec<Vec<f64>> {
-        let pairs = x.iter().zip(slopes);
-        pairs.map(|(x, slopes)| places.along(x, slopes)).collect()
-    };
-    let jerk: Vec<Vec<f64>> = ddq.iter().map(|x| slopes(x, segment)).collect();
-    [pairs(q, dq), pairs(dq, ddq), pairs(ddq, &jerk)]
 }

@@ -25,7 +25,7 @@ mod rigid;
 mod segment;
 
 pub use block::Block;
-pub use earlier_motion::earlier;
+pub use earlier_motion::EarlierMotion;
 pub use known_bodies::KnownBodies;
 
 use crate::chain::crosstalk::Heard;

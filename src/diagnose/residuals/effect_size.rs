@@ -28,7 +28,7 @@ pub const OF_TORQUE: f64 = 0.002;
 pub const OF_NOISE: f64 = 0.5;
 
 /// Probability with which it is refuted that an effect takes so much.
-const REFUTED: f64 = 0.99;
+const REFUTED: f64 = 0.95;
 
 /// A delay of less than this share of the interval between samples is none: stamps of samples are not better.
 const OF_INTERVAL: f64 = 0.05;
