@@ -1,5 +1,6 @@
 //! Assembly of a model's list of parameters: of links, effects, coupling, tilt and load.
 
+use crate::chain::channel::{Channel, WRENCH};
 use crate::chain::crosstalk::Heard;
 use crate::chain::effect::knowledge::JointTerm;
 use crate::chain::effect::{
@@ -7,8 +8,9 @@ use crate::chain::effect::{
     of_term,
 };
 use crate::chain::error::ModelError;
-use crate::chain::model::{Channel, Inertials, JointModel, ModelSettings, Signal, WRENCH};
+use crate::chain::joint_model::JointModel;
 use crate::chain::parameter::{Parameter, Role, State};
+use crate::chain::settings::{Inertials, ModelSettings, Signal};
 use crate::robot::inertia::{PER_LINK, QUANTITIES, UNITS};
 use crate::robot::tree::{Joint, JointKind, Tree};
 use nalgebra::DMatrix;

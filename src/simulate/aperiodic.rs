@@ -9,7 +9,7 @@
 //! The amplitude of a sweep is that of the range, r⁻¹, where it is slow, of the speed v in between and of the acceleration
 //! a where it is fast.
 
-use crate::simulate::path::{Instants, Motion};
+use crate::simulate::motion::{Instants, Motion};
 use nalgebra::{DMatrix, DVector};
 
 /// A path whose joints each follow a waveform of their own.
