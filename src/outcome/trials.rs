@@ -150,6 +150,9 @@ pub struct Nameless {
     /// Share of the squares beyond the noise that a smooth correction takes from the held-out residual of the law's joint.
     #[serde(with = "number::nullable")]
     pub smooth_share: f64,
+    /// The joint of which the largest share of the signal is said to be left without an explanation, where nothing is found.
+    #[serde(default)]
+    pub unexplained: Option<String>,
     /// The forecast of a motion of 1.3 times the amplitude; nothing in a control.
     pub forecast: Option<Forecast>,
 }
@@ -175,7 +178,10 @@ pub struct Forecast {
 pub struct OutsideRates {
     /// Laws of [`Rates::least_size`] and more: the first finding is on their joint.
     pub located: Share,
-    /// The same of laws of at most two variables: a smooth correction takes at least half of what is beyond the noise.
+    /// The same, or nothing is found, and what is left of their joint is said to be unexplained, more than of any other.
+    #[serde(default)]
+    pub located_or_unexplained: Share,
+    /// Of these laws those of at most two variables: a smooth correction takes at least half of what is beyond the noise.
     pub smooth_takes_half: Share,
     /// The size from which on formulas count.
     #[serde(with = "number::nullable")]

@@ -48,6 +48,10 @@ pub(super) fn trial_rates(trials: &Trials) -> Vec<(&'static str, Share)> {
         all.extend([
             ("outside: the joint is found", outside.located),
             (
+                "outside: the joint is found, or said to be unexplained",
+                outside.located_or_unexplained,
+            ),
+            (
                 "outside, two variables: a smooth correction takes half of it",
                 outside.smooth_takes_half,
             ),

@@ -98,7 +98,7 @@ fn one(plan: &Plan, folder: &Path, control: &Control<'_>) -> Result<Trial, Trial
         control,
     )?;
     if plan.counts_formulas {
-        let mut nameless = score::nameless(plan, &diagnosed.diagnosis.findings);
+        let mut nameless = score::nameless(plan, &diagnosed.diagnosis);
         if let Some(law) = &plan.law {
             let problem = prepare_larger(plan, &made, folder, control)?;
             let of_joint = forecast(plan, &diagnosed.nameless, law.joint, &problem, control)?;

@@ -5,7 +5,7 @@ use crate::chain::effect::term_name;
 use crate::chain::model::Model;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::task::DiagnoseRun;
-use crate::outcome::diagnose::Verdict;
+use crate::outcome::diagnose::{Diagnosis, Verdict};
 use crate::outcome::finding::Finding;
 use crate::outcome::trials::{Found, Hidden, Inseparable, Nameless, Trial};
 use crate::trials::naming::names;
@@ -69,8 +69,11 @@ pub fn judge(
     }
 }
 
-/// What findings have in the place of what has no name, but for its forecast.
-pub fn nameless(plan: &Plan, findings: &[Finding]) -> Nameless {
+/// What a diagnosis has in the place of what has no name, but for its forecast.
+pub fn nameless(plan: &Plan, diagnosis: &Diagnosis) -> Nameless {
+    let findings = &diagnosis.findings;
+    let unattested = diagnosis.unattested.iter();
+    let most = unattested.max_by(|a, b| a.of_signal.total_cmp(&b.of_signal));
     let robot = &plan.robot;
     let joint = plan.law.as_ref().map(|law| robot.name(law.joint));
     let is_on = |finding: &&Finding| joint.is_none_or(|joint| finding.joints == [joint]);
@@ -90,6 +93,9 @@ pub fn nameless(plan: &Plan, findings: &[Finding]) -> Nameless {
         formula: formula.map(|formula| formula.expression.clone()),
         formula_variables: formula.map_or_else(Vec::new, |formula| formula.variables.clone()),
         smooth_share: unnamed.map_or(0.0, |f| f.explained_share),
+        unexplained: most
+            .filter(|_| findings.is_empty())
+            .map(|left| left.joint.clone()),
         forecast: None,
     }
 }

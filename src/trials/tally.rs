@@ -259,6 +259,11 @@ fn outside(trials: &[&Trial]) -> Option<OutsideRates> {
         };
         if size(trial) >= LEAST_SIZE {
             rates.located.count(trial.right_joints);
+            let unexplained = nameless.unexplained.iter();
+            let hidden = trial.concealed.iter().flat_map(|hidden| &hidden.joints);
+            rates
+                .located_or_unexplained
+                .count(trial.right_joints || unexplained.eq(hidden));
             if nameless.variables.len() <= SMOOTH_VARIABLES {
                 rates
                     .smooth_takes_half

@@ -109,6 +109,7 @@ fn trial(size: Option<f64>, formula: Option<&str>, forecast: [f64; 2]) -> Trial 
             formula: formula.map(str::to_string),
             formula_variables: formula.map_or_else(Vec::new, names),
             smooth_share: 0.6,
+            unexplained: None,
             forecast: size.map(|_| Forecast {
                 nothing: 9.0,
                 smooth: forecast[0],
@@ -124,12 +125,20 @@ fn formulas_are_counted_where_a_smooth_correction_is_not_enough() {
     let larger = [8.0, 3.0];
     let mut lost = trial(Some(4.0), None, larger);
     lost.right_joints = false;
+    let unexplained = |joint: &str| {
+        let mut trial = lost.clone();
+        trial.nameless.as_mut().unwrap().unexplained = Some(joint.to_string());
+        trial
+    };
+    let [stated, elsewhere] = ["j1", "j2"].map(unexplained);
     let trials = vec![
         trial(Some(6.0), Some("v[j2] q"), larger),
         trial(Some(6.0), Some("v[j2]"), [8.0, 5.0]),
         trial(Some(6.0), None, larger),
         // Too small for a formula, and for anything.
         lost,
+        stated,
+        elsewhere,
         trial(Some(0.5), None, larger),
         // The smooth correction forecasts it, better than a formula once.
         trial(Some(6.0), Some("v[j2] q"), [0.9, 0.1]),
@@ -140,8 +149,9 @@ fn formulas_are_counted_where_a_smooth_correction_is_not_enough() {
     let tallied = tally(trials);
     let rates = tallied.rates.outside.unwrap();
     let share = |are: usize, of: usize| Share { of, are };
-    assert_eq!(rates.located, share(5, 6));
-    assert_eq!(rates.smooth_takes_half, share(6, 6));
+    assert_eq!(rates.located, share(5, 8));
+    assert_eq!(rates.located_or_unexplained, share(6, 8));
+    assert_eq!(rates.smooth_takes_half, share(8, 8));
     assert_eq!(rates.proposed, share(2, 3));
     assert_eq!(rates.forecasts, share(1, 3));
     assert_eq!(rates.variables_right, share(1, 2));
