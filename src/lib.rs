@@ -125,6 +125,19 @@
 //!
 //! Each of these is a program too: `examples/fit_arm.rs`, `examples/diagnose_gear.rs` and `examples/own_effect.rs`.
 //!
+//! # Features
+//!
+//! All are on by default. A library that identifies and diagnoses needs none: text files are read without.
+//!
+//! - `bags`: recordings of ROS 1 and 2 (`.bag`, `.db3`, `.mcap`).
+//! - `compression`: compressed text (gzip, bzip2, Zstandard).
+//! - `hdf5`: HDF5 and MATLAB.
+//! - `npz`: arrays of NumPy.
+//! - `parquet`: Parquet.
+//! - `report`: HTML, pictures and text of outcomes, and [`verb`] with its folders of results.
+//! - `fleet`: [`fleet`].
+//! - `cli`: the program, [`cli`].
+//!
 //! # Map
 //!
 //! From the command line down to numbers. A folder's own first lines say what its files are.
@@ -206,13 +219,17 @@ pub mod simulate;
 pub mod diagnose;
 pub mod init;
 
+#[cfg(feature = "fleet")]
 pub mod fleet;
 pub mod rollout;
 pub mod trials;
 
 pub mod export;
+#[cfg(feature = "report")]
 pub mod report;
 
+#[cfg(feature = "report")]
 pub mod verb;
 
+#[cfg(feature = "cli")]
 pub mod cli;

@@ -192,6 +192,44 @@ fn what_is_shared_is_compiled_once() {
     }
 }
 
+/// The library without features is made without what they need, and its first page lists them all.
+#[test]
+fn what_features_need_is_compiled_for_them_alone() {
+    let manifest = fs::read_to_string(root().join("Cargo.toml")).unwrap();
+    let manifest: toml::Table = toml::from_str(&manifest).unwrap();
+    let page = fs::read_to_string(root().join("src/lib.rs")).unwrap();
+    for feature in manifest["features"].as_table().unwrap().keys() {
+        let row = format!("//! - `{feature}`: ");
+        let is_told = page.contains(&row) || ["default", "shared"].contains(&feature.as_str());
+        assert!(is_told, "{row}");
+    }
+    let bare = compiled(&[
+        "--package",
+        "exid",
+        "--edges",
+        "no-dev",
+        "--no-default-features",
+    ]);
+    let shared = manifest["features"]["shared"].as_array().unwrap();
+    let shared: Vec<String> = shared
+        .iter()
+        .filter_map(|name| Some(name.as_str()?.strip_prefix("dep:")?.to_string()))
+        .collect();
+    let dependencies = manifest["dependencies"].as_table().unwrap();
+    let is_optional = |of: &toml::Value| of.get("optional").is_some();
+    let optional: Vec<&String> = dependencies
+        .iter()
+        .filter_map(|(name, of)| is_optional(of).then_some(name))
+        .collect();
+    assert!(!optional.is_empty());
+    for name in optional {
+        let package = format!("{name} v");
+        let is_there = bare.iter().any(|line| line.starts_with(&package));
+        // Of what is shared, others ask for some.
+        assert!(!is_there || shared.contains(name), "{name}");
+    }
+}
+
 /// Files that may hold `unsafe`. In the library one module: vector instructions that are run where the processor has them,
 /// and symbols of LAPACK that Clarabel calls by raw pointers. In the bindings the memory of NumPy's arrays.
 const UNSAFE: [&str; 6] = [

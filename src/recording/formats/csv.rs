@@ -1,13 +1,10 @@
-//! Text separated by commas, semicolons, tabs or blanks, plain or compressed (gzip, bzip2, Zstandard), with a line of names, which may be a
+//! Text separated by commas, semicolons, tabs or blanks, with a line of names, which may be a
 //! comment, or without; read line by line so that memory holds the wanted columns and one line.
 
 use std::collections::HashSet;
 use std::fs::File;
 use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
-
-use bzip2::read::MultiBzDecoder;
-use flate2::read::MultiGzDecoder;
 
 use crate::fault::Place;
 use crate::recording::error::{RecordingError, RecordingErrorKind, excerpt};
@@ -29,37 +26,37 @@ const MOST_BLANK_LINES: usize = 10_000;
 /// Most lines of comment before the names: what is longer is no table.
 const MOST_COMMENTS: usize = 10_000;
 
-/// First bytes of files by bzip2 and Zstandard (RFC 8878, section 3.1.1).
-const BZIP2: &[u8] = b"BZh";
-const ZSTANDARD: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
-
 /// Read-ahead, bytes: large enough that the cost of a system call vanishes.
-const BUFFER: usize = 1 << 18;
+pub(super) const BUFFER: usize = 1 << 18;
 
 /// Column names of a text file.
 pub fn columns(path: &Path, reading: &Reading) -> Result<Vec<String>, RecordingError> {
-    let mut lines = Lines::plain(path, reading)?;
-    Ok(read_header(&mut lines)?.names)
-}
-
-/// Column names of a compressed text file.
-pub fn columns_packed(path: &Path, reading: &Reading) -> Result<Vec<String>, RecordingError> {
-    let mut lines = Lines::packed(path, reading)?;
-    Ok(read_header(&mut lines)?.names)
+    columns_of(path, plain(path, reading)?)
 }
 
 /// The wanted columns of a text file.
 pub fn read(path: &Path, wanted: &[String], reading: &Reading) -> Result<Table, RecordingError> {
-    read_rows(Lines::plain(path, reading)?, wanted, reading)
+    read_from(path, plain(path, reading)?, wanted, reading)
 }
 
-/// The wanted columns of a compressed text file.
-pub fn read_packed(
+/// Column names of the text of a file.
+pub(super) fn columns_of(path: &Path, text: Box<dyn Read>) -> Result<Vec<String>, RecordingError> {
+    Ok(read_header(&mut Lines::new(path, text)?)?.names)
+}
+
+/// The wanted columns of the text of a file.
+pub(super) fn read_from(
     path: &Path,
+    text: Box<dyn Read>,
     wanted: &[String],
     reading: &Reading,
 ) -> Result<Table, RecordingError> {
-    read_rows(Lines::packed(path, reading)?, wanted, reading)
+    read_rows(Lines::new(path, text)?, wanted, reading)
+}
+
+fn plain(path: &Path, reading: &Reading) -> Result<Box<dyn Read>, RecordingError> {
+    let file = File::open(path).map_err(|error| from_io(Place::file(path), &error))?;
+    Ok(Box::new(reading.metered(file)))
 }
 
 /// The lines of a file, one at a time, of bounded length.
@@ -72,28 +69,6 @@ struct Lines<'p> {
 }
 
 impl<'p> Lines<'p> {
-    fn plain(path: &'p Path, reading: &Reading) -> Result<Self, RecordingError> {
-        let file = File::open(path).map_err(|error| from_io(Place::file(path), &error))?;
-        Self::new(path, Box::new(reading.metered(file)))
-    }
-
-    /// By the first bytes, not by the name: what compresses is often renamed.
-    fn packed(path: &'p Path, reading: &Reading) -> Result<Self, RecordingError> {
-        let fault = |error: &std::io::Error| from_io(Place::file(path), error);
-        let file = File::open(path).map_err(|error| fault(&error))?;
-        let mut file = BufReader::with_capacity(BUFFER, file);
-        let begin = file.fill_buf().map_err(|error| fault(&error))?;
-        if begin.starts_with(BZIP2) {
-            return Self::new(path, Box::new(reading.metered(MultiBzDecoder::new(file))));
-        }
-        if begin.starts_with(ZSTANDARD) {
-            let decoder = zstd::stream::read::Decoder::with_buffer(file);
-            let decoder = decoder.map_err(|error| fault(&error))?;
-            return Self::new(path, Box::new(reading.metered(decoder)));
-        }
-        Self::new(path, Box::new(reading.metered(MultiGzDecoder::new(file))))
-    }
-
     fn new(path: &'p Path, source: Box<dyn Read>) -> Result<Self, RecordingError> {
         let source = without_mark(source);
         let source = source.map_err(|e| stream_fault(Place::file(path).line(1), &e))?;

@@ -6,10 +6,19 @@ use std::sync::LazyLock;
 
 use crate::fault::Place;
 use crate::recording::error::{RecordingError, RecordingErrorKind};
+#[cfg(feature = "bags")]
 use crate::recording::formats::bag::{mcap, ros1, sqlite};
+#[cfg(feature = "compression")]
+use crate::recording::formats::compressed;
+use crate::recording::formats::csv;
+#[cfg(feature = "npz")]
+use crate::recording::formats::npz;
+#[cfg(feature = "parquet")]
+use crate::recording::formats::parquet;
 use crate::recording::formats::reading::{Reading, from_io};
 use crate::recording::formats::table::Table;
-use crate::recording::formats::{csv, hdf5, mat, npz, parquet};
+#[cfg(feature = "hdf5")]
+use crate::recording::formats::{hdf5, mat};
 
 /// One file format: how its files are called and read.
 pub struct Format {
@@ -30,62 +39,75 @@ impl Format {
         }
     }
 
-    /// Text that is compressed.
-    const fn packed(extension: &'static str) -> Self {
+    #[cfg(feature = "compression")]
+    const fn compressed(extension: &'static str) -> Self {
         Self {
             extension,
-            columns: csv::columns_packed,
-            read: csv::read_packed,
+            columns: compressed::columns,
+            read: compressed::read,
         }
     }
 }
 
-/// The known formats.
+/// The known formats: those of the features that the library is built with.
 pub const FORMATS: &[Format] = &[
     Format::text(".csv"),
     Format::text(".tsv"),
     Format::text(".txt"),
     Format::text(".dat"),
-    Format::packed(".csv.gz"),
-    Format::packed(".tsv.gz"),
-    Format::packed(".txt.gz"),
-    Format::packed(".csv.bz2"),
-    Format::packed(".csv.zst"),
+    #[cfg(feature = "compression")]
+    Format::compressed(".csv.gz"),
+    #[cfg(feature = "compression")]
+    Format::compressed(".tsv.gz"),
+    #[cfg(feature = "compression")]
+    Format::compressed(".txt.gz"),
+    #[cfg(feature = "compression")]
+    Format::compressed(".csv.bz2"),
+    #[cfg(feature = "compression")]
+    Format::compressed(".csv.zst"),
+    #[cfg(feature = "parquet")]
     Format {
         extension: ".parquet",
         columns: parquet::columns,
         read: parquet::read,
     },
+    #[cfg(feature = "npz")]
     Format {
         extension: ".npz",
         columns: npz::columns,
         read: npz::read,
     },
+    #[cfg(feature = "hdf5")]
     Format {
         extension: ".mat",
         columns: mat::columns,
         read: mat::read,
     },
+    #[cfg(feature = "hdf5")]
     Format {
         extension: ".h5",
         columns: hdf5::columns,
         read: hdf5::read,
     },
+    #[cfg(feature = "hdf5")]
     Format {
         extension: ".hdf5",
         columns: hdf5::columns,
         read: hdf5::read,
     },
+    #[cfg(feature = "bags")]
     Format {
         extension: ".mcap",
         columns: mcap::columns,
         read: mcap::read,
     },
+    #[cfg(feature = "bags")]
     Format {
         extension: ".bag",
         columns: ros1::columns,
         read: ros1::read,
     },
+    #[cfg(feature = "bags")]
     Format {
         extension: ".db3",
         columns: sqlite::columns,
