@@ -48,7 +48,8 @@ impl Compared<'_> {
     /// Findings of channels without one whose held-out residual is much larger than noise, and larger than chance would
     /// have it, and not mostly explained by what is found elsewhere: not even where the misfit lies says what it is. What
     /// uncertain parameters add to a prediction is as attested as noise. Where a name was withdrawn there is a misfit of
-    /// weight. Where nothing attests the noise it is at most what is left of the rows that were fitted.
+    /// weight. Where nothing attests the noise it is at most what is left of the rows that were fitted. The one that is furthest beyond
+    /// it comes first.
     pub fn unexplained(&self, findings: &[Finding], state: SearchState<'_>) -> Vec<Finding> {
         let fit = self.full;
         let signal = self.context.signal_rms(Split::Validation);
@@ -59,7 +60,8 @@ impl Compared<'_> {
         });
         let tried = (VIEWS * open.clone().count()) as f64;
         let found = |name: &String| findings.iter().any(|f| f.joints.contains(name));
-        open.filter(|(c, name, _)| !found(name) && self.is_left(*c))
+        let mut unexplained: Vec<(f64, Finding)> = open
+            .filter(|(c, name, _)| !found(name) && self.is_left(*c))
             .filter_map(|(c, name, joint)| {
                 let residual = &fit.validation[c];
                 let least = match state.withdrawn.contains(&joint) {
@@ -79,7 +81,8 @@ impl Compared<'_> {
                 let chances = of_weight.filter_map(|(rows, _)| chance(rows, attested));
                 let p_value = (chances.reduce(f64::min)? * tried).min(1.0);
                 let odds = probability::of_unexplained(p_value);
-                (p_value < state.significance).then(|| Finding {
+                let times = rms(residual) / noise;
+                let finding = || Finding {
                     effect: UNNAMED.to_string(),
                     joints: vec![name.clone()],
                     parameters: Vec::new(),
@@ -91,15 +94,21 @@ impl Compared<'_> {
                         "Something is missing on {name} that {}, and no smooth correction takes its place: the error on \
                          recordings that were not fitted is {:.1} times {than}.",
                         state.nameless(),
-                        rms(residual) / noise
+                        times
                     ),
                     rivals: Vec::new(),
                     probability: odds.finding,
                     probability_unnamed: odds.finding,
                     probability_nothing: odds.nothing,
                     formula: None,
-                })
+                };
+                (p_value < state.significance).then(|| (times, finding()))
             })
+            .collect();
+        unexplained.sort_by(|a, b| b.0.total_cmp(&a.0));
+        unexplained
+            .into_iter()
+            .map(|(_, finding)| finding)
             .collect()
     }
 
