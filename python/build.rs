@@ -1,4 +1,4 @@
-//! Keeps symbols of the libraries inside, LAPACK's names among them: another module of the process may have its own.
+//! Keeps symbols of the libraries inside, SQLite's names among them: another module of the process may have its own.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -231,14 +231,11 @@ fn what_features_need_is_compiled_for_them_alone() {
 }
 
 /// Files that may hold `unsafe`. In the library one module: vector instructions that are run where the processor has them,
-/// and symbols of LAPACK that Clarabel calls by raw pointers. In the bindings the memory of NumPy's arrays.
-const UNSAFE: [&str; 6] = [
+/// In the bindings the memory of NumPy's arrays.
+const UNSAFE: [&str; 3] = [
     "python/src/arrays.rs",
     "src/linalg/lanes/instructions.rs",
     "src/linalg/lanes/registers.rs",
-    "src/linalg/lapack/foreign.rs",
-    "src/linalg/lapack/symbols.rs",
-    "src/linalg/lapack/tests.rs",
 ];
 
 #[test]

@@ -2,7 +2,6 @@
 
 pub mod jacobi_rotation;
 pub mod lanes;
-pub mod lapack;
 pub mod normal_equations;
 pub mod svec;
 pub mod triangular;

@@ -135,7 +135,7 @@ impl Fault for ProblemError {
             K::HasCone { view } => Description::new(
                 "has-cone",
                 format!("{view} takes no semidefinite constraint"),
-                "use the conic method, or variables whose every value is feasible",
+                "use the interior-point method, or variables whose every value is feasible",
             ),
             K::NotAffine { view } => Description::new(
                 "not-affine",

@@ -8,6 +8,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::problem::form::Form;
 
+pub mod affine;
 pub mod bounds;
 pub mod check;
 pub mod count;

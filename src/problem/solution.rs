@@ -18,14 +18,10 @@ pub enum Stop {
     StepTolerance,
     /// The gradient, projected on the bounds, is within the tolerance.
     GradientTolerance,
-    /// A direct or conic method reached the optimum within its tolerances.
+    /// A direct or interior-point method reached the optimum within its tolerances.
     Optimal,
-    /// The conic method came close to the optimum, within its reduced tolerances only.
-    NearlyOptimal,
     /// No point satisfies the constraints.
     Infeasible,
-    /// The cost has no lower bound on the feasible set.
-    Unbounded,
     /// No step lowers the cost although no test of convergence holds.
     Stalled,
     /// So many iterations were allowed, and none of the tests of convergence holds.
@@ -54,9 +50,7 @@ impl Stop {
             Self::StepTolerance => "step-tolerance",
             Self::GradientTolerance => "gradient-tolerance",
             Self::Optimal => "optimal",
-            Self::NearlyOptimal => "nearly-optimal",
             Self::Infeasible => "infeasible",
-            Self::Unbounded => "unbounded",
             Self::Stalled => "stalled",
             Self::IterationLimit => "iteration-limit",
             Self::TimeLimit => "time-limit",

@@ -8,7 +8,6 @@ use crate::problem::{Linearization, Problem};
 use crate::solve::error::{SolveError, SolveErrorKind};
 
 pub mod bounded;
-pub mod conic;
 pub mod error;
 pub mod interior;
 pub mod levenberg_marquardt;

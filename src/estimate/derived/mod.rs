@@ -5,6 +5,7 @@ pub mod goodness_of_fit;
 pub mod load;
 pub mod model_comparison;
 pub mod physical;
+pub mod pseudo_inertia;
 pub mod reactions;
 pub mod realization;
 pub mod remarks;

@@ -4,13 +4,13 @@
 //! With `π = π_0 + N z` (π_0 the estimate, z the parameters that base parameters stand for),
 //!
 //! ```text
-//! maximise t   subject to   D J_k(π) D − t·1 ⪰ 0 for every link k,   t <= t_max
-//! minimise ‖π − π_reference‖²   subject to   D J_k(π) D − ½ t*·1 ⪰ 0
+//! minimise ½ (t − t_max)² + ½ ε² ‖D (J − J_reference) D‖²   subject to   D J_k(π) D − t·1 ⪰ 0 for every link k
+//! minimise ½ ‖D (J − J_reference) D‖²   subject to   D J_k(π) D − ½ t*·1 ⪰ 0
 //! ```
 //!
-//! D measures lengths in units in which masses and second moments have one size. Where t* is not positive no member is
-//! possible, and the robot that is nearest by the covariance C = L Lᵀ of the unknowns takes its place, friction and all
-//! else moved along with the bodies:
+//! (t* and a little less where it is not positive). D measures lengths in units in which masses and second moments have one size.
+//! Where t* is not positive no member is possible, and the robot that is nearest by the covariance C = L Lᵀ of the unknowns takes
+//! its place, friction and all else moved along with the bodies:
 //!
 //! ```text
 //! minimise ½ ‖u‖² + ½ ε² ‖D (J − J_reference) D‖²   subject to   D J_k(π_0 + N z + E L u) D − margin·1 ⪰ 0
@@ -19,25 +19,23 @@
 use crate::chain::effect::Linearity;
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
+use crate::estimate::derived::pseudo_inertia::{ROWS, scaled_rows, svec4};
 use crate::estimate::fit_problem::unknowns::Unknowns;
-use crate::linalg::svec::svec;
+use crate::problem::Problem;
+use crate::problem::affine::{AffineProblem, AffineRows};
 use crate::problem::form::{Constraint, Form, Objective, Set, Structure, Variable};
 use crate::problem::solution::Control;
 use crate::problem::view::ConeProgram;
-use crate::problem::{Linearization, OutsideDomain, Problem, SquareRoot, Values};
 use crate::robot::inertia::{Inertia, PER_LINK};
-use crate::solve::conic::{self, Settings};
+use crate::solve::interior::{self, Settings, Terms};
 use nalgebra::{DMatrix, DVector, Matrix4, SymmetricEigen};
 
-/// Length unit of the scaled pseudo-inertias, m: a typical radius of gyration of robot links.
-pub(crate) const LENGTH: f64 = 0.1;
-
-/// Largest margin that is asked for, kg: beyond it a body is as good as any, and links without effect on
-/// the signal would grow without limit.
+/// Largest margin that is asked for, kg: beyond it a body is as good as any.
 const LARGEST_MARGIN: f64 = 0.05;
 
-/// Rows of the svec of a pseudo-inertia.
-const ROWS: usize = 10;
+/// Share of a distance from the reference that counts while the largest margin is looked for: it keeps links without effect on the signal
+/// from growing without limit.
+const NEARBY: f64 = 1e-6;
 
 /// A member of the class, and how far inside the physical bodies it lies.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,14 +66,12 @@ pub fn find(model: &Model, unknowns: &Unknowns, values: &DVector<f64>) -> Option
         return None;
     }
     let class = EquivalenceClass::new(model, unknowns, values, &bodies);
-    let margin = class.largest_margin()?;
-    let chosen = if margin > 0.0 {
-        class
-            .closest(0.5 * margin)
-            .or_else(|| class.most_interior())?
-    } else {
-        class.most_interior()?
+    let inside = class.most_interior()?;
+    let asked = match inside.margin > 0.0 {
+        true => 0.5 * inside.margin,
+        false => (1.0 + SLACK) * inside.margin,
     };
+    let chosen = class.closest(asked).unwrap_or(inside.values);
     let smallest = bodies
         .iter()
         .map(|&first| smallest_eigenvalue(&chosen, first))
@@ -86,6 +82,9 @@ pub fn find(model: &Model, unknowns: &Unknowns, values: &DVector<f64>) -> Option
         feasible: smallest > 0.0,
     })
 }
+
+/// Share of a margin that no member has, by which one that is closer to the reference may miss it further.
+const SLACK: f64 = 0.01;
 
 /// Least scaled pseudo-inertia of a nearest possible body, kg: simulators divide by it.
 const NEAREST_MARGIN: f64 = 1e-3;
@@ -138,6 +137,14 @@ fn given(covariance: &DMatrix<f64>, held: &[usize]) -> DMatrix<f64> {
 fn smallest_eigenvalue(values: &DVector<f64>, first: usize) -> f64 {
     let body = Inertia(std::array::from_fn(|k| values[first + k]));
     SymmetricEigen::new(body.pseudo_inertia()).eigenvalues.min()
+}
+
+/// A member that is furthest inside the physical bodies.
+struct MostInterior {
+    /// t*, kg.
+    margin: f64,
+    /// Values of all parameters.
+    values: DVector<f64>,
 }
 
 /// The equivalence class `π_0 + N z`.
@@ -220,66 +227,43 @@ impl<'a> EquivalenceClass<'a> {
         values
     }
 
-    fn solve_margin(&self) -> Option<DVector<f64>> {
-        let count = self.free.len();
+    /// The member with the largest margin.
+    fn most_interior(&self) -> Option<MostInterior> {
+        let (count, rows) = (self.free.len(), self.constant.len());
         let mut slopes = self.slopes.clone().resize_horizontally(count + 1, 0.0);
-        for (body, _) in self.bodies.iter().enumerate() {
-            let identity = svec4(&Matrix4::identity());
-            for (row, value) in identity.iter().enumerate() {
-                slopes[(body * ROWS + row, count)] = -value;
-            }
-        }
-        let mut gradient = DVector::zeros(count + 1);
-        gradient[count] = -1.0;
-        let mut variables: Vec<Variable> = (0..count).map(|_| Variable::free("z", "")).collect();
-        variables.push(Variable::free("margin", "kg").within(f64::NEG_INFINITY, LARGEST_MARGIN));
-        let program = Bodies {
-            form: self.form(variables, Objective::Smooth),
-            linear: gradient,
-            square_root: None,
-            constant: self.constant.clone(),
-            slopes,
+        slopes.column_mut(count).copy_from(&-self.identities());
+        let mut matrix = (&self.slopes * NEARBY).resize(rows + 1, count + 1, 0.0);
+        matrix[(rows, count)] = 1.0;
+        let mut offset = (self.away() * NEARBY).resize_vertically(rows + 1, 0.0);
+        offset[rows] = -LARGEST_MARGIN;
+        let mut variables = free(count);
+        variables.push(Variable::free("margin", "kg"));
+        let constant = self.constant.clone();
+        let squares = AffineRows { matrix, offset };
+        let cones = AffineRows {
+            matrix: slopes,
+            offset: constant,
         };
-        program.solve()
-    }
-
-    /// t*, kg.
-    fn largest_margin(&self) -> Option<f64> {
-        let solution = self.solve_margin()?;
-        Some(solution[self.free.len()])
-    }
-
-    fn most_interior(&self) -> Option<DVector<f64>> {
-        let solution = self.solve_margin()?;
-        let z = solution.rows(0, self.free.len()).into_owned();
-        Some(self.member(&z))
+        let solution = solved(&self.program(variables, squares, cones))?;
+        Some(MostInterior {
+            margin: solution[count],
+            values: self.member(&solution.rows(0, count).into_owned()),
+        })
     }
 
     /// The member closest to the reference with at least the given margin.
     fn closest(&self, margin: f64) -> Option<DVector<f64>> {
-        let count = self.free.len();
-        let mut constant = self.constant.clone();
-        let identity = svec4(&Matrix4::identity());
-        for (body, _) in self.bodies.iter().enumerate() {
-            for (row, value) in identity.iter().enumerate() {
-                constant[body * ROWS + row] -= margin * value;
-            }
-        }
         // Distance in the scaled pseudo-inertias, so that masses and inertias count alike.
-        let target = self.rows(&self.reference);
-        let program = Bodies {
-            form: self.form(
-                (0..count).map(|_| Variable::free("z", "")).collect(),
-                Objective::SumOfSquares {
-                    rows: self.constant.len(),
-                },
-            ),
-            linear: DVector::zeros(count),
-            square_root: Some((self.slopes.clone(), &self.constant - target)),
-            constant,
-            slopes: self.slopes.clone(),
+        let squares = AffineRows {
+            matrix: self.slopes.clone(),
+            offset: self.away(),
         };
-        program.solve().map(|z| self.member(&z))
+        let cones = AffineRows {
+            matrix: self.slopes.clone(),
+            offset: &self.constant - self.identities() * margin,
+        };
+        let program = self.program(free(self.free.len()), squares, cones);
+        solved(&program).map(|z| self.member(&z))
     }
 
     /// The possible robot whose unknowns, at these positions, lie nearest by their covariance.
@@ -289,8 +273,11 @@ impl<'a> EquivalenceClass<'a> {
         for (mut column, variance) in moves.column_iter_mut().zip(&eigen.eigenvalues) {
             column *= variance.max(0.0).sqrt();
         }
-        let (free, count) = (self.free.len(), positions.len());
-        let mut slopes = self.slopes.clone().resize_horizontally(free + count, 0.0);
+        let (free_count, count) = (self.free.len(), positions.len());
+        let mut slopes = self
+            .slopes
+            .clone()
+            .resize_horizontally(free_count + count, 0.0);
         let moved = |u: usize| {
             let mut direction = DVector::zeros(self.values.len());
             for (k, &p) in positions.iter().enumerate() {
@@ -299,39 +286,33 @@ impl<'a> EquivalenceClass<'a> {
             direction
         };
         for u in 0..count {
-            slopes.set_column(free + u, &self.rows(&moved(u)));
-        }
-        let mut constant = self.constant.clone();
-        let identity = svec4(&Matrix4::identity());
-        for (body, _) in self.bodies.iter().enumerate() {
-            for (row, value) in identity.iter().enumerate() {
-                constant[body * ROWS + row] -= NEAREST_MARGIN * value;
-            }
+            slopes.set_column(free_count + u, &self.rows(&moved(u)));
         }
         let rows = self.constant.len();
-        let mut square_root = DMatrix::zeros(count + rows, free + count);
+        let mut square_root = DMatrix::zeros(count + rows, free_count + count);
         square_root
-            .view_mut((0, free), (count, count))
+            .view_mut((0, free_count), (count, count))
             .fill_with_identity();
         square_root
-            .view_mut((count, 0), (rows, free + count))
+            .view_mut((count, 0), (rows, free_count + count))
             .copy_from(&(&slopes * REFERENCE_WEIGHT));
         let mut offset = DVector::zeros(count + rows);
         offset
             .rows_mut(count, rows)
-            .copy_from(&((&self.constant - self.rows(&self.reference)) * REFERENCE_WEIGHT));
-        let variables = (0..free + count).map(|_| Variable::free("z", "")).collect();
-        let program = Bodies {
-            form: self.form(variables, Objective::SumOfSquares { rows: count + rows }),
-            linear: DVector::zeros(free + count),
-            square_root: Some((square_root, offset)),
-            constant,
-            slopes,
+            .copy_from(&(self.away() * REFERENCE_WEIGHT));
+        let squares = AffineRows {
+            matrix: square_root,
+            offset,
         };
-        let solution = program.solve()?;
-        let mut nearest = self.member(&solution.rows(0, free).into_owned());
+        let cones = AffineRows {
+            matrix: slopes,
+            offset: &self.constant - self.identities() * NEAREST_MARGIN,
+        };
+        let program = self.program(free(free_count + count), squares, cones);
+        let solution = solved(&program)?;
+        let mut nearest = self.member(&solution.rows(0, free_count).into_owned());
         for u in 0..count {
-            nearest += moved(u) * solution[free + u];
+            nearest += moved(u) * solution[free_count + u];
         }
         Some(nearest)
     }
@@ -345,91 +326,57 @@ impl<'a> EquivalenceClass<'a> {
         DVector::from_iterator(self.bodies.len() * ROWS, stacked)
     }
 
-    fn form(&self, variables: Vec<Variable>, objective: Objective) -> Form {
+    /// What the scaled pseudo-inertias are away from the reference, at z = 0.
+    fn away(&self) -> DVector<f64> {
+        &self.constant - self.rows(&self.reference)
+    }
+
+    /// Rows of one identity for every body.
+    fn identities(&self) -> DVector<f64> {
+        let identity = svec4(&Matrix4::identity());
+        let all = self.bodies.iter().flat_map(|_| &identity).copied();
+        DVector::from_iterator(self.constant.len(), all)
+    }
+
+    fn program(
+        &self,
+        variables: Vec<Variable>,
+        squares: AffineRows,
+        cones: AffineRows,
+    ) -> AffineProblem {
         let block = |k: usize| Constraint {
             name: format!("pseudo-inertia of body {}", k + 1),
             unit: "kg".to_string(),
             rows: ROWS,
             set: Set::Psd { order: 4 },
         };
-        Form {
-            variables,
-            objective,
-            constraints: (0..self.bodies.len()).map(block).collect(),
-            structure: Structure::Affine,
+        AffineProblem {
+            linear: DVector::zeros(variables.len()),
+            form: Form {
+                variables,
+                objective: Objective::SumOfSquares {
+                    rows: squares.offset.len(),
+                },
+                constraints: (0..self.bodies.len()).map(block).collect(),
+                structure: Structure::Affine,
+            },
+            squares,
+            cones,
         }
     }
 }
 
-fn svec4(matrix: &Matrix4<f64>) -> Vec<f64> {
-    let dynamic = DMatrix::from_column_slice(4, 4, matrix.as_slice());
-    svec(&dynamic).iter().copied().collect()
+fn free(count: usize) -> Vec<Variable> {
+    (0..count).map(|_| Variable::free("z", "")).collect()
 }
 
-/// svec of `D J D`, D = diag(1/ℓ, 1/ℓ, 1/ℓ, 1).
-fn scaled_rows(values: &DVector<f64>, first: usize) -> Vec<f64> {
-    let body = Inertia(std::array::from_fn(|k| values[first + k]));
-    let mut scale = Matrix4::identity();
-    for k in 0..3 {
-        scale[(k, k)] = 1.0 / LENGTH;
-    }
-    svec4(&(scale * body.pseudo_inertia() * scale))
-}
-
-/// Affine positive semidefinite rows with a linear cost or a sum of squares.
-struct Bodies {
-    form: Form,
-    linear: DVector<f64>,
-    square_root: Option<(DMatrix<f64>, DVector<f64>)>,
-    constant: DVector<f64>,
-    slopes: DMatrix<f64>,
-}
-
-impl Bodies {
-    fn solve(&self) -> Option<DVector<f64>> {
-        let start = DVector::zeros(self.form.variables.len());
-        let view = ConeProgram::try_from(self as &dyn Problem).ok()?;
-        let solved = conic::solve(view, &start, &Settings::default(), &Control::default()).ok()?;
-        let stop = solved.solution.stop;
-        let usable = stop.converged() || stop == crate::problem::solution::Stop::NearlyOptimal;
-        usable.then_some(solved.solution.x)
-    }
-}
-
-impl Problem for Bodies {
-    fn form(&self) -> &Form {
-        &self.form
-    }
-
-    fn values(&self, x: &DVector<f64>) -> Result<Values, OutsideDomain> {
-        let squares = self
-            .square_root
-            .as_ref()
-            .map_or(0.0, |(a, b)| 0.5 * (a * x + b).norm_squared());
-        Ok(Values {
-            cost: self.linear.dot(x) + squares,
-            constraints: &self.constant + &self.slopes * x,
-        })
-    }
-
-    fn linearize(&self, x: &DVector<f64>) -> Result<Linearization, OutsideDomain> {
-        let Values { cost, constraints } = self.values(x)?;
-        let square_root = self.square_root.as_ref().map(|(a, b)| SquareRoot {
-            matrix: a.clone(),
-            residual: a * x + b,
-        });
-        let gradient = match &square_root {
-            Some(root) => &self.linear + root.matrix.tr_mul(&root.residual),
-            None => self.linear.clone(),
-        };
-        Ok(Linearization {
-            cost,
-            gradient,
-            square_root,
-            constraints,
-            jacobian: self.slopes.clone(),
-        })
-    }
+/// The least of a program; `None` where the solver does not tell it.
+fn solved(program: &AffineProblem) -> Option<DVector<f64>> {
+    let start = DVector::zeros(program.form.variables.len());
+    let view = ConeProgram::try_from(program as &dyn Problem).ok()?;
+    let (settings, terms) = (Settings::default(), Terms::default());
+    let solved = interior::solve(view, &start, &settings, &terms, &Control::default()).ok()?;
+    solved.gap.is_finite().then_some(solved.solution.x)
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! Active bounds of a feasible fit: bodies on the boundary of their cones, unknowns at limits, and what the data ask of each body
 //! when its own constraint alone is dropped.
 
+use crate::estimate::derived::pseudo_inertia::{ROWS, scaled_body, svec4};
 use crate::estimate::feasible::FeasibleFit;
 use crate::estimate::feasible::compressed;
 use crate::estimate::feasible::solve::constrained;
-use crate::estimate::feasible::standard::{ROWS, scaled_body, svec4};
 use crate::outcome::feasibility::BodyAtBound;
 use crate::problem::solution::Control;
 use crate::robot::inertia::Inertia;

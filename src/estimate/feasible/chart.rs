@@ -9,12 +9,14 @@
 //! squares with bounds alone, which Levenberg-Marquardt minimises. At the edge of what is possible d goes to its least
 //! value, and slowly: there the cones are the better way, and this one their check.
 
+use crate::estimate::derived::pseudo_inertia::{LENGTH, scaled_body};
 use crate::estimate::error::EstimateError;
 use crate::estimate::feasible::compressed;
 use crate::estimate::feasible::program::{PULL, pull};
 use crate::estimate::feasible::solve::{self, Feasible, Setting};
-use crate::estimate::feasible::standard::{AffineRows, LENGTH, StandardParameters, scaled_body};
+use crate::estimate::feasible::standard::StandardParameters;
 use crate::estimate::fit_problem::problem::FitProblem;
+use crate::problem::affine::AffineRows;
 use crate::problem::form::{Form, Objective, Structure, Variable};
 use crate::problem::solution::Control;
 use crate::problem::view::LeastSquares;
@@ -307,7 +309,7 @@ mod tests {
     const MARGIN: f64 = 1e-6;
 
     fn scaled(parameters: &Inertia) -> Matrix4<f64> {
-        crate::estimate::feasible::standard::scaled_pseudo_inertia(parameters)
+        crate::estimate::derived::pseudo_inertia::scaled_pseudo_inertia(parameters)
     }
 
     #[test]

@@ -7,10 +7,10 @@
 use crate::chain::dataset::Dataset;
 use crate::estimate::derived::goodness_of_fit::{figures, predictions};
 use crate::estimate::derived::physical::{self, Estimated, PhysicalEstimate};
+use crate::estimate::derived::pseudo_inertia::{LENGTH, scaled_body};
 use crate::estimate::feasible::active_bounds::{self, ActiveBounds};
 use crate::estimate::feasible::prior::Sparsity;
 use crate::estimate::feasible::program::{PULL, pull};
-use crate::estimate::feasible::standard::{LENGTH, scaled_body};
 use crate::estimate::feasible::{FeasibleFit, MARGIN};
 use crate::estimate::fit::{self, Fitted};
 use crate::estimate::fit_problem::problem::FitProblem;

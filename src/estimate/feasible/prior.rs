@@ -15,8 +15,10 @@
 //!
 //! All are convex in the parameters; the entropic one goes to infinity at the edge of what is possible.
 
-use crate::estimate::feasible::standard::{AffineRows, LENGTH, ROWS, StandardParameters, svec4};
+use crate::estimate::derived::pseudo_inertia::{LENGTH, ROWS, svec4};
+use crate::estimate::feasible::standard::StandardParameters;
 use crate::linalg::svec::smat;
+use crate::problem::affine::AffineRows;
 use crate::problem_file::choices::PriorKind;
 use crate::robot::inertia::PER_LINK;
 use crate::solve::interior::Terms;

@@ -5,13 +5,15 @@
 //! minimise ½ ‖D (J_k(x) − J_k,ref) D‖²    over   x = x_0 + N z  (the same base parameters), same constraints
 //! ```
 
-use crate::estimate::feasible::standard::{AffineRows, ROWS, StandardParameters, svec4};
+use crate::estimate::derived::pseudo_inertia::{ROWS, svec4};
+use crate::estimate::feasible::standard::StandardParameters;
 use crate::linalg::svec::smat;
 use crate::linalg::triangular::Triangular;
+use crate::problem::Problem;
+use crate::problem::affine::{AffineProblem, AffineRows};
 use crate::problem::form::{Constraint, Form, Objective, Set, Structure, Variable};
 use crate::problem::solution::Control;
 use crate::problem::view::ConeProgram;
-use crate::problem::{Linearization, OutsideDomain, Problem, SquareRoot, Values};
 use crate::setup::combined_limits::Limit;
 use crate::solve::error::SolveError;
 use crate::solve::interior::{self, InteriorSolution, Settings, Terms};
@@ -107,60 +109,54 @@ impl Constraints {
     }
 }
 
-/// An affine sum of squares or a linear cost with affine cones.
-pub struct Program {
-    form: Form,
-    matrix: DMatrix<f64>,
-    offset: DVector<f64>,
-    linear: DVector<f64>,
-    constant: DVector<f64>,
-    slopes: DMatrix<f64>,
-}
+/// A fit under constraints on its bodies.
+pub struct Program(AffineProblem);
 
 impl Program {
     /// `½ ‖matrix x + offset‖²` under constraints with a margin.
     pub fn fit(constraints: &Constraints, margin: f64, rows: AffineRows) -> Self {
-        let AffineRows { matrix, offset } = rows;
-        Self {
+        Self(AffineProblem {
             form: Form {
                 variables: constraints.variables.clone(),
                 objective: Objective::SumOfSquares {
-                    rows: matrix.nrows(),
+                    rows: rows.matrix.nrows(),
                 },
                 constraints: constraints.blocks.clone(),
                 structure: Structure::Affine,
             },
-            linear: DVector::zeros(matrix.ncols()),
-            constant: constraints.shifted(margin),
-            slopes: constraints.slopes.clone(),
-            matrix,
-            offset,
-        }
+            linear: DVector::zeros(rows.matrix.ncols()),
+            squares: rows,
+            cones: AffineRows {
+                matrix: constraints.slopes.clone(),
+                offset: constraints.shifted(margin),
+            },
+        })
     }
 
     /// The same with a variable t_j >= |x_j| behind the others for every weight w_j > 0 of the cost: `t_j − x_j >= 0`,
     /// `t_j + x_j >= 0`. The weights themselves are a term of the solver.
     pub fn with_absolute(mut self, weights: &DVector<f64>) -> Self {
+        let problem = &mut self.0;
         let columns: Vec<usize> = (0..weights.len()).filter(|&j| weights[j] > 0.0).collect();
-        let (count, first) = (weights.len() + columns.len(), self.constant.len());
-        self.matrix = self.matrix.resize_horizontally(count, 0.0);
-        self.linear = self.linear.resize_vertically(count, 0.0);
-        self.constant = self
-            .constant
-            .resize_vertically(first + 2 * columns.len(), 0.0);
-        self.slopes = self.slopes.resize(self.constant.len(), count, 0.0);
+        let (count, first) = (weights.len() + columns.len(), problem.cones.offset.len());
+        let AffineRows { matrix, offset } = &mut problem.cones;
+        *offset = std::mem::take(offset).resize_vertically(first + 2 * columns.len(), 0.0);
+        *matrix = std::mem::take(matrix).resize(offset.len(), count, 0.0);
+        let squares = &mut problem.squares.matrix;
+        *squares = std::mem::take(squares).resize_horizontally(count, 0.0);
+        problem.linear = std::mem::take(&mut problem.linear).resize_vertically(count, 0.0);
         for (k, &j) in columns.iter().enumerate() {
             let own = weights.len() + k;
             for (row, sign) in [(first + 2 * k, -1.0), (first + 2 * k + 1, 1.0)] {
-                self.slopes[(row, own)] = 1.0;
-                self.slopes[(row, j)] = sign;
+                problem.cones.matrix[(row, own)] = 1.0;
+                problem.cones.matrix[(row, j)] = sign;
             }
-            let variable = &self.form.variables[j];
+            let variable = &problem.form.variables[j];
             let size = Variable::free(format!("|{}|", variable.name), &variable.unit);
             let size = size.scale(variable.scale);
-            self.form.variables.push(size);
+            problem.form.variables.push(size);
         }
-        self.form.constraints.push(Constraint {
+        problem.form.constraints.push(Constraint {
             name: "absolute values".to_string(),
             unit: String::new(),
             rows: 2 * columns.len(),
@@ -177,7 +173,7 @@ impl Program {
         shortfall: f64,
         control: &Control<'_>,
     ) -> Result<InteriorSolution, SolveError> {
-        let view = ConeProgram::try_from(self as &dyn Problem)?;
+        let view = ConeProgram::try_from(&self.0 as &dyn Problem)?;
         let settings = Settings {
             shortfall,
             ..Settings::default()
@@ -239,7 +235,7 @@ impl EquivalenceClass<'_> {
             .rows(0, bodies)
             .into_owned();
         let start = rows.interior(margin, &slopes, &away)?;
-        let program = Program {
+        let program = Program(AffineProblem {
             form: Form {
                 variables: free(slopes.ncols()),
                 objective: Objective::SumOfSquares { rows: bodies },
@@ -247,11 +243,12 @@ impl EquivalenceClass<'_> {
                 structure: Structure::Affine,
             },
             linear: DVector::zeros(slopes.ncols()),
-            offset: away,
-            matrix: slopes,
-            constant: rows.constant,
-            slopes: rows.slopes,
-        };
+            squares: AffineRows {
+                matrix: slopes,
+                offset: away,
+            },
+            cones: rows.cones,
+        });
         let found = program
             .solve(&start, &Terms::default(), 0.0, &Control::default())
             .ok()?;
@@ -286,7 +283,13 @@ impl EquivalenceClass<'_> {
         let constraints = self.constraints;
         let whole = constraints.shifted(margin) + &constraints.slopes * self.member;
         let moved = &constraints.slopes * self.null;
-        let mut rows = Rows::default();
+        let mut rows = Rows {
+            blocks: Vec::new(),
+            cones: AffineRows {
+                matrix: DMatrix::default(),
+                offset: DVector::default(),
+            },
+        };
         let mut first = 0;
         for block in &constraints.blocks {
             let part = AffineRows {
@@ -317,11 +320,9 @@ impl EquivalenceClass<'_> {
     }
 }
 
-#[derive(Default)]
 struct Rows {
     blocks: Vec<Constraint>,
-    constant: DVector<f64>,
-    slopes: DMatrix<f64>,
+    cones: AffineRows,
 }
 
 impl Rows {
@@ -330,7 +331,7 @@ impl Rows {
         let mut first = 0;
         let mut least = f64::INFINITY;
         for block in &self.blocks {
-            let rows = self.constant.rows(first, block.rows);
+            let rows = self.cones.offset.rows(first, block.rows);
             let own = match block.set {
                 Set::Psd { .. } => SymmetricEigen::new(smat(rows.clone_owned().as_slice()))
                     .eigenvalues
@@ -356,7 +357,11 @@ impl Rows {
         away: &DVector<f64>,
     ) -> Option<DVector<f64>> {
         let (count, bodies) = (slopes.ncols(), slopes.nrows());
-        let mut with_margin = self.slopes.clone().resize_horizontally(count + 1, 0.0);
+        let mut with_margin = self
+            .cones
+            .matrix
+            .clone()
+            .resize_horizontally(count + 1, 0.0);
         let identity = svec4(&Matrix4::identity());
         let mut first = 0;
         for block in &self.blocks {
@@ -371,19 +376,20 @@ impl Rows {
         matrix[(bodies, count)] = 1.0;
         let mut offset = (away * NEARBY).resize_vertically(bodies + 1, 0.0);
         offset[bodies] = -LARGEST_MARGIN;
-        let program = Program {
+        let program = Program(AffineProblem {
             form: Form {
                 variables: free(count + 1),
                 objective: Objective::SumOfSquares { rows: bodies + 1 },
                 constraints: self.blocks.clone(),
                 structure: Structure::Affine,
             },
-            matrix,
-            offset,
+            squares: AffineRows { matrix, offset },
             linear: DVector::zeros(count + 1),
-            constant: self.constant.clone(),
-            slopes: with_margin,
-        };
+            cones: AffineRows {
+                matrix: with_margin,
+                offset: self.cones.offset.clone(),
+            },
+        });
         let mut start = DVector::zeros(count + 1);
         let least = self.least();
         start[count] = least - least.abs().max(LARGEST_MARGIN);
@@ -403,12 +409,13 @@ impl Rows {
         if slopes.amax() == 0.0 && block.set == Set::Nonnegative {
             return (constant[0] >= 0.0).then_some(());
         }
-        let at = self.constant.len();
+        let AffineRows { matrix, offset } = &mut self.cones;
+        let at = offset.len();
         let size = at + block.rows;
-        self.constant = std::mem::take(&mut self.constant).resize_vertically(size, 0.0);
-        self.constant.rows_mut(at, block.rows).copy_from(&constant);
-        self.slopes = std::mem::take(&mut self.slopes).resize(size, slopes.ncols(), 0.0);
-        self.slopes.rows_mut(at, block.rows).copy_from(&slopes);
+        *offset = std::mem::take(offset).resize_vertically(size, 0.0);
+        offset.rows_mut(at, block.rows).copy_from(&constant);
+        *matrix = std::mem::take(matrix).resize(size, slopes.ncols(), 0.0);
+        matrix.rows_mut(at, block.rows).copy_from(&slopes);
         self.blocks.push(block);
         Some(())
     }
@@ -418,37 +425,6 @@ fn free(count: usize) -> Vec<Variable> {
     (0..count)
         .map(|_| Variable::free("direction", ""))
         .collect()
-}
-
-impl Problem for Program {
-    fn form(&self) -> &Form {
-        &self.form
-    }
-
-    fn values(&self, x: &DVector<f64>) -> Result<Values, OutsideDomain> {
-        let squares = 0.5 * (&self.matrix * x + &self.offset).norm_squared();
-        Ok(Values {
-            cost: squares + self.linear.dot(x),
-            constraints: &self.constant + &self.slopes * x,
-        })
-    }
-
-    fn linearize(&self, x: &DVector<f64>) -> Result<Linearization, OutsideDomain> {
-        let Values { cost, constraints } = self.values(x)?;
-        let residual = &self.matrix * x + &self.offset;
-        let root = SquareRoot {
-            matrix: self.matrix.clone(),
-            residual,
-        };
-        Ok(Linearization {
-            cost,
-            gradient: &self.linear + root.matrix.tr_mul(&root.residual),
-            square_root: matches!(self.form.objective, Objective::SumOfSquares { .. })
-                .then_some(root),
-            constraints,
-            jacobian: self.slopes.clone(),
-        })
-    }
 }
 
 #[cfg(test)]

@@ -4,13 +4,15 @@
 //! the member closest to the robot file's bodies is the answer. Otherwise the cone program decides, and the
 //! class of its answer is searched for the closest member in the same way.
 
+use crate::estimate::derived::pseudo_inertia::scaled_body;
 use crate::estimate::error::EstimateError;
 use crate::estimate::feasible::prior::InertialPrior;
 use crate::estimate::feasible::program::{Constraints, EquivalenceClass, PULL, Program, pull};
-use crate::estimate::feasible::standard::{AffineRows, StandardParameters, scaled_body};
+use crate::estimate::feasible::standard::StandardParameters;
 use crate::estimate::fit_problem::problem::FitProblem;
 use crate::estimate::residual::compress::stacked;
 use crate::problem::Problem;
+use crate::problem::affine::AffineRows;
 use crate::problem::solution::{Control, Stop};
 use crate::solve::error::SolveError;
 use crate::solve::interior::{InteriorSolution, Terms};

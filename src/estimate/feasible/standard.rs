@@ -4,37 +4,17 @@
 use crate::chain::base_parameters::{BaseParameter, BaseParameters};
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
+pub use crate::estimate::derived::pseudo_inertia::LENGTH;
+use crate::estimate::derived::pseudo_inertia::{ROWS, scaled_pseudo_inertia, scaled_rows};
 use crate::estimate::derived::realization;
 use crate::estimate::fit_problem::unknowns::Unknowns;
-use crate::linalg::svec::svec;
+use crate::problem::affine::AffineRows;
 use crate::problem::form::Variable;
 use crate::robot::inertia::{Inertia, PER_LINK};
 use nalgebra::{DMatrix, DVector, Matrix4, SymmetricEigen};
 
-/// Length unit of the scaled pseudo-inertias, m.
-pub const LENGTH: f64 = realization::LENGTH;
-
-/// Rows of the svec of a pseudo-inertia.
-pub const ROWS: usize = 10;
-
 /// Smallest eigenvalue of a reference body's scaled pseudo-inertia, kg: a robot file may leave a body out.
 const LEAST_REFERENCE: f64 = 1e-3;
-
-/// `matrix x + offset`.
-#[derive(Debug, Clone)]
-pub struct AffineRows {
-    /// Rows x unknowns.
-    pub matrix: DMatrix<f64>,
-    /// Of every row.
-    pub offset: DVector<f64>,
-}
-
-impl AffineRows {
-    /// The rows at x.
-    pub fn at(&self, x: &DVector<f64>) -> DVector<f64> {
-        &self.matrix * x + &self.offset
-    }
-}
 
 /// Unknowns of a feasible fit in their order.
 #[derive(Debug)]
@@ -217,26 +197,4 @@ impl<'a> StandardParameters<'a> {
             nonlinear: self.parameters[self.linear..].to_vec(),
         }
     }
-}
-
-/// `D J D`, D = diag(1/ℓ, 1/ℓ, 1/ℓ, 1), kg.
-pub fn scaled_pseudo_inertia(body: &Inertia) -> Matrix4<f64> {
-    let inverse = 1.0 / LENGTH;
-    let scale = Matrix4::from_diagonal(&[inverse, inverse, inverse, 1.0].into());
-    scale * body.pseudo_inertia() * scale
-}
-
-/// The scaled pseudo-inertia of the body whose parameters start at `first`.
-pub fn scaled_body(values: &DVector<f64>, first: usize) -> Matrix4<f64> {
-    scaled_pseudo_inertia(&Inertia(std::array::from_fn(|k| values[first + k])))
-}
-
-fn scaled_rows(values: &DVector<f64>, first: usize) -> Vec<f64> {
-    svec4(&scaled_body(values, first))
-}
-
-/// svec of a 4 x 4 matrix.
-pub fn svec4(matrix: &Matrix4<f64>) -> Vec<f64> {
-    let dynamic = DMatrix::from_column_slice(4, 4, matrix.as_slice());
-    svec(&dynamic).iter().copied().collect()
 }

@@ -138,7 +138,7 @@ impl Program {
 fn large(name: &str, order: usize) -> SolveError {
     let kind = SolveErrorKind::Setting {
         value: order as f64,
-        range: "order <= 4 of every semidefinite block; larger ones are for the conic method",
+        range: "order <= 4 of every semidefinite block",
     };
     SolveError::at(name, kind)
 }

@@ -69,7 +69,6 @@ impl Quadratic<'_> {
             tol_feas: TOLERANCE,
             max_threads: 1,
             presolve_enable: false,
-            chordal_decomposition_enable: false,
             // Directions as accurate as the programme is solved; the library's own targets are those of rounding.
             iterative_refinement_reltol: REFINED,
             iterative_refinement_abstol: REFINED,
