@@ -481,7 +481,7 @@ def outside_rates():
     body = [
         ["laws of at least 3 times the noise: the joint is found", "98 %", share(outside["located"])],
         ["the same, or nothing is found, and the joint is said to be the one of which most is unexplained", "98 %", share(outside["located_or_unexplained"])],
-        ["the same, of two variables at most: a smooth correction takes half of what is beyond the noise", "80 %", share(outside["smooth_takes_half"])],
+        ["of the first, those of two variables at most: a smooth correction takes half of what is beyond the noise", "80 %", share(outside["smooth_takes_half"])],
         ["laws of at least 5 times the noise that no smooth correction forecasts: a formula is proposed", "70 %", share(outside["proposed"])],
         ["the same: a formula is proposed and errs at most half as much in the larger motion", "70 %", share(outside["forecasts"])],
         ["formulas with the variables of the law, no more and no less", "85 %", share(outside["variables_right"])],

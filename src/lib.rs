@@ -127,7 +127,7 @@
 //!
 //! # Features
 //!
-//! All are on by default. A library that identifies and diagnoses needs none: text files are read without.
+//! All are on by default. A library that identifies and diagnoses needs none: plain text is read without.
 //!
 //! - `bags`: recordings of ROS 1 and 2 (`.bag`, `.db3`, `.mcap`).
 //! - `compression`: compressed text (gzip, bzip2, Zstandard).

@@ -230,8 +230,8 @@ fn what_features_need_is_compiled_for_them_alone() {
     }
 }
 
-/// Files that may hold `unsafe`. In the library one module: vector instructions that are run where the processor has them,
-/// In the bindings the memory of NumPy's arrays.
+/// Files that may hold `unsafe`. In the library one module: vector instructions that are run where the processor has them. In the
+/// bindings the memory of NumPy's arrays.
 const UNSAFE: [&str; 3] = [
     "python/src/arrays.rs",
     "src/linalg/lanes/instructions.rs",

@@ -1,10 +1,10 @@
-//! Affine problems: a sum of squares and a linear cost over affine rows in cones.
+//! Affine problems: a sum of squares over affine rows in cones.
 //!
 //! ```text
-//! minimise ½ ‖M x + b‖² + cᵀ x   subject to   G x + h in K
+//! minimise ½ ‖M x + b‖²   subject to   G x + h in K
 //! ```
 
-use crate::problem::form::{Form, Objective};
+use crate::problem::form::{Constraint, Form, Objective, Structure, Variable};
 use crate::problem::{Linearization, OutsideDomain, Problem, SquareRoot, Values};
 use nalgebra::{DMatrix, DVector};
 
@@ -31,10 +31,31 @@ pub struct AffineProblem {
     pub form: Form,
     /// M x + b.
     pub squares: AffineRows,
-    /// c.
-    pub linear: DVector<f64>,
     /// G x + h.
     pub cones: AffineRows,
+}
+
+impl AffineProblem {
+    /// Squares of rows, with the rows of constraints in their order.
+    pub fn new(
+        variables: Vec<Variable>,
+        constraints: Vec<Constraint>,
+        squares: AffineRows,
+        cones: AffineRows,
+    ) -> Self {
+        Self {
+            form: Form {
+                variables,
+                objective: Objective::SumOfSquares {
+                    rows: squares.offset.len(),
+                },
+                constraints,
+                structure: Structure::Affine,
+            },
+            squares,
+            cones,
+        }
+    }
 }
 
 impl Problem for AffineProblem {
@@ -44,22 +65,20 @@ impl Problem for AffineProblem {
 
     fn values(&self, x: &DVector<f64>) -> Result<Values, OutsideDomain> {
         Ok(Values {
-            cost: 0.5 * self.squares.at(x).norm_squared() + self.linear.dot(x),
+            cost: 0.5 * self.squares.at(x).norm_squared(),
             constraints: self.cones.at(x),
         })
     }
 
     fn linearize(&self, x: &DVector<f64>) -> Result<Linearization, OutsideDomain> {
-        let residual = self.squares.at(x);
         let root = SquareRoot {
             matrix: self.squares.matrix.clone(),
-            residual,
+            residual: self.squares.at(x),
         };
         Ok(Linearization {
-            cost: 0.5 * root.residual.norm_squared() + self.linear.dot(x),
-            gradient: &self.linear + root.matrix.tr_mul(&root.residual),
-            square_root: matches!(self.form.objective, Objective::SumOfSquares { .. })
-                .then_some(root),
+            cost: 0.5 * root.residual.norm_squared(),
+            gradient: root.matrix.tr_mul(&root.residual),
+            square_root: Some(root),
             constraints: self.cones.at(x),
             jacobian: self.cones.matrix.clone(),
         })

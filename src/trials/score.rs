@@ -5,7 +5,7 @@ use crate::chain::effect::term_name;
 use crate::chain::model::Model;
 use crate::diagnose::fit::model_fit::ModelFit;
 use crate::diagnose::task::DiagnoseRun;
-use crate::outcome::diagnose::{Diagnosis, Verdict};
+use crate::outcome::diagnose::{Diagnosis, Unattested, Verdict};
 use crate::outcome::finding::Finding;
 use crate::outcome::trials::{Found, Hidden, Inseparable, Nameless, Trial};
 use crate::trials::naming::names;
@@ -72,8 +72,6 @@ pub fn judge(
 /// What a diagnosis has in the place of what has no name, but for its forecast.
 pub fn nameless(plan: &Plan, diagnosis: &Diagnosis) -> Nameless {
     let findings = &diagnosis.findings;
-    let unattested = diagnosis.unattested.iter();
-    let most = unattested.max_by(|a, b| a.of_signal.total_cmp(&b.of_signal));
     let robot = &plan.robot;
     let joint = plan.law.as_ref().map(|law| robot.name(law.joint));
     let is_on = |finding: &&Finding| joint.is_none_or(|joint| finding.joints == [joint]);
@@ -93,11 +91,16 @@ pub fn nameless(plan: &Plan, diagnosis: &Diagnosis) -> Nameless {
         formula: formula.map(|formula| formula.expression.clone()),
         formula_variables: formula.map_or_else(Vec::new, |formula| formula.variables.clone()),
         smooth_share: unnamed.map_or(0.0, |f| f.explained_share),
-        unexplained: most
-            .filter(|_| findings.is_empty())
-            .map(|left| left.joint.clone()),
+        unexplained: most_unexplained(&diagnosis.unattested).filter(|_| findings.is_empty()),
         forecast: None,
     }
+}
+
+/// The joint of which the largest share of the signal is left, of those of which that is known.
+pub(super) fn most_unexplained(unattested: &[Unattested]) -> Option<String> {
+    let known = unattested.iter().filter(|left| left.of_signal.is_finite());
+    let most = known.max_by(|a, b| a.of_signal.total_cmp(&b.of_signal))?;
+    Some(most.joint.clone())
 }
 
 fn found(finding: &Finding) -> Found {

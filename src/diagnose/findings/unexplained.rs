@@ -82,7 +82,7 @@ impl Compared<'_> {
                 let p_value = (chances.reduce(f64::min)? * tried).min(1.0);
                 let odds = probability::of_unexplained(p_value);
                 let times = rms(residual) / noise;
-                let finding = || Finding {
+                let finding = Finding {
                     effect: UNNAMED.to_string(),
                     joints: vec![name.clone()],
                     parameters: Vec::new(),
@@ -92,9 +92,8 @@ impl Compared<'_> {
                     p_value,
                     sentence: format!(
                         "Something is missing on {name} that {}, and no smooth correction takes its place: the error on \
-                         recordings that were not fitted is {:.1} times {than}.",
+                         recordings that were not fitted is {times:.1} times {than}.",
                         state.nameless(),
-                        times
                     ),
                     rivals: Vec::new(),
                     probability: odds.finding,
@@ -102,14 +101,12 @@ impl Compared<'_> {
                     probability_nothing: odds.nothing,
                     formula: None,
                 };
-                (p_value < state.significance).then(|| (times, finding()))
+                (p_value < state.significance).then_some((times, finding))
             })
             .collect();
         unexplained.sort_by(|a, b| b.0.total_cmp(&a.0));
-        unexplained
-            .into_iter()
-            .map(|(_, finding)| finding)
-            .collect()
+        let (_, findings): (Vec<f64>, Vec<Finding>) = unexplained.into_iter().unzip();
+        findings
     }
 
     /// Channels of which the residual is of weight, more than 3 % of the signal, and more than [`UNEXPLAINED`] times the variance of

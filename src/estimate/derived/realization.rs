@@ -19,19 +19,18 @@
 use crate::chain::effect::Linearity;
 use crate::chain::model::Model;
 use crate::chain::parameter::Role;
-use crate::estimate::derived::pseudo_inertia::{ROWS, scaled_rows, svec4};
+use crate::estimate::derived::pseudo_inertia::{
+    ROWS, free, identities, largest_margin, scaled_rows,
+};
 use crate::estimate::fit_problem::unknowns::Unknowns;
 use crate::problem::Problem;
 use crate::problem::affine::{AffineProblem, AffineRows};
-use crate::problem::form::{Constraint, Form, Objective, Set, Structure, Variable};
+use crate::problem::form::{Constraint, Set};
 use crate::problem::solution::Control;
 use crate::problem::view::ConeProgram;
 use crate::robot::inertia::{Inertia, PER_LINK};
 use crate::solve::interior::{self, Settings, Terms};
-use nalgebra::{DMatrix, DVector, Matrix4, SymmetricEigen};
-
-/// Largest margin that is asked for, kg: beyond it a body is as good as any.
-const LARGEST_MARGIN: f64 = 0.05;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Share of a distance from the reference that counts while the largest margin is looked for: it keeps links without effect on the signal
 /// from growing without limit.
@@ -66,12 +65,7 @@ pub fn find(model: &Model, unknowns: &Unknowns, values: &DVector<f64>) -> Option
         return None;
     }
     let class = EquivalenceClass::new(model, unknowns, values, &bodies);
-    let inside = class.most_interior()?;
-    let asked = match inside.margin > 0.0 {
-        true => 0.5 * inside.margin,
-        false => (1.0 + SLACK) * inside.margin,
-    };
-    let chosen = class.closest(asked).unwrap_or(inside.values);
+    let chosen = class.chosen()?;
     let smallest = bodies
         .iter()
         .map(|&first| smallest_eigenvalue(&chosen, first))
@@ -227,24 +221,22 @@ impl<'a> EquivalenceClass<'a> {
         values
     }
 
+    /// The member closest to the reference with half of the largest margin, or a little less than it where it is not positive.
+    fn chosen(&self) -> Option<DVector<f64>> {
+        let inside = self.most_interior()?;
+        let asked = match inside.margin > 0.0 {
+            true => 0.5 * inside.margin,
+            false => (1.0 + SLACK) * inside.margin,
+        };
+        Some(self.closest(asked).unwrap_or(inside.values))
+    }
+
     /// The member with the largest margin.
     fn most_interior(&self) -> Option<MostInterior> {
-        let (count, rows) = (self.free.len(), self.constant.len());
-        let mut slopes = self.slopes.clone().resize_horizontally(count + 1, 0.0);
-        slopes.column_mut(count).copy_from(&-self.identities());
-        let mut matrix = (&self.slopes * NEARBY).resize(rows + 1, count + 1, 0.0);
-        matrix[(rows, count)] = 1.0;
-        let mut offset = (self.away() * NEARBY).resize_vertically(rows + 1, 0.0);
-        offset[rows] = -LARGEST_MARGIN;
-        let mut variables = free(count);
-        variables.push(Variable::free("margin", "kg"));
-        let constant = self.constant.clone();
-        let squares = AffineRows { matrix, offset };
-        let cones = AffineRows {
-            matrix: slopes,
-            offset: constant,
-        };
-        let solution = solved(&self.program(variables, squares, cones))?;
+        let cones = self.cones(0.0);
+        let program = largest_margin(self.constraints(), &cones, &self.away(), NEARBY);
+        let solution = solved(&program)?;
+        let count = self.free.len();
         Some(MostInterior {
             margin: solution[count],
             values: self.member(&solution.rows(0, count).into_owned()),
@@ -254,15 +246,12 @@ impl<'a> EquivalenceClass<'a> {
     /// The member closest to the reference with at least the given margin.
     fn closest(&self, margin: f64) -> Option<DVector<f64>> {
         // Distance in the scaled pseudo-inertias, so that masses and inertias count alike.
-        let squares = AffineRows {
-            matrix: self.slopes.clone(),
-            offset: self.away(),
-        };
-        let cones = AffineRows {
-            matrix: self.slopes.clone(),
-            offset: &self.constant - self.identities() * margin,
-        };
-        let program = self.program(free(self.free.len()), squares, cones);
+        let program = AffineProblem::new(
+            free(self.free.len()),
+            self.constraints(),
+            self.away(),
+            self.cones(margin),
+        );
         solved(&program).map(|z| self.member(&z))
     }
 
@@ -299,16 +288,17 @@ impl<'a> EquivalenceClass<'a> {
         let mut offset = DVector::zeros(count + rows);
         offset
             .rows_mut(count, rows)
-            .copy_from(&(self.away() * REFERENCE_WEIGHT));
+            .copy_from(&(self.away().offset * REFERENCE_WEIGHT));
         let squares = AffineRows {
             matrix: square_root,
             offset,
         };
         let cones = AffineRows {
             matrix: slopes,
-            offset: &self.constant - self.identities() * NEAREST_MARGIN,
+            ..self.cones(NEAREST_MARGIN)
         };
-        let program = self.program(free(free_count + count), squares, cones);
+        let variables = free(free_count + count);
+        let program = AffineProblem::new(variables, self.constraints(), squares, cones);
         let solution = solved(&program)?;
         let mut nearest = self.member(&solution.rows(0, free_count).into_owned());
         for u in 0..count {
@@ -326,48 +316,31 @@ impl<'a> EquivalenceClass<'a> {
         DVector::from_iterator(self.bodies.len() * ROWS, stacked)
     }
 
-    /// What the scaled pseudo-inertias are away from the reference, at z = 0.
-    fn away(&self) -> DVector<f64> {
-        &self.constant - self.rows(&self.reference)
+    /// What the scaled pseudo-inertias are away from the reference.
+    fn away(&self) -> AffineRows {
+        AffineRows {
+            matrix: self.slopes.clone(),
+            offset: &self.constant - self.rows(&self.reference),
+        }
     }
 
-    /// Rows of one identity for every body.
-    fn identities(&self) -> DVector<f64> {
-        let identity = svec4(&Matrix4::identity());
-        let all = self.bodies.iter().flat_map(|_| &identity).copied();
-        DVector::from_iterator(self.constant.len(), all)
+    /// The scaled pseudo-inertias, with a margin taken off every body.
+    fn cones(&self, margin: f64) -> AffineRows {
+        AffineRows {
+            matrix: self.slopes.clone(),
+            offset: &self.constant - identities(self.bodies.len()) * margin,
+        }
     }
 
-    fn program(
-        &self,
-        variables: Vec<Variable>,
-        squares: AffineRows,
-        cones: AffineRows,
-    ) -> AffineProblem {
-        let block = |k: usize| Constraint {
+    fn constraints(&self) -> Vec<Constraint> {
+        let of_body = |k: usize| Constraint {
             name: format!("pseudo-inertia of body {}", k + 1),
             unit: "kg".to_string(),
             rows: ROWS,
             set: Set::Psd { order: 4 },
         };
-        AffineProblem {
-            linear: DVector::zeros(variables.len()),
-            form: Form {
-                variables,
-                objective: Objective::SumOfSquares {
-                    rows: squares.offset.len(),
-                },
-                constraints: (0..self.bodies.len()).map(block).collect(),
-                structure: Structure::Affine,
-            },
-            squares,
-            cones,
-        }
+        (0..self.bodies.len()).map(of_body).collect()
     }
-}
-
-fn free(count: usize) -> Vec<Variable> {
-    (0..count).map(|_| Variable::free("z", "")).collect()
 }
 
 /// The least of a program; `None` where the solver does not tell it.
@@ -382,6 +355,45 @@ fn solved(program: &AffineProblem) -> Option<DVector<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Of two bodies one is not possible, whatever the other is: that one is as in the robot file all the same.
+    #[test]
+    fn where_no_member_is_possible_the_bodies_are_near_those_of_the_robot_file() {
+        let mut values = DVector::zeros(2 * PER_LINK);
+        for first in [0, PER_LINK] {
+            values[first] = 1.0;
+            for diagonal in [4, 6, 9] {
+                values[first + diagonal] = 0.02;
+            }
+        }
+        let reference = values.clone();
+        // A moment of the first body that no mass can have; the mass of the second is not known.
+        values[9] = -0.02;
+        values[PER_LINK] = 40.0;
+        let bodies = [0, PER_LINK];
+        let rows = |values: &DVector<f64>| {
+            let stacked = bodies.iter().flat_map(|&first| scaled_rows(values, first));
+            DVector::from_iterator(bodies.len() * ROWS, stacked)
+        };
+        let mut mass = DVector::zeros(values.len());
+        mass[PER_LINK] = 1.0;
+        let class = EquivalenceClass {
+            constant: rows(&values),
+            slopes: DMatrix::from_columns(&[rows(&mass)]),
+            free: vec![(PER_LINK, Vec::new())],
+            values: &values,
+            reference,
+            bodies: &bodies,
+        };
+        let chosen = class.chosen().unwrap();
+        assert!(class.most_interior().unwrap().margin < 0.0);
+        assert!(
+            (chosen[PER_LINK] - 1.0).abs() < 1e-4,
+            "{}",
+            chosen[PER_LINK]
+        );
+        assert_eq!(chosen[9], values[9]);
+    }
 
     /// Of two unknowns with correlation r the variance of one given the other is σ² (1 − r²) (Kay 1993, theorem 10.2).
     #[test]

@@ -5,26 +5,25 @@
 //! minimise ½ ‖D (J_k(x) − J_k,ref) D‖²    over   x = x_0 + N z  (the same base parameters), same constraints
 //! ```
 
-use crate::estimate::derived::pseudo_inertia::{ROWS, svec4};
+use crate::estimate::derived::pseudo_inertia::{
+    LARGEST_MARGIN, ROWS, free, identities, largest_margin,
+};
 use crate::estimate::feasible::standard::StandardParameters;
 use crate::linalg::svec::smat;
 use crate::linalg::triangular::Triangular;
 use crate::problem::Problem;
 use crate::problem::affine::{AffineProblem, AffineRows};
-use crate::problem::form::{Constraint, Form, Objective, Set, Structure, Variable};
+use crate::problem::form::{Constraint, Set, Variable};
 use crate::problem::solution::Control;
 use crate::problem::view::ConeProgram;
 use crate::setup::combined_limits::Limit;
 use crate::solve::error::SolveError;
 use crate::solve::interior::{self, InteriorSolution, Settings, Terms};
-use nalgebra::{DMatrix, DVector, Matrix4, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Weight of the pull towards the reference that keeps undetermined directions from running away, in
 /// standard deviations of the residual per kg: a tonne costs 5e-7.
 pub const PULL: f64 = 1e-6;
-
-/// Margin beyond which a body is as good as any, kg.
-const LARGEST_MARGIN: f64 = 0.05;
 
 /// Shares of the way back to a member well inside, tried in turn where a solver's answer lacks some of the margin: its
 /// rows hold up to its tolerance.
@@ -88,13 +87,9 @@ impl Constraints {
 
     /// Rows at zero with the margin taken off every body.
     fn shifted(&self, margin: f64) -> DVector<f64> {
-        let identity = svec4(&Matrix4::identity());
         let mut constant = self.constant.clone();
-        for body in 0..self.bodies {
-            for (row, value) in identity.iter().enumerate() {
-                constant[ROWS * body + row] -= margin * value;
-            }
-        }
+        let mut of_bodies = constant.rows_mut(0, ROWS * self.bodies);
+        of_bodies -= identities(self.bodies) * margin;
         constant
     }
 
@@ -115,22 +110,12 @@ pub struct Program(AffineProblem);
 impl Program {
     /// `½ ‖matrix x + offset‖²` under constraints with a margin.
     pub fn fit(constraints: &Constraints, margin: f64, rows: AffineRows) -> Self {
-        Self(AffineProblem {
-            form: Form {
-                variables: constraints.variables.clone(),
-                objective: Objective::SumOfSquares {
-                    rows: rows.matrix.nrows(),
-                },
-                constraints: constraints.blocks.clone(),
-                structure: Structure::Affine,
-            },
-            linear: DVector::zeros(rows.matrix.ncols()),
-            squares: rows,
-            cones: AffineRows {
-                matrix: constraints.slopes.clone(),
-                offset: constraints.shifted(margin),
-            },
-        })
+        let cones = AffineRows {
+            matrix: constraints.slopes.clone(),
+            offset: constraints.shifted(margin),
+        };
+        let (variables, blocks) = (constraints.variables.clone(), constraints.blocks.clone());
+        Self(AffineProblem::new(variables, blocks, rows, cones))
     }
 
     /// The same with a variable t_j >= |x_j| behind the others for every weight w_j > 0 of the cost: `t_j − x_j >= 0`,
@@ -144,7 +129,6 @@ impl Program {
         *matrix = std::mem::take(matrix).resize(offset.len(), count, 0.0);
         let squares = &mut problem.squares.matrix;
         *squares = std::mem::take(squares).resize_horizontally(count, 0.0);
-        problem.linear = std::mem::take(&mut problem.linear).resize_vertically(count, 0.0);
         for (k, &j) in columns.iter().enumerate() {
             let own = weights.len() + k;
             for (row, sign) in [(first + 2 * k, -1.0), (first + 2 * k + 1, 1.0)] {
@@ -234,21 +218,18 @@ impl EquivalenceClass<'_> {
         let away = (&self.constraints.slopes * (&member - reference))
             .rows(0, bodies)
             .into_owned();
-        let start = rows.interior(margin, &slopes, &away)?;
-        let program = Program(AffineProblem {
-            form: Form {
-                variables: free(slopes.ncols()),
-                objective: Objective::SumOfSquares { rows: bodies },
-                constraints: rows.blocks,
-                structure: Structure::Affine,
-            },
-            linear: DVector::zeros(slopes.ncols()),
-            squares: AffineRows {
-                matrix: slopes,
-                offset: away,
-            },
-            cones: rows.cones,
-        });
+        let squares = AffineRows {
+            matrix: slopes,
+            offset: away,
+        };
+        let start = rows.interior(margin, &squares)?;
+        let variables = free(squares.matrix.ncols());
+        let program = Program(AffineProblem::new(
+            variables,
+            rows.blocks,
+            squares,
+            rows.cones,
+        ));
         let found = program
             .solve(&start, &Terms::default(), 0.0, &Control::default())
             .ok()?;
@@ -344,52 +325,15 @@ impl Rows {
         least
     }
 
-    /// z with at least the margin t that all blocks have beyond their own, not much further from the reference
-    /// than need be:
-    ///
-    /// ```text
-    /// minimise ½ (t − LARGEST_MARGIN)² + ½ ‖NEARBY (slopes z + away)‖²   subject to   S(z) − t·1 ⪰ 0
-    /// ```
-    fn interior(
-        &self,
-        margin: f64,
-        slopes: &DMatrix<f64>,
-        away: &DVector<f64>,
-    ) -> Option<DVector<f64>> {
-        let (count, bodies) = (slopes.ncols(), slopes.nrows());
-        let mut with_margin = self
-            .cones
-            .matrix
-            .clone()
-            .resize_horizontally(count + 1, 0.0);
-        let identity = svec4(&Matrix4::identity());
-        let mut first = 0;
-        for block in &self.blocks {
-            if matches!(block.set, Set::Psd { .. }) {
-                for (row, value) in identity.iter().enumerate() {
-                    with_margin[(first + row, count)] = -value;
-                }
-            }
-            first += block.rows;
-        }
-        let mut matrix = (slopes * NEARBY).resize(bodies + 1, count + 1, 0.0);
-        matrix[(bodies, count)] = 1.0;
-        let mut offset = (away * NEARBY).resize_vertically(bodies + 1, 0.0);
-        offset[bodies] = -LARGEST_MARGIN;
-        let program = Program(AffineProblem {
-            form: Form {
-                variables: free(count + 1),
-                objective: Objective::SumOfSquares { rows: bodies + 1 },
-                constraints: self.blocks.clone(),
-                structure: Structure::Affine,
-            },
-            squares: AffineRows { matrix, offset },
-            linear: DVector::zeros(count + 1),
-            cones: AffineRows {
-                matrix: with_margin,
-                offset: self.cones.offset.clone(),
-            },
-        });
+    /// z with at least the margin that all blocks have beyond their own, not much further from the reference than need be.
+    fn interior(&self, margin: f64, away: &AffineRows) -> Option<DVector<f64>> {
+        let count = away.matrix.ncols();
+        let program = Program(largest_margin(
+            self.blocks.clone(),
+            &self.cones,
+            away,
+            NEARBY,
+        ));
         let mut start = DVector::zeros(count + 1);
         let least = self.least();
         start[count] = least - least.abs().max(LARGEST_MARGIN);
@@ -421,15 +365,11 @@ impl Rows {
     }
 }
 
-fn free(count: usize) -> Vec<Variable> {
-    (0..count)
-        .map(|_| Variable::free("direction", ""))
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::derived::pseudo_inertia::svec4;
+    use nalgebra::Matrix4;
 
     /// kg.
     const MARGIN: f64 = 0.01;

@@ -1,5 +1,6 @@
 //! Trials of laws outside the vocabulary: what is drawn, the larger motion, and what is counted.
 
+use crate::outcome::diagnose::Unattested;
 use crate::outcome::finding::UNNAMED;
 use crate::outcome::trials::{Forecast, Hidden, Nameless, Share, Trial};
 use crate::problem::solution::Control;
@@ -9,6 +10,7 @@ use crate::trials::motion::Motion;
 use crate::trials::plan::{Plan, Scope};
 use crate::trials::reference_fits::DeclaredModel;
 use crate::trials::run::run;
+use crate::trials::score::most_unexplained;
 use crate::trials::tally::tally;
 
 fn scope(motion: Motion) -> Scope {
@@ -158,4 +160,23 @@ fn formulas_are_counted_where_a_smooth_correction_is_not_enough() {
     assert_eq!(rates.needless, share(2, 4));
     assert_eq!(rates.median_forecast_ratio, Some(5.0 / 8.0));
     assert_eq!(tally(vec![Trial::default()]).rates.outside, None);
+}
+
+#[test]
+fn most_is_unexplained_where_the_largest_known_share_is_left() {
+    let left = |joint: &str, of_signal: f64| Unattested {
+        joint: joint.to_string(),
+        unit: "A".to_string(),
+        rmse_validation: 1.0,
+        of_signal,
+        sentence: String::new(),
+    };
+    let all = [
+        left("j1", 0.1),
+        left("j2", 0.3),
+        left("j3", f64::NAN),
+        left("j4", 0.2),
+    ];
+    assert_eq!(most_unexplained(&all).as_deref(), Some("j2"));
+    assert_eq!(most_unexplained(&all[2..3]), None);
 }

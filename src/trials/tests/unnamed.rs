@@ -248,18 +248,23 @@ fn complete_models_have_no_correction() {
     assert!(of_all(&context, &declared).is_empty());
 }
 
-/// White noise of so many RMS in the first channel, held out.
-fn with_noise(fit: &ModelFit, rms: f64) -> ModelFit {
+/// White noise of so many RMS in the first channels, held out, and next to nothing in the others.
+fn with_noise(fit: &ModelFit, rms: &[f64]) -> ModelFit {
     let mut fit = fit.clone();
     let mut rng = generator(3);
-    for e in &mut fit.validation[0] {
-        let fresh: f64 = rng.sample(StandardNormal);
-        *e = rms * fresh;
+    let (loud, quiet) = fit.validation.split_at_mut(rms.len());
+    for (series, rms) in loud.iter_mut().zip(rms) {
+        for e in series {
+            let fresh: f64 = rng.sample(StandardNormal);
+            *e = rms * fresh;
+        }
     }
+    let quiet = quiet.iter_mut().flatten();
+    quiet.for_each(|e| *e *= 1e-9);
     fit
 }
 
-/// Findings without a name where the first channel leaves white noise, held against noise of a size.
+/// Findings without a name where channels leave white noise, held against noise of a size.
 fn unexplained(
     context: &Context<'_>,
     full: &ModelFit,
@@ -270,14 +275,10 @@ fn unexplained(
         rms: full.validation.iter().map(|_| noise).collect(),
         measured: true,
     };
-    let mut quiet = full.clone();
-    for series in quiet.validation.iter_mut().skip(1) {
-        series.iter_mut().for_each(|e| *e *= 1e-9);
-    }
     let compared = Compared {
         context,
-        declared: &quiet,
-        full: &quiet,
+        declared: full,
+        full,
         noise_level: &noise_level,
         predicted: &PredictionError::of(context, full, None),
     };
@@ -292,7 +293,7 @@ fn chances_of_residuals_are_corrected_for_joints_and_views() {
     let declared = bench.declared(context.data);
     let signal = context.signal_rms(Split::Validation)[0];
     let noise = 0.05 * signal;
-    let full = with_noise(&declared, 1.6 * noise);
+    let full = with_noise(&declared, &[1.6 * noise]);
     let state = SearchState {
         significance: 0.5,
         withdrawn: &[],
@@ -311,6 +312,28 @@ fn chances_of_residuals_are_corrected_for_joints_and_views() {
         ..state
     };
     assert!(unexplained(&context, &full, noise, strict).is_empty());
+}
+
+/// What is furthest beyond the noise comes first, whatever the order of the joints.
+#[test]
+fn what_is_furthest_from_the_noise_comes_first() {
+    let bench = Bench::control();
+    let context = bench.context(&bench.opened.data);
+    let declared = bench.declared(context.data);
+    let signal = context.signal_rms(Split::Validation);
+    let noise = 0.1 * signal[0].max(signal[1]);
+    let state = SearchState {
+        significance: SIGNIFICANCE,
+        withdrawn: &[],
+        is_cut_short: false,
+    };
+    let names: Vec<&String> = declared.model.channels().iter().map(|c| &c.name).collect();
+    for (times, order) in [([3.0, 5.0], [1, 0]), ([5.0, 3.0], [0, 1])] {
+        let full = with_noise(&declared, &times.map(|times| times * noise));
+        let found = unexplained(&context, &full, noise, state);
+        let joints: Vec<&String> = found.iter().map(|finding| &finding.joints[0]).collect();
+        assert_eq!(joints, order.map(|c| names[c]));
+    }
 }
 
 /// Of a joint without a row that counts nothing is said to be noise.
@@ -357,7 +380,7 @@ fn residuals_of_no_weight_are_left() {
     let declared = bench.declared(context.data);
     let signal = context.signal_rms(Split::Validation)[0];
     let found = |residual: f64, withdrawn: &[usize]| {
-        let full = with_noise(&declared, residual * signal);
+        let full = with_noise(&declared, &[residual * signal]);
         let state = SearchState {
             significance: SIGNIFICANCE,
             withdrawn,
