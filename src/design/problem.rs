@@ -298,12 +298,12 @@ impl<'a> Excitation<'a> {
             for trajectory in 0..joints.trajectories {
                 for (m, &i) in joints.moving.iter().enumerate() {
                     for c in 0..joints.series.width() {
-                        let column = joints.first(trajectory, m) + c;
+                        let (position, velocity) = (basis.function(0, c), basis.function(1, c));
+                        let mut column = jacobian.column_mut(joints.first(trajectory, m) + c);
                         for k in 0..basis.samples {
                             let s = trajectory * basis.samples + k;
-                            jacobian[(first + r * samples + s, column)] = slopes[0][i][s]
-                                * basis.function(0, c, k)
-                                + slopes[1][i][s] * basis.function(1, c, k);
+                            column[first + r * samples + s] =
+                                slopes[0][i][s] * position[k] + slopes[1][i][s] * velocity[k];
                         }
                     }
                 }

@@ -70,7 +70,7 @@ pub fn rows(joints: &Joints, bounds: &[JointLimits], ends: Ends) -> LinearRows {
     let mut rows = LinearRows::default();
     for order in 0..ORDERS {
         for sample in 0..samples {
-            let numbers = (0..width).map(|c| basis.function(order, c, sample));
+            let numbers = (0..width).map(|c| basis.function(order, c)[sample]);
             rows.table.extend(numbers);
         }
     }

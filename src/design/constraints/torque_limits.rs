@@ -156,15 +156,20 @@ impl<'m> Torques<'m> {
             let factor = -1.0 / (shrink * limited.limit);
             for trajectory in 0..joints.trajectories {
                 for (m, &i) in joints.moving.iter().enumerate() {
+                    let first = trajectory * basis.samples;
+                    let slopes: [&[f64]; MOTION] =
+                        std::array::from_fn(|order| &slopes[l][order][i][first..]);
                     for c in 0..width {
-                        let column = joints.first(trajectory, m) + c;
+                        let functions: [&[f64]; MOTION] =
+                            std::array::from_fn(|order| basis.function(order, c));
+                        let mut column = jacobian.column_mut(joints.first(trajectory, m) + c);
                         for k in 0..basis.samples {
-                            let s = trajectory * basis.samples + k;
-                            let slope: f64 = (0..MOTION)
-                                .map(|order| slopes[l][order][i][s] * basis.function(order, c, k))
-                                .sum();
-                            jacobian[(base + s, column)] = factor * slope;
-                            jacobian[(base + samples + s, column)] = -factor * slope;
+                            let mut slope = 0.0;
+                            for order in 0..MOTION {
+                                slope += slopes[order][k] * functions[order][k];
+                            }
+                            column[base + first + k] = factor * slope;
+                            column[base + samples + first + k] = -factor * slope;
                         }
                     }
                 }

@@ -86,7 +86,7 @@ pub fn to_coefficients(
             let first = joints.first(trajectory, motor);
             for c in 0..joints.series.width() {
                 jacobian[(block * series.len() + s, first + c)] +=
-                    slope * basis.function(order, c, k);
+                    slope * basis.function(order, c)[k];
             }
         }
     }

@@ -116,9 +116,9 @@ impl Basis {
         }
     }
 
-    /// The function of one coefficient at one instant.
-    pub fn function(&self, order: usize, coefficient: usize, sample: usize) -> f64 {
-        self.functions[order][coefficient][sample]
+    /// The derivative of an order of the function of one coefficient, at every instant.
+    pub fn function(&self, order: usize, coefficient: usize) -> &[f64] {
+        &self.functions[order][coefficient]
     }
 }
 

@@ -141,9 +141,10 @@ impl Kernel for Absorption<'_> {
                 apply_to_all(current, &b, near_row, near_columns);
             }
             // The next reflection needs its own column only: its root and quotient overlap with the far columns.
-            next = near_columns
-                .first()
-                .and_then(|column| reflection::<V>(lower[k + 1], column));
+            next = match near_columns.first() {
+                Some(column) => reflection::<V>(lower[k + 1], column),
+                None => None,
+            };
             if let Some(current) = current {
                 apply_to_all(current, &b, far_row, far_columns);
             }
