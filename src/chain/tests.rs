@@ -49,7 +49,12 @@ fn motion(rng: &mut ChaCha8Rng, n: usize, samples: usize) -> [Vec<Vec<f64>>; 3] 
 /// A model whose parameters all have values: the robot's own bodies, the rest near typical.
 fn valued(physics: (&[&'static Effect], Signal), rng: &mut ChaCha8Rng) -> Model {
     let robot = tree(rng, 4);
-    let mut model = Model::new(settings(robot, physics)).unwrap();
+    with_values(settings(robot, physics), rng)
+}
+
+/// The same of a robot with settings of its own.
+fn with_values(settings: ModelSettings, rng: &mut ChaCha8Rng) -> Model {
+    let mut model = Model::new(settings).unwrap();
     let load = body(rng);
     for p in 0..model.parameters().len() {
         let parameter = &model.parameters()[p];
@@ -239,6 +244,53 @@ fn matches_itself_with_links_that_have_settled() {
             values[joint.elasticity.unwrap()] *= 1.5;
         }
         assert_same_with(&settled, (&model, &columns, values), segment);
+    }
+}
+
+/// What a channel does not depend on is left out where it is asked for alone: its signal and its derivatives stay.
+#[test]
+fn a_channel_alone_is_what_it_is_beside_the_others() {
+    const SAMPLES: usize = 80;
+    for (seed, late) in (80..).zip([&["time_delay"][..], &[]]) {
+        let mut rng = generator(seed);
+        let robot = tree(&mut rng, 4);
+        let ids = ["coulomb_friction", "joint_spring", "external_contact"];
+        let of_all: Vec<_> = ids.iter().chain(late).map(|id| find(id).unwrap()).collect();
+        let mut settings = ModelSettings {
+            coupling: None,
+            ..settings(robot, (&of_all, Signal::Torque))
+        };
+        settings.effects[1].push(find("joint_elasticity").unwrap());
+        let model = with_values(settings, &mut rng);
+        let columns: Vec<usize> = (0..model.parameters().len()).collect();
+        let [q, dq, ddq] = smooth_motion(&mut rng, 4, SAMPLES);
+        let time: Vec<f64> = (0..SAMPLES).map(|k| 0.02 * k as f64).collect();
+        let motors = Trajectory {
+            q: &q,
+            dq: &dq,
+            ddq: &ddq,
+        };
+        let segment = Segment {
+            time: &time,
+            cyclic: true,
+            ..Segment::states(motors, true)
+        };
+        let evaluated = |model: &Model| {
+            let mut evaluator = Evaluator::along(model, &model.values(), &columns, SAMPLES);
+            evaluator.evaluate_whole(segment).clone()
+        };
+        let together = evaluated(&model);
+        for c in 0..model.channels().len() {
+            let mut of_one = model.clone();
+            of_one.predict_only(c);
+            let alone = evaluated(&of_one);
+            assert_eq!(alone.value(c), together.value(c), "{late:?}, channel {c}");
+            for k in 0..columns.len() {
+                let [one, all] = [&alone, &together].map(|block| block.derivative(c, k));
+                let name = &model.parameters()[k].name;
+                assert_eq!(one, all, "{late:?}, channel {c}, {name}");
+            }
+        }
     }
 }
 

@@ -138,6 +138,11 @@ impl Block {
         Self::new(self.values.len(), self.columns, self.room)
     }
 
+    /// An empty one of values alone.
+    pub(super) fn without_columns(&self) -> Self {
+        Self::new(self.values.len(), 0, self.room)
+    }
+
     /// Exchanges the value and the derivatives of a channel with those of another block of the same shape.
     pub(super) fn exchange_channel(&mut self, channel: usize, with: &mut Self) {
         self.samples = with.samples;

@@ -3,7 +3,7 @@
 
 use crate::chain::evaluate::known_bodies::{KnownBodies, Slopes};
 use crate::chain::evaluate::{BLOCK, Evaluator, Segment};
-use crate::chain::model::{JointModel, Model};
+use crate::chain::model::Model;
 use crate::robot::derivative_batch::DerivativeBatch;
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -196,9 +196,10 @@ impl Evaluator<'_> {
 
     /// Whether a channel that is asked for depends on a row of the rigid body.
     pub(super) fn reaches_signal(&self, row: usize) -> bool {
+        // What acts on a link that lags moves it, and with it the others.
         if row >= self.torque_rows()
             || self.model.mechanism().is_some()
-            || self.model.joints().iter().any(JointModel::has_lag)
+            || self.model.joints()[row].has_lag()
         {
             return true;
         }
@@ -207,6 +208,15 @@ impl Evaluator<'_> {
             Some(v) => wanted.any(|c| c >= v.ncols() || v[(row, c)] != 0.0),
             None => wanted.any(|c| c == row),
         }
+    }
+
+    /// Joints whose torques are asked for: by a channel, in a sum of all, or by the derivative by an entry of V.
+    pub(super) fn joints_asked_for(&self) -> Vec<bool> {
+        let sums = self.torque_rows() < self.rigid.values.len();
+        let all = sums || !self.coupling_entries().is_empty();
+        (0..self.tree.len())
+            .map(|joint| all || self.reaches_signal(joint))
+            .collect()
     }
 
     /// Torques at some joints and derivatives of all rows by their motion, where the joints are now.

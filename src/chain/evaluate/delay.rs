@@ -99,12 +99,17 @@ impl Evaluator<'_> {
         }
     }
 
+    /// Values alone: without columns nothing is spent on derivatives.
     fn shifted_values(&mut self, motion: &EarlierMotion<'_>, delay: f64) -> Vec<Vec<f64>> {
         let none = vec![None; self.column.len()];
         let columns = std::mem::replace(&mut self.column, none);
+        let (block, rigid) = (self.block.without_columns(), self.rigid.without_columns());
+        let block = std::mem::replace(&mut self.block, block);
+        let rigid = std::mem::replace(&mut self.rigid, rigid);
         self.shifted(motion, delay);
         self.column = columns;
-        self.block.values.clone()
+        self.rigid = rigid;
+        std::mem::replace(&mut self.block, block).values
     }
 }
 

@@ -435,6 +435,8 @@ impl Evaluator<'_> {
     /// motion of the link.
     pub(super) fn lag_columns(&mut self, lag: &Lag, samples: usize) {
         let Some(march) = &lag.march else { return };
+        let rows = self.rigid.values.len();
+        let rows: Vec<usize> = (0..rows).filter(|&row| self.reaches_signal(row)).collect();
         for column in 0..self.rigid.columns {
             let mut present = false;
             let source: Vec<Vec<f64>> = lag
@@ -465,7 +467,7 @@ impl Evaluator<'_> {
                 continue;
             }
             let change = march.solve(&source);
-            for row in 0..self.rigid.values.len() {
+            for &row in &rows {
                 let series = self.rigid.series(row, column);
                 for (k, to) in series[..samples].iter_mut().enumerate() {
                     for (slope, change) in lag.slopes.by.iter().zip(&change) {

@@ -60,11 +60,12 @@ impl Evaluator<'_> {
                     along: self.along,
                 };
                 let mut other = Evaluator::with_room(self.model, &values, &[], room);
+                other.wanted.clone_from(&self.wanted);
                 other.states(segment, range.clone());
                 other.block
             };
             let (ahead, behind) = (at(STEP), at(-STEP));
-            for channel in 0..self.block.values.len() {
+            for channel in (0..self.wanted.len()).filter(|&c| self.wanted[c]) {
                 let series = self.block.series(channel, column);
                 let pairs = ahead.value(channel).iter().zip(behind.value(channel));
                 for (to, (a, b)) in series.iter_mut().zip(pairs) {

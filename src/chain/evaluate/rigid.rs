@@ -90,11 +90,7 @@ impl Evaluator<'_> {
         }
         let sums = self.torque_rows() < self.rigid.values.len();
         let bodies = Rc::clone(&self.bodies[usize::from(loaded)]);
-        // A derivative by an entry of V asks for the torque of its joint.
-        let all = sums || !self.coupling_entries().is_empty();
-        let joints: Vec<bool> = (0..self.tree.len())
-            .map(|joint| all || self.reaches_signal(joint))
-            .collect();
+        let joints = self.joints_asked_for();
         if !sums {
             let [q, dq, ddq] = &self.joint_motion;
             let dynamics = InverseDynamics {
@@ -257,7 +253,8 @@ impl Evaluator<'_> {
         for series in self.stiffness.iter_mut().chain(&mut self.damping) {
             series.fill(0.0);
         }
-        for j in 0..self.model.joints().len() {
+        let asked_for = self.joints_asked_for();
+        for j in (0..self.model.joints().len()).filter(|&j| asked_for[j]) {
             let joint = &self.model.joints()[j];
             let width = joint.width.map_or(0.0, |at| self.values[at]);
             for (index, &(effect, first)) in joint.effects.iter().enumerate() {
