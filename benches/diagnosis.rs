@@ -3,11 +3,12 @@
 //! friction at low speed in every joint, or the losses of six gears and a delay are left out of the declared model; with nothing
 //! left out also twice as many periods, to see how the time grows with samples.
 
+mod common;
+
+use common::{exid, folder_with_arm};
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::fs;
 use std::ops::RangeInclusive;
-use std::path::Path;
-use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
 const JOINTS: usize = 7;
@@ -106,24 +107,10 @@ fn truth(left_out: &[LeftOut], periods: usize) -> String {
     problem(&effects_of(left_out), &simulate)
 }
 
-fn exid(folder: &Path, arguments: &[&str]) {
-    let status = Command::new(env!("CARGO_BIN_EXE_exid"))
-        .current_dir(folder)
-        .args(arguments)
-        .arg("--quiet")
-        .stdout(Stdio::null())
-        .status()
-        .expect("the program starts");
-    assert!(status.success(), "{arguments:?}");
-}
-
 /// A folder with recordings and the declared model.
 fn recorded(left_out: &[LeftOut], periods: usize) -> TempDir {
-    let folder = TempDir::new().expect("a folder for the recordings");
+    let folder = folder_with_arm();
     let at = folder.path();
-    let robot =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("problems/panda_like/panda_like.mdh.toml");
-    fs::copy(robot, at.join("panda_like.mdh.toml")).expect("the robot is copied");
     fs::write(at.join("truth.toml"), truth(left_out, periods)).expect("a problem file");
     let files = "train = [\"1/train.csv\"]\nvalidation = [\"2/train.csv\"]\n";
     fs::write(at.join("declared.toml"), problem("", files)).expect("a problem file");

@@ -4,10 +4,12 @@
 #[path = "../tests/common/own_versions.rs"]
 mod own_versions;
 
+mod common;
+
+use common::{exid, folder_with_arm};
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
 /// Joints with the effect: those whose range has zero in its middle, where places of the truths are passed.
@@ -31,24 +33,10 @@ fn problem(id: &str, written: &str, tables: &str) -> String {
     )
 }
 
-fn exid(folder: &Path, arguments: &[&str]) {
-    let status = Command::new(env!("CARGO_BIN_EXE_exid"))
-        .current_dir(folder)
-        .args(arguments)
-        .arg("--quiet")
-        .stdout(Stdio::null())
-        .status()
-        .expect("the program starts");
-    assert!(status.success(), "{arguments:?}");
-}
-
 /// A folder with a recording of the arm with an effect, and the problem files `vocabulary.toml` and `own.toml`.
 fn recorded(id: &str, truth: &[(&str, f64)]) -> TempDir {
-    let folder = TempDir::new().expect("a folder for the recordings");
+    let folder = folder_with_arm();
     let at = folder.path();
-    let robot =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("problems/panda_like/panda_like.mdh.toml");
-    fs::copy(robot, at.join("panda_like.mdh.toml")).expect("the robot is copied");
     let friction: String = (1..=7)
         .map(|j| format!("\"joint{j}.Fc\" = 1.0\n\"joint{j}.Fv\" = 1.0\n"))
         .collect();

@@ -210,10 +210,14 @@ impl Evaluator<'_> {
         }
     }
 
+    /// Whether a row is a sum over all bodies, as those of a base wrench are.
+    pub(super) fn has_sums(&self) -> bool {
+        self.torque_rows() < self.rigid.values.len()
+    }
+
     /// Joints whose torques are asked for: by a channel, in a sum of all, or by the derivative by an entry of V.
     pub(super) fn joints_asked_for(&self) -> Vec<bool> {
-        let sums = self.torque_rows() < self.rigid.values.len();
-        let all = sums || !self.coupling_entries().is_empty();
+        let all = self.has_sums() || !self.coupling_entries().is_empty();
         (0..self.tree.len())
             .map(|joint| all || self.reaches_signal(joint))
             .collect()

@@ -88,7 +88,7 @@ impl Evaluator<'_> {
             }
             return;
         }
-        let sums = self.torque_rows() < self.rigid.values.len();
+        let sums = self.has_sums();
         let bodies = Rc::clone(&self.bodies[usize::from(loaded)]);
         let joints = self.joints_asked_for();
         if !sums {
@@ -247,7 +247,8 @@ impl Evaluator<'_> {
 
     /// Torques of laws at the joints.
     pub(super) fn joint_laws(&mut self, segment: Segment<'_>, range: Range<usize>) {
-        if self.torque_rows() == 0 {
+        let has_none = self.stiffness.is_empty();
+        if has_none || self.torque_rows() == 0 {
             return;
         }
         for series in self.stiffness.iter_mut().chain(&mut self.damping) {

@@ -105,8 +105,8 @@ impl Compared<'_> {
             })
             .collect();
         unexplained.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let (_, findings): (Vec<f64>, Vec<Finding>) = unexplained.into_iter().unzip();
-        findings
+        let findings = unexplained.into_iter();
+        findings.map(|(_, finding)| finding).collect()
     }
 
     /// Channels of which the residual is of weight, more than 3 % of the signal, and more than [`UNEXPLAINED`] times the variance of

@@ -141,6 +141,7 @@ impl Kernel for Absorption<'_> {
                 apply_to_all(current, &b, near_row, near_columns);
             }
             // The next reflection needs its own column only: its root and quotient overlap with the far columns.
+            // No closure: one that is not inlined is compiled without the kernel's instructions.
             next = match near_columns.first() {
                 Some(column) => reflection::<V>(lower[k + 1], column),
                 None => None,
