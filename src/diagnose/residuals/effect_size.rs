@@ -52,7 +52,7 @@ pub fn error_reduction(context: &Context<'_>, hypothesis: &Hypothesis, pair: Fit
     let band = filters.then(|| clear_band::band(context, hypothesis));
     let shifts = matches!(hypothesis.effect.law, Law::Delay);
     let delay = longest_delay(after, hypothesis);
-    if shifts && delay < OF_INTERVAL * shortest_interval(&held_out) {
+    if shifts && delay < least_delay(&held_out) {
         return 0.0;
     }
     let is_friction = matches!(hypothesis.effect.law, Law::Motor(_) | Law::Joint(_));
@@ -190,6 +190,11 @@ fn reversal_error(recordings: &[&Prepared], joint: usize) -> f64 {
         })
     };
     recordings.iter().map(of).fold(0.0, f64::max)
+}
+
+/// s, a delay that is told from none by the stamps of recordings.
+pub fn least_delay(recordings: &[&Prepared]) -> f64 {
+    OF_INTERVAL * shortest_interval(recordings)
 }
 
 /// s between samples of recordings.

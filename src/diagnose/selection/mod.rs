@@ -1,6 +1,7 @@
 //! Choosing among models: the exact fit and the test of a hypothesis, stepwise selection, and rival models.
 
 pub mod between_periods;
+pub mod common_delay;
 pub mod exact_fit;
 pub mod forecast;
 pub mod hypothesis_test;

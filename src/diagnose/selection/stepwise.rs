@@ -10,6 +10,7 @@ use crate::diagnose::fit::hypothesis::{self, Hypothesis, channels_of};
 use crate::diagnose::fit::model_fit::{FitPair, ModelFit};
 use crate::diagnose::residuals::effect_size::{self, MATTERS, error_excess};
 use crate::diagnose::residuals::noise_level::{self, UNEXPLAINED};
+use crate::diagnose::selection::common_delay;
 use crate::diagnose::selection::exact_fit::{ExactFit, competes, fit_without, least_gain, taken};
 use crate::diagnose::selection::forecast::forecast;
 use crate::diagnose::selection::hypothesis_test::{CONFIDENCE, HypothesisTest, fits_better};
@@ -122,12 +123,15 @@ impl Stepwise<'_> {
         let mut searched_again = 0;
         while selection.steps.len() < MOST_FINDINGS && !context.control.is_interrupted() {
             (self.progress)(&selection);
-            // A law that later ones have left with a bend alone, or at a limit of its search, is theirs.
-            let bent = |h: &Hypothesis| {
+            // A law that later ones have left with a bend alone, or at a limit of its search, is theirs, and so is a delay of all
+            // that is left to one.
+            let is_theirs = |h: &Hypothesis| {
                 let fit = &selection.fit;
-                !law_range::are_reached(context, fit, h) || !search_bounds::are_inside(fit, h)
+                !law_range::are_reached(context, fit, h)
+                    || !search_bounds::are_inside(fit, h)
+                    || common_delay::is_of_one(context, fit, h)
             };
-            if let Some(k) = selection.fit.hypotheses.iter().position(bent) {
+            if let Some(k) = selection.fit.hypotheses.iter().position(is_theirs) {
                 selection.fit = fit_without(context, &selection.fit, k)?;
             }
             let open = self.rules.open(context, &selection.fit);
@@ -288,6 +292,9 @@ impl Stepwise<'_> {
     fn choose(&self, tests: &[HypothesisTest]) -> Option<usize> {
         let accepted: Vec<usize> = (0..tests.len())
             .filter(|&k| tests[k].is_needed(self.rules.significance))
+            .filter(|&k| {
+                !common_delay::is_of_one(self.context, &tests[k].fit, &tests[k].hypothesis)
+            })
             .collect();
         let score = |k: usize| tests[k].fit.held_out_score();
         let best = *accepted

@@ -121,6 +121,36 @@ fn a_look_beside_delays_promises_what_a_fit_takes() {
     assert!((promised / taken - 1.0).abs() < 0.1, "{promised} {taken}");
 }
 
+/// Signals that are late by different times are late one by one, though the delays of all together explain more than that of one; those
+/// that are late alike are late together.
+#[test]
+fn a_delay_of_all_is_one_cause() {
+    let bench = Bench::control();
+    let found = |samples: [usize; 3]| {
+        let data = bench.changed(&[Split::Train, Split::Validation], |experiment| {
+            let channels = experiment.signal.iter_mut().zip(samples);
+            channels.for_each(|(signal, late)| signal.rotate_right(late));
+        });
+        let context = bench.context(&data);
+        let sought = ["time_delay".to_string()];
+        let stepwise = Stepwise {
+            context: &context,
+            rules: Rules {
+                sought: Some(&sought),
+                significance: SIGNIFICANCE,
+            },
+            progress: &|_| (),
+        };
+        let selection = stepwise.forward(bench.declared(&data)).unwrap();
+        let found = selection.fit.hypotheses.into_iter();
+        found.map(|h| h.joints).collect::<Vec<_>>()
+    };
+    assert_eq!(found([3, 3, 3]), [[0, 1, 2]]);
+    let mut apart = found([6, 2, 0]);
+    apart.sort();
+    assert_eq!(apart, [[0], [1]]);
+}
+
 /// A candidate that promises less than half of what another was found to take is not searched from other starts, and has not
 /// been refuted by its first.
 #[test]
