@@ -30,7 +30,12 @@ pub fn median(values: &[f64]) -> Option<f64> {
 /// The value up to which a share of some values lies, of at least one.
 pub fn quantile(values: &mut [f64], share: f64) -> f64 {
     let at = (share * (values.len() - 1) as f64) as usize;
-    *values.select_nth_unstable_by(at, f64::total_cmp).1
+    ranked(values, at)
+}
+
+/// The value that has so many others below it, in the order of [`f64::total_cmp`]; puts the values in another order.
+pub fn ranked(values: &mut [f64], below: usize) -> f64 {
+    *values.select_nth_unstable_by(below, f64::total_cmp).1
 }
 
 /// Standard deviation of normal noise from the median absolute deviation about the median.

@@ -15,7 +15,7 @@
 use std::collections::HashSet;
 
 use crate::recording::channels::samples::Recording;
-use crate::stats::robust::mad_scale;
+use crate::stats::robust::{mad_scale, ranked};
 
 /// Robust standard deviations that make a spike: once in 10^15 samples of normal noise.
 pub const SPIKE_SIGMA: f64 = 8.0;
@@ -78,34 +78,42 @@ pub fn spikes(series: &[f64], channel: Channel) -> Vec<Spike> {
     let Some(scale) = mad_scale(&others) else {
         return Vec::new();
     };
-    let least = match channel {
+    let sizes = deviations.iter().enumerate();
+    let mut spikes: Vec<Spike> = sizes
+        .map(|(at, d)| Spike { at, size: d.abs() })
+        .filter(|spike| spike.size > SPIKE_SIGMA * scale)
+        .collect();
+    let mut keep_above = |least: &dyn Fn() -> f64| {
+        // What a channel asks for takes longer to find out than that nothing stands out.
+        if !spikes.is_empty() {
+            let least = least();
+            spikes.retain(|spike| spike.size > least);
+        }
+    };
+    keep_above(&|| match channel {
         Channel::Jumping => SPIKE_SHARE * range(series),
         Channel::Smooth => SPIKE_STEPS * own_step(series),
-    };
-    let threshold = (SPIKE_SIGMA * scale)
-        .max(least)
-        .max(SPIKE_QUANTA * quantum(series));
-    let standing_out = deviations.iter().enumerate();
-    let standing_out = standing_out.filter(|(_, d)| d.abs() > threshold);
-    let spike = |(at, d): (usize, &f64)| Spike { at, size: d.abs() };
-    standing_out.map(spike).collect()
+    });
+    keep_above(&|| SPIKE_QUANTA * quantum(series));
+    spikes
 }
 
 /// The range of a series without its ends.
 fn range(series: &[f64]) -> f64 {
-    let mut sorted = series.to_vec();
-    sorted.sort_by(f64::total_cmp);
+    let mut values = series.to_vec();
     let (cut, last) = (series.len() / RARE, series.len() - 1);
-    sorted[last - cut] - sorted[cut]
+    ranked(&mut values, last - cut) - ranked(&mut values, cut)
 }
 
 /// The largest step between two samples while there is motion, those of spikes left out.
 fn own_step(series: &[f64]) -> f64 {
     let steps = series.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
-    steps.sort_by(f64::total_cmp);
+    if steps.is_empty() {
+        return 0.0;
+    }
     let at = (OWN_STEPS * steps.len() as f64) as usize;
-    steps.get(at).copied().unwrap_or(0.0)
+    ranked(&mut steps, at)
 }
 
 /// Puts what its neighbours say in the place of spikes that the recorder made; says how many there were. Those of positions
@@ -289,9 +297,11 @@ fn around(series: &[f64], k: usize) -> f64 {
 pub fn quantum(series: &[f64]) -> f64 {
     let steps = series.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let mut sizes: Vec<f64> = series.iter().map(|x| x.abs()).collect();
-    sizes.sort_unstable_by(f64::total_cmp);
+    let Some(last) = sizes.len().checked_sub(1) else {
+        return 0.0;
+    };
     let rare = sizes.len() / RARE;
-    let scale = sizes.iter().rev().nth(rare).copied().unwrap_or(0.0);
+    let scale = ranked(&mut sizes, last - rare);
     // Differences of decimal numbers that should be zero are rounding.
     let least = steps
         .filter(|step| *step > 1e-12 * scale)
