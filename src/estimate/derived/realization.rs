@@ -355,6 +355,7 @@ fn solved(program: &AffineProblem) -> Option<DVector<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::derived::pseudo_inertia::scaled_body;
 
     /// Of two bodies one is not possible, whatever the other is: that one is as in the robot file all the same.
     #[test]
@@ -393,6 +394,36 @@ mod tests {
             chosen[PER_LINK]
         );
         assert_eq!(chosen[9], values[9]);
+    }
+
+    /// A possible body whose moments of inertia are unknown is as near that of the robot file as half of the largest margin allows.
+    #[test]
+    fn bodies_keep_half_of_the_largest_margin() {
+        let mut values = DVector::zeros(PER_LINK);
+        let mut moments = DVector::zeros(PER_LINK);
+        values[0] = 1.0;
+        for diagonal in [4, 6, 9] {
+            values[diagonal] = 0.0002;
+            moments[diagonal] = 1.0;
+        }
+        let rows = |values: &DVector<f64>| DVector::from_column_slice(&scaled_rows(values, 0));
+        let class = EquivalenceClass {
+            constant: rows(&values),
+            slopes: DMatrix::from_columns(&[rows(&moments)]),
+            free: vec![(4, vec![(6, 1.0), (9, 1.0)])],
+            values: &values,
+            reference: values.clone(),
+            bodies: &[0],
+        };
+        let margin = |values: &DVector<f64>| {
+            SymmetricEigen::new(scaled_body(values, 0))
+                .eigenvalues
+                .min()
+        };
+        let largest = class.most_interior().unwrap().margin;
+        assert!(largest > 4.0 * margin(&values));
+        let kept = margin(&class.chosen().unwrap());
+        assert!((kept / largest - 0.5).abs() < 1e-3, "{kept} of {largest}");
     }
 
     /// Of two unknowns with correlation r the variance of one given the other is σ² (1 − r²) (Kay 1993, theorem 10.2).
