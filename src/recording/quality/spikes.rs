@@ -83,18 +83,15 @@ pub fn spikes(series: &[f64], channel: Channel) -> Vec<Spike> {
         .map(|(at, d)| Spike { at, size: d.abs() })
         .filter(|spike| spike.size > SPIKE_SIGMA * scale)
         .collect();
-    let mut keep_above = |least: &dyn Fn() -> f64| {
-        // What a channel asks for takes longer to find out than that nothing stands out.
-        if !spikes.is_empty() {
-            let least = least();
-            spikes.retain(|spike| spike.size > least);
-        }
-    };
-    keep_above(&|| match channel {
+    if spikes.is_empty() {
+        return spikes;
+    }
+    let least = match channel {
         Channel::Jumping => SPIKE_SHARE * range(series),
         Channel::Smooth => SPIKE_STEPS * own_step(series),
-    });
-    keep_above(&|| SPIKE_QUANTA * quantum(series));
+    };
+    let least = least.max(SPIKE_QUANTA * quantum(series));
+    spikes.retain(|spike| spike.size > least);
     spikes
 }
 
